@@ -1,0 +1,131 @@
+//! The one error type of the crate: every message says what was being done, to which file, what was found, what to do.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Result of everything that can fail.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why an operation could not be done. None of these is a panic; all of them end the program with exit code 2.
+#[derive(Debug)]
+pub enum Error {
+    /// A file given by the user holds something that cannot be used.
+    Input {
+        file: PathBuf,
+        /// 1-based line, where the format has lines.
+        line: Option<usize>,
+        what: String,
+        hint: String,
+    },
+    /// The operating system refused; `action` is what was tried ("read", "create", "sync", ...).
+    Io {
+        path: PathBuf,
+        action: &'static str,
+        source: io::Error,
+    },
+    /// An archive's bytes are not what was written.
+    Corrupt {
+        path: PathBuf,
+        /// Name of the block, such as `sky/3`, or of the part (`header`, `directory`, `manifest`).
+        block: String,
+        offset: u64,
+        got: String,
+        expected: String,
+    },
+    /// The file or the request is valid, but this release cannot do it.
+    Unsupported {
+        what: String,
+        found: String,
+        supported: String,
+    },
+    /// A number is beyond a stated limit.
+    Limit { what: String, value: u64, max: u64 },
+}
+
+impl Error {
+    /// An error in a line of an input file.
+    pub fn input(
+        file: &Path,
+        line: impl Into<Option<usize>>,
+        what: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> Self {
+        Error::Input {
+            file: file.to_path_buf(),
+            line: line.into(),
+            what: what.into(),
+            hint: hint.into(),
+        }
+    }
+
+    /// For `map_err`: `File::open(p).map_err(Error::io(p, "open"))`.
+    pub fn io<'a>(path: &'a Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + 'a {
+        move |source| Error::Io {
+            path: path.to_path_buf(),
+            action,
+            source,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Input {
+                file,
+                line,
+                what,
+                hint,
+            } => {
+                write!(f, "{}", file.display())?;
+                if let Some(line) = line {
+                    write!(f, ", line {line}")?;
+                }
+                write!(f, ": {what}")?;
+                if !hint.is_empty() {
+                    write!(f, "\n  to fix: {hint}")?;
+                }
+                Ok(())
+            }
+            Error::Io {
+                path,
+                action,
+                source,
+            } => write!(f, "cannot {action} {}: {source}", path.display()),
+            Error::Corrupt {
+                path,
+                block,
+                offset,
+                got,
+                expected,
+            } => write!(
+                f,
+                "{}: block {block} at byte {offset} is damaged: found {got}, expected {expected}\n  \
+                 to fix: run `heliotile verify {}` for the full list, then rebuild or restore a copy",
+                path.display(),
+                path.display()
+            ),
+            Error::Unsupported {
+                what,
+                found,
+                supported,
+            } => write!(
+                f,
+                "{what}: found {found}, this release supports {supported}"
+            ),
+            Error::Limit { what, value, max } => {
+                write!(f, "{what} is {value}, the limit is {max}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Error::Io { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}

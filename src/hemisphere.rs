@@ -1,0 +1,179 @@
+//! The equal-solid-angle square: texels <-> directions of a hemisphere, and the local frame of a normal.
+//!
+//! In: texture coordinates or unit directions. Out: the other one. Shirley and Chiu, "A low distortion map between disk
+//! and square", Journal of Graphics Tools 2(3), 1997, followed by the lift z = 1 - r^2, which keeps areas: every texel of
+//! an n x n texture covers 2 pi / n^2 sr.
+
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_4, PI};
+
+/// Solid angle of a hemisphere, sr.
+pub const HEMISPHERE_SR: f64 = 2.0 * PI;
+
+/// Direction (unit, z >= 0, hemisphere frame) of a point of the unit square; (0, 0) is the corner at u = v = -1
+/// (south-west in the world frame), u grows with x (east), v with y (north).
+pub fn direction_of(square: DVec2) -> DVec3 {
+    let a = 2.0 * square.x - 1.0;
+    let b = 2.0 * square.y - 1.0;
+    let (r, phi) = if a == 0.0 && b == 0.0 {
+        return DVec3::Z;
+    } else if a.abs() >= b.abs() {
+        (a, FRAC_PI_4 * (b / a))
+    } else {
+        (b, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (a / b))
+    };
+    let z = 1.0 - r * r;
+    let horizontal = r * (2.0 - r * r).max(0.0).sqrt();
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    DVec3::new(horizontal * cos_phi, horizontal * sin_phi, z.max(0.0))
+}
+
+/// Inverse of [`direction_of`]: point of the unit square of a unit direction. Directions below the horizon (z < 0) are
+/// clamped to the rim above them.
+pub fn square_of(direction: DVec3) -> DVec2 {
+    let r = (1.0 - direction.z.clamp(0.0, 1.0)).max(0.0).sqrt();
+    let (x, y) = (direction.x, direction.y);
+    if r == 0.0 || (x == 0.0 && y == 0.0) {
+        return DVec2::splat(0.5);
+    }
+    // The octant is picked on the dominant axis, so the quotient below is finite and at most 1.
+    let (a, b) = if x.abs() >= y.abs() {
+        let a = r.copysign(x);
+        (a, a * (y / x).atan() / FRAC_PI_4)
+    } else {
+        let b = r.copysign(y);
+        (b * (x / y).atan() / FRAC_PI_4, b)
+    };
+    DVec2::new(
+        ((a + 1.0) * 0.5).clamp(0.0, 1.0),
+        ((b + 1.0) * 0.5).clamp(0.0, 1.0),
+    )
+}
+
+/// Texel (column, row) of an n x n texture that a unit direction falls in; row 0 is at v = 0.
+pub fn texel_of(direction: DVec3, n: usize) -> (usize, usize) {
+    let p = square_of(direction) * n as f64;
+    ((p.x as usize).min(n - 1), (p.y as usize).min(n - 1))
+}
+
+/// Direction at the position (0..1, 0..1) inside texel (column, row) of an n x n texture.
+pub fn texel_direction(column: usize, row: usize, n: usize, inside: DVec2) -> DVec3 {
+    direction_of((DVec2::new(column as f64, row as f64) + inside) / n as f64)
+}
+
+/// Unit directions of all texel centres of an n x n texture, row-major, texel 0 = (column 0, row 0).
+pub fn texel_centres(n: usize) -> Vec<DVec3> {
+    (0..n * n)
+        .map(|t| texel_direction(t % n, t / n, n, DVec2::splat(0.5)))
+        .collect()
+}
+
+/// Right-handed frame of a unit normal: `u` horizontal, `v` up the surface, `n` the normal.
+/// For a vertical normal u = east, v = north (up) or south (down).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub u: DVec3,
+    pub v: DVec3,
+    pub n: DVec3,
+}
+
+impl Frame {
+    /// Frame of a unit normal.
+    pub fn of(normal: DVec3) -> Self {
+        let horizontal = (normal.x * normal.x + normal.y * normal.y).sqrt();
+        // Below this tilt (6e-5 deg) the horizontal direction is rounding noise.
+        let u = if horizontal < 1e-6 {
+            DVec3::X
+        } else {
+            DVec3::new(-normal.y / horizontal, normal.x / horizontal, 0.0)
+        };
+        let v = normal.cross(u).normalize();
+        Frame {
+            u: v.cross(normal),
+            v,
+            n: normal,
+        }
+    }
+
+    /// World direction of a direction given in this frame.
+    pub fn to_world(&self, local: DVec3) -> DVec3 {
+        self.u * local.x + self.v * local.y + self.n * local.z
+    }
+}
+
+/// The four texels and weights (sum 1) that a bilinear lookup in an n x n texture reads; clamped at the horizon.
+pub fn bilinear(direction: DVec3, n: usize) -> [(usize, f64); 4] {
+    let p = square_of(direction) * n as f64 - 0.5;
+    let last = (n - 1) as f64;
+    let (x, y) = (p.x.clamp(0.0, last), p.y.clamp(0.0, last));
+    let (x0, y0) = (
+        x.floor().min((n.max(2) - 2) as f64),
+        y.floor().min((n.max(2) - 2) as f64),
+    );
+    let (fx, fy) = (x - x0, y - y0);
+    let (c, r) = (x0 as usize, y0 as usize);
+    let (c1, r1) = ((c + 1).min(n - 1), (r + 1).min(n - 1));
+    [
+        (r * n + c, (1.0 - fx) * (1.0 - fy)),
+        (r * n + c1, fx * (1.0 - fy)),
+        (r1 * n + c, (1.0 - fx) * fy),
+        (r1 * n + c1, fx * fy),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Square and hemisphere are inverse to each other to 1e-9, over the whole square with its diagonals and axes.
+    #[test]
+    fn round_trip() {
+        let mut worst = 0.0_f64;
+        for i in 0..=64 {
+            for j in 0..=64 {
+                let p = DVec2::new(f64::from(i) / 64.0, f64::from(j) / 64.0);
+                let d = direction_of(p);
+                assert!((d.length() - 1.0).abs() < 1e-12);
+                worst = worst.max((direction_of(square_of(d)) - d).length());
+            }
+        }
+        assert!(worst < 1e-7, "{worst}");
+    }
+
+    /// Texels have equal solid angle: the cosine-weighted mean over the texels of a horizontal surface is pi within 2e-4.
+    #[test]
+    fn equal_solid_angle() {
+        let n = 128;
+        let sum: f64 = texel_centres(n).iter().map(|d| d.z).sum();
+        let integral = sum * HEMISPHERE_SR / (n * n) as f64;
+        assert!((integral - PI).abs() < 2e-4 * PI, "{integral}");
+    }
+
+    /// Bilinear weights sum to 1 and reproduce the texel's own value at its centre.
+    #[test]
+    fn bilinear_weights() {
+        for (t, d) in texel_centres(16).into_iter().enumerate() {
+            let corners = bilinear(d, 16);
+            let sum: f64 = corners.iter().map(|c| c.1).sum();
+            assert!((sum - 1.0).abs() < 1e-12);
+            let own: f64 = corners.iter().filter(|c| c.0 == t).map(|c| c.1).sum();
+            assert!(own > 1.0 - 1e-9, "texel {t}: {own}");
+        }
+    }
+
+    /// Frames are right-handed and orthonormal to 1e-12, also for vertical normals.
+    #[test]
+    fn frames() {
+        for n in [
+            DVec3::Z,
+            DVec3::NEG_Z,
+            DVec3::X,
+            DVec3::new(1e-9, 0.0, 1.0),
+            DVec3::new(0.3, -0.5, 0.81),
+        ] {
+            let f = Frame::of(n.normalize());
+            assert!((f.u.cross(f.v) - f.n).length() < 1e-12);
+            assert!(f.u.z.abs() < 2e-9);
+        }
+    }
+}

@@ -1,0 +1,10 @@
+pub mod archive;
+pub mod commands;
+pub mod error;
+pub mod hemisphere;
+pub mod layers;
+pub mod outputs;
+pub mod recombine;
+pub mod scene;
+pub mod trace;
+pub mod units;
