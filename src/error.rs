@@ -19,11 +19,7 @@ pub enum Error {
         hint: String,
     },
     /// The operating system refused; `action` is what was tried ("read", "create", "sync", ...).
-    Io {
-        path: PathBuf,
-        action: &'static str,
-        source: io::Error,
-    },
+    Io { path: PathBuf, action: &'static str, source: io::Error },
     /// An archive's bytes are not what was written.
     Corrupt {
         path: PathBuf,
@@ -34,11 +30,7 @@ pub enum Error {
         expected: String,
     },
     /// The file or the request is valid, but this release cannot do it.
-    Unsupported {
-        what: String,
-        found: String,
-        supported: String,
-    },
+    Unsupported { what: String, found: String, supported: String },
     /// A number is beyond a stated limit.
     Limit { what: String, value: u64, max: u64 },
 }
@@ -51,33 +43,19 @@ impl Error {
         what: impl Into<String>,
         hint: impl Into<String>,
     ) -> Self {
-        Error::Input {
-            file: file.to_path_buf(),
-            line: line.into(),
-            what: what.into(),
-            hint: hint.into(),
-        }
+        Error::Input { file: file.to_path_buf(), line: line.into(), what: what.into(), hint: hint.into() }
     }
 
     /// For `map_err`: `File::open(p).map_err(Error::io(p, "open"))`.
     pub fn io<'a>(path: &'a Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + 'a {
-        move |source| Error::Io {
-            path: path.to_path_buf(),
-            action,
-            source,
-        }
+        move |source| Error::Io { path: path.to_path_buf(), action, source }
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Error::Input {
-                file,
-                line,
-                what,
-                hint,
-            } => {
+            Error::Input { file, line, what, hint } => {
                 write!(f, "{}", file.display())?;
                 if let Some(line) = line {
                     write!(f, ", line {line}")?;
@@ -88,32 +66,17 @@ impl fmt::Display for Error {
                 }
                 Ok(())
             }
-            Error::Io {
-                path,
-                action,
-                source,
-            } => write!(f, "cannot {action} {}: {source}", path.display()),
-            Error::Corrupt {
-                path,
-                block,
-                offset,
-                got,
-                expected,
-            } => write!(
+            Error::Io { path, action, source } => write!(f, "cannot {action} {}: {source}", path.display()),
+            Error::Corrupt { path, block, offset, got, expected } => write!(
                 f,
                 "{}: block {block} at byte {offset} is damaged: found {got}, expected {expected}\n  \
                  to fix: run `heliotile verify {}` for the full list, then rebuild or restore a copy",
                 path.display(),
                 path.display()
             ),
-            Error::Unsupported {
-                what,
-                found,
-                supported,
-            } => write!(
-                f,
-                "{what}: found {found}, this release supports {supported}"
-            ),
+            Error::Unsupported { what, found, supported } => {
+                write!(f, "{what}: found {found}, this release supports {supported}")
+            }
             Error::Limit { what, value, max } => {
                 write!(f, "{what} is {value}, the limit is {max}")
             }

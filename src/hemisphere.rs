@@ -7,6 +7,37 @@
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 
+/// Sine and cosine for |x| <= pi/4 by their Taylor series, error below 1e-16. The C library's own differ in the last bit
+/// between processors (with and without FMA), and archives must not.
+fn sin_cos_octant(x: f64) -> (f64, f64) {
+    let q = x * x;
+    let (mut sin, mut cos) = (1.0, 1.0);
+    for k in [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
+        sin = 1.0 - q / (k * (k - 1.0)) * sin;
+        cos = 1.0 - q / ((k + 1.0) * k) * cos;
+    }
+    (x * sin, 1.0 - 0.5 * q * cos)
+}
+
+/// 64-bit finaliser of splitmix64 (Steele, Lea, Flood 2014) over a running value: seeds of jitter.
+pub fn mix(state: u64, value: u64) -> u64 {
+    let mut z = (state ^ value).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Uniform number in [0, 1) of the upper bits of a mixed value.
+pub fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Point of the unit square drawn by `seed` for item `index`.
+pub fn jitter(seed: u64, index: u64) -> DVec2 {
+    let a = mix(seed, index);
+    DVec2::new(unit(a), unit(mix(a, 1)))
+}
+
 /// Solid angle of a hemisphere, sr.
 pub const HEMISPHERE_SR: f64 = 2.0 * PI;
 
@@ -15,17 +46,19 @@ pub const HEMISPHERE_SR: f64 = 2.0 * PI;
 pub fn direction_of(square: DVec2) -> DVec3 {
     let a = 2.0 * square.x - 1.0;
     let b = 2.0 * square.y - 1.0;
-    let (r, phi) = if a == 0.0 && b == 0.0 {
+    if a == 0.0 && b == 0.0 {
         return DVec3::Z;
-    } else if a.abs() >= b.abs() {
-        (a, FRAC_PI_4 * (b / a))
-    } else {
-        (b, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (a / b))
-    };
+    }
+    // The angle is measured from the dominant axis, so it stays within an octant and the quotient is at most 1.
+    let (r, other, x_dominant) = if a.abs() >= b.abs() { (a, b, true) } else { (b, a, false) };
+    let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (other / r));
     let z = 1.0 - r * r;
     let horizontal = r * (2.0 - r * r).max(0.0).sqrt();
-    let (sin_phi, cos_phi) = phi.sin_cos();
-    DVec3::new(horizontal * cos_phi, horizontal * sin_phi, z.max(0.0))
+    if x_dominant {
+        DVec3::new(horizontal * cos, horizontal * sin, z.max(0.0))
+    } else {
+        DVec3::new(horizontal * sin, horizontal * cos, z.max(0.0))
+    }
 }
 
 /// Inverse of [`direction_of`]: point of the unit square of a unit direction. Directions below the horizon (z < 0) are
@@ -44,10 +77,7 @@ pub fn square_of(direction: DVec3) -> DVec2 {
         let b = r.copysign(y);
         (b * (x / y).atan() / FRAC_PI_4, b)
     };
-    DVec2::new(
-        ((a + 1.0) * 0.5).clamp(0.0, 1.0),
-        ((b + 1.0) * 0.5).clamp(0.0, 1.0),
-    )
+    DVec2::new(((a + 1.0) * 0.5).clamp(0.0, 1.0), ((b + 1.0) * 0.5).clamp(0.0, 1.0))
 }
 
 /// Texel (column, row) of an n x n texture that a unit direction falls in; row 0 is at v = 0.
@@ -63,9 +93,7 @@ pub fn texel_direction(column: usize, row: usize, n: usize, inside: DVec2) -> DV
 
 /// Unit directions of all texel centres of an n x n texture, row-major, texel 0 = (column 0, row 0).
 pub fn texel_centres(n: usize) -> Vec<DVec3> {
-    (0..n * n)
-        .map(|t| texel_direction(t % n, t / n, n, DVec2::splat(0.5)))
-        .collect()
+    (0..n * n).map(|t| texel_direction(t % n, t / n, n, DVec2::splat(0.5))).collect()
 }
 
 /// Right-handed frame of a unit normal: `u` horizontal, `v` up the surface, `n` the normal.
@@ -82,17 +110,10 @@ impl Frame {
     pub fn of(normal: DVec3) -> Self {
         let horizontal = (normal.x * normal.x + normal.y * normal.y).sqrt();
         // Below this tilt (6e-5 deg) the horizontal direction is rounding noise.
-        let u = if horizontal < 1e-6 {
-            DVec3::X
-        } else {
-            DVec3::new(-normal.y / horizontal, normal.x / horizontal, 0.0)
-        };
+        let u =
+            if horizontal < 1e-6 { DVec3::X } else { DVec3::new(-normal.y / horizontal, normal.x / horizontal, 0.0) };
         let v = normal.cross(u).normalize();
-        Frame {
-            u: v.cross(normal),
-            v,
-            n: normal,
-        }
+        Frame { u: v.cross(normal), v, n: normal }
     }
 
     /// World direction of a direction given in this frame.
@@ -106,10 +127,7 @@ pub fn bilinear(direction: DVec3, n: usize) -> [(usize, f64); 4] {
     let p = square_of(direction) * n as f64 - 0.5;
     let last = (n - 1) as f64;
     let (x, y) = (p.x.clamp(0.0, last), p.y.clamp(0.0, last));
-    let (x0, y0) = (
-        x.floor().min((n.max(2) - 2) as f64),
-        y.floor().min((n.max(2) - 2) as f64),
-    );
+    let (x0, y0) = (x.floor().min((n.max(2) - 2) as f64), y.floor().min((n.max(2) - 2) as f64));
     let (fx, fy) = (x - x0, y - y0);
     let (c, r) = (x0 as usize, y0 as usize);
     let (c1, r1) = ((c + 1).min(n - 1), (r + 1).min(n - 1));
@@ -164,13 +182,7 @@ mod tests {
     /// Frames are right-handed and orthonormal to 1e-12, also for vertical normals.
     #[test]
     fn frames() {
-        for n in [
-            DVec3::Z,
-            DVec3::NEG_Z,
-            DVec3::X,
-            DVec3::new(1e-9, 0.0, 1.0),
-            DVec3::new(0.3, -0.5, 0.81),
-        ] {
+        for n in [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::new(1e-9, 0.0, 1.0), DVec3::new(0.3, -0.5, 0.81)] {
             let f = Frame::of(n.normalize());
             assert!((f.u.cross(f.v) - f.n).length() < 1e-12);
             assert!(f.u.z.abs() < 2e-9);

@@ -9,11 +9,7 @@ pub const SUN_RADIUS_RAD: f64 = 0.533 / 2.0 * std::f64::consts::PI / 180.0;
 pub fn direction_from_degrees(azimuth_deg: f64, altitude_deg: f64) -> DVec3 {
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
     let (sin_altitude, cos_altitude) = altitude_deg.to_radians().sin_cos();
-    DVec3::new(
-        cos_altitude * sin_azimuth,
-        cos_altitude * cos_azimuth,
-        sin_altitude,
-    )
+    DVec3::new(cos_altitude * sin_azimuth, cos_altitude * cos_azimuth, sin_altitude)
 }
 
 /// Sums over a period are reported in kWh/m2: watts held for one hour, over 1000.

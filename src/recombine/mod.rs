@@ -1,1 +1,21 @@
+//! Recombine: layers of an archive and the weather of an hour become irradiance. In: an archive, `conditions.csv` or an EPW
+//! file, the choice of a sky. Out: six components and their total for every receiver and condition. It never casts a ray:
+//! nothing here imports the trace stage.
 
+pub mod bounces;
+pub mod calendar;
+pub mod closure;
+pub mod conditions;
+pub mod disc;
+pub mod epw;
+pub mod load;
+pub mod patches;
+pub mod perez;
+pub mod projection;
+pub mod replay;
+pub mod response;
+pub mod sky;
+pub mod sun;
+pub mod tile;
+pub mod values;
+pub mod weather;

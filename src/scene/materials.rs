@@ -1,10 +1,30 @@
-//! Materials.
+//! In: a table of materials and the names in use. Out: one checked material for each of them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::text::excerpt;
+use crate::error::{Error, Result};
 
 /// Which of the two first-hit classes a surface counts for (the five EnergyPlus factors need them apart).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     Ground,
     Obstruction,
+}
+
+impl Class {
+    /// The class of a material that does not state one: ground if its name, in lower case, ends with "relief" or contains
+    /// terrain, ground, road, grass, soil, water, street or pavement. `class = "obstruction"` corrects a "background".
+    pub fn of_name(name: &str) -> Class {
+        const GROUND: [&str; 8] = ["terrain", "ground", "road", "grass", "soil", "water", "street", "pavement"];
+        let name = name.to_lowercase();
+        if name.ends_with("relief") || GROUND.iter().any(|word| name.contains(word)) {
+            Class::Ground
+        } else {
+            Class::Obstruction
+        }
+    }
 }
 
 /// Checked reflectances of one material; `diffuse + specular <= 1`, both in 0..=1.
@@ -14,4 +34,114 @@ pub struct Material {
     pub diffuse: f64,
     pub specular: f64,
     pub class: Class,
+    /// Materials of one group may follow a schedule at replay.
+    pub group: Option<String>,
+}
+
+impl Material {
+    /// Says what is wrong with reflectances that this type must not hold.
+    pub(super) fn check_reflectances(diffuse: f64, specular: f64) -> std::result::Result<(), String> {
+        for (key, value) in [("diffuse", diffuse), ("specular", specular)] {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(format!("`{key}` is {value}, not from 0 to 1"));
+            }
+        }
+        // 0.7 + 0.3 may be the next number after 1.
+        if diffuse + specular > 1.0 + 1e-12 {
+            return Err(format!(
+                "`diffuse` {diffuse} and `specular` {specular} add up to more than 1: more light than arrives"
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// A material name of the scene and how many triangles bear it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MaterialUse {
+    pub name: String,
+    pub triangles: usize,
+}
+
+/// Materials by name, used or not.
+pub(super) type Table = BTreeMap<String, Material>;
+
+/// Takes the materials in use, in their order, out of a table that `source` (`materials.toml`, or the OBJ file whose
+/// libraries were read) has filled.
+pub(super) fn select(mut table: Table, used: &[MaterialUse], source: &Path) -> Result<(Vec<Material>, Table)> {
+    let missing: Vec<&MaterialUse> = used.iter().filter(|entry| !table.contains_key(&entry.name)).collect();
+    if let [first, others @ ..] = missing.as_slice() {
+        let mut what = format!(
+            "no reflectances for material `{}`, which {} triangles use",
+            excerpt(first.name.as_bytes()),
+            first.triangles
+        );
+        if !others.is_empty() {
+            let names: Vec<String> =
+                others.iter().take(10).map(|entry| format!("`{}`", excerpt(entry.name.as_bytes()))).collect();
+            let more = if others.len() > names.len() { ", ..." } else { "" };
+            what += &format!("; {} more are missing: {}{more}", others.len(), names.join(", "));
+        }
+        let mut hint = format!(
+            "add to materials.toml, given with --materials: {} and below it: diffuse = 0.2",
+            table_header(&first.name)
+        );
+        let alike = first.name.to_lowercase();
+        if let Some(near) = table.keys().find(|name| name.trim().to_lowercase() == alike) {
+            hint += &format!(" (there is a `{}`: case and blanks count)", excerpt(near.as_bytes()));
+        }
+        return Err(Error::input(source, None, what, hint));
+    }
+    let materials = used.iter().filter_map(|entry| table.remove(&entry.name)).collect();
+    Ok((materials, table))
+}
+
+/// The line that opens the table of a name, quoted where TOML asks for it.
+pub(super) fn table_header(name: &str) -> String {
+    let bare = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_".contains(&byte));
+    // Whole as far as possible: the line is there to be copied.
+    let whole = name.len() <= 200 && !name.contains(char::is_control);
+    let name = if whole { name.to_owned() } else { excerpt(name.as_bytes()) };
+    if bare { format!("[{name}]") } else { format!("[\"{}\"]", name.replace('\\', "\\\\").replace('"', "\\\"")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::materials_toml::parse_toml;
+    use super::*;
+
+    fn parse(text: &str) -> Result<Table> {
+        parse_toml(text, Path::new("materials.toml"))
+    }
+
+    fn used(names: &[(&str, usize)]) -> Vec<MaterialUse> {
+        names.iter().map(|&(name, triangles)| MaterialUse { name: name.to_owned(), triangles }).collect()
+    }
+
+    /// A used material without a table is an error with its triangle count and the lines to add; [default] is no fallback.
+    #[test]
+    fn missing() {
+        let table = parse("[default]\ndiffuse = 0.2\n[roof]\ndiffuse = 0.2").expect("readable");
+        let wanted = used(&[("Roof", 12), ("wall \"b\"", 3)]);
+        let message = select(table, &wanted, Path::new("materials.toml")).expect_err("missing").to_string();
+        for part in [
+            "materials.toml: ",
+            "`Roof`, which 12 triangles",
+            "1 more are missing: `wall \"b\"`",
+            "[Roof]",
+            "there is a `roof`",
+        ] {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+        assert_eq!(table_header("wall \"b\""), "[\"wall \\\"b\\\"\"]");
+    }
+
+    /// Materials come in the order of use, the one that is not used is left over.
+    #[test]
+    fn selection() {
+        let table = parse("[c]\ndiffuse = 0.3\n[a]\ndiffuse = 0.1\n[b]\ndiffuse = 0.2").expect("readable");
+        let (materials, left) = select(table, &used(&[("a", 1), ("c", 1)]), Path::new("m")).expect("all there");
+        assert_eq!(materials.iter().map(|material| material.diffuse).collect::<Vec<_>>(), [0.1, 0.3]);
+        assert_eq!(left.keys().collect::<Vec<_>>(), ["b"]);
+    }
 }

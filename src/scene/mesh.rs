@@ -1,6 +1,22 @@
-//! Mesh.
+//! In: positions and triangles in any order. Out: one mesh in canonical form; degenerate and repeated triangles are
+//! dropped and counted.
+
+use std::cmp::Ordering;
 
 use glam::DVec3;
+use rayon::slice::ParallelSliceMut;
+
+use crate::error::{Error, Result};
+
+/// Most triangles of a scene.
+pub const MAX_TRIANGLES: u64 = 1 << 31;
+
+/// A face whose area is below this share of its longest extent squared has none.
+pub(super) const NO_AREA: f64 = 1e-12;
+
+/// Dropping a sliver may shrink the bounding box and so move the origin and the f32 grid; the origin settles within this
+/// many rounds on any sane scene and is simply taken as it is on others.
+const ORIGIN_ROUNDS: usize = 4;
 
 /// Triangles in canonical order: equal scenes are equal meshes, whatever the order of faces and vertices in the file.
 #[derive(Clone, Debug)]
@@ -13,4 +29,272 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Index into the scene's materials, one per triangle.
     pub triangle_material: Vec<u16>,
+}
+
+impl Mesh {
+    /// Corners of one triangle relative to `origin`, metres. Panics beyond the last triangle, as a slice does.
+    #[allow(clippy::indexing_slicing)] // `canonical` makes only corners that are in range
+    pub fn triangle_points(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|corner| self.vertices[corner as usize])
+    }
+
+    /// Least and greatest corner of the bounding box, relative to `origin`, metres.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        bounds(self.vertices.iter().copied())
+    }
+
+    /// Unit normal by the right-hand rule, from f64 positions. Panics beyond the last triangle, as a slice does.
+    pub fn normal(&self, triangle: usize) -> DVec3 {
+        let [a, b, c] = self.triangle_points(triangle);
+        // Scaled first: the product of two lengths in a tiny scene would underflow.
+        let (ab, ac) = (b - a, c - a);
+        let scale = ab.abs().max_element().max(ac.abs().max_element());
+        (ab / scale).cross(ac / scale).normalize()
+    }
+}
+
+/// A triangle that has not been checked for area.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct RawTriangle {
+    pub corners: [u32; 3],
+    /// Any numbering whose order is that of the material names.
+    pub material: u32,
+}
+
+/// What canonicalisation found on its way.
+#[derive(Debug, Default)]
+pub(super) struct Dropped {
+    pub degenerate: usize,
+    pub duplicates: usize,
+    /// Triangles left in place although another material has the same one.
+    pub contested: usize,
+}
+
+/// A canonical mesh; `used[i]` is the caller's number of the mesh's material `i`.
+#[derive(Debug)]
+pub(super) struct Canonical {
+    pub mesh: Mesh,
+    pub used: Vec<u32>,
+    pub dropped: Dropped,
+}
+
+/// Brings triangles over finite positions to the form that [`Mesh`] promises. The mesh may be empty.
+pub(super) fn canonical(positions: &[DVec3], mut triangles: Vec<RawTriangle>) -> Result<Canonical> {
+    if triangles.len() as u64 > MAX_TRIANGLES {
+        return Err(Error::Limit {
+            what: "the number of triangles of the scene".to_owned(),
+            value: triangles.len() as u64,
+            max: MAX_TRIANGLES,
+        });
+    }
+    let given = triangles.len();
+    let position = |corner: u32| positions.get(corner as usize).copied().unwrap_or(DVec3::NAN);
+    triangles.retain(|triangle| has_area(triangle.corners.map(position)));
+    let mut origin = DVec3::ZERO;
+    for _ in 0..ORIGIN_ROUNDS {
+        let before = triangles.len();
+        let (least, greatest) = bounds(triangles.iter().flat_map(|triangle| triangle.corners).map(position));
+        origin = 0.5 * (least + greatest);
+        triangles.retain(|triangle| survives_f32(triangle.corners.map(|corner| position(corner) - origin)));
+        if triangles.len() == before {
+            break;
+        }
+    }
+    let degenerate = given - triangles.len();
+
+    let vertices = number_vertices(positions, origin, &mut triangles);
+    let rotated = triangles.len();
+    triangles.par_sort_unstable();
+    triangles.dedup();
+    let contested = triangles.windows(2).filter(|pair| matches!(pair, [a, b] if a.corners == b.corners)).count();
+    let dropped = Dropped { degenerate, duplicates: rotated - triangles.len(), contested };
+
+    let (used, triangle_material) = number_materials(&triangles)?;
+    let mesh = Mesh {
+        origin: if triangles.is_empty() { DVec3::ZERO } else { origin },
+        vertices,
+        triangles: triangles.iter().map(|triangle| triangle.corners).collect(),
+        triangle_material,
+    };
+    Ok(Canonical { mesh, used, dropped })
+}
+
+/// Replaces corners by ranks among the distinct relative positions, least corner first; returns those positions.
+fn number_vertices(positions: &[DVec3], origin: DVec3, triangles: &mut [RawTriangle]) -> Vec<DVec3> {
+    let mut rank_of = vec![u32::MAX; positions.len()];
+    let mut sorted: Vec<(DVec3, u32)> = Vec::new();
+    for corner in triangles.iter().flat_map(|triangle| triangle.corners) {
+        let place = corner as usize;
+        if let (Some(rank), Some(&input)) = (rank_of.get_mut(place), positions.get(place))
+            && *rank == u32::MAX
+        {
+            *rank = 0;
+            // + 0.0 turns -0.0 into 0.0.
+            sorted.push((input - origin + 0.0, corner));
+        }
+    }
+    sorted.par_sort_unstable_by(|(a, _), (b, _)| lexicographic(*a, *b));
+
+    let mut vertices: Vec<DVec3> = Vec::new();
+    for &(relative, corner) in &sorted {
+        if vertices.last() != Some(&relative) {
+            vertices.push(relative);
+        }
+        if let Some(rank) = rank_of.get_mut(corner as usize) {
+            // At most one vertex for each u32 corner, so the count fits.
+            *rank = (vertices.len() - 1) as u32;
+        }
+    }
+    for triangle in triangles.iter_mut() {
+        let [a, b, c] = triangle.corners.map(|corner| rank_of.get(corner as usize).copied().unwrap_or_default());
+        triangle.corners = if a < b && a < c {
+            [a, b, c]
+        } else if b < c {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        };
+    }
+    vertices
+}
+
+/// Numbers the materials in use without gaps, keeping their order.
+fn number_materials(triangles: &[RawTriangle]) -> Result<(Vec<u32>, Vec<u16>)> {
+    let mut used: Vec<u32> = triangles.iter().map(|triangle| triangle.material).collect();
+    used.par_sort_unstable();
+    used.dedup();
+    let too_many = |_| Error::Limit {
+        what: "the number of materials in use".to_owned(),
+        value: used.len() as u64,
+        max: u64::from(u16::MAX),
+    };
+    // A count of 65,535 keeps the last index free as a mark.
+    u16::try_from(used.len()).map_err(too_many)?;
+    let number = |material| used.binary_search(&material).unwrap_or_default() as u16;
+    let numbers = triangles.iter().map(|triangle| number(triangle.material)).collect();
+    Ok((used, numbers))
+}
+
+fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, greatest), point| {
+        (least.min(point), greatest.max(point))
+    })
+}
+
+/// Total order of positions by x, then y, then z.
+pub(super) fn lexicographic(a: DVec3, b: DVec3) -> Ordering {
+    a.x.total_cmp(&b.x).then_with(|| a.y.total_cmp(&b.y)).then_with(|| a.z.total_cmp(&b.z))
+}
+
+/// Whether a triangle is still one where rays are traced (corners in f32) and where normals are taken (f64).
+fn survives_f32(relative: [DVec3; 3]) -> bool {
+    has_area(relative) && has_area(relative.map(|corner| corner.as_vec3().as_dvec3()))
+}
+
+fn has_area([a, b, c]: [DVec3; 3]) -> bool {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let longest_squared = ab.length_squared().max(bc.length_squared()).max(ca.length_squared());
+    0.5 * ab.cross(bc).length() > NO_AREA * longest_squared
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn build(positions: &[[f64; 3]], triangles: &[([u32; 3], u32)]) -> Canonical {
+        let positions: Vec<DVec3> = positions.iter().copied().map(DVec3::from).collect();
+        let raw = triangles.iter().map(|&(corners, material)| RawTriangle { corners, material }).collect();
+        canonical(&positions, raw).expect("within limits")
+    }
+
+    /// National grid coordinates with millimetres come back from the f64 mesh within 1e-10 m, recentred to +-5 m.
+    #[test]
+    fn national_grid() {
+        let input = [[78_000.125, 457_000.001, 7.717], [78_010.125, 457_000.002, 7.3], [78_003.5, 457_008.033, -1.0]];
+        let Canonical { mesh, .. } = build(&input, &[([0, 1, 2], 0)]);
+        assert_eq!(mesh.origin.x, 78_005.125);
+        assert_eq!(mesh.bounds().0.x, -5.0);
+        assert_eq!(mesh.bounds().1.x, 5.0);
+        for (found, given) in mesh.triangle_points(0).iter().zip(input) {
+            let (found, given) = (*found + mesh.origin, DVec3::from(given));
+            assert!((found - given).length() < 1e-10, "{found} {given}");
+        }
+    }
+
+    /// Vertices are shared by value, sorted and all used; triangles start at their least corner and keep their winding.
+    #[test]
+    fn canonical_form() {
+        let positions = [[2., 0., 0.], [0., 2., 0.], [0., 0., 0.], [9., 9., 9.], [2., 0., -0.0], [2., 2., 0.]];
+        let Canonical { mesh, used, .. } = build(&positions, &[([0, 5, 1], 7), ([4, 1, 2], 3)]);
+        let found: Vec<[f64; 3]> = mesh.vertices.iter().map(DVec3::to_array).collect();
+        assert_eq!(found, [[-1., -1., 0.], [-1., 1., 0.], [1., -1., 0.], [1., 1., 0.]]);
+        assert!(mesh.vertices.iter().all(|vertex| vertex.z.is_sign_positive()));
+        assert_eq!(mesh.triangles, [[0, 2, 1], [1, 2, 3]]);
+        assert_eq!((mesh.triangle_material, used), (vec![0, 1], vec![3, 7]));
+    }
+
+    /// The normal has unit length and follows the right-hand rule, in a scene of a micrometre too.
+    #[test]
+    fn normals() {
+        for size in [1e-6, 1.0, 1e6] {
+            let ring = [[0., 0., 0.], [size, 0., size], [0., size, 0.]];
+            let normal = build(&ring, &[([0, 1, 2], 0)]).mesh.normal(0);
+            assert!((normal - DVec3::new(-1.0, 0.0, 1.0).normalize()).length() < 1e-15, "{normal}");
+        }
+    }
+
+    /// Of five slivers the two that vanish in f32 and the two without area go; a needle of aspect 1e6 stays.
+    #[test]
+    fn degenerate_and_needles() {
+        let positions = [
+            [0., 0., 0.],
+            [1000., 0., 0.],
+            [1000., 1000., 0.],
+            [0., 1000., 0.], // a square that sets the grid
+            [500., 500., 10.],
+            [510., 500., 10.],
+            [505., 500.000_01, 10.], // needle near the centre
+            [3., 3., 0.],
+            [3.000_000_1, 3., 0.],
+            [3., 4., 0.], // two corners coincide in f32
+            [100., 100., 0.],
+            [200., 200., 0.],
+            [300., 300., 0.], // in line
+        ];
+        let triangles = [
+            ([0, 1, 2], 0),
+            ([0, 2, 3], 0),
+            ([4, 5, 6], 0),
+            ([7, 8, 9], 0),
+            ([10, 11, 12], 0),
+            ([7, 7, 9], 0),
+            ([9, 8, 7], 0),
+        ];
+        let Canonical { mesh, dropped, .. } = build(&positions, &triangles);
+        assert_eq!((dropped.degenerate, mesh.triangles.len(), mesh.vertices.len()), (4, 3, 7));
+        assert_eq!(mesh.origin, DVec3::new(500.0, 500.0, 5.0));
+    }
+
+    /// A repeated triangle goes if the material agrees, whichever corner it starts at; a flipped one is another triangle.
+    #[test]
+    fn duplicates() {
+        let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 0.]];
+        let triangles = [([0, 1, 2], 1), ([1, 2, 3], 1), ([2, 3, 1], 1), ([0, 1, 2], 2), ([2, 1, 0], 1)];
+        let Canonical { mesh, dropped, .. } = build(&positions, &triangles);
+        assert_eq!((dropped.duplicates, dropped.contested, mesh.triangles.len()), (2, 1, 3));
+    }
+
+    /// 65,535 materials are taken, one more is refused with both numbers.
+    #[test]
+    fn material_limit() {
+        let fan = |count: u32| {
+            let positions: Vec<DVec3> =
+                (0..count + 2).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
+            let raw = (0..count).map(|i| RawTriangle { corners: [i, i + 1, i + 2], material: i }).collect();
+            canonical(&positions, raw)
+        };
+        assert_eq!(fan(65_535).expect("the limit itself").mesh.triangle_material.last(), Some(&65_534));
+        let message = fan(65_536).expect_err("one too many").to_string();
+        assert!(message.contains("65536") && message.contains("65535"), "{message}");
+    }
 }

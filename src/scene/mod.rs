@@ -1,6 +1,235 @@
 //! Scene: checked geometry, materials and receivers. In: files of the user. Out: types that can only hold checked values.
 //! It never casts a ray and knows nothing of archives.
+#![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
+pub mod cells;
 pub mod materials;
+mod materials_toml;
 pub mod mesh;
+mod morton;
+mod mtl;
+mod obj;
+mod polygon;
 pub mod receivers;
+mod rows;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use materials::{Class, Material, MaterialUse};
+use mesh::{Canonical, Mesh, RawTriangle, canonical};
+use obj::{MAX_COORDINATE_M, ObjFile};
+
+/// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub mesh: Mesh,
+    /// The materials in use, sorted by name.
+    pub materials: Vec<Material>,
+    pub report: LoadReport,
+}
+
+/// What loading a scene came across; no part of its content.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadReport {
+    pub faces_read: usize,
+    /// Triangles kept.
+    pub triangles: usize,
+    /// Faces with fewer than three distinct corners and triangles without area.
+    pub degenerate_dropped: usize,
+    /// Triangles that repeated another one of the same material.
+    pub duplicates_dropped: usize,
+    /// Faces that bend inwards somewhere.
+    pub concave_faces: usize,
+    /// In the order of `Scene::materials`.
+    pub materials: Vec<MaterialUse>,
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Reads an OBJ file with `materials.toml`, or without it the reflectances of the MTL libraries the OBJ names.
+    pub fn load(obj: &Path, materials: Option<&Path>) -> Result<Scene> {
+        let mut file = ObjFile::read(obj)?;
+        let mut cut = polygon::triangulate(&file)?;
+        let names = rank_by_name(&file.material_names, &mut cut.triangles);
+        let Canonical { mesh, used, dropped } = canonical(&file.vertices, cut.triangles)?;
+        if mesh.triangles.is_empty() {
+            let what = format!("none of the {} faces has an area", file.faces_read());
+            return Err(Error::input(obj, None, what, "check the export's unit: the scene is read in metres"));
+        }
+        let mut report = LoadReport {
+            faces_read: file.faces_read(),
+            triangles: mesh.triangles.len(),
+            degenerate_dropped: cut.degenerate_faces + dropped.degenerate,
+            duplicates_dropped: dropped.duplicates,
+            concave_faces: cut.concave_faces,
+            materials: count_uses(&mesh, &used, |rank| names.get(rank).cloned()),
+            warnings: std::mem::take(&mut file.warnings),
+        };
+        if let Some((count, line)) = cut.crossing_faces {
+            report.warnings.push(format!(
+                "{}, line {line}: the outline of the face crosses itself; of {count} such faces the area may not be right",
+                obj.display()
+            ));
+        }
+        report.warnings.extend(contested_warning(dropped.contested));
+        let table = match materials {
+            Some(path) => materials_toml::read_toml(path)?,
+            None => mtl::read_libraries(obj, &file.libraries, &mut report.warnings)?,
+        };
+        let (selected, unused) = materials::select(table, &report.materials, materials.unwrap_or(obj))?;
+        if let Some(path) = materials {
+            let unused = unused.keys().map(|name| {
+                format!("{}: the scene does not use material `{}`", path.display(), text::excerpt(name.as_bytes()))
+            });
+            report.warnings.extend(unused);
+        }
+        Ok(Scene { mesh, materials: selected, report })
+    }
+
+    /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as if read from a file.
+    pub fn from_triangles(triangles: &[([DVec3; 3], u16)], materials: Vec<Material>) -> Result<Scene> {
+        let refuse = |what: String, hint: &str| Err(Error::input(Path::new("triangles in memory"), None, what, hint));
+        let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
+        for material in &materials {
+            if let Err(what) = Material::check_reflectances(material.diffuse, material.specular) {
+                return refuse(format!("material `{}`: {what}", material.name), "give shares of the light from 0 to 1");
+            }
+        }
+        if 3 * triangles.len() as u64 > u64::from(u32::MAX) {
+            return Err(Error::Limit {
+                what: "the number of corners of triangles in memory".to_owned(),
+                value: 3 * triangles.len() as u64,
+                max: u64::from(u32::MAX),
+            });
+        }
+        let mut positions = Vec::with_capacity(3 * triangles.len());
+        let mut raw = Vec::with_capacity(triangles.len());
+        for (i, &(corners, material)) in triangles.iter().enumerate() {
+            if usize::from(material) >= materials.len() {
+                let what = format!("triangle {i} has material {material} of {}", materials.len());
+                return refuse(what, "add the material");
+            }
+            if let Some(bad) = corners.iter().find(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {
+                return refuse(format!("triangle {i} has a corner at {bad}"), "give metres, at most 1e9 in size");
+            }
+            let first = positions.len() as u32;
+            positions.extend(corners);
+            raw.push(RawTriangle { corners: [first, first + 1, first + 2], material: u32::from(material) });
+        }
+        let sorted = rank_by_name(&names, &mut raw);
+        if let Some([name, _]) = sorted.array_windows().find(|[a, b]| a == b) {
+            return refuse(format!("two materials are called `{name}`"), "give every material a name of its own");
+        }
+        let Canonical { mesh, used, dropped } = canonical(&positions, raw)?;
+        if mesh.triangles.is_empty() {
+            return refuse(
+                format!("none of the {} triangles has an area", triangles.len()),
+                "give positions in metres",
+            );
+        }
+        let mut table: materials::Table =
+            materials.into_iter().map(|material| (material.name.clone(), material)).collect();
+        let uses = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
+        let materials = uses.iter().filter_map(|entry| table.remove(&entry.name)).collect();
+        let report = LoadReport {
+            faces_read: triangles.len(),
+            triangles: mesh.triangles.len(),
+            degenerate_dropped: dropped.degenerate,
+            duplicates_dropped: dropped.duplicates,
+            concave_faces: 0,
+            materials: uses,
+            warnings: contested_warning(dropped.contested).into_iter().collect(),
+        };
+        Ok(Scene { mesh, materials, report })
+    }
+
+    /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal
+    /// scenes, whatever the order of faces, vertices and materials in their files.
+    pub fn content_hash(&self) -> [u8; 32] {
+        let mut content = Content(blake3::Hasher::new());
+        content.bytes(b"heliotile scene 1");
+        content.point(&self.mesh.origin);
+        content.length(self.mesh.vertices.len());
+        self.mesh.vertices.iter().for_each(|vertex| content.point(vertex));
+        content.length(self.mesh.triangles.len());
+        for corner in self.mesh.triangles.iter().flatten() {
+            content.0.update(&corner.to_le_bytes());
+        }
+        content.length(self.mesh.triangle_material.len());
+        for material in &self.mesh.triangle_material {
+            content.0.update(&material.to_le_bytes());
+        }
+        content.length(self.materials.len());
+        for material in &self.materials {
+            content.bytes(material.name.as_bytes());
+            // + 0.0 turns -0.0 into 0.0.
+            content.0.update(&(material.diffuse + 0.0).to_le_bytes());
+            content.0.update(&(material.specular + 0.0).to_le_bytes());
+            content.0.update(&[match material.class {
+                Class::Ground => 0,
+                Class::Obstruction => 1,
+            }]);
+            // A name of length 0 is none: groups are never empty.
+            content.bytes(material.group.as_deref().unwrap_or_default().as_bytes());
+        }
+        *content.0.finalize().as_bytes()
+    }
+}
+
+struct Content(blake3::Hasher);
+
+impl Content {
+    fn length(&mut self, length: usize) {
+        self.0.update(&(length as u64).to_le_bytes());
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.length(bytes.len());
+        self.0.update(bytes);
+    }
+
+    fn point(&mut self, point: &DVec3) {
+        for metres in point.to_array() {
+            self.0.update(&metres.to_le_bytes());
+        }
+    }
+}
+
+/// Renumbers the materials of triangles to ranks in the sorted names, which are returned.
+fn rank_by_name(names: &[String], triangles: &mut [RawTriangle]) -> Vec<String> {
+    let mut order: Vec<u32> = (0_u32..).take(names.len()).collect();
+    order.sort_by_key(|&i| names.get(i as usize));
+    let mut rank_of = vec![0_u32; names.len()];
+    for (rank, &i) in (0_u32..).zip(&order) {
+        if let Some(slot) = rank_of.get_mut(i as usize) {
+            *slot = rank;
+        }
+    }
+    for triangle in triangles {
+        triangle.material = rank_of.get(triangle.material as usize).copied().unwrap_or_default();
+    }
+    order.iter().filter_map(|&i| names.get(i as usize).cloned()).collect()
+}
+
+fn count_uses(mesh: &Mesh, used: &[u32], name: impl Fn(usize) -> Option<String>) -> Vec<MaterialUse> {
+    let mut uses: Vec<MaterialUse> =
+        used.iter().map(|&rank| MaterialUse { name: name(rank as usize).unwrap_or_default(), triangles: 0 }).collect();
+    for &material in &mesh.triangle_material {
+        if let Some(entry) = uses.get_mut(usize::from(material)) {
+            entry.triangles += 1;
+        }
+    }
+    uses
+}
+
+fn contested_warning(count: usize) -> Option<String> {
+    (count > 0).then(|| {
+        format!("{count} triangles lie exactly on one of another material; which of the two is hit is not defined")
+    })
+}

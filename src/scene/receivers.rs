@@ -1,6 +1,24 @@
-//! Receivers.
+//! In: `receivers.csv`. Out: checked receivers, and the order that puts neighbours into one tile.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fs;
+use std::path::Path;
 
 use glam::DVec3;
+
+use super::obj::MAX_COORDINATE_M;
+use super::rows::Rows;
+use super::text::{excerpt, without_byte_order_mark};
+use crate::error::{Error, Result};
+
+pub use super::morton::morton_order;
+
+/// Receivers of one tile: neighbours along the Morton curve that share compressed blocks.
+pub const TILE: usize = 64;
+
+const REQUIRED: [&str; 7] = ["receiver", "x", "y", "z", "nx", "ny", "nz"];
+const OPTIONAL: [&str; 2] = ["area", "surface"];
 
 /// A point and its unit normal that gets irradiance.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,4 +31,223 @@ pub struct Receiver {
     /// m2, > 0 where given.
     pub area: Option<f64>,
     pub surface: Option<String>,
+}
+
+/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row.
+pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
+    read_receivers_with_warnings(path, &mut Vec::new())
+}
+
+/// [`read_receivers`] that also tells which columns it passed over.
+pub fn read_receivers_with_warnings(path: &Path, warnings: &mut Vec<String>) -> Result<Vec<Receiver>> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    parse(without_byte_order_mark(&bytes), path, warnings)
+}
+
+fn parse(bytes: &[u8], file: &Path, warnings: &mut Vec<String>) -> Result<Vec<Receiver>> {
+    let mut rows = Rows::new(bytes, file);
+    if !rows.advance()? {
+        let hint = format!("begin with the line {}", REQUIRED.join(","));
+        return Err(Error::input(file, None, "the file is empty", hint));
+    }
+    let columns = Columns::find(&rows, warnings)?;
+    let mut receivers: Vec<Receiver> = Vec::new();
+    let mut line_of_id: HashMap<String, usize> = HashMap::new();
+    while rows.advance()? {
+        let receiver = Row { rows: &rows, columns: &columns }.receiver()?;
+        match line_of_id.entry(receiver.id.clone()) {
+            Entry::Vacant(new) => new.insert(rows.line),
+            Entry::Occupied(first) => {
+                let why = format!("the name of the receiver in line {} too", first.get());
+                return Err(rows.cell_error("receiver", &receiver.id, &why, "give every receiver a name of its own"));
+            }
+        };
+        receivers.push(receiver);
+    }
+    if receivers.is_empty() {
+        let what = "the file holds a header but no receivers";
+        return Err(Error::input(file, None, what, "add one row per receiver"));
+    }
+    Ok(receivers)
+}
+
+/// Where the columns stand.
+struct Columns {
+    required: [usize; 7],
+    optional: [Option<usize>; 2],
+    count: usize,
+}
+
+impl Columns {
+    fn find(header: &Rows, warnings: &mut Vec<String>) -> Result<Columns> {
+        let names: Vec<&str> = header.record.iter().collect();
+        let place = |wanted: &str| names.iter().position(|name| *name == wanted);
+        let mut required = [0; 7];
+        for (slot, wanted) in required.iter_mut().zip(REQUIRED) {
+            *slot = place(wanted).ok_or_else(|| {
+                let what =
+                    format!("column `{wanted}` is missing; the header is `{}`", excerpt(names.join(",").as_bytes()));
+                header.error(what, format!("name the columns {}", REQUIRED.join(",")))
+            })?;
+        }
+        for (i, name) in names.iter().enumerate() {
+            let known = REQUIRED.contains(name) || OPTIONAL.contains(name);
+            let shown = excerpt(name.as_bytes());
+            if known && place(name) != Some(i) {
+                return Err(header.error(format!("column `{shown}` stands there twice"), "remove one of the two"));
+            }
+            if !known {
+                warnings.push(format!("{}: column `{shown}` is not used", header.file.display()));
+            }
+        }
+        Ok(Columns { required, optional: OPTIONAL.map(place), count: names.len() })
+    }
+}
+
+struct Row<'a> {
+    rows: &'a Rows<'a>,
+    columns: &'a Columns,
+}
+
+impl Row<'_> {
+    fn receiver(&self) -> Result<Receiver> {
+        let record = &self.rows.record;
+        if record.len() != self.columns.count {
+            let hint = match record.get(0) {
+                Some(text) if text.starts_with('#') => "remove the line: there are no comments in this format",
+                _ => "write one cell per column of the header, empty ones too",
+            };
+            let text = excerpt(record.iter().collect::<Vec<_>>().join(",").as_bytes());
+            let what = format!("the row `{text}` has {} cells, the header {}", record.len(), self.columns.count);
+            return Err(self.rows.error(what, hint));
+        }
+        let [id, x, y, z, nx, ny, nz] = self.columns.required.map(|column| self.cell(column));
+        if id.is_empty() {
+            return Err(self.rows.cell_error("receiver", id, "an empty name", "give every receiver a name"));
+        }
+        let position = DVec3::new(self.coordinate("x", x)?, self.coordinate("y", y)?, self.coordinate("z", z)?);
+        let normal = DVec3::new(self.number("nx", nx)?, self.number("ny", ny)?, self.number("nz", nz)?);
+        // Divided by its largest part first, so that no square under- or overflows.
+        let largest = normal.abs().max_element();
+        if largest == 0.0 {
+            let text = format!("{nx},{ny},{nz}");
+            let why = "a normal of length zero";
+            return Err(self.rows.cell_error("nx,ny,nz", &text, why, "give the direction the receiver faces"));
+        }
+        let [area, surface] =
+            self.columns.optional.map(|column| column.map(|column| self.cell(column)).filter(|text| !text.is_empty()));
+        Ok(Receiver {
+            id: id.to_owned(),
+            position,
+            normal: (normal / largest).normalize(),
+            area: area.map(|text| self.area(text)).transpose()?,
+            surface: surface.map(str::to_owned),
+        })
+    }
+
+    fn cell(&self, column: usize) -> &str {
+        self.rows.record.get(column).unwrap_or_default()
+    }
+
+    fn number(&self, column: &str, text: &str) -> Result<f64> {
+        let hint = "write a decimal number with a point";
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self.rows.cell_error(column, text, "not a finite number", hint)),
+            Err(_) => Err(self.rows.cell_error(column, text, "not a number", hint)),
+        }
+    }
+
+    fn coordinate(&self, column: &str, text: &str) -> Result<f64> {
+        let value = self.number(column, text)?;
+        if value.abs() > MAX_COORDINATE_M {
+            let why = "beyond all positions on Earth";
+            return Err(self.rows.cell_error(column, text, why, "give metres, at most 1e9 in size"));
+        }
+        Ok(value)
+    }
+
+    fn area(&self, text: &str) -> Result<f64> {
+        let value = self.number("area", text)?;
+        if value <= 0.0 {
+            let why = "not above zero";
+            return Err(self.rows.cell_error("area", text, why, "give m2, or leave the cell empty"));
+        }
+        Ok(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "receiver,x,y,z,nx,ny,nz\n";
+
+    fn read(text: &str) -> Result<(Vec<Receiver>, Vec<String>)> {
+        let mut warnings = Vec::new();
+        let receivers = parse(text.as_bytes(), Path::new("receivers.csv"), &mut warnings)?;
+        Ok((receivers, warnings))
+    }
+
+    /// Columns in any order, CRLF, blanks, quotes and unknown columns are read; normals come out with length 1.
+    #[test]
+    fn reads() {
+        let text = "nz,surface , receiver,x,y,z,nx,ny,area,note\r\n 4 ,\"a, b\", r1 ,78000.25,457000.5,-1e1,3,0,2.5,hm\r\n\
+                    -1e-310,,r2,0,0,0,0,-0,,\r\n";
+        let (receivers, warnings) = read(text).expect("readable");
+        assert_eq!(receivers.len(), 2);
+        let first = &receivers[0];
+        assert_eq!((first.id.as_str(), first.surface.as_deref(), first.area), ("r1", Some("a, b"), Some(2.5)));
+        assert_eq!(first.position, DVec3::new(78000.25, 457000.5, -10.0));
+        assert!((first.normal - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-15);
+        assert_eq!(receivers[1].normal, DVec3::NEG_Z);
+        assert_eq!((receivers[1].area, &receivers[1].surface), (None, &None));
+        assert_eq!(warnings, ["receivers.csv: column `note` is not used"]);
+    }
+
+    /// Every refusal names the file, the line, the column and the cell's text.
+    #[test]
+    fn refusals() {
+        for (rows, line, quoted) in [
+            ("a,0,1.2.3,0,0,0,1", 2, "column `y` is `1.2.3`, not a number"),
+            ("a,0,,0,0,0,1", 2, "column `y` is ``, not a number"),
+            ("a,0,0,0,0,0,1\n\n\nb,nan,0,0,0,0,1", 5, "column `x` is `nan`, not a finite"),
+            ("a,0,0,1e999,0,0,1", 2, "column `z` is `1e999`, not a finite"),
+            ("a,0,0,2e9,0,0,1", 2, "column `z` is `2e9`, beyond"),
+            ("a,0,0,0,inf,0,1", 2, "column `nx` is `inf`"),
+            ("a,0,0,0,0,-0.0,0", 2, "column `nx,ny,nz` is `0,-0.0,0`, a normal of length zero"),
+            ("\r\n ,0,0,0,0,0,1", 3, "column `receiver` is ``"),
+            ("a,0,0,0,0,0,1\r\na,1,0,0,0,0,1", 3, "`a`, the name of the receiver in line 2"),
+            ("a,0,0,0,0,0", 2, "the row `a,0,0,0,0,0` has 6 cells, the header 7"),
+            ("a,0,0,0,0,0,1\n\"b\nc\",0,0,0,0,0,1\nd,0,0,0,0,0,1,5", 5, "has 8 cells"),
+            ("# comment", 2, "no comments"),
+            ("a,0,0,0,0,0,\u{1}x", 2, "column `nz`"),
+        ] {
+            let message = read(&format!("{HEADER}{rows}")).expect_err(rows).to_string();
+            assert!(message.starts_with(&format!("receivers.csv, line {line}: ")), "{rows:?}: {message}");
+            assert!(message.contains(quoted), "{rows:?}: {message}");
+        }
+    }
+
+    /// Areas that are not above zero, headers without a column or with one twice, and files without rows are refused.
+    #[test]
+    fn refused_files() {
+        for (text, quoted) in [
+            ("receiver,x,y,z,nx,ny,nz,area\na,0,0,0,0,0,1,0", "line 2: column `area` is `0`, not above zero"),
+            ("receiver,x,y,z,nx,ny,nz,area\na,0,0,0,0,0,1,-5", "column `area` is `-5`"),
+            (
+                "receiver,x,y,nx,ny,nz\na,0,0,0,0,1",
+                "line 1: column `z` is missing; the header is `receiver,x,y,nx,ny,nz`",
+            ),
+            ("receiver,x,y,z,nx,ny,nz,x\n", "line 1: column `x` stands there twice"),
+            (HEADER, "no receivers"),
+            ("", "the file is empty"),
+        ] {
+            let message = read(text).expect_err(text).to_string();
+            assert!(message.starts_with("receivers.csv") && message.contains(quoted), "{text:?}: {message}");
+        }
+        let broken = [HEADER.as_bytes(), b"a,0,0,0,0,0,1\n\xff,0,0,0,0,0,1\n"].concat();
+        let message = parse(&broken, Path::new("receivers.csv"), &mut Vec::new()).expect_err("not UTF-8").to_string();
+        assert!(message.starts_with("receivers.csv, line 3: the row is not UTF-8"), "{message}");
+    }
 }

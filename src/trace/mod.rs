@@ -1,1 +1,11 @@
+//! Trace: the only stage that casts rays. In: a mesh and the points to look from. Out: raw hemispheres: sky bits and the
+//! cells that are seen. It knows nothing of textures on disk, archives, weather or reflectances.
 
+pub mod bounce;
+pub mod probe;
+pub mod rays;
+pub mod receiver;
+pub mod surface;
+pub mod triangle;
+
+pub use rays::Tracer;

@@ -1,0 +1,216 @@
+//! Reading an archive. In: a path. Out: checked blocks by (kind, tile), each copied out before it is decoded.
+
+use std::path::Path;
+
+use super::codec::{self, Block};
+use super::format::{self, ALIGNMENT, CODEC_RAW, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_RAW, Slot};
+use super::header::{self, Header};
+use super::manifest::Manifest;
+use super::source::{Access, Source};
+use crate::error::{Error, Result};
+
+/// An open archive whose header, directory and manifest were checked. Many threads may read from it.
+#[derive(Debug)]
+pub struct Archive {
+    source: Source,
+    header: Header,
+    entries: Vec<Entry>,
+    manifest: Manifest,
+}
+
+impl Archive {
+    /// Opens a finished archive through a mapping.
+    pub fn open(path: &Path) -> Result<Self> {
+        Archive::open_with(path, Access::default())
+    }
+
+    /// Opens a finished archive: checks everything but the blocks, which are checked when they are read.
+    pub fn open_with(path: &Path, access: Access) -> Result<Self> {
+        let source = Source::open(path, access)?;
+        let header = header::read(&source)?;
+        let slot = &header.slot;
+        let directory = source.read(slot.directory_offset, slot.directory_length)?;
+        let json = source.read(slot.manifest_offset, slot.manifest_length)?;
+        let corrupt = |part: &str, offset: u64, got: String, expected: String| Error::Corrupt {
+            path: path.to_path_buf(),
+            block: part.to_string(),
+            offset,
+            got,
+            expected,
+        };
+        let root = format::root_hash(&directory, &json);
+        if root != slot.root {
+            let (got, expected) = (format::hex(&root), format::hex(&slot.root));
+            let part = "directory or manifest";
+            return Err(corrupt(part, slot.directory_offset, format!("root {got}"), format!("root {expected}")));
+        }
+        let entries: Vec<Entry> = directory.chunks_exact(ENTRY_SIZE).filter_map(Entry::decode).collect();
+        check_entries(path, &entries, slot)?;
+        let manifest = Manifest::from_json(&json)
+            .and_then(|manifest| manifest.check(&entries).map(|()| manifest))
+            .map_err(|wrong| corrupt("manifest", slot.manifest_offset, wrong.got, wrong.expected))?;
+        Ok(Archive { source, header, entries, manifest })
+    }
+
+    pub fn path(&self) -> &Path {
+        self.source.path()
+    }
+
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Hash of directory and manifest: names the content of the whole archive.
+    pub fn root(&self) -> [u8; 32] {
+        self.header.slot.root
+    }
+
+    /// The directory, sorted by (kind, tile), with blocks of unknown kinds.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The directory entries of one kind, by tile.
+    pub fn entries_of(&self, kind: u32) -> &[Entry] {
+        let start = self.entries.partition_point(|entry| entry.kind < kind);
+        let end = self.entries.partition_point(|entry| entry.kind <= kind);
+        self.entries.get(start..end).unwrap_or(&[])
+    }
+
+    /// Number of receiver tiles; they are numbered from 0.
+    pub fn tiles(&self) -> u32 {
+        self.manifest.receivers.tiles
+    }
+
+    /// Whether the archive holds a block.
+    pub fn has(&self, kind: u32, tile: u32) -> bool {
+        self.entries.binary_search_by_key(&(kind, tile), Entry::key).is_ok()
+    }
+
+    /// A block, checked and decoded.
+    pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+        let found = self.entries.binary_search_by_key(&(kind, tile), Entry::key).ok();
+        match found.and_then(|row| self.entries.get(row)) {
+            Some(entry) => self.fetch(entry),
+            None => {
+                let what = format!("holds no block {}", format::block_name(kind, tile));
+                Err(Error::input(self.path(), None, what, "build the archive with the layer that is asked for"))
+            }
+        }
+    }
+
+    /// All blocks of one kind, by tile; a bad one is an error in its place and the rest follow.
+    pub fn scan(&self, kind: u32) -> impl Iterator<Item = Result<Block>> + '_ {
+        self.entries_of(kind).iter().map(|entry| self.fetch(entry))
+    }
+
+    pub(super) fn fetch(&self, entry: &Entry) -> Result<Block> {
+        let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
+        codec::decode(self.source.path(), entry, &stored)
+    }
+
+    pub(super) fn source(&self) -> &Source {
+        &self.source
+    }
+
+    pub(super) fn header(&self) -> &Header {
+        &self.header
+    }
+}
+
+/// Whether the directory is in order and no entry points where it must not: section 4 step 7 of the format.
+fn check_entries(path: &Path, entries: &[Entry], slot: &Slot) -> Result<()> {
+    let wrong = |entry: &Entry, got: String, expected: String| Err(codec::corrupt(path, entry, got, expected));
+    for (entry, next) in entries.iter().zip(entries.iter().skip(1)) {
+        if entry.key() >= next.key() {
+            return wrong(next, format!("an entry after {}", entry.name()), "entries sorted by kind, tile".to_string());
+        }
+    }
+    for entry in entries {
+        let raw = usize::try_from(entry.raw).unwrap_or(usize::MAX);
+        if raw == 0 || raw > MAX_RAW {
+            return wrong(entry, format!("raw length {raw}"), format!("1 to {MAX_RAW}"));
+        }
+        if entry.stored == 0 || entry.stored > entry.raw || (entry.codec == CODEC_RAW && entry.stored != entry.raw) {
+            return wrong(entry, format!("stored length {}", entry.stored), format!("1 to {raw}, {raw} if not packed"));
+        }
+        let inside = entry.offset >= FIRST_BLOCK && entry.end().is_some_and(|end| end <= slot.directory_offset);
+        if !inside || entry.offset % ALIGNMENT != 0 {
+            let expected = format!("a multiple of {ALIGNMENT} between {FIRST_BLOCK} and {}", slot.directory_offset);
+            return wrong(entry, format!("{} bytes at {}", entry.stored, entry.offset), expected);
+        }
+    }
+    let places = by_place(entries);
+    for (entry, next) in places.iter().zip(places.iter().skip(1)) {
+        let shared = (entry.offset, entry.stored, entry.content) == (next.offset, next.stored, next.content);
+        if !shared && entry.end().is_none_or(|end| end > next.offset) {
+            return wrong(next, format!("bytes shared with {}", entry.name()), "bytes of its own".to_string());
+        }
+    }
+    Ok(())
+}
+
+/// Entries in the order of their places in the file.
+pub(super) fn by_place(entries: &[Entry]) -> Vec<&Entry> {
+    let mut all: Vec<&Entry> = entries.iter().collect();
+    all.sort_unstable_by_key(|entry| (entry.offset, entry.stored, entry.key()));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_site;
+    use super::*;
+
+    /// Every block of the test site is read as it was written, by both ways of access: 3 receivers in 2 tiles.
+    #[test]
+    fn what_was_written_is_read() {
+        let site = test_site::written();
+        for access in [Access::Mapped, Access::Read] {
+            let archive = Archive::open_with(&site.path, access).unwrap();
+            assert_eq!((archive.tiles(), archive.manifest()), (2, &test_site::manifest()));
+            for (kind, tile, raw) in test_site::blocks() {
+                assert_eq!(archive.block(kind, tile).unwrap().bytes(), raw, "{}", format::block_name(kind, tile));
+            }
+            assert_eq!(archive.entries().len(), test_site::blocks().len());
+            assert_eq!(archive.scan(format::RECEIVERS).map(|block| block.unwrap().items()).sum::<u32>(), 3);
+            assert_eq!(archive.root(), site.summary.root);
+        }
+    }
+
+    /// A block of kind 77 does not stop reading; a block that is not there is named.
+    #[test]
+    fn unknown_kinds_are_skipped() {
+        let site = test_site::written();
+        let archive = Archive::open(&site.path).unwrap();
+        assert_eq!(archive.entries_of(77).len(), 1);
+        assert_eq!(archive.scan(format::SKY).count(), 2);
+        assert!(archive.has(format::SKY, 1) && !archive.has(format::SKY, 2));
+        let error = archive.block(format::SKY, 2).unwrap_err().to_string();
+        assert!(error.contains("holds no block sky/2"), "{error}");
+    }
+
+    /// Directories that are unsorted, overlap, leave the file or lie about lengths are refused: 8 of 8, with right hashes.
+    #[test]
+    fn lying_directories_are_refused() {
+        let site = test_site::written();
+        let good = Archive::open(&site.path).unwrap();
+        let slot = good.header().slot;
+        let lies: [(&str, fn(&mut Vec<Entry>)); 8] = [
+            ("swapped", |e| e.swap(0, 1)),
+            ("twice", |e| e[1] = e[0]),
+            ("overlap", |e| e[1].offset = e[0].offset),
+            ("header", |e| e[0].offset = 4096),
+            ("beyond", |e| e[0].offset = u64::MAX - 63),
+            ("unaligned", |e| e[0].offset += 1),
+            ("bomb", |e| e[0].raw = u32::MAX),
+            ("empty", |e| e[0].stored = 0),
+        ];
+        check_entries(&site.path, good.entries(), &slot).unwrap();
+        for (name, lie) in lies {
+            let mut entries = good.entries().to_vec();
+            lie(&mut entries);
+            assert!(matches!(check_entries(&site.path, &entries, &slot), Err(Error::Corrupt { .. })), "{name}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! A small whole archive for tests: 3 receivers in 2 tiles, one block of every known kind but two, one of an unknown kind.
+
+use std::path::PathBuf;
+
+use super::tables::{Bounce, Materials, Probes, Receivers, pack_tag};
+use super::{EncodedBlock, Manifest, Summary, Writer, encode, format, manifest};
+
+/// An archive in its own folder.
+pub struct Site {
+    pub folder: tempfile::TempDir,
+    pub path: PathBuf,
+    pub summary: Summary,
+}
+
+pub fn receivers(tile: u32, rows: usize) -> Receivers {
+    Receivers {
+        ids: (0..rows).map(|row| format!("receiver-{tile}-{row}")).collect(),
+        position: vec![[1.0, 2.0, 3.0]; rows],
+        normal: vec![[0.0, 0.6, 0.8]; rows],
+        area: vec![1.5; rows],
+        surface: vec!["roof".to_string(); rows],
+        sky_view: vec![0.75; rows],
+        ground_view: vec![0.25; rows],
+        obstruction_view: vec![0.0; rows],
+    }
+}
+
+pub fn materials() -> Materials {
+    Materials {
+        name: vec!["soil".to_string()],
+        diffuse: vec![0.25],
+        specular: vec![0.0],
+        class: vec![1],
+        group: vec![String::new()],
+    }
+}
+
+pub fn probes() -> Probes {
+    Probes {
+        voxel: vec![[1, -2, 3]],
+        tag: vec![pack_tag(-1, 40)],
+        material: vec![0],
+        normal: vec![[0.0, 0.0, 1.0]],
+        bits: vec![0xf0; 8],
+    }
+}
+
+pub fn bounce() -> Bounce {
+    let Probes { voxel, material, normal, bits, .. } = probes();
+    Bounce { voxel, tag: vec![pack_tag(2, 58)], material, normal, bits, hits: vec![0, u32::MAX], tier: vec![1] }
+}
+
+fn encoded() -> Vec<EncodedBlock> {
+    let layer = |kind, tile, items, byte| {
+        let raw: Vec<u8> = (0..300_u32).map(|i| if i % 7 == 0 { (i / 7) as u8 } else { byte }).collect();
+        encode(kind, tile, 1, items, &raw, 9).unwrap()
+    };
+    vec![
+        receivers(0, 2).encode(0, 9).unwrap(),
+        layer(format::SKY, 0, 2, 1),
+        layer(format::HIT, 0, 2, 2),
+        receivers(1, 1).encode(1, 9).unwrap(),
+        layer(format::SKY, 1, 1, 3),
+        probes().encode(0, 9).unwrap(),
+        bounce().encode(0, 9).unwrap(),
+        materials().encode(0, 9).unwrap(),
+        encode(77, 0, 9, 5, b"of a later release", 9).unwrap(),
+    ]
+}
+
+/// Kind, tile and raw bytes of every block, in the order of writing.
+pub fn blocks() -> Vec<(u32, u32, Vec<u8>)> {
+    let path: std::sync::Arc<std::path::Path> = PathBuf::from("site.helio").into();
+    let raw = |block: EncodedBlock| {
+        let bytes = super::codec::decode(&path, block.entry(), &block.stored).unwrap().bytes().to_vec();
+        (block.entry().kind, block.entry().tile, bytes)
+    };
+    encoded().into_iter().map(raw).collect()
+}
+
+pub fn manifest() -> Manifest {
+    let mut manifest = Manifest::new();
+    manifest.scene.content_hash = "00".repeat(32);
+    manifest.scene.bounds_m = [[0.0; 3], [10.0, 20.0, 30.5]];
+    manifest.receivers.count = 3;
+    manifest.receivers.tile_size = 2;
+    manifest.receivers.tiles = 2;
+    manifest.settings.tier_m = 4.0;
+    manifest.counts.rays.insert("sky".to_string(), 123);
+    manifest.layers = manifest::summarize(encoded().iter().map(EncodedBlock::entry));
+    manifest
+}
+
+/// Writes all blocks and finishes.
+pub fn fill(mut writer: Writer) -> Summary {
+    encoded().into_iter().for_each(|block| writer.append(block).unwrap());
+    writer.finish(&manifest()).unwrap()
+}
+
+/// The whole archive on the disk.
+pub fn written() -> Site {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("site.helio");
+    let summary = fill(Writer::create(&path).unwrap());
+    Site { folder, path, summary }
+}
+
+/// The bytes of the archive.
+pub fn bytes() -> (Vec<u8>, Summary) {
+    let site = written();
+    (std::fs::read(&site.path).unwrap(), site.summary)
+}

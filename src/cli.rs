@@ -1,0 +1,113 @@
+//! The command line: clap types of every subcommand, nothing else.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::outputs::periods::Every;
+use crate::recombine::sky::SkyModel;
+
+/// Trace the sun and sky of a site once, replay any weather.
+#[derive(Debug, Parser)]
+#[command(name = "heliotile", version, about, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Trace every receiver of a scene once and store its layers in an archive
+    Build(BuildArgs),
+    /// Irradiance of every receiver under the suns and skies of a conditions table
+    Query(QueryArgs),
+    /// Irradiance of every receiver through a weather file
+    Replay(ReplayArgs),
+    /// What is inside an archive
+    Info(ArchiveArg),
+    /// Check every block of an archive; exit code 1 if one is damaged
+    Verify(ArchiveArg),
+}
+
+#[derive(Args, Debug)]
+pub struct BuildArgs {
+    /// Scene geometry, Wavefront OBJ, metres, x east, y north, z up
+    pub scene: PathBuf,
+    /// Reflectances, one table per OBJ material name; without it the OBJ's MTL files are used
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
+    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[arg(long, short)]
+    pub receivers: PathBuf,
+    /// Archive to write
+    #[arg(long, short, value_name = "SITE.helio")]
+    pub output: PathBuf,
+    /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
+    #[arg(long, value_enum, default_value_t = Share::Cells)]
+    pub share: Share,
+}
+
+/// How probes are shared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Share {
+    Cells,
+    None,
+}
+
+/// What query and replay have in common.
+#[derive(Args, Debug)]
+pub struct RecombineArgs {
+    /// Archive to read
+    pub archive: PathBuf,
+    /// Table to write: .csv, .parquet, or - for CSV on standard output
+    #[arg(long, short, default_value = "-")]
+    pub output: PathBuf,
+    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    #[arg(long, default_value = "perez")]
+    pub sky: SkyModel,
+    /// Sky patches: 145, 577 or 2305
+    #[arg(long, default_value_t = 577)]
+    pub patches: usize,
+    /// Diffuse reflections: all, or a number (1 is the paper's model)
+    #[arg(long, default_value = "all", value_parser = parse_depth)]
+    pub bounces: crate::recombine::bounces::Depth,
+}
+
+#[derive(Args, Debug)]
+pub struct QueryArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2
+    #[arg(long, short)]
+    pub conditions: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct ReplayArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Weather file, EPW
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    /// Rows: hourly means in W/m2, or sums over a day, month or year in kWh/m2
+    #[arg(long, value_enum, default_value_t = Every::Hour)]
+    pub every: Every,
+    /// Sun positions within each interval of the weather file
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=60))]
+    pub steps: u16,
+}
+
+#[derive(Args, Debug)]
+pub struct ArchiveArg {
+    /// Archive to read
+    pub archive: PathBuf,
+}
+
+fn parse_depth(text: &str) -> Result<crate::recombine::bounces::Depth, String> {
+    use crate::recombine::bounces::Depth;
+    match (text, text.parse::<u32>()) {
+        ("all", _) => Ok(Depth::All),
+        (_, Ok(count @ 1..=64)) => Ok(Depth::Count(count)),
+        _ => Err("give `all` or a number of reflections from 1 to 64".into()),
+    }
+}

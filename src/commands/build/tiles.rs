@@ -1,0 +1,152 @@
+//! One tile of a build: 64 receivers traced, packed and compressed.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{COMPRESSION, Job, Rays};
+use crate::archive::tables::Receivers;
+use crate::archive::{EncodedBlock, format};
+use crate::error::Result;
+use crate::layers::hit::HitTile;
+use crate::layers::response;
+use crate::layers::sky::SkyTexture;
+use crate::recombine::load::TileView;
+use crate::recombine::response::{Responder, Viewer, view_factors};
+use crate::recombine::tile::sky_view_factor;
+use crate::scene::cells::CellKey;
+use crate::scene::receivers::Receiver;
+use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
+
+/// A receiver that sees less sky than this and is enclosed lies inside a solid.
+const BLIND: f64 = 1e-4;
+
+/// A traced tile: its blocks in the order they are written, and what the rest of the build needs of it.
+pub(super) struct TracedTile {
+    pub blocks: Vec<EncodedBlock>,
+    pub cells: Vec<CellKey>,
+    pub rays: Rays,
+    pub misplaced: Vec<Misplaced>,
+}
+
+/// A receiver that lies where it can hardly be meant to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Misplaced {
+    /// In a solid or below the terrain: it sees no sky, and steep rays cross an odd number of surfaces.
+    Inside(String),
+    /// A surface this close in front of it, metres.
+    Touching(String, f64),
+}
+
+/// One warning for each way of being misplaced, naming every receiver.
+pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
+    let mut inside = Vec::new();
+    let mut touching = Vec::new();
+    for m in misplaced {
+        match m {
+            Misplaced::Inside(id) => inside.push(id.clone()),
+            Misplaced::Touching(id, metres) => touching.push(format!("{id} ({:.2} mm)", metres * 1e3)),
+        }
+    }
+    let say = |list: Vec<String>, what: &str| {
+        (!list.is_empty()).then(|| format!("{} of the receivers {what}: {}", list.len(), list.join(", ")))
+    };
+    [
+        say(inside, "lie inside a solid or below the terrain and see no sky"),
+        say(touching, "have a surface right in front of them, are they on its right side?"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// One traced receiver.
+struct Traced {
+    sky: SkyTexture,
+    hits: HitTrace,
+    viewer: Viewer,
+    rays: Rays,
+}
+
+impl Job<'_> {
+    /// Traces and packs one tile. `directions`: mean directions of the base texels.
+    pub fn trace_tile(&self, number: u32, receivers: &[&Receiver], directions: &[DVec3]) -> Result<TracedTile> {
+        let traced: Vec<Traced> = receivers.par_iter().map(|r| self.trace_receiver(r, directions)).collect();
+        let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
+        let mut rays = Rays::default();
+        let (mut sky, mut cells, mut viewers) = (Vec::new(), Vec::new(), Vec::new());
+        for t in traced {
+            rays.sky += t.rays.sky;
+            rays.hit += t.rays.hit;
+            sky.push(t.sky);
+            cells.push(t.hits.cells);
+            viewers.push(t.viewer);
+        }
+        let hits = HitTile::new(&cells);
+        let blocks = vec![
+            self.receivers_block(number, receivers, &hits, &viewers)?,
+            self.encode(format::SKY, number, receivers.len(), &SkyTexture::pack(&sky))?,
+            self.encode(format::HIT, number, receivers.len(), &hits.pack())?,
+        ];
+        Ok(TracedTile { blocks, cells: hits.palette, rays, misplaced })
+    }
+
+    fn trace_receiver(&self, receiver: &Receiver, directions: &[DVec3]) -> Traced {
+        let (settings, tracer) = (self.settings, self.tracer);
+        let view = Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal };
+        let mut rays = Rays::default();
+        let (sky, dense) = SkyTexture::trace(settings.sky_base, settings.sky_fine, view.normal, |n, texels| {
+            rays.sky += texels.len() as u64;
+            view.sky(n, texels, tracer)
+        });
+        rays.hit = (settings.hit * settings.hit) as u64;
+        let cells = CellSettings { factor: settings.cell_factor(), floor_m: settings.cell_floor_m };
+        let hits = view.hits(settings.hit, cells, &self.scene.mesh, tracer);
+        let sky_view = sky_view_factor(view.normal, &dense, directions).min((1.0 + view.normal.z) / 2.0);
+        let viewer = Viewer { normal: view.normal, seed: view.seed(), sky_view };
+        Traced { sky, hits, viewer, rays }
+    }
+
+    /// What is wrong with where a receiver lies.
+    fn misplaced(&self, receiver: &Receiver, traced: &Traced) -> Option<Misplaced> {
+        let place = receiver.position - self.scene.mesh.origin;
+        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.offset_m(place));
+        if traced.hits.enclosed && traced.viewer.sky_view < BLIND {
+            return Some(Misplaced::Inside(receiver.id.clone()));
+        }
+        (nearest_m < 2.0 * offset_m).then(|| Misplaced::Touching(receiver.id.clone(), nearest_m + offset_m))
+    }
+
+    fn receivers_block(
+        &self,
+        number: u32,
+        receivers: &[&Receiver],
+        hits: &HitTile,
+        viewers: &[Viewer],
+    ) -> Result<EncodedBlock> {
+        let reflectors = self.reflectors();
+        let texels = self.settings.hit * self.settings.hit;
+        let factors: Vec<[f64; 2]> = viewers
+            .iter()
+            .zip(hits.texels.chunks(texels))
+            .map(|(viewer, texels)| view_factors(texels, hits, &reflectors, viewer))
+            .collect();
+        let table = Receivers {
+            ids: receivers.iter().map(|r| r.id.clone()).collect(),
+            position: receivers.iter().map(|r| r.position.to_array()).collect(),
+            normal: receivers.iter().map(|r| r.normal.to_array()).collect(),
+            area: receivers.iter().map(|r| r.area.unwrap_or(0.0)).collect(),
+            surface: receivers.iter().map(|r| r.surface.clone().unwrap_or_default()).collect(),
+            sky_view: viewers.iter().map(|v| v.sky_view as f32).collect(),
+            ground_view: factors.iter().map(|f| f[0] as f32).collect(),
+            obstruction_view: factors.iter().map(|f| f[1] as f32).collect(),
+        };
+        table.encode(number, COMPRESSION)
+    }
+
+    /// The response layer of a tile, for the reflectances of the build and all bounces.
+    pub fn response_block(&self, number: u32, view: &TileView, responder: &Responder) -> Result<EncodedBlock> {
+        let responses: Vec<_> =
+            view.viewers.par_iter().enumerate().map(|(i, v)| responder.derive(&view.hits, i, v)).collect();
+        self.encode(format::RESPONSE, number, responses.len(), &response::pack(&responses))
+    }
+}

@@ -1,0 +1,70 @@
+//! Story two: archive -> recombine -> outputs, for a conditions table (`query`) and a weather file (`replay`).
+
+use rayon::prelude::*;
+
+use super::progress::bar;
+use super::{Outcome, warn};
+use crate::archive::Archive;
+use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
+use crate::error::Result;
+use crate::outputs::periods::{Every, Periods};
+use crate::outputs::table::{Columns, TableWriter};
+use crate::recombine::conditions::{Condition, read_conditions};
+use crate::recombine::epw::read_epw;
+use crate::recombine::replay::{Replay, ReplaySettings};
+use crate::recombine::values::TileValues;
+
+/// `heliotile query`.
+pub fn query(args: &QueryArgs) -> Result<Outcome> {
+    let file = read_conditions(&args.conditions)?;
+    file.warnings.iter().for_each(|w| warn(w));
+    let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
+    run(&args.common, &file.conditions, Columns::Conditions, &labels, |values| values)
+}
+
+/// `heliotile replay`.
+pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
+    let weather = read_epw(&args.weather)?;
+    weather.report.warnings.iter().for_each(|w| warn(w));
+    let conditions = weather.conditions(usize::from(args.steps));
+    let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
+    let periods = Periods::new(args.every, &stamped);
+    match args.every {
+        Every::Hour => run(&args.common, &conditions, Columns::Times, &periods.labels, |values| values),
+        _ => run(&args.common, &conditions, Columns::Sums, &periods.labels, |values| periods.sum(&values)),
+    }
+}
+
+/// Streams all tiles into a table; `shape` turns conditions into rows.
+fn run(
+    args: &RecombineArgs,
+    conditions: &[Condition],
+    columns: Columns,
+    labels: &[String],
+    shape: impl Fn(TileValues) -> TileValues + Sync,
+) -> Result<Outcome> {
+    let archive = Archive::open(&args.archive)?;
+    let settings = ReplaySettings { sky: args.sky, patches: args.patches, depth: args.bounces };
+    let replay = Replay::new(&archive, conditions, settings)?;
+    let mut table = TableWriter::create(&args.output, columns, labels)?;
+    let progress = bar("tiles", Some(u64::from(replay.tiles())));
+    let tiles: Vec<u32> = (0..replay.tiles()).collect();
+    // As many tiles in memory as there are cores.
+    for batch in tiles.chunks(rayon::current_num_threads()) {
+        let done: Vec<Result<(Vec<String>, TileValues)>> = batch
+            .par_iter()
+            .map(|&tile| replay.tile(tile).map(|(receivers, values)| (receivers, shape(values))))
+            .collect();
+        for tile in done {
+            let (receivers, values) = tile?;
+            table.write_tile(&receivers, &values)?;
+            progress.inc(1);
+        }
+        if table.is_closed() {
+            break;
+        }
+    }
+    progress.finish_and_clear();
+    table.finish()?;
+    Ok(Outcome::Fine)
+}

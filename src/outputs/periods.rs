@@ -1,0 +1,167 @@
+//! Periods that hourly results are summed over. In: when each condition was. Out: which period it belongs to.
+
+use std::collections::HashMap;
+use std::str::FromStr;
+
+use crate::error::Error;
+use crate::recombine::conditions::Stamp;
+use crate::recombine::values::{COMPONENTS, TileValues};
+use crate::units::kwh_from_w;
+
+/// What a row of a replay's results stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Every {
+    /// One row per interval of the weather file: means, W/m2.
+    #[default]
+    Hour,
+    /// Sums, kWh/m2, like the two below.
+    Day,
+    Month,
+    Year,
+}
+
+impl FromStr for Every {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        match text {
+            "hour" => Ok(Every::Hour),
+            "day" => Ok(Every::Day),
+            "month" => Ok(Every::Month),
+            "year" => Ok(Every::Year),
+            _ => Err(Error::Unsupported {
+                what: "period of the results".into(),
+                found: format!("`{text}`"),
+                supported: "hour, day, month and year".into(),
+            }),
+        }
+    }
+}
+
+/// The periods of a series, in order of first appearance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Periods {
+    pub labels: Vec<String>,
+    /// `[condition]`: place in `labels`.
+    pub index_of_condition: Vec<usize>,
+    /// `[condition]`: length of its interval. A sum in kWh/m2 is the sum over conditions of mean W/m2 x hours / 1000.
+    pub hours: Vec<f64>,
+}
+
+impl Periods {
+    /// Groups conditions, given with their labels. Days are labelled `MM-DD`, months `MM`, the year `year`: a typical year's
+    /// months come from different years. If all rows share one year, or some month occurs in two years (so that the series is
+    /// really several years long), the years are named: `YYYY-MM-DD`, `YYYY-MM`, `YYYY`.
+    pub fn new(every: Every, conditions: &[(String, Stamp)]) -> Self {
+        let dates = || conditions.iter().map(|(_, stamp)| stamp.date);
+        let mut year_of_month = HashMap::new();
+        let one_year = dates().all(|d| dates().next().is_some_and(|first| first.year == d.year));
+        let several = !dates().all(|d| *year_of_month.entry(d.month).or_insert(d.year) == d.year);
+        let named = one_year || several;
+        let mut place_of: HashMap<String, usize> = HashMap::new();
+        let mut periods = Periods {
+            labels: Vec::new(),
+            index_of_condition: Vec::with_capacity(conditions.len()),
+            hours: conditions.iter().map(|(_, stamp)| stamp.hours).collect(),
+        };
+        for (label, Stamp { date, .. }) in conditions {
+            let (month, day) = (date.month, date.day);
+            let year = if named { format!("{:04}-", date.year) } else { String::new() };
+            let label = match every {
+                Every::Hour => label.clone(),
+                Every::Day => format!("{year}{month:02}-{day:02}"),
+                Every::Month => format!("{year}{month:02}"),
+                Every::Year if named => format!("{:04}", date.year),
+                Every::Year => "year".to_string(),
+            };
+            let next = periods.labels.len();
+            let place = if every == Every::Hour {
+                // Rows stay rows, also where a label repeats.
+                next
+            } else {
+                *place_of.entry(label.clone()).or_insert(next)
+            };
+            if place == next {
+                periods.labels.push(label);
+            }
+            periods.index_of_condition.push(place);
+        }
+        periods
+    }
+
+    /// Energy of each period, kWh/m2, from means over the conditions, W/m2; summed in f64.
+    pub fn sum(&self, means: &TileValues) -> TileValues {
+        let mut sums = TileValues::new(means.receivers(), self.labels.len());
+        for component in 0..COMPONENTS.len() {
+            for receiver in 0..means.receivers() {
+                let mut energy = vec![0.0_f64; self.labels.len()];
+                let row = means.row(component, receiver).iter();
+                for ((mean, hours), place) in row.zip(&self.hours).zip(&self.index_of_condition) {
+                    if let Some(sum) = energy.get_mut(*place) {
+                        *sum += kwh_from_w(f64::from(*mean), *hours);
+                    }
+                }
+                sums.row_mut(component, receiver).iter_mut().zip(energy).for_each(|(out, sum)| *out = sum as f32);
+            }
+        }
+        sums
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recombine::calendar::Date;
+
+    fn series(days: &[(i32, u32, u32)]) -> Vec<(String, Stamp)> {
+        days.iter()
+            .map(|&(y, m, d)| {
+                let date = Date::new(y, m, d).expect("a date");
+                (date.label(0), Stamp { date, hours: 1.0 })
+            })
+            .collect()
+    }
+
+    /// Two days of one year give 2 days, 2 months and 1 year, all with the year in the label.
+    #[test]
+    fn one_year() {
+        let s = series(&[(2019, 1, 31), (2019, 1, 31), (2019, 2, 1)]);
+        let day = Periods::new(Every::Day, &s);
+        assert_eq!(day.labels, ["2019-01-31", "2019-02-01"]);
+        assert_eq!(day.index_of_condition, [0, 0, 1]);
+        assert_eq!(day.hours, [1.0; 3]);
+        assert_eq!(Periods::new(Every::Month, &s).labels, ["2019-01", "2019-02"]);
+        assert_eq!(Periods::new(Every::Year, &s).labels, ["2019"]);
+        assert_eq!(Periods::new(Every::Hour, &s).index_of_condition, [0, 1, 2]);
+    }
+
+    /// A typical year with months of two years is one `year` without years in its labels.
+    #[test]
+    fn typical_year() {
+        let s = series(&[(2007, 1, 1), (2004, 2, 1)]);
+        assert_eq!(Periods::new(Every::Day, &s).labels, ["01-01", "02-01"]);
+        assert_eq!(Periods::new(Every::Month, &s).labels, ["01", "02"]);
+        assert_eq!(Periods::new(Every::Year, &s).labels, ["year"]);
+    }
+
+    /// Two Januaries are two months and two years; no rows give no periods.
+    #[test]
+    fn several_years() {
+        let s = series(&[(2007, 1, 1), (2007, 2, 1), (2008, 1, 1)]);
+        assert_eq!(Periods::new(Every::Month, &s).labels, ["2007-01", "2007-02", "2008-01"]);
+        assert_eq!(Periods::new(Every::Year, &s).labels, ["2007", "2008"]);
+        assert_eq!(Periods::new(Every::Day, &[]).labels.len(), 0);
+    }
+
+    /// The four names are read; `week` is refused with the list.
+    #[test]
+    fn names() {
+        for (name, every) in
+            [("hour", Every::Hour), ("day", Every::Day), ("month", Every::Month), ("year", Every::Year)]
+        {
+            assert_eq!(name.parse::<Every>().expect("a name"), every);
+        }
+        let text = "week".parse::<Every>().expect_err("week").to_string();
+        assert!(text.contains("hour, day, month and year"), "{text}");
+    }
+}

@@ -1,0 +1,165 @@
+//! Where a table goes: the standard output, or a file that appears under its name only when it is complete.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Stdout, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// A byte sink of a table.
+pub struct Sink {
+    target: Target,
+    bytes: u64,
+}
+
+enum Target {
+    /// `None` once the reader has gone: what follows is dropped.
+    Stdout(Option<Stdout>),
+    File {
+        path: PathBuf,
+        partial: PathBuf,
+        /// `None` once finished.
+        file: Option<BufWriter<File>>,
+    },
+}
+
+impl Sink {
+    pub fn stdout() -> Self {
+        Sink { target: Target::Stdout(Some(io::stdout())), bytes: 0 }
+    }
+
+    /// Opens `NAME.partial` beside `path`; it gets its name at [`Sink::finish`] and is removed if that is never reached.
+    pub fn file(path: &Path) -> Result<Self> {
+        let mut name = path.as_os_str().to_os_string();
+        name.push(".partial");
+        let partial = PathBuf::from(name);
+        let file = File::create(&partial).map_err(Error::io(&partial, "create"))?;
+        Ok(Sink {
+            target: Target::File {
+                path: path.to_path_buf(),
+                partial,
+                file: Some(BufWriter::with_capacity(1 << 20, file)),
+            },
+            bytes: 0,
+        })
+    }
+
+    /// Name for messages.
+    pub fn path(&self) -> &Path {
+        match &self.target {
+            Target::Stdout(_) => Path::new("standard output"),
+            Target::File { path, .. } => path,
+        }
+    }
+
+    /// Bytes taken so far.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Whether nobody reads any more (`heliotile ... | head`): further rows need not be made.
+    pub fn is_closed(&self) -> bool {
+        matches!(self.target, Target::Stdout(None))
+    }
+
+    /// Makes the table visible: flushed, on disk, renamed.
+    pub fn finish(mut self) -> Result<u64> {
+        let (path, partial) = match &mut self.target {
+            Target::Stdout(_) => {
+                let flushed = self.flush();
+                return flushed.map(|()| self.bytes).map_err(Error::io(self.path(), "write to"));
+            }
+            Target::File { path, partial, .. } => (path.clone(), partial.clone()),
+        };
+        if let Target::File { file, .. } = &mut self.target
+            && let Some(mut file) = file.take()
+        {
+            let done =
+                file.flush().and_then(|()| file.get_ref().sync_all()).map_err(Error::io(&partial, "write")).and_then(
+                    |()| {
+                        drop(file);
+                        std::fs::rename(&partial, &path).map_err(Error::io(&path, "rename to"))
+                    },
+                );
+            if let Err(error) = done {
+                let _ = std::fs::remove_file(&partial);
+                return Err(error);
+            }
+        }
+        Ok(self.bytes)
+    }
+
+    /// A closed pipe is not an error: the reader has seen enough.
+    fn pipe<T>(&mut self, result: io::Result<T>, otherwise: T) -> io::Result<T> {
+        match (&mut self.target, result) {
+            (Target::Stdout(out), Err(e)) if e.kind() == io::ErrorKind::BrokenPipe => {
+                *out = None;
+                Ok(otherwise)
+            }
+            (_, result) => result,
+        }
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        let result = match &mut self.target {
+            Target::Stdout(Some(out)) => out.write(buffer),
+            Target::File { file: Some(file), .. } => file.write(buffer),
+            _ => return Ok(buffer.len()),
+        };
+        let written = self.pipe(result, buffer.len())?;
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let result = match &mut self.target {
+            Target::Stdout(Some(out)) => out.flush(),
+            Target::File { file: Some(file), .. } => file.flush(),
+            _ => Ok(()),
+        };
+        self.pipe(result, ())
+    }
+}
+
+impl Drop for Sink {
+    fn drop(&mut self) {
+        if let Target::File { partial, file, .. } = &mut self.target
+            && let Some(file) = file.take()
+        {
+            // What is buffered is not worth writing.
+            let _ = file.into_parts();
+            let _ = std::fs::remove_file(partial);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Before `finish` the file does not exist; a sink that is dropped leaves nothing (0 files); a finished one leaves 1 file.
+    #[test]
+    fn nothing_half_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("t.csv");
+        let count = || std::fs::read_dir(folder.path()).expect("a folder").count();
+        let mut sink = Sink::file(&path).expect("created");
+        sink.write_all(b"half").expect("written");
+        assert!(!path.exists());
+        drop(sink);
+        assert_eq!(count(), 0);
+        let mut sink = Sink::file(&path).expect("created");
+        sink.write_all(b"whole").expect("written");
+        assert_eq!(sink.finish().expect("finished"), 5);
+        assert_eq!((count(), std::fs::read(&path).expect("read").len()), (1, 5));
+    }
+
+    /// A folder that does not exist is an error that names the file.
+    #[test]
+    fn no_such_folder() {
+        let text = Sink::file(Path::new("/no/such/t.csv")).err().map(|e| e.to_string());
+        assert!(text.is_some_and(|t| t.starts_with("cannot create /no/such/t.csv.partial")));
+    }
+}

@@ -1,0 +1,156 @@
+//! Second and later bounces. In: the closed system of coarse cells and their reflectances. Out: each cell's radiosity per unit
+//! of irradiance from each direction of the sky.
+//!
+//! X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] ) for every sky texel t (one 3-vector each, as for the receiver's response;
+//! Goral et al. 1984 for the radiosity system). A fixed number of Jacobi steps is taken, so the result for a cell depends
+//! on the cells reachable from it only, not on which others are in the table.
+
+use rayon::prelude::*;
+
+use crate::hemisphere::texel_centres;
+use crate::layers::probes::{Bounces, DOWN, MISS, bit};
+
+/// How many times light may be reflected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// Until less than [`TOLERANCE`] of the light is left.
+    All,
+    /// At most this many diffuse reflections; 1 is the paper's model.
+    Count(u32),
+}
+
+/// Share of the reflected light that `Depth::All` may leave out.
+pub const TOLERANCE: f64 = 1e-4;
+
+/// Columns of the system solved together: small enough for a core's cache.
+const BLOCK: usize = 32;
+
+/// Solved system.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// [cell][axis][texel]: radiosity per unit normal irradiance is s . X; zero rows for cells that no cell sees.
+    pub radiosity: Vec<f32>,
+    /// Values of one cell: 3 x texels.
+    pub width: usize,
+}
+
+/// How one cell's two kinds of rays share its surroundings.
+#[derive(Clone, Copy, Debug)]
+pub struct Surround {
+    /// Cosine-weighted share of the hemisphere above the horizon that is not sky.
+    pub up: f64,
+    /// Cosine-weighted share below the horizon.
+    pub down: f64,
+}
+
+/// Shares of a cell with mean normal n and n x n sky bits. The share above the horizon is what the sky bits leave, so that
+/// sky and surroundings always add up to the whole hemisphere: a white furnace stays white.
+pub fn surround(normal: [f32; 3], bits: &[u8], centres: &[[f32; 3]]) -> Surround {
+    let share = 2.0 / centres.len() as f64;
+    let mut sky = 0.0;
+    for (t, d) in centres.iter().enumerate() {
+        if bit(bits, t) {
+            let cos = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
+            sky += f64::from(cos.max(0.0));
+        }
+    }
+    let half = (1.0 + f64::from(normal[2])) / 2.0;
+    Surround { up: (half - sky * share).max(0.0), down: (1.0 - half).max(0.0) }
+}
+
+/// Texel centres of an n x n texture in f32.
+pub fn centres_f32(n: usize) -> Vec<[f32; 3]> {
+    texel_centres(n).iter().map(|d| d.as_vec3().to_array()).collect()
+}
+
+/// Weights of the cells that one cell sees, for its rays above and below the horizon apart: each list sums to the share of
+/// rays that met something (of the rays that met something, for the upper ones). Sorted by first ray.
+pub fn seen(hits: &[u32]) -> (Vec<(u32, f32)>, Vec<(u32, f32)>) {
+    let below: Vec<u32> = hits.iter().filter(|&&h| h & DOWN != 0).map(|h| h & !DOWN).collect();
+    let above: Vec<u32> = hits.iter().filter(|&&h| h & DOWN == 0 && h != MISS).copied().collect();
+    let merge = |rays: &[u32]| {
+        let weight = 1.0 / rays.len().max(1) as f32;
+        let mut merged: Vec<(u32, f32)> = Vec::with_capacity(rays.len());
+        for &cell in rays.iter().filter(|&&h| h != MISS) {
+            match merged.iter_mut().find(|m| m.0 == cell) {
+                Some(m) => m.1 += weight,
+                None => merged.push((cell, weight)),
+            }
+        }
+        merged
+    };
+    (merge(&above), merge(&below))
+}
+
+/// Solves the system for `n` x `n` texels; `reflectance[material]` is the diffuse one.
+pub fn solve(cells: &Bounces, n: usize, reflectance: &[f64], depth: Depth) -> Solved {
+    let (texels, width) = (n * n, 3 * n * n);
+    let count = cells.keys.len();
+    let steps = match depth {
+        // The first reflection is the fine probe's, the second is the source term below.
+        Depth::Count(0 | 1) => return Solved { radiosity: vec![0.0; count * width], width },
+        Depth::Count(bounces) => bounces as usize - 2,
+        Depth::All => {
+            let largest = reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
+            (TOLERANCE.ln() / largest.ln()).ceil() as usize
+        }
+    };
+    let rho = |cell: usize| reflectance.get(usize::from(cells.keys[cell].material)).copied().unwrap_or(0.0) as f32;
+    let centres = centres_f32(n);
+    let rays = cells.hits.len().checked_div(count).unwrap_or(0);
+    let row_bytes = cells.bits.len().checked_div(count).unwrap_or(0);
+    let rows: Vec<Vec<(u32, f32)>> = (0..count)
+        .into_par_iter()
+        .map(|i| {
+            let bits = &cells.bits[i * row_bytes..(i + 1) * row_bytes];
+            let around = surround(cells.normals[i], bits, &centres);
+            let (above, below) = seen(&cells.hits[i * rays..(i + 1) * rays]);
+            let scaled = |list: Vec<(u32, f32)>, share: f64| {
+                list.into_iter().map(move |(cell, w)| (cell, w * share as f32 * rho(i)))
+            };
+            scaled(above, around.up).chain(scaled(below, around.down)).collect()
+        })
+        .collect();
+    let mut wanted = vec![false; count];
+    rows.iter().flatten().for_each(|&(cell, _)| wanted[cell as usize] = true);
+    let wanted: Vec<usize> = (0..count).filter(|&i| wanted[i]).collect();
+
+    let blocks: Vec<Vec<f32>> = (0..width.div_ceil(BLOCK))
+        .into_par_iter()
+        .map(|block| {
+            let columns = block * BLOCK..((block + 1) * BLOCK).min(width);
+            let mut source = vec![[0.0_f32; BLOCK]; count];
+            for &i in &wanted {
+                let bits = &cells.bits[i * row_bytes..(i + 1) * row_bytes];
+                for (slot, column) in columns.clone().enumerate() {
+                    let (axis, texel) = (column / texels, column % texels);
+                    if bit(bits, texel) {
+                        source[i][slot] = rho(i) * cells.normals[i][axis];
+                    }
+                }
+            }
+            let mut now = source.clone();
+            let mut next = source.clone();
+            for _ in 0..steps {
+                for &i in &wanted {
+                    let mut sum = source[i];
+                    for &(cell, weight) in &rows[i] {
+                        for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
+                            *s += weight * x;
+                        }
+                    }
+                    next[i] = sum;
+                }
+                std::mem::swap(&mut now, &mut next);
+            }
+            now.concat()
+        })
+        .collect();
+    let mut radiosity = vec![0.0; count * width];
+    radiosity.par_chunks_mut(width).enumerate().for_each(|(i, row)| {
+        for (part, block) in row.chunks_mut(BLOCK).zip(&blocks) {
+            part.copy_from_slice(&block[i * BLOCK..][..part.len()]);
+        }
+    });
+    Solved { radiosity, width }
+}

@@ -1,0 +1,102 @@
+//! Calendar dates of weather rows: proleptic Gregorian, standard time, no daylight saving.
+
+/// A checked calendar date.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Date {
+    pub year: i32,
+    /// 1..=12.
+    pub month: u32,
+    /// 1..=28, 29, 30 or 31.
+    pub day: u32,
+}
+
+/// Julian day number of 1970-01-01 00:00 UT.
+const JULIAN_DAY_OF_1970: f64 = 2_440_587.5;
+
+impl Date {
+    /// A date that exists, in the years 1 to 2999 (the range of the delta T estimate ends in 3000).
+    pub fn new(year: i32, month: u32, day: u32) -> Option<Self> {
+        let exists = (1..3000).contains(&year) && day >= 1 && day <= days_in_month(year, month);
+        exists.then_some(Date { year, month, day })
+    }
+
+    /// 1 on 1 January, 366 on 31 December of a leap year.
+    pub fn day_of_year(self) -> u32 {
+        (1..self.month).map(|m| days_in_month(self.year, m)).sum::<u32>() + self.day
+    }
+
+    /// Julian date (UT) of `minutes` after the local midnight that starts this date, in a zone `zone_hours` east.
+    pub fn julian_date(self, minutes: f64, zone_hours: f64) -> f64 {
+        let years_before = f64::from(self.year - 1);
+        let leap_days = (years_before / 4.0).floor() - (years_before / 100.0).floor() + (years_before / 400.0).floor();
+        // 1 January of the year 1 lies 719,162 days before 1970-01-01.
+        let days = years_before * 365.0 + leap_days + f64::from(self.day_of_year()) - 719_163.0;
+        JULIAN_DAY_OF_1970 + days + (minutes - 60.0 * zone_hours) / 1440.0
+    }
+
+    /// `YYYY-MM-DDTHH:MM`, for minutes of this date (0..1440).
+    pub fn label(self, minutes: u32) -> String {
+        let Date { year, month, day } = self;
+        format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}", minutes / 60, minutes % 60)
+    }
+
+    /// Whether `next` is the day after this one in a file whose months may come from different years: years are not
+    /// compared, 29 February may be absent, and 31 December is followed by 1 January.
+    pub fn is_followed_by(self, next: Date) -> bool {
+        let last = days_in_month(self.year, self.month);
+        if next.month == self.month {
+            return next.day == self.day + 1;
+        }
+        let at_end = self.day == last || (self.month == 2 && self.day == 28);
+        at_end && next.day == 1 && next.month == self.month % 12 + 1
+    }
+}
+
+fn days_in_month(year: i32, month: u32) -> u32 {
+    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    match month {
+        1 | 3 | 5 | 7 | 8 | 10 | 12 => 31,
+        4 | 6 | 9 | 11 => 30,
+        2 if leap => 29,
+        2 => 28,
+        _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Julian dates agree with Reda and Andreas (2003), table A4.1: 2000-01-01 12:00 UT is 2451545.0, 1987-01-27 00:00 is
+    /// 2446822.5, 1600-12-31 00:00 is 2305812.5.
+    #[test]
+    fn julian_dates() {
+        for (year, month, day, minutes, expected) in
+            [(2000, 1, 1, 720.0, 2_451_545.0), (1987, 1, 27, 0.0, 2_446_822.5), (1600, 12, 31, 0.0, 2_305_812.5)]
+        {
+            let date = Date::new(year, month, day).expect("a date");
+            assert_eq!(date.julian_date(minutes, 0.0), expected);
+        }
+    }
+
+    /// 29 February exists in 2000 and 2016, not in 1900 and 2007; 31 December 2016 is day 366.
+    #[test]
+    fn leap_years() {
+        for (year, exists) in [(2000, true), (2016, true), (1900, false), (2007, false)] {
+            assert_eq!(Date::new(year, 2, 29).is_some(), exists, "{year}");
+        }
+        assert_eq!(Date::new(2016, 12, 31).expect("a date").day_of_year(), 366);
+        assert!(Date::new(2016, 13, 1).is_none() && Date::new(2016, 4, 31).is_none());
+    }
+
+    /// The day after 28 February may be 29 February or 1 March, whatever the years; two days on is not the day after.
+    #[test]
+    fn next_days() {
+        let date = |y, m, d| Date::new(y, m, d).expect("a date");
+        assert!(date(2008, 2, 28).is_followed_by(date(2008, 2, 29)));
+        assert!(date(2008, 2, 28).is_followed_by(date(2013, 3, 1)));
+        assert!(date(2016, 12, 31).is_followed_by(date(2016, 1, 1)));
+        assert!(!date(2016, 12, 30).is_followed_by(date(2017, 1, 1)));
+        assert!(!date(2016, 3, 1).is_followed_by(date(2016, 3, 3)));
+    }
+}

@@ -1,0 +1,211 @@
+//! Tests of [`super`].
+
+use super::super::calendar::Date;
+use super::super::sun::Site;
+use super::*;
+
+const HEADER: &str = "LOCATION,Town,S,Country,X,0,45.0,8.0,1.0,250\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n\
+                      GROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,\nCOMMENTS 2,\n";
+
+/// A data row with 35 columns; `light` is GHI, DNI, DHI.
+fn row(clock: [u32; 5], light: &str) -> String {
+    let clock = clock.map(|n| n.to_string()).join(",");
+    format!("{clock},?9,1,1,1,1,1,1,1,{light},1,1,1,1,1,1,1,1,1,1,1,1,1,1,999,1,999,1,1\n")
+}
+
+fn read(rows: &str) -> Result<Weather> {
+    file(&format!("{HEADER}DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n{rows}"))
+}
+
+fn file(text: &str) -> Result<Weather> {
+    parse(Path::new("w.epw"), text.as_bytes())
+}
+
+fn hours(days: &[(u32, u32, u32)], light: &str) -> String {
+    let rows = days.iter().flat_map(|&(y, m, d)| (1..=24).map(move |h| row([y, m, d, h, 0], light)));
+    rows.collect()
+}
+
+/// The committed cut of a TMY3 file: 72 rows of March at 39.74 N, UTC-7; noon of 20 March has the file's numbers, albedo 0.47
+/// or so and no warning; closure is below 3 W/m2 RMSE at mid-interval and best there.
+#[test]
+fn typical_year_cut() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_3_days.epw");
+    let w = read_epw(&path).expect("valid");
+    assert_eq!((w.rows.len(), w.interval_hours), (72, 1.0));
+    assert_eq!((w.site.latitude_deg, w.site.zone_hours), (39.74, -7.0));
+    assert_eq!(w.place, "Denver Centennial  Golden   Nr, USA");
+    assert!(w.report.warnings.is_empty(), "{:?}", w.report.warnings);
+    assert!(w.rows.iter().all(|r| r.albedo.is_some_and(|a| a > 0.1) && r.snow_depth_cm == Some(0.0)));
+    let closure = w.report.closure.expect("enough rows");
+    assert!(closure.rmse_w_m2 < 3.0 && closure.best_shift_min == 0, "{closure:?}");
+    let conditions = w.conditions(4);
+    assert_eq!(conditions[0].label, format!("{}-03-20T00:00", w.rows[0].interval.date.year));
+    let noon = &conditions[12];
+    let horizontal: f64 = noon.suns.iter().map(|i| i.weight * i.sun.z).sum();
+    let ghi = noon.dhi_w_m2 + noon.dni_w_m2 * horizontal;
+    assert!((ghi - w.rows[12].ghi_w_m2.expect("given")).abs() < 3.0, "{ghi}");
+    let days: Vec<u32> = conditions.iter().filter_map(|c| c.stamp.map(|s| s.date.day)).collect();
+    assert_eq!((days[23], days[24]), (20, 21));
+}
+
+/// Hour 24 ends its own day: it starts at 23:00, and minute 60 means the same as minute 0.
+#[test]
+fn hour_24() {
+    for minute in [0, 60] {
+        let day: String = (1..=24).map(|h| row([2017, 12, 31, h, minute], "0,0,0")).collect();
+        let w = read(&day).expect("valid");
+        let c = w.conditions(1);
+        assert_eq!((c.len(), c[23].label.as_str()), (24, "2017-12-31T23:00"));
+    }
+}
+
+/// 29 February is read in a leap year and may be absent; 2007-02-29 does not exist. Months of different years follow on.
+#[test]
+fn leap_day_and_typical_years() {
+    for days in [
+        [(2016, 2, 28), (2016, 2, 29), (2016, 3, 1)],
+        [(2016, 2, 27), (2016, 2, 28), (2016, 3, 1)],
+        [(2008, 2, 27), (2008, 2, 28), (2013, 3, 1)],
+        [(2016, 12, 30), (2016, 12, 31), (2018, 1, 1)],
+    ] {
+        assert_eq!(read(&hours(&days, "0,0,0")).expect("valid").rows.len(), 72);
+    }
+    let text = read(&hours(&[(2007, 2, 29)], "0,0,0")).expect_err("no such day").to_string();
+    assert!(text.contains("line 9: the date 2007-2-29 does not exist"), "{text}");
+}
+
+/// Missing DHI is GHI - DNI cos z and missing DNI (GHI - DHI) / cos z with the hour's mean cosine, to 0.1 W/m2; near sunrise
+/// DNI is 0; with two missing both are 0. The report counts 4 and 2 rows and names lines.
+#[test]
+fn missing_values() {
+    let rows = [
+        row([2018, 6, 1, 12, 0], "9999,700,100"),
+        row([2018, 6, 1, 13, 0], "700,9999,100"),
+        row([2018, 6, 1, 14, 0], "700,600,9999"),
+        row([2018, 6, 1, 15, 0], "700,9999,9999"),
+        row([2018, 6, 1, 16, 0], "9999,9999,50"),
+        row([2018, 6, 1, 17, 0], "700,9999.9,100"),
+    ];
+    let night = row([2018, 6, 1, 3, 0], "12,9999,5");
+    let w = read(&rows.concat()).expect("valid");
+    assert_eq!((w.rows[0].dni_w_m2, w.rows[0].dhi_w_m2), (700.0, 100.0));
+    for i in [1, 2, 5] {
+        let r = &w.rows[i];
+        let suns = w.site.sunlit(&r.interval, r.sun, 30);
+        let cosine = suns.iter().map(|s| s.z).sum::<f64>() / 30.0;
+        assert!((r.dhi_w_m2 + r.dni_w_m2 * cosine - 700.0).abs() < 0.5, "{i}");
+    }
+    assert_eq!((w.rows[1].dhi_w_m2, w.rows[2].dni_w_m2), (100.0, 600.0));
+    assert_eq!((w.rows[3].dni_w_m2, w.rows[3].dhi_w_m2), (0.0, 0.0));
+    assert_eq!((w.rows[4].dni_w_m2, w.rows[4].dhi_w_m2), (0.0, 50.0));
+    assert_eq!((w.report.reconstructed_rows, w.report.zeroed_rows), (3, 2));
+    let text = w.report.warnings.join("\n");
+    assert!(text.contains("line 10 and on: missing DNI or DHI of 3 rows computed"), "{text}");
+    assert!(text.contains("line 12 and on: missing DNI or DHI of 2 rows set to 0"), "{text}");
+    let w = read(&night).expect("valid");
+    assert_eq!((w.rows[0].dni_w_m2, w.rows[0].dhi_w_m2), (0.0, 12.0));
+}
+
+/// In the polar night (70 N, 21 December) 24 hours of DNI 10 have no suns: counted as 24 hours and 0.24 kWh/m2.
+#[test]
+fn polar_night() {
+    let text = HEADER.replace("45.0,8.0,1.0", "70.0,25.0,1.0");
+    let rows = hours(&[(2019, 12, 21)], "5,10,5");
+    let w = file(&format!("{text}DATA PERIODS,1,1\n{rows}")).expect("valid");
+    assert_eq!(w.report.dni_below_horizon_hours, 24.0);
+    assert!((w.report.dni_below_horizon_kwh_m2 - 0.24).abs() < 1e-12);
+    assert_eq!(w.report.warnings.len(), 1);
+    assert!(w.conditions(3).iter().all(|c| c.suns.is_empty() && c.sky_sun.is_finite()));
+}
+
+/// A zone of 5.5 h is not rounded: in Delhi (77.2 E, 5.3 deg west of its meridian, 7.4 min equation of time on 21 March) solar
+/// noon is at 12:28.6, so the sun of 12:00-13:00, turned back by 1.4 min, stands in the south to 0.3 deg.
+#[test]
+fn half_hour_zone() {
+    let text = HEADER.replace("45.0,8.0,1.0", "28.6,77.2,5.5");
+    let rows = hours(&[(2019, 3, 21)], "5,0,5");
+    let w = file(&format!("{text}DATA PERIODS,1,1\n{rows}")).expect("valid");
+    let sun = w.rows[12].sun;
+    let noon = w.site.turned(sun, -1.4);
+    assert!(noon.x.abs() < 0.005 && noon.y < 0.0, "{noon}");
+}
+
+/// A quarter-hourly file gives 96 intervals of 0.25 h a day, the first from 00:00, the last from 23:45; a missing quarter and
+/// 7 records an hour are refused.
+#[test]
+fn sub_hourly() {
+    let quarters: Vec<String> =
+        (1..=24).flat_map(|h| [15, 30, 45, 60].map(|m| row([2019, 5, 1, h, m], "0,0,0"))).collect();
+    let header = format!("{HEADER}DATA PERIODS,1,4,Data\n");
+    let w = file(&format!("{header}{}", quarters.concat())).expect("valid");
+    let c = w.conditions(1);
+    assert_eq!((c.len(), w.interval_hours), (96, 0.25));
+    assert_eq!((c[0].label.as_str(), c[95].label.as_str()), ("2019-05-01T00:00", "2019-05-01T23:45"));
+    let holed = [&quarters[..10], &quarters[11..]].concat().concat();
+    let text = file(&format!("{header}{holed}")).expect_err("a hole").to_string();
+    assert!(text.contains("line 19: the row starts at 2019-05-01T02:45"), "{text}");
+    let text = file(&format!("{HEADER}DATA PERIODS,1,7\n")).expect_err("7").to_string();
+    assert!(text.contains("divisors of 60"), "{text}");
+    let odd = row([2019, 5, 1, 1, 20], "0,0,0");
+    assert!(file(&format!("{header}{odd}")).is_err());
+}
+
+/// 45 days of rows whose light belongs to a sun 96 min after mid-interval are flagged with a best shift of 90 or 105 min; the
+/// same with the right sun gives no warning and an RMSE below 0.1 W/m2.
+#[test]
+fn wrong_time_stamps() {
+    let site = Site::new(45.0, 8.0, 1.0, 250.0).expect("a site");
+    for (late_min, flagged) in [(0.0, false), (96.0, true), (-60.0, true)] {
+        let mut rows = String::new();
+        for (month, last) in [(3, 31), (4, 14)] {
+            for day in 1..=last {
+                let date = Date::new(2018, month, day).expect("a date");
+                for hour in 1..=24_u32 {
+                    let sun = site.sun(date, f64::from(hour) * 60.0 - 30.0 + late_min);
+                    let dni = if sun.z > 0.05 { 700.0 } else { 0.0 };
+                    let light = format!("{},{dni},60", 60.0 + dni * sun.z.max(0.0));
+                    rows += &row([2018, month, day, hour, 0], &light);
+                }
+            }
+        }
+        let report = read(&rows).expect("valid").report;
+        let closure = report.closure.expect("enough rows");
+        let text = report.warnings.join("\n");
+        assert_eq!(text.contains("Nothing was shifted"), flagged, "{closure:?} {text}");
+        assert!((f64::from(closure.best_shift_min) - late_min).abs() <= 15.0, "{closure:?}");
+        assert!(flagged || closure.rmse_w_m2 < 0.1, "{closure:?}");
+    }
+}
+
+/// Broken rows and headers are errors that name line and column: 12 cases.
+#[test]
+fn errors_name_line_and_column() {
+    for (rows, expected) in [
+        (row([2018, 1, 1, 1, 0], "0,-5,0"), "line 9: column `direct normal radiation` holds `-5`"),
+        (row([2018, 1, 1, 1, 0], "0,0,x"), "column `diffuse horizontal radiation` holds `x`"),
+        (row([2018, 1, 1, 1, 0], "NaN,0,0"), "column `global horizontal radiation` holds `NaN`"),
+        (row([2018, 1, 1, 25, 0], "0,0,0"), "column `hour` holds `25`"),
+        (row([2018, 1, 1, 0, 0], "0,0,0"), "column `hour` holds `0`"),
+        (row([0, 1, 1, 1, 0], "0,0,0"), "the date 0-1-1 does not exist"),
+        (row([4_000_000_000, 1, 1, 1, 0], "0,0,0"), "does not exist"),
+        (row([2018, 13, 1, 1, 0], "0,0,0"), "the date 2018-13-1 does not exist"),
+        ("a,b\n".to_string(), "the row has 2 columns instead of 35"),
+        (row([2018, 1, 1, 1, 0], "0,0,0") + "2018,1,1,2,0,?", "line 10: the row has 6 columns instead of 35"),
+        (row([2018, 1, 1, 1, 0], "0,0,0").repeat(2), "line 10: the row starts at 2018-01-01T00:00"),
+        (String::new(), "the file has no weather rows"),
+    ] {
+        let text = read(&rows).expect_err(expected).to_string();
+        assert!(text.starts_with("w.epw") && text.contains(expected), "{text}");
+    }
+    for (text, expected) in [
+        ("", "does not start with LOCATION"),
+        ("LOCATION,a,b\n", "latitude of LOCATION holds ``"),
+        ("LOCATION,a,b,c,d,e,95,8,1,0\n", "latitude is 95"),
+        (HEADER, "DATA PERIODS is missing"),
+    ] {
+        let text = file(text).expect_err(expected).to_string();
+        assert!(text.contains(expected), "{text}");
+    }
+    assert!(parse(Path::new("w.epw"), &[0xff, 0, 10, 13, 200]).is_err());
+}

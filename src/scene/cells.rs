@@ -1,0 +1,185 @@
+//! Cells: how surfaces are cut into patches that probes stand for. In: a hit (point, normal, material, distance). Out: its key.
+//!
+//! A key depends on the surface point and a cell size only, never on who asked. Sizes are powers of two and their grids
+//! nest, so the cell of a coarser level holds whole cells of every finer one.
+
+use glam::DVec3;
+
+use crate::hemisphere::mix;
+
+/// The voxel grid is shifted by this much (metres, relative to the scene origin), so that walls and floors on round
+/// coordinates do not lie in the boundary between two voxels at any level.
+const GRID_SHIFT_M: DVec3 = DVec3::new(0.138_196_6, 0.209_017_0, 0.072_949_0);
+
+/// Number of facing bins of fine cells: six cube faces of 3 x 3. Codes from here on name whole faces, for coarse cells.
+const FACINGS: u8 = 54;
+
+/// Added to the facing of cells that are the back of their triangles. Light on the outside of a wall is not seen from
+/// inside the solid, though both sides of two neighbours may share a voxel and a facing.
+const BACK: u8 = 64;
+
+/// Name of a surface patch: the surfaces of one material that face one way inside one voxel of edge 2^level metres.
+/// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64 for the triangles' back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct CellKey {
+    pub level: i8,
+    pub facing: u8,
+    pub material: u16,
+    pub voxel: [i32; 3],
+}
+
+impl CellKey {
+    /// Cell of edge 2^level metres that holds a surface point; `outward` is the triangle's normal, `back` says that its other
+    /// side is seen.
+    pub fn new(point: DVec3, outward: DVec3, back: bool, material: u16, level: i8) -> Self {
+        let size = size_of(level);
+        let p = (point + GRID_SHIFT_M) / size;
+        CellKey {
+            level,
+            facing: facing_code(outward, back),
+            material,
+            // `as` saturates: no input can overflow.
+            voxel: [p.x.floor() as i32, p.y.floor() as i32, p.z.floor() as i32],
+        }
+    }
+
+    /// The coarse cell of at least level `level` that this cell lies in: a whole cube face of directions.
+    pub fn coarse(self, level: i8) -> Self {
+        let shift = u32::from(level.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
+        CellKey {
+            level: self.level.max(level),
+            facing: FACINGS + self.face() + (self.facing & BACK),
+            voxel: self.voxel.map(|v| v >> shift),
+            ..self
+        }
+    }
+
+    /// The normal of this cell's side of a triangle, if the triangle belongs to the cell.
+    pub fn side_of(self, outward: DVec3) -> Option<DVec3> {
+        let back = self.facing & BACK != 0;
+        let bin = facing_code(outward, back) & !BACK;
+        let belongs = if self.bin() < FACINGS { self.bin() == bin } else { self.face() == bin / 9 };
+        belongs.then_some(if back { -outward } else { outward })
+    }
+
+    fn bin(self) -> u8 {
+        self.facing & !BACK
+    }
+
+    /// Cube face 0..6: x+, x-, y+, y-, z+, z-.
+    fn face(self) -> u8 {
+        if self.bin() < FACINGS { self.bin() / 9 } else { (self.bin() - FACINGS) % 6 }
+    }
+
+    /// Corners of the voxel, metres relative to the scene origin.
+    pub fn bounds(self) -> (DVec3, DVec3) {
+        let size = size_of(self.level);
+        let low = DVec3::from(self.voxel.map(f64::from)) * size - GRID_SHIFT_M;
+        (low, low + size)
+    }
+
+    /// Axis (0 x, 1 y, 2 z) and sign of the cube face that this cell's facing lies on.
+    pub fn axis(self) -> (usize, f64) {
+        let face = self.face();
+        (usize::from(face / 2), if face.is_multiple_of(2) { 1.0 } else { -1.0 })
+    }
+
+    /// Seed of everything random about this cell.
+    pub fn seed(self) -> u64 {
+        let head = (u64::from(self.level as u8) << 32) | (u64::from(self.facing) << 16) | u64::from(self.material);
+        self.voxel.iter().fold(mix(0x6365_6c6c, head), |state, &v| mix(state, u64::from(v as u32)))
+    }
+}
+
+/// Edge of a cell of this level, metres.
+pub fn size_of(level: i8) -> f64 {
+    f64::powi(2.0, i32::from(level))
+}
+
+/// Level whose size is nearest (as a ratio) to `size_m`; exact exponent arithmetic, equal on every processor.
+pub fn level_of(size_m: f64) -> i8 {
+    let exponent = ((size_m * std::f64::consts::SQRT_2).to_bits() >> 52) as i64 - 1023;
+    exponent.clamp(-12, 24) as i8
+}
+
+/// Facing of one side of a triangle with this unit normal.
+fn facing_code(outward: DVec3, back: bool) -> u8 {
+    if back { facing_bin(-outward) + BACK } else { facing_bin(outward) }
+}
+
+/// Bin of a unit vector: cube face (x+, x-, y+, y-, z+, z-), then its 3 x 3 part.
+fn facing_bin(n: DVec3) -> u8 {
+    let a = n.abs();
+    let (axis, p, q, major) = if a.z >= a.x && a.z >= a.y {
+        (2, n.x, n.y, n.z)
+    } else if a.x >= a.y {
+        (0, n.y, n.z, n.x)
+    } else {
+        (1, n.x, n.z, n.y)
+    };
+    let third = |t: f64| -> u8 {
+        // major is the largest of three components of a unit vector: at least 0.57.
+        let t = t / major.abs();
+        u8::from(t > -1.0 / 3.0) + u8::from(t > 1.0 / 3.0)
+    };
+    (axis * 2 + u8::from(major < 0.0)) * 9 + third(p) * 3 + third(q)
+}
+
+/// Seed of a receiver's own jitter: its place to the millimetre and its normal, so that neither its name nor its order counts.
+pub fn receiver_seed(position: DVec3, normal: DVec3) -> u64 {
+    let q = |v: f64, unit: f64| ((v / unit + 0.381_966).floor() as i64) as u64;
+    let p = (position + GRID_SHIFT_M).to_array().map(|v| q(v, 1e-3));
+    let n = normal.to_array().map(|v| q(v, 1e-4));
+    p.iter().chain(&n).fold(0x7265_6376, |state, &v| mix(state, v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Grids nest: the coarse cell of a point's fine cell is the point's own, for 1,000 points and 8 levels.
+    #[test]
+    fn grids_nest() {
+        let mut state = 1;
+        for _ in 0..1000 {
+            state = mix(state, 7);
+            let p = DVec3::new((state % 2001) as f64, (state % 977) as f64, (state % 331) as f64) * 0.37 - 300.0;
+            let fine = CellKey::new(p, DVec3::Z, false, 3, -1);
+            for level in -1..7 {
+                assert_eq!(fine.coarse(level), CellKey::new(p, DVec3::Z, false, 3, level).coarse(level));
+                assert_eq!(fine.coarse(level).side_of(DVec3::Z), Some(DVec3::Z));
+            }
+            let (low, high) = fine.bounds();
+            assert!(p.cmpge(low - 1e-9).all() && p.cmple(high + 1e-9).all());
+        }
+    }
+
+    /// All 54 facing bins are reached, and opposite normals never share one.
+    #[test]
+    fn facings() {
+        let mut seen = std::collections::BTreeSet::new();
+        for i in 0..4000_u64 {
+            let d = crate::hemisphere::direction_of(crate::hemisphere::jitter(5, i));
+            let d = if i % 2 == 0 { d } else { -d };
+            assert_ne!(facing_bin(d), facing_bin(-d));
+            seen.insert(facing_bin(d));
+        }
+        assert_eq!(seen.len(), usize::from(FACINGS));
+    }
+
+    /// The back of a triangle that faces up is a cell that faces down, and no front belongs to it: 2 of 4 pairs match.
+    #[test]
+    fn sides() {
+        let cells = [false, true].map(|back| CellKey::new(DVec3::ONE, DVec3::Z, back, 0, 1));
+        assert_eq!(cells.map(|c| c.side_of(DVec3::Z)), [Some(DVec3::Z), Some(DVec3::NEG_Z)]);
+        assert_eq!(cells.map(|c| c.side_of(DVec3::NEG_Z)), [None, None]);
+        assert_eq!(cells.map(CellKey::axis), [(2, 1.0), (2, -1.0)]);
+    }
+
+    /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5.
+    #[test]
+    fn levels() {
+        assert_eq!([0.5, 1.4, 1.5, 4.0, 30.0].map(level_of), [-1, 0, 1, 2, 5]);
+        assert_eq!(size_of(-1), 0.5);
+    }
+}

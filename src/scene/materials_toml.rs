@@ -1,0 +1,176 @@
+//! In: `materials.toml`. Out: checked materials by name, used or not.
+
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::materials::{Class, Material, Table, table_header};
+use super::text::{excerpt, line_of_offset, without_byte_order_mark};
+use crate::error::{Error, Result};
+
+const KEYS: &str = "valid keys are `diffuse` and `specular` (numbers from 0 to 1), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
+
+pub(super) fn read_toml(path: &Path) -> Result<Table> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    let bytes = without_byte_order_mark(&bytes);
+    let text = std::str::from_utf8(bytes).map_err(|bad| {
+        Error::input(path, line_of_offset(bytes, bad.valid_up_to()), "the text is not UTF-8", "save the file as UTF-8")
+    })?;
+    parse_toml(text, path)
+}
+
+/// Checks every table, used or not: a misspelt key must not wait for the next scene.
+pub(super) fn parse_toml(text: &str, file: &Path) -> Result<Table> {
+    let reader = Reader { text, file };
+    let document = DeTable::parse(text).map_err(|error| {
+        let hint = "write one table per material, names with blanks or dots in quotes: [\"flat roof\"]";
+        reader.error(error.span().unwrap_or(0..0), error.message(), hint)
+    })?;
+    let mut entries: Vec<_> = document.get_ref().iter().collect();
+    entries.sort_by_key(|(name, _)| name.span().start);
+    let mut table = Table::new();
+    for (name, value) in entries {
+        let material = reader.material(name.get_ref(), name.span(), value.get_ref())?;
+        table.insert(material.name.clone(), material);
+    }
+    Ok(table)
+}
+
+struct Reader<'t> {
+    text: &'t str,
+    file: &'t Path,
+}
+
+impl Reader<'_> {
+    fn error(&self, span: Range<usize>, what: impl Into<String>, hint: impl Into<String>) -> Error {
+        Error::input(self.file, line_of_offset(self.text.as_bytes(), span.start), what, hint)
+    }
+
+    fn material(&self, name: &str, place: Range<usize>, value: &DeValue) -> Result<Material> {
+        let shown = excerpt(name.as_bytes());
+        if name == "endless_ground" {
+            let line = line_of_offset(self.text.as_bytes(), place.start);
+            return Err(Error::Unsupported {
+                what: format!("{}, line {line}", self.file.display()),
+                found: "the reserved table [endless_ground]".to_owned(),
+                supported: "materials of the OBJ file only".to_owned(),
+            });
+        }
+        let DeValue::Table(keys) = value else {
+            let hint = format!("begin a table with its name: {}; {KEYS}", table_header("roof"));
+            return Err(self.error(place, format!("key `{shown}` stands outside any material"), hint));
+        };
+        let mut entries: Vec<_> = keys.iter().collect();
+        entries.sort_by_key(|(key, _)| key.span().start);
+        let (mut diffuse, mut specular, mut class, mut group) = (None, 0.0, None, None);
+        for (key, value) in entries {
+            match (key.get_ref().as_ref(), value.get_ref()) {
+                ("diffuse", _) => diffuse = Some(self.reflectance(name, "diffuse", value)?),
+                ("specular", _) => specular = self.reflectance(name, "specular", value)?,
+                ("class", DeValue::String(text)) if text == "ground" => class = Some(Class::Ground),
+                ("class", DeValue::String(text)) if text == "obstruction" => class = Some(Class::Obstruction),
+                ("group", DeValue::String(text)) if !text.trim().is_empty() => group = Some(text.to_string()),
+                ("class" | "group", _) => {
+                    let what = format!("`{}` of material `{shown}` is {}", key.get_ref(), self.quote(value));
+                    return Err(self.error(value.span(), what, KEYS));
+                }
+                (inner, DeValue::Table(_)) => {
+                    let whole = table_header(&format!("{name}.{inner}"));
+                    let what = format!("material `{shown}` holds a table `{}`", excerpt(inner.as_bytes()));
+                    let hint = format!("if the name holds a dot, put it in quotes: {whole}; {KEYS}");
+                    return Err(self.error(key.span(), what, hint));
+                }
+                (unknown, _) => {
+                    let what = format!("unknown key `{}` of material `{shown}`", excerpt(unknown.as_bytes()));
+                    return Err(self.error(key.span(), what, KEYS));
+                }
+            }
+        }
+        let Some(diffuse) = diffuse else {
+            return Err(self.error(place, format!("material `{shown}` has no `diffuse`"), "add a line: diffuse = 0.2"));
+        };
+        Material::check_reflectances(diffuse, specular)
+            .map_err(|what| self.error(place, format!("material `{shown}`: {what}"), KEYS))?;
+        Ok(Material {
+            name: name.to_owned(),
+            diffuse,
+            specular,
+            class: class.unwrap_or_else(|| Class::of_name(name)),
+            group,
+        })
+    }
+
+    fn reflectance(&self, name: &str, key: &str, value: &Spanned<DeValue>) -> Result<f64> {
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse().ok(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+            _ => None,
+        };
+        number.filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
+            let what = format!(
+                "`{key}` of material `{}` is {}, not a number from 0 to 1",
+                excerpt(name.as_bytes()),
+                self.quote(value)
+            );
+            self.error(value.span(), what, KEYS)
+        })
+    }
+
+    /// The value as it stands in the file.
+    fn quote(&self, value: &Spanned<DeValue>) -> String {
+        excerpt(self.text.get(value.span()).unwrap_or_default().as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Table> {
+        parse_toml(text, Path::new("materials.toml"))
+    }
+
+    /// Quoted names, optional keys and integers are read; `specular` is 0 and the class follows the name where not given.
+    #[test]
+    fn reads() {
+        let table = parse(
+            "[\"flat roof.1\"]\ndiffuse = 1\n[Road]\ndiffuse = 0.1\nclass = \"obstruction\"\n[mirror]\ndiffuse = 0.05\n\
+             specular = 0.9\ngroup = \"facade\"\n[TINRelief]\ndiffuse = 2e-1",
+        )
+        .expect("readable");
+        let roof = &table["flat roof.1"];
+        assert_eq!((roof.diffuse, roof.specular, roof.class), (1.0, 0.0, Class::Obstruction));
+        assert_eq!(table["Road"].class, Class::Obstruction);
+        assert_eq!((table["mirror"].specular, table["mirror"].group.as_deref()), (0.9, Some("facade")));
+        assert_eq!((table["TINRelief"].diffuse, table["TINRelief"].class), (0.2, Class::Ground));
+    }
+
+    /// Every refusal names the file, the line and the offending text.
+    #[test]
+    fn refusals() {
+        for (text, line, quoted) in [
+            ("[roof]\ndifuse = 0.2", 2, "unknown key `difuse` of material `roof`"),
+            ("[roof]\nspecular = 0.2", 1, "`roof` has no `diffuse`"),
+            ("[roof]\n\ndiffuse = \"0.2\"", 3, "is \"0.2\", not a number"),
+            ("[roof]\ndiffuse = nan", 2, "is nan,"),
+            ("[roof]\ndiffuse = inf", 2, "is inf,"),
+            ("[roof]\ndiffuse = 20", 2, "is 20,"),
+            ("[roof]\ndiffuse = -0.1", 2, "is -0.1,"),
+            ("[a]\ndiffuse = 0.1\n[roof]\ndiffuse = 0.6\nspecular = 0.6", 3, "add up to more than 1"),
+            ("[roof]\ndiffuse = 0.2\nclass = \"roof\"", 3, "is \"roof\""),
+            ("[roof]\ndiffuse = 0.2\ngroup = \"\"", 3, "`group` of material `roof` is \"\""),
+            ("diffuse = 0.2", 1, "`diffuse` stands outside any material"),
+            ("[roof.red]\ndiffuse = 0.2", 1, "[\"roof.red\"]"),
+            ("[roof]\ndiffuse = 0.2\n[roof]\ndiffuse = 0.3", 3, "duplicate key"),
+            ("[roof\ndiffuse = 0.2", 1, "quotes"),
+            ("\n[endless_ground]\nalbedo = 0.2", 2, "[endless_ground]"),
+        ] {
+            let message = parse(text).expect_err(text).to_string();
+            assert!(message.starts_with(&format!("materials.toml, line {line}")), "{text:?}: {message}");
+            assert!(message.contains(quoted), "{text:?}: {message}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! In: receivers in file order. Out: the order along a Morton curve, in which neighbours share tiles.
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use super::mesh::lexicographic;
+use super::receivers::Receiver;
+
+/// Edge of the curve's cells; with 21 bits an axis it spans 524 km around the origin.
+const CELL_M: f64 = 0.25;
+const BITS: u32 = 21;
+
+/// Indices of the receivers by 63-bit Morton code of `position - origin`, then by exact position, normal and id, so that
+/// the order of the file does not matter. Beyond 262 km from the origin the code is clamped, the order stays total.
+pub fn morton_order(receivers: &[Receiver], origin: DVec3) -> Vec<usize> {
+    let mut keyed: Vec<(u64, &Receiver, usize)> = receivers
+        .iter()
+        .enumerate()
+        .map(|(i, receiver)| (morton_code(receiver.position - origin), receiver, i))
+        .collect();
+    keyed.sort_by(|(code_a, a, _), (code_b, b, _)| code_a.cmp(code_b).then_with(|| exact_order(a, b)));
+    keyed.into_iter().map(|(_, _, i)| i).collect()
+}
+
+fn exact_order(a: &Receiver, b: &Receiver) -> Ordering {
+    lexicographic(a.position, b.position).then_with(|| lexicographic(a.normal, b.normal)).then_with(|| a.id.cmp(&b.id))
+}
+
+/// Interleaves the cell numbers of the axes, x in the lowest bit (G. M. Morton, 1966).
+fn morton_code(relative: DVec3) -> u64 {
+    let [x, y, z] = relative.to_array().map(|metres| {
+        let middle = f64::from(1_u32 << (BITS - 1));
+        let last = f64::from((1_u32 << BITS) - 1);
+        // `as` takes what is not a number to 0.
+        spread((metres / CELL_M + middle).floor().clamp(0.0, last) as u64)
+    });
+    x | y << 1 | z << 2
+}
+
+/// Puts two zero bits after each of the lowest 21 bits.
+fn spread(bits: u64) -> u64 {
+    let mut bits = bits & 0x1f_ffff;
+    for (shift, mask) in [
+        (32, 0x001f_0000_0000_ffff),
+        (16, 0x001f_0000_ff00_00ff),
+        (8, 0x100f_00f0_0f00_f00f),
+        (4, 0x10c3_0c30_c30c_30c3),
+        (2, 0x1249_2492_4924_9249),
+    ] {
+        bits = (bits | bits << shift) & mask;
+    }
+    bits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn receiver(id: &str, position: [f64; 3]) -> Receiver {
+        Receiver { id: id.to_owned(), position: position.into(), normal: DVec3::Z, area: None, surface: None }
+    }
+
+    /// The code's bits are x, y, z of the cell in turn; its middle is the origin, its ends are clamped.
+    #[test]
+    fn code() {
+        assert_eq!(spread(0x1f_ffff), 0x1249_2492_4924_9249);
+        let middle = 7 << 60;
+        assert_eq!(morton_code(DVec3::ZERO), middle);
+        assert_eq!(morton_code(DVec3::new(0.25, 0.5, 0.3)), middle | 0b001 | 0b010 << 3 | 0b100);
+        assert_eq!(morton_code(DVec3::splat(1e9)), (1 << 63) - 1);
+        assert_eq!(morton_code(DVec3::splat(-1e9)), 0);
+    }
+
+    /// Any order of the file gives the same order of receivers, equal cells and equal places included.
+    #[test]
+    fn independent_of_file_order() {
+        let mut receivers: Vec<Receiver> = (0..300_u32)
+            .map(|i| {
+                let scatter = |k: u32| f64::from(i / 2 * k % 37) * 0.11;
+                receiver(&format!("r{i}"), [78_000.0 + scatter(7), 457_000.0 + scatter(11), scatter(13)])
+            })
+            .collect();
+        let origin = DVec3::new(78_002.0, 457_002.0, 1.0);
+        let ids = |receivers: &[Receiver]| -> Vec<String> {
+            morton_order(receivers, origin).into_iter().map(|i| receivers[i].id.clone()).collect()
+        };
+        let expected = ids(&receivers);
+        assert_eq!(expected.len(), 300);
+        receivers.reverse();
+        assert_eq!(ids(&receivers), expected);
+        receivers.rotate_left(101);
+        receivers.swap(3, 250);
+        assert_eq!(ids(&receivers), expected);
+    }
+
+    /// Eight clusters of 64 receivers come out as eight tiles of one cluster each.
+    #[test]
+    fn neighbours_share_tiles() {
+        let receivers: Vec<Receiver> = (0..512_u32)
+            .map(|i| {
+                let (cluster, j) = (i % 8, i / 8);
+                let corner = [cluster & 1, cluster >> 1 & 1, cluster >> 2].map(|side| f64::from(side) * 64.0 - 64.0);
+                receiver(&format!("{cluster}"), [corner[0] + f64::from(j), corner[1], corner[2]])
+            })
+            .collect();
+        let order = morton_order(&receivers, DVec3::ZERO);
+        for tile in order.chunks(super::super::receivers::TILE) {
+            assert!(tile.iter().all(|&i| receivers[i].id == receivers[tile[0]].id));
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! In: the MTL libraries that an OBJ file names. Out: materials by name, for scenes without a `materials.toml`.
+//!
+//! An MTL file was made for pictures, so it is the fallback: diffuse is the plain mean of the three `Kd` channels; specular
+//! is the mean of `Ks` where `illum` is 3 or above (the models with true mirrors) and 0 otherwise, as `Ks` is mere gloss there.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::materials::{Class, Material, Table};
+use super::obj::Library;
+use super::text::{Lines, Words, excerpt, keyword_and_rest, number};
+use crate::error::{Error, Result};
+
+/// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
+pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut Vec<String>) -> Result<Table> {
+    let folder = obj.parent().unwrap_or(Path::new(""));
+    let mut table = Table::new();
+    let mut done: Vec<PathBuf> = Vec::new();
+    for library in libraries {
+        for path in files_of(folder, &library.text) {
+            if done.contains(&path) {
+                continue;
+            }
+            if path.is_file() {
+                let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
+                parse(&bytes, &path, &mut table, warnings)?;
+            } else {
+                warnings.push(format!(
+                    "{}, line {}: the material library {} is not there",
+                    obj.display(),
+                    library.line,
+                    path.display()
+                ));
+            }
+            done.push(path);
+        }
+    }
+    Ok(table)
+}
+
+/// One file whose name may hold blanks if there is such a file, several names otherwise.
+fn files_of(folder: &Path, text: &str) -> Vec<PathBuf> {
+    let place = |name: &str| {
+        let direct = folder.join(name);
+        if direct.is_file() { direct } else { folder.join(name.replace('\\', "/")) }
+    };
+    let whole = place(text.trim_matches('"'));
+    if whole.is_file() {
+        return vec![whole];
+    }
+    text.split_whitespace().map(place).collect()
+}
+
+/// A `newmtl` block as far as read.
+struct Block {
+    name: String,
+    line: usize,
+    diffuse: Option<f64>,
+    specular: f64,
+    mirror: bool,
+    not_modelled: bool,
+}
+
+fn parse(bytes: &[u8], file: &Path, table: &mut Table, warnings: &mut Vec<String>) -> Result<()> {
+    let mut lines = Lines::new(bytes);
+    let mut block: Option<Block> = None;
+    while let Some((line, text)) = lines.next() {
+        let (keyword, rest) = keyword_and_rest(text);
+        if keyword == b"newmtl" {
+            if let Some(finished) = block.take() {
+                finish(finished, file, table, warnings)?;
+            }
+            block = Some(Block {
+                name: String::from_utf8_lossy(rest).into_owned(),
+                line,
+                diffuse: None,
+                specular: 0.0,
+                mirror: false,
+                not_modelled: false,
+            });
+            continue;
+        }
+        let Some(block) = &mut block else { continue };
+        match keyword {
+            b"Kd" => block.diffuse = Some(mean_of_channels(file, line, "Kd", rest)?),
+            b"Ks" => block.specular = mean_of_channels(file, line, "Ks", rest)?,
+            b"illum" => {
+                let model = Words(rest).next().and_then(number).ok_or_else(|| {
+                    let what = format!("`illum` is `{}`, not a number", excerpt(rest));
+                    Error::input(file, line, what, "write an illumination model from 0 to 10")
+                })?;
+                block.mirror = model >= 3.0;
+            }
+            b"map_Kd" | b"map_Ks" | b"map_d" => block.not_modelled = true,
+            b"d" => block.not_modelled |= number(rest).is_some_and(|opacity| opacity < 1.0),
+            b"Tr" => block.not_modelled |= number(rest).is_some_and(|transparency| transparency > 0.0),
+            _ => {}
+        }
+    }
+    match block {
+        Some(finished) => finish(finished, file, table, warnings),
+        None => Ok(()),
+    }
+}
+
+/// The mean of `r g b`, or of `r` alone, which stands for all three.
+fn mean_of_channels(file: &Path, line: usize, keyword: &str, text: &[u8]) -> Result<f64> {
+    let channels: Vec<Option<f64>> = Words(text).take(4).map(number).collect();
+    let (sum, count) = match channels.as_slice() {
+        [Some(r)] if (0.0..=1.0).contains(r) => (*r, 1.0),
+        [Some(r), Some(g), Some(b), ..] if [r, g, b].iter().all(|c| (0.0..=1.0).contains(*c)) => (r + g + b, 3.0),
+        _ => {
+            let what = format!("`{keyword}` is `{}`, not three numbers from 0 to 1", excerpt(text));
+            let hint = format!("write `{keyword} r g b`, or give reflectances in materials.toml (--materials)");
+            return Err(Error::input(file, line, what, hint));
+        }
+    };
+    Ok(sum / count)
+}
+
+fn finish(block: Block, file: &Path, table: &mut Table, warnings: &mut Vec<String>) -> Result<()> {
+    let shown = excerpt(block.name.as_bytes());
+    let place = format!("{}, line {}: material `{shown}`", file.display(), block.line);
+    if table.contains_key(&block.name) {
+        warnings.push(format!("{place} was defined before; the first definition stands"));
+        return Ok(());
+    }
+    let Some(mut diffuse) = block.diffuse else {
+        let hint = "add a line `Kd r g b`, or give reflectances in materials.toml (--materials)";
+        return Err(Error::input(file, block.line, format!("material `{shown}` has no `Kd`"), hint));
+    };
+    let mut specular = if block.mirror { block.specular } else { 0.0 };
+    let sum = diffuse + specular;
+    if sum > 1.0 {
+        diffuse /= sum;
+        specular /= sum;
+        warnings.push(format!(
+            "{place} reflects {sum:.3} of the light; scaled to diffuse {diffuse:.3}, specular {specular:.3}"
+        ));
+    }
+    if block.not_modelled {
+        warnings
+            .push(format!("{place} has a texture or is transparent, which is ignored: it is opaque, of its plain Kd"));
+    }
+    let class = Class::of_name(&block.name);
+    table.insert(block.name.clone(), Material { name: block.name, diffuse, specular, class, group: None });
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<(Table, Vec<String>)> {
+        let (mut table, mut warnings) = (Table::new(), Vec::new());
+        parse(text.as_bytes(), Path::new("town.mtl"), &mut table, &mut warnings)?;
+        Ok((table, warnings))
+    }
+
+    /// Diffuse is the mean of Kd; Ks counts from illumination model 3 on only.
+    #[test]
+    fn reflectances() {
+        let (table, warnings) = read(
+            "# x\nnewmtl gloss\n\tKd 0.1 0.2 0.6\n Ks 0.5 0.5 0.5\nillum 2\r\nnewmtl my mirror\nKd 0.1\nKs 0.8 0.7 0.9\nillum 3 # mirror\n",
+        )
+        .expect("readable");
+        assert!((table["gloss"].diffuse - 0.3).abs() < 1e-15);
+        assert_eq!(table["gloss"].specular, 0.0);
+        assert!((table["my mirror"].specular - 0.8).abs() < 1e-15);
+        assert_eq!((table["my mirror"].diffuse, warnings.len()), (0.1, 0));
+    }
+
+    /// More light than arrives is scaled to 1 with a warning, a second definition is ignored with one, a texture noted.
+    #[test]
+    fn warnings() {
+        let (table, warnings) =
+            read("newmtl a\nKd 1 1 1\nKs 1 1 1\nillum 5\nmap_Kd a.png\nnewmtl a\nKd 0 0 0\n").expect("readable");
+        assert_eq!((table["a"].diffuse, table["a"].specular), (0.5, 0.5));
+        assert_eq!(warnings.len(), 3);
+        assert!(warnings.iter().all(|warning| warning.starts_with("town.mtl, line ")), "{warnings:?}");
+    }
+
+    /// Every refusal names the file, the line and the offending text.
+    #[test]
+    fn refusals() {
+        for (text, line, quoted) in [
+            ("newmtl a\nKd 0.1 x 0.2", 2, "`0.1 x 0.2`"),
+            ("newmtl a\nKd 0.1 0.2", 2, "`0.1 0.2`"),
+            ("newmtl a\nKd spectral a.rfl 1", 2, "`spectral a.rfl 1`"),
+            ("newmtl a\nKd 1 1 255", 2, "`1 1 255`"),
+            ("newmtl a\nKd 1 1 1\nKs nan 0 0", 3, "`Ks` is `nan 0 0`"),
+            ("newmtl a\nKd 1 1 1\nillum matt", 3, "`illum` is `matt`"),
+            ("\nnewmtl roof\nKs 1 1 1\nnewmtl b\nKd 1 1 1", 2, "`roof` has no `Kd`"),
+        ] {
+            let message = read(text).expect_err(text).to_string();
+            assert!(message.starts_with(&format!("town.mtl, line {line}: ")), "{text:?}: {message}");
+            assert!(message.contains(quoted), "{text:?}: {message}");
+        }
+    }
+
+    /// Libraries are found beside the OBJ file, with blanks in the name or two on a line; one that is missing is a warning.
+    #[test]
+    fn libraries() {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        for (name, material) in [("my town.mtl", "a"), ("b.mtl", "b"), ("c.mtl", "c")] {
+            fs::write(folder.path().join(name), format!("newmtl {material}\nKd 0.5\n")).expect("written");
+        }
+        let libraries =
+            ["my town.mtl", "b.mtl c.mtl", "gone.mtl"].map(|text| Library { line: 7, text: text.to_owned() });
+        let mut warnings = Vec::new();
+        let table = read_libraries(&folder.path().join("town.obj"), &libraries, &mut warnings).expect("readable");
+        assert_eq!(table.keys().collect::<Vec<_>>(), ["a", "b", "c"]);
+        assert_eq!(warnings.len(), 1);
+        assert!(warnings[0].contains("line 7") && warnings[0].contains("gone.mtl"), "{}", warnings[0]);
+    }
+}

@@ -1,0 +1,338 @@
+//! In: the polygons of an OBJ file, flat or nearly so, convex or not. Out: triangles of the same area, winding and corners.
+
+use earcut::Earcut;
+use glam::{DVec2, DVec3};
+
+use super::mesh::{NO_AREA, RawTriangle};
+use super::obj::{ObjFile, Polygon};
+use crate::error::{Error, Result};
+
+/// Most corners a face may have: ear clipping costs up to the square of this (6 s measured for a star that
+/// crosses itself everywhere, 5 ms for a circle of a quarter of this).
+const MAX_CORNERS: usize = 65_536;
+
+/// Triangles may cover this much more or less than their ring before it is said to cross itself.
+const AREA_TOLERANCE: f64 = 1e-6;
+
+#[derive(Debug, Default)]
+pub(super) struct Triangulation {
+    pub triangles: Vec<RawTriangle>,
+    pub concave_faces: usize,
+    /// Faces with fewer than three distinct corners or without area.
+    pub degenerate_faces: usize,
+    /// Count and first line of faces whose outline crosses itself.
+    pub crossing_faces: Option<(usize, usize)>,
+}
+
+/// Triangulates every face of a file, in file order.
+pub(super) fn triangulate(obj: &ObjFile) -> Result<Triangulation> {
+    let mut done = Triangulation::default();
+    let mut ring = Ring::default();
+    for face in obj.polygons() {
+        if let &[a, b, c] = face.corners {
+            done.triangles.push(RawTriangle { corners: [a, b, c], material: face.material });
+            continue;
+        }
+        if face.corners.len() > MAX_CORNERS {
+            return Err(Error::Limit {
+                what: format!("the number of corners of the face in line {}", face.line),
+                value: face.corners.len() as u64,
+                max: MAX_CORNERS as u64,
+            });
+        }
+        ring.fill(&face, &obj.vertices);
+        ring.cut(&face, &mut done);
+    }
+    Ok(done)
+}
+
+/// Scratch space for one face after another.
+#[derive(Default)]
+struct Ring {
+    corners: Vec<u32>,
+    /// Relative to the first corner, metres.
+    positions: Vec<DVec3>,
+    /// On the plane that the ring covers most of, counter-clockwise.
+    flat: Vec<[f64; 2]>,
+    earcut: Option<Earcut<f64>>,
+    cut: Vec<u32>,
+}
+
+impl Ring {
+    /// Takes the face's corners without repetitions, beginning at its least vertex: where a file starts a ring must not
+    /// decide which diagonals are cut.
+    fn fill(&mut self, face: &Polygon, vertices: &[DVec3]) {
+        let position = |corner: u32| vertices.get(corner as usize).copied().unwrap_or_default();
+        self.corners.clear();
+        self.corners.extend_from_slice(face.corners);
+        self.corners.dedup_by_key(|corner| position(*corner).to_array());
+        while let [first, .., last] = self.corners.as_slice()
+            && position(*first) == position(*last)
+        {
+            self.corners.pop();
+        }
+        let least = (0..self.corners.len())
+            .zip(&self.corners)
+            .min_by(|(_, a), (_, b)| super::mesh::lexicographic(position(**a), position(**b)));
+        if let Some((start, _)) = least {
+            self.corners.rotate_left(start);
+        }
+        let first = self.corners.first().map_or(DVec3::ZERO, |&corner| position(corner));
+        self.positions.clear();
+        self.positions.extend(self.corners.iter().map(|&corner| position(corner) - first));
+    }
+
+    fn cut(&mut self, face: &Polygon, done: &mut Triangulation) {
+        let normal = self.newell_normal();
+        let extent = self.positions.iter().fold(0.0, |far: f64, p| far.max(p.length_squared()));
+        if self.corners.len() < 3 || normal.length() <= 2.0 * NO_AREA * extent {
+            done.degenerate_faces += 1;
+            return;
+        }
+        self.project(normal);
+        let turns = self.turns();
+        if turns == Turns::Concave {
+            done.concave_faces += 1;
+        }
+        self.cut.clear();
+        match (self.corners.len(), turns) {
+            (3, _) => self.cut.extend([0, 1, 2]),
+            (4, Turns::Convex) => self.cut.extend([0, 1, 2, 0, 2, 3]),
+            _ => {
+                let earcut = self.earcut.get_or_insert_with(Earcut::new);
+                earcut.earcut_slice(&self.flat, &[], &mut self.cut);
+            }
+        }
+        let covered = self.push_triangles(face.material, &mut done.triangles);
+        let area = signed_area(&self.flat);
+        if (covered - area).abs() > AREA_TOLERANCE * area {
+            let (count, line) = done.crossing_faces.unwrap_or((0, face.line));
+            done.crossing_faces = Some((count + 1, line));
+        }
+    }
+
+    /// Twice the area times the mean normal (Newell; Tampieri, Graphics Gems III, 1992); robust for rings that are not flat.
+    fn newell_normal(&self) -> DVec3 {
+        let following = self.positions.iter().cycle().skip(1);
+        let edges = self.positions.iter().zip(following);
+        edges.map(|(a, b)| a.cross(*b)).sum()
+    }
+
+    /// Drops the axis the normal is nearest to, keeping points that lie in line exactly in line.
+    fn project(&mut self, normal: DVec3) {
+        let size = normal.abs();
+        let flat = |p: &DVec3| {
+            if size.z >= size.x && size.z >= size.y {
+                (normal.z, p.x, p.y)
+            } else if size.y >= size.x {
+                (normal.y, p.z, p.x)
+            } else {
+                (normal.x, p.y, p.z)
+            }
+        };
+        self.flat.clear();
+        self.flat.extend(self.positions.iter().map(|p| match flat(p) {
+            (along, u, v) if along > 0.0 => [u, v],
+            (_, u, v) => [v, u],
+        }));
+    }
+
+    fn turns(&self) -> Turns {
+        let points = self.flat.iter().map(|&p| DVec2::from(p));
+        let following = points.clone().cycle().skip(1);
+        let after = points.clone().cycle().skip(2);
+        let mut turns = Turns::Convex;
+        for ((a, b), c) in points.zip(following).zip(after) {
+            let (before, behind) = (b - a, c - b);
+            let turn = before.perp_dot(behind);
+            let nothing = NO_AREA * before.length() * behind.length();
+            if turn < -nothing {
+                return Turns::Concave;
+            }
+            if turn <= nothing {
+                turns = Turns::Straight;
+            }
+        }
+        turns
+    }
+
+    fn at(&self, place: u32) -> Option<(u32, [f64; 2])> {
+        let place = place as usize;
+        self.corners.get(place).copied().zip(self.flat.get(place).copied())
+    }
+
+    /// Appends the triangles in the winding of the ring; returns the flat area they cover.
+    fn push_triangles(&self, material: u32, triangles: &mut Vec<RawTriangle>) -> f64 {
+        let mut covered = 0.0;
+        for triple in self.cut.chunks_exact(3) {
+            let &[a, b, c] = triple else { continue };
+            let (Some((ca, pa)), Some((cb, pb)), Some((cc, pc))) = (self.at(a), self.at(b), self.at(c)) else {
+                continue;
+            };
+            let area = signed_area(&[pa, pb, pc]);
+            covered += area.abs();
+            // The library has its own idea of the winding.
+            let (cb, cc) = if area < 0.0 { (cc, cb) } else { (cb, cc) };
+            let corners = [ca, cb, cc];
+            triangles.push(RawTriangle { corners, material });
+        }
+        covered
+    }
+}
+
+/// How a ring bends, seen against its normal.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Turns {
+    /// Left at every corner.
+    Convex,
+    /// Left or straight on.
+    Straight,
+    /// Right at some corner.
+    Concave,
+}
+
+/// Positive where counter-clockwise.
+fn signed_area(ring: &[[f64; 2]]) -> f64 {
+    let following = ring.iter().cycle().skip(1);
+    let twice: f64 = ring.iter().zip(following).map(|(a, b)| DVec2::from(*a).perp_dot(DVec2::from(*b))).sum();
+    0.5 * twice
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// Triangulates one face and returns it with the sum of its triangles' area vectors.
+    fn face(points: &[[f64; 3]]) -> (Triangulation, DVec3) {
+        let mut text = String::new();
+        for [x, y, z] in points {
+            text += &format!("v {x} {y} {z}\n");
+        }
+        text += "f";
+        for index in 1..=points.len() {
+            text += &format!(" {index}");
+        }
+        let obj = ObjFile::parse(text.as_bytes(), Path::new("face.obj")).expect("readable");
+        let done = triangulate(&obj).expect("within limits");
+        let area = done.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.corners.map(|corner| obj.vertices[corner as usize]);
+            0.5 * (b - a).cross(c - a)
+        });
+        let area = area.sum();
+        (done, area)
+    }
+
+    /// Every corner of the face is a corner of some triangle: no neighbour is left with a crack beside it.
+    fn uses_all(done: &Triangulation, corners: usize) -> bool {
+        (0..corners as u32).all(|corner| done.triangles.iter().any(|triangle| triangle.corners.contains(&corner)))
+    }
+
+    /// A square is two triangles of its area and winding, in every plane and both windings.
+    #[test]
+    fn square() {
+        for turn in 0..3 {
+            let place = |u: f64, v: f64| {
+                let mut p = [u, v, 5.0];
+                p.rotate_right(turn);
+                p
+            };
+            let mut ring = vec![place(1.0, 1.0), place(3.0, 1.0), place(3.0, 3.0), place(1.0, 3.0)];
+            let mut expected = [0.0, 0.0, 4.0];
+            expected.rotate_right(turn);
+            let (done, area) = face(&ring);
+            assert_eq!((done.triangles.len(), done.concave_faces), (2, 0));
+            assert_eq!(area, DVec3::from(expected));
+            ring.reverse();
+            assert_eq!(face(&ring).1, -DVec3::from(expected));
+        }
+    }
+
+    /// A concave L keeps its area of 3 m2 and its winding wherever its ring starts, on a slope and on a wall too.
+    #[test]
+    fn concave() {
+        let ell = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        for start in 0..6 {
+            for slope in [0.0, 1.0, 50.0] {
+                let mut ring = ell.map(|[u, v]| [u, v, slope * u]);
+                ring.rotate_left(start);
+                let (done, area) = face(&ring);
+                assert_eq!((done.triangles.len(), done.concave_faces), (4, 1));
+                assert!((area - 3.0 * DVec3::new(-slope, 0.0, 1.0)).length() < 1e-12 * area.length());
+                assert_eq!(done.crossing_faces, None);
+                ring.reverse();
+                assert!(face(&ring).1.z < 0.0);
+            }
+        }
+    }
+
+    /// Points in line on the edges survive as corners, whichever of them the ring starts at.
+    #[test]
+    fn points_in_line() {
+        let mut ring = vec![];
+        for side in 0..4 {
+            for step in 0..5 {
+                let along = f64::from(step) * 0.2;
+                let (u, v) = [(along, 0.0), (1.0, along), (1.0 - along, 1.0), (0.0, 1.0 - along)][side];
+                ring.push([78_000.0 + u, 457_000.0 + v, 3.0]);
+            }
+        }
+        for _ in 0..ring.len() {
+            ring.rotate_left(1);
+            let (done, area) = face(&ring);
+            assert!(uses_all(&done, ring.len()), "{:?}", done.triangles);
+            assert!((area.z - 1.0).abs() < 1e-9, "{area}");
+        }
+        let (done, area) = face(&[[0., 0., 0.], [1., 0., 0.], [2., 0., 0.], [0., 2., 0.]]);
+        assert!(uses_all(&done, 4));
+        assert_eq!((area.z, done.concave_faces), (2.0, 0));
+    }
+
+    /// A courtyard cut in through a slit is triangulated to outline minus courtyard, 16 - 4 = 12 m2.
+    #[test]
+    fn slit_hole() {
+        let (done, area) = face(&[
+            [0., 0., 0.],
+            [4., 0., 0.],
+            [4., 4., 0.],
+            [0., 4., 0.],
+            [0., 0., 0.], //
+            [1., 1., 0.],
+            [1., 3., 0.],
+            [3., 3., 0.],
+            [3., 1., 0.],
+            [1., 1., 0.],
+        ]);
+        assert_eq!((area.z, done.crossing_faces), (12.0, None));
+    }
+
+    /// Faces that repeat corners, have two of them or no area are counted and leave no triangle.
+    #[test]
+    fn degenerate() {
+        for ring in [
+            &[[0., 0., 0.], [1., 0., 0.]][..],
+            &[[0., 0., 0.]],
+            &[[0., 0., 0.], [1., 0., 0.], [1., 0., 0.], [0., 0., 0.]],
+            &[[0., 0., 0.], [1., 1., 1.], [2., 2., 2.], [3., 3., 3.]],
+            &[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [1., 1., 0.]],
+        ] {
+            let (done, _) = face(ring);
+            assert_eq!((done.degenerate_faces, done.triangles.len()), (1, 0), "{ring:?}");
+        }
+        let closed = face(&[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 0., 0.]]);
+        assert_eq!((closed.0.degenerate_faces, closed.1.z), (0, 0.5));
+    }
+
+    /// An outline that crosses itself is reported with its line, and one beyond the limit is refused with its size.
+    #[test]
+    fn hostile_rings() {
+        let (done, _) = face(&[[0., 0., 0.], [3., 0., 0.], [3., 3., 0.], [1., -1., 0.], [0., 3., 0.]]);
+        assert_eq!(done.crossing_faces, Some((1, 6)));
+
+        let text = format!("v 0 0 0\nf{}\n", " 1".repeat(MAX_CORNERS + 1));
+        let obj = ObjFile::parse(text.as_bytes(), Path::new("face.obj")).expect("readable");
+        let message = triangulate(&obj).expect_err("too large").to_string();
+        assert!(message.contains("line 2 is 65537, the limit is 65536"), "{message}");
+    }
+}

@@ -1,0 +1,196 @@
+//! In: whole files and triangles in memory. Out: proof that a scene does not depend on how it was written down.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::*;
+
+const VERTICES: &str = "v 78000.125 457000.5 3.25\nv 78010.125 457000.5 3.25\nv 78010.125 457010.5 3.25\n\
+                        v 78000.125 457010.5 3.25\nv 78005.125 457005.5 9.75\n";
+const MATERIALS: &str = "[roof]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\nspecular = 0.1\ngroup = \"facade\"\n";
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Folder(tempfile::tempdir().expect("a scratch folder"))
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.path().join(name);
+        fs::write(&path, text).expect("written");
+        path
+    }
+}
+
+fn load(obj: &str, materials: &str) -> Result<Scene> {
+    let folder = Folder::new();
+    let obj = folder.write("town.obj", obj);
+    Scene::load(&obj, Some(&folder.write("materials.toml", materials)))
+}
+
+fn message(obj: &str, materials: &str) -> String {
+    load(obj, materials).expect_err("refused").to_string()
+}
+
+/// Faces, materials and vertices in another order give the same content hash, byte for byte the same mesh.
+#[test]
+fn order_does_not_matter() {
+    let faces = "usemtl wall\nf 1 2 5\nf 2 3 5\nusemtl roof\nf 1 4 3 2\n";
+    let one = load(&format!("{VERTICES}{faces}"), MATERIALS).expect("readable");
+    let reversed: String = VERTICES.lines().rev().map(|line| format!("{line}\r\n")).collect();
+    let other =
+        format!("{reversed}usemtl roof\r\nf -4 -3 -2 -1\r\nusemtl wall\r\nf 3//1 1//1 4//1\r\nf 5/1 4/1 1/1\r\n");
+    let other = load(&other, MATERIALS).expect("readable");
+    assert_eq!(one.mesh.triangles.len(), 4);
+    assert_eq!(one.mesh.triangles, other.mesh.triangles);
+    assert_eq!(one.mesh.vertices, other.mesh.vertices);
+    assert_eq!(one.mesh.origin, DVec3::new(78005.125, 457005.5, 6.5));
+    assert_eq!(one.content_hash(), other.content_hash());
+}
+
+/// Every part of the content changes the hash: eight scenes, eight hashes; the report is no part of it.
+#[test]
+fn hash_covers_content() {
+    let faces = "usemtl wall\nf 1 2 5\nusemtl roof\nf 1 4 3 2\n";
+    let obj = format!("{VERTICES}{faces}");
+    let mut hashes: Vec<[u8; 32]> = [
+        (obj.clone(), MATERIALS.to_owned()),
+        (obj.replace("3.25", "3.26"), MATERIALS.to_owned()),
+        (obj.replace("457", "458"), MATERIALS.to_owned()),
+        (obj.replace("f 1 2 5", "f 2 1 5"), MATERIALS.to_owned()),
+        (obj.replace("wall", "mall"), MATERIALS.replace("wall", "mall")),
+        (obj.clone(), MATERIALS.replace("0.3", "0.4")),
+        (obj.clone(), MATERIALS.replace("facade", "front")),
+        (obj.clone(), MATERIALS.replace("0.2", "0.2\nclass = \"ground\"")),
+    ]
+    .iter()
+    .map(|(obj, materials)| load(obj, materials).expect("readable").content_hash())
+    .collect();
+    let with_twin = load(&format!("{obj}f 1 4 3 2\nf 1 1 2\n"), MATERIALS).expect("readable");
+    assert_eq!((with_twin.report.duplicates_dropped, with_twin.report.degenerate_dropped), (2, 1));
+    assert_eq!(with_twin.content_hash(), hashes[0]);
+    hashes.sort_unstable();
+    hashes.dedup();
+    assert_eq!(hashes.len(), 8);
+}
+
+/// The report counts faces, triangles by material, what was dropped and what bends inwards; unused tables are warned of.
+#[test]
+fn report() {
+    let obj = format!("{VERTICES}usemtl wall\nf 1 2 5\nf 1 2\nusemtl roof\nf 1 5 2 3 4\nusemtl gone\nf 1 1 1\n");
+    let scene = load(&obj, &format!("{MATERIALS}[glass]\ndiffuse = 0\n")).expect("readable");
+    let report = &scene.report;
+    assert_eq!((report.faces_read, report.triangles, report.degenerate_dropped), (4, 4, 2));
+    assert_eq!((report.duplicates_dropped, report.concave_faces), (0, 1));
+    let used: Vec<(&str, usize)> =
+        report.materials.iter().map(|entry| (entry.name.as_str(), entry.triangles)).collect();
+    assert_eq!(used, [("roof", 3), ("wall", 1)]);
+    assert_eq!(scene.materials.iter().map(|material| material.diffuse).collect::<Vec<_>>(), [0.2, 0.3]);
+    assert_eq!(report.warnings.len(), 1);
+    assert!(report.warnings[0].contains("does not use material `glass`"), "{}", report.warnings[0]);
+}
+
+/// Without `materials.toml` the MTL libraries beside the OBJ file serve; with it they are not even opened.
+#[test]
+fn mtl_is_the_fallback() {
+    let folder = Folder::new();
+    let obj = folder
+        .write("town.obj", &format!("mtllib a.mtl b.mtl\n{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 3 4\n"));
+    folder.write("a.mtl", "newmtl wall\nKd 0.4 0.5 0.6\n");
+    folder.write("b.mtl", "newmtl roof\nKd 0.1 0.1 0.1\nKs 0.5 0.5 0.5\nillum 3\n");
+    let scene = Scene::load(&obj, None).expect("readable");
+    assert_eq!((scene.materials[0].specular, scene.materials[1].diffuse), (0.5, 0.5));
+    folder.write("b.mtl", "newmtl roof\nKd red\n");
+    let refusal = Scene::load(&obj, None).expect_err("bad library").to_string();
+    assert!(refusal.contains("b.mtl, line 2") && refusal.contains("`red`"), "{refusal}");
+    let materials = folder.write("materials.toml", MATERIALS);
+    assert_eq!(Scene::load(&obj, Some(&materials)).expect("readable").materials[1].diffuse, 0.3);
+}
+
+/// A material in use that nobody describes is an error with the file, the count and the lines to add.
+#[test]
+fn missing_material() {
+    let obj = format!("{VERTICES}f 1 2 3 4\n");
+    let found = message(&obj, MATERIALS);
+    for part in ["materials.toml: ", "`default`, which 2 triangles use", "[default]"] {
+        assert!(found.contains(part), "{found}");
+    }
+    let folder = Folder::new();
+    let found = Scene::load(&folder.write("town.obj", &obj), None).expect_err("no library").to_string();
+    assert!(found.contains("town.obj: ") && found.contains("--materials"), "{found}");
+}
+
+/// Scenes of nothing but degenerate faces and files that are not there are refused by name.
+#[test]
+fn nothing_to_load() {
+    let found = message(&format!("{VERTICES}f 1 2 1\nf 2 2 3\n"), MATERIALS);
+    assert!(found.contains("town.obj: none of the 2 faces has an area"), "{found}");
+    let found = Scene::load(Path::new("/nowhere/town.obj"), None).expect_err("no file").to_string();
+    assert!(found.contains("cannot read /nowhere/town.obj"), "{found}");
+}
+
+/// A scene from triangles in memory equals the one read from a file, whatever the order of its materials.
+#[test]
+fn from_memory() {
+    let file = load(&format!("{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 2 3\n"), MATERIALS).expect("readable");
+    let [roof, wall] = file.materials.as_slice() else { panic!("two materials") };
+    let unused = Material { name: "unused".to_owned(), ..roof.clone() };
+    let corner = |x: f64, y: f64, z: f64| DVec3::new(78_000.125 + x, 457_000.5 + y, 3.25 + z);
+    let base = [corner(0., 0., 0.), corner(10., 0., 0.), corner(10., 10., 0.)];
+    let side = [corner(5., 5., 6.5), corner(0., 0., 0.), corner(10., 0., 0.)];
+    let memory =
+        Scene::from_triangles(&[(base, 2), (side, 0)], vec![wall.clone(), unused, roof.clone()]).expect("valid");
+    assert_eq!(memory.content_hash(), file.content_hash());
+    assert_eq!(memory.materials.len(), 2);
+
+    let dark = Material { diffuse: -0.1, ..roof.clone() };
+    for (triangles, materials, quoted) in [
+        (vec![(base, 1)], vec![roof.clone()], "triangle 0 has material 1 of 1"),
+        (vec![([base[0], base[1], DVec3::NAN], 0)], vec![roof.clone()], "triangle 0 has a corner at [NaN"),
+        (vec![(base, 0)], vec![roof.clone(), roof.clone()], "two materials are called `roof`"),
+        (vec![(base, 0)], vec![dark], "`diffuse` is -0.1"),
+        (vec![([base[0]; 3], 0)], vec![roof.clone()], "none of the 1 triangles has an area"),
+        (vec![], vec![], "none of the 0 triangles"),
+    ] {
+        let found = Scene::from_triangles(&triangles, materials).expect_err(quoted).to_string();
+        assert!(found.contains(quoted), "{found}");
+    }
+}
+
+/// 20,000 damaged files are read or refused; every mesh that comes out keeps the promises of its type.
+#[test]
+fn damaged_files() {
+    let whole =
+        format!("{VERTICES}mtllib x.mtl\nusemtl wall\nf 1 2 5\nf 2/1 3/1/2 -1//4\nusemtl roof # r\nf 1 2 \\\n 5 3 4\n");
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    let mut read = 0;
+    for _ in 0..20_000 {
+        let mut bytes = whole.clone().into_bytes();
+        for _ in 0..1 + random(4) {
+            let place = random(bytes.len());
+            match random(3) {
+                0 => bytes[place] = b"0123456789.-+e/ \\\n\r#vfn\xff"[random(24)],
+                1 => drop(bytes.remove(place)),
+                _ => bytes.insert(place, b"0123456789.-+e/ \\\n\r#vfn\xff"[random(24)]),
+            }
+        }
+        let Ok(obj) = ObjFile::parse(&bytes, Path::new("town.obj")) else {
+            continue;
+        };
+        let cut = polygon::triangulate(&obj).expect("small faces");
+        let mesh = canonical(&obj.vertices, cut.triangles).expect("few triangles").mesh;
+        assert!(mesh.vertices.is_sorted_by(|a, b| mesh::lexicographic(*a, *b).is_lt()));
+        for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+            assert!(a < b && a < c && mesh.normal(i).is_normalized());
+        }
+        read += 1;
+    }
+    assert!(read > 5_000, "{read}");
+}

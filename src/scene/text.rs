@@ -1,0 +1,193 @@
+//! In: bytes of a text file of unknown origin. Out: numbered lines, words and short quotations for messages.
+
+/// Logical lines of a Wavefront file (OBJ, MTL): continuations joined, comment lines left out, numbered from 1.
+///
+/// LF, CRLF and bare CR all end a line; a byte order mark is skipped. A backslash at the end of a comment joins nothing:
+/// exporters write folder names there.
+pub(super) struct Lines<'a> {
+    rest: &'a [u8],
+    end_of_line: u8,
+    number: usize,
+    joined: Vec<u8>,
+}
+
+impl<'a> Lines<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Lines {
+            rest: without_byte_order_mark(bytes),
+            // Only files of the old Macintosh hold no LF at all.
+            end_of_line: if bytes.contains(&b'\n') { b'\n' } else { b'\r' },
+            number: 0,
+            joined: Vec::new(),
+        }
+    }
+
+    /// The next line that is neither empty nor a comment, trimmed, with the number of its first physical line.
+    pub(super) fn next(&mut self) -> Option<(usize, &[u8])> {
+        loop {
+            let line = self.physical_line()?;
+            let number = self.number;
+            match line {
+                [] | [b'#', ..] => continue,
+                [head @ .., b'\\'] => {
+                    self.joined.clear();
+                    self.joined.extend_from_slice(head);
+                    self.join_following();
+                    return Some((number, self.joined.trim_ascii()));
+                }
+                _ => return Some((number, line)),
+            }
+        }
+    }
+
+    fn join_following(&mut self) {
+        while let Some(line) = self.physical_line() {
+            self.joined.push(b' ');
+            match line {
+                [head @ .., b'\\'] => self.joined.extend_from_slice(head),
+                _ => {
+                    self.joined.extend_from_slice(line);
+                    return;
+                }
+            }
+        }
+    }
+
+    fn physical_line(&mut self) -> Option<&'a [u8]> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        self.number += 1;
+        let end_of_line = self.end_of_line;
+        let (line, rest) = match self.rest.iter().position(|&byte| byte == end_of_line) {
+            Some(end) => {
+                let (line, rest) = self.rest.split_at(end);
+                (line, rest.get(1..).unwrap_or_default())
+            }
+            None => (self.rest, &[][..]),
+        };
+        self.rest = rest;
+        Some(line.trim_ascii())
+    }
+}
+
+/// Words between blanks, up to a word that starts with `#`.
+pub(super) struct Words<'a>(pub(super) &'a [u8]);
+
+impl<'a> Iterator for Words<'a> {
+    type Item = &'a [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let line = self.0.trim_ascii_start();
+        let length = line.iter().position(u8::is_ascii_whitespace);
+        let (word, rest) = line.split_at(length.unwrap_or(line.len()));
+        self.0 = rest;
+        match word {
+            [] | [b'#', ..] => None,
+            _ => Some(word),
+        }
+    }
+}
+
+/// Splits a line into its first word and the trimmed remainder, which may be a name with blanks.
+pub(super) fn keyword_and_rest(line: &[u8]) -> (&[u8], &[u8]) {
+    let length = line.iter().position(u8::is_ascii_whitespace);
+    let (keyword, rest) = line.split_at(length.unwrap_or(line.len()));
+    (keyword, rest.trim_ascii())
+}
+
+/// The number a word spells, not necessarily a finite one.
+#[inline]
+pub(super) fn number(word: &[u8]) -> Option<f64> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// The integer before the first `/`; `None` if it is none or beyond all limits.
+#[inline]
+pub(super) fn leading_index(word: &[u8]) -> Option<i64> {
+    let (negative, digits) = match word {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] => (false, digits),
+        digits => (false, digits),
+    };
+    let mut index = 0_i64;
+    let mut any = false;
+    for &byte in digits {
+        match byte {
+            b'0'..=b'9' => index = index.checked_mul(10)?.checked_add(i64::from(byte - b'0'))?,
+            b'/' => break,
+            _ => return None,
+        }
+        any = true;
+    }
+    any.then_some(if negative { -index } else { index })
+}
+
+/// A quotation for a message: at most 60 characters, nothing that could upset a terminal.
+pub(super) fn excerpt(bytes: &[u8]) -> String {
+    const LONGEST: usize = 60;
+    // Four bytes a character at most, so this is never short of what is shown.
+    let head = bytes.get(..4 * LONGEST + 4).unwrap_or(bytes);
+    let text = String::from_utf8_lossy(head);
+    let mut shown: String = text.chars().take(LONGEST).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
+    if text.chars().nth(LONGEST).is_some() {
+        shown.push_str("...");
+    }
+    shown
+}
+
+/// The 1-based line that the byte at `offset` stands in.
+pub(super) fn line_of_offset(bytes: &[u8], offset: usize) -> usize {
+    let before = bytes.get(..offset).unwrap_or(bytes);
+    before.iter().filter(|&&byte| byte == b'\n').count() + 1
+}
+
+pub(super) fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(bytes: &[u8]) -> Vec<(usize, String)> {
+        let mut lines = Lines::new(bytes);
+        let mut found = Vec::new();
+        while let Some((number, line)) = lines.next() {
+            found.push((number, String::from_utf8_lossy(line).into_owned()));
+        }
+        found
+    }
+
+    /// LF, CRLF and CR files give the same lines with the same numbers.
+    #[test]
+    fn line_ends() {
+        let lf = all(b"\xef\xbb\xbfv 1\n\n  f 2 \nusemtl a b");
+        assert_eq!(lf, [(1, "v 1".into()), (3, "f 2".into()), (4, "usemtl a b".into())]);
+        assert_eq!(all(b"v 1\r\n\r\n  f 2 \r\nusemtl a b\r\n"), lf);
+        assert_eq!(all(b"v 1\r\r  f 2 \rusemtl a b"), lf);
+    }
+
+    /// A backslash joins lines under the first one's number, but not out of a comment.
+    #[test]
+    fn continuation() {
+        let lines = all(b"# C:\\data\\\nf 1 2\\\r\n 3 \\\n4\nv 5\\");
+        assert_eq!(lines, [(2, "f 1 2 3  4".into()), (5, "v 5".into())]);
+    }
+
+    /// Words end at a comment that stands after the data.
+    #[test]
+    fn words() {
+        let found: Vec<&[u8]> = Words(b"v\t1  2 # 3").collect();
+        assert_eq!(found, [&b"v"[..], b"1", b"2"]);
+    }
+
+    /// A quotation is at most 60 characters and free of control codes.
+    #[test]
+    fn quotation() {
+        assert_eq!(excerpt(b"a\x1b[31m\xff"), "a\u{fffd}[31m\u{fffd}");
+        assert_eq!(excerpt(&[b'x'; 100_000]).chars().count(), 63);
+        assert_eq!(excerpt("\u{20ac}".repeat(60).as_bytes()).chars().count(), 60);
+    }
+}

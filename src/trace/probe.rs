@@ -1,0 +1,111 @@
+//! Probes: what the surface of one cell sees of the sky. In: a cell key. Out: one small world-frame sky texture, and the
+//! points it was traced from.
+//!
+//! Rays start from many points of the cell, each texel from one of them. Points are drawn in proportion to the share of
+//! the sky that they see: points hidden in party walls or below the terrain, which no receiver sees either, drop out.
+
+use glam::DVec3;
+
+use super::rays::Tracer;
+use super::surface::{SurfacePoint, sample};
+use crate::hemisphere::{jitter, mix, texel_direction, unit};
+use crate::scene::cells::CellKey;
+use crate::scene::mesh::Mesh;
+
+/// Sky bits of a cell.
+#[derive(Clone, Debug)]
+pub struct ProbeTrace {
+    /// Mean of the points' unit normals, so its length is 1 for a plane cell and below for a curved one.
+    pub normal: DVec3,
+    /// n x n bits, row-major, world frame, 8 to a byte from the lowest bit.
+    pub bits: Vec<u8>,
+    /// Points and the share of the cell that each stands for (sum 1).
+    pub points: Vec<(SurfacePoint, f64)>,
+    pub rays: u64,
+}
+
+/// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
+pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
+    let points = sample(key, mesh, tracer);
+    let count = points.len();
+    let mut bits = vec![0_u8; (n * n).div_ceil(8)];
+    if count == 0 {
+        return ProbeTrace { normal: DVec3::ZERO, bits, points: Vec::new(), rays: 0 };
+    }
+    let seed = key.seed();
+    let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
+    let mut rays = 0;
+    let mut look = |texel: usize, point: usize| -> Option<bool> {
+        let d = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
+        (points[point].normal.dot(d) > 0.0).then(|| {
+            rays += 1;
+            !tracer.occluded(origins[point], d.as_vec3().to_array())
+        })
+    };
+
+    // First round: every point gets the same share of texels, spread over the whole sky.
+    let mut owner = vec![0_usize; n * n];
+    let mut open = vec![0_u32; count];
+    let mut asked = vec![0_u32; count];
+    for texel in 0..n * n {
+        let point = slot(texel, n, seed) * count / 16;
+        owner[texel] = point;
+        if let Some(sky) = look(texel, point) {
+            asked[point] += 1;
+            open[point] += u32::from(sky);
+            set(&mut bits, texel, sky);
+        }
+    }
+    let openness: Vec<f64> = open.iter().zip(&asked).map(|(&o, &a)| f64::from(o) / f64::from(a.max(1))).collect();
+    let best = openness.iter().copied().fold(0.0, f64::max);
+    let sum: f64 = openness.iter().sum();
+
+    // Second round: a texel keeps its point with probability openness / best, else draws another by openness.
+    // Points then own texels in exact proportion to their openness.
+    let share: Vec<f64> = if best > 0.0 {
+        for texel in 0..n * n {
+            let draw = mix(seed ^ 0x6f70_656e, texel as u64);
+            if unit(draw) * best < openness[owner[texel]] {
+                continue;
+            }
+            let point = pick(&openness, sum * unit(mix(draw, 1)));
+            owner[texel] = point;
+            set(&mut bits, texel, look(texel, point).unwrap_or(false));
+        }
+        openness.iter().map(|o| o / sum).collect()
+    } else {
+        vec![1.0 / count as f64; count]
+    };
+    let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
+    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), rays }
+}
+
+/// Ray origin of a surface point: lifted off the surface, f32.
+pub fn lifted(position: DVec3, normal: DVec3, tracer: &Tracer) -> [f32; 3] {
+    (position + normal * tracer.offset_m(position)).as_vec3().to_array()
+}
+
+/// Which of 16 points a texel asks in the first round: each 4 x 4 block asks all of them, in an order of its own.
+fn slot(texel: usize, n: usize, seed: u64) -> usize {
+    let (column, row) = (texel % n, texel / n);
+    let block = (row / 4 * n.div_ceil(4) + column / 4) as u64;
+    let turn = mix(seed ^ 0x736c_6f74, block) as usize;
+    ((row % 4) * 4 + column % 4) * 5 % 16 ^ (turn & 15)
+}
+
+/// First index at which the running sum of `weights` exceeds `at`; the last positive one if rounding leaves none.
+pub fn pick(weights: &[f64], at: f64) -> usize {
+    let mut running = 0.0;
+    for (i, w) in weights.iter().enumerate() {
+        running += w;
+        if running > at {
+            return i;
+        }
+    }
+    weights.iter().rposition(|&w| w > 0.0).unwrap_or(0)
+}
+
+fn set(bits: &mut [u8], index: usize, value: bool) {
+    let (byte, bit) = (index / 8, index % 8);
+    bits[byte] = bits[byte] & !(1 << bit) | (u8::from(value) << bit);
+}

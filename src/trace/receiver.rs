@@ -1,0 +1,94 @@
+//! What one receiver sees: sky bits wherever they are asked for, and the cell that each texel of its own hemisphere meets.
+
+use glam::{DVec2, DVec3};
+
+use super::bounce::cell_of;
+use super::probe::lifted;
+use super::rays::Tracer;
+use crate::hemisphere::{Frame, jitter, texel_direction};
+use crate::scene::cells::{CellKey, level_of, receiver_seed};
+use crate::scene::mesh::Mesh;
+
+/// How hits are gathered into cells.
+#[derive(Clone, Copy, Debug)]
+pub struct CellSettings {
+    /// Edge of a cell in units of the hit texel's footprint; 0 gives every hit a cell of its own (about 1 mm).
+    pub factor: f64,
+    pub floor_m: f64,
+}
+
+/// Level of a cell that holds nothing but its own hit: 2^-10 m.
+const PRIVATE_LEVEL: i8 = -10;
+
+/// The hits of one receiver.
+#[derive(Clone, Debug)]
+pub struct HitTrace {
+    /// n x n, row-major, surface frame; `None` where the ray met nothing.
+    pub cells: Vec<Option<CellKey>>,
+    /// Distance of the nearest surface met, metres.
+    pub nearest_m: f64,
+    /// Rays that leave a surface below and go up cross it an odd number of times: true below terrain and inside solids.
+    pub enclosed: bool,
+}
+
+/// A receiver's place and normal relative to the scene origin.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewpoint {
+    pub position: DVec3,
+    pub normal: DVec3,
+}
+
+impl Viewpoint {
+    fn origin(&self, tracer: &Tracer) -> [f32; 3] {
+        lifted(self.position, self.normal, tracer)
+    }
+
+    /// Seed of the jitter of this viewpoint's hit rays.
+    pub fn seed(&self) -> u64 {
+        receiver_seed(self.position, self.normal)
+    }
+
+    /// Sky bits of the given texels (column, row) of an n x n world-frame texture. Texels whose centre lies behind the
+    /// surface are asked along the surface.
+    pub fn sky(&self, n: usize, texels: &[(u32, u32)], tracer: &Tracer) -> Vec<bool> {
+        let origin = self.origin(tracer);
+        texels
+            .iter()
+            .map(|&(column, row)| {
+                let d = texel_direction(column as usize, row as usize, n, DVec2::splat(0.5));
+                let behind = self.normal.dot(d);
+                let d = if behind > 0.0 { d } else { d - self.normal * (behind - 1e-4) };
+                !tracer.occluded(origin, d.as_vec3().to_array())
+            })
+            .collect()
+    }
+
+    /// Closest hits over the n x n texture of the surface's own hemisphere, one jittered ray a texel.
+    pub fn hits(&self, n: usize, cells: CellSettings, mesh: &Mesh, tracer: &Tracer) -> HitTrace {
+        let origin = self.origin(tracer);
+        let lifted_position = DVec3::from(origin.map(f64::from));
+        let frame = Frame::of(self.normal);
+        let seed = self.seed();
+        let texel_angle = (crate::hemisphere::HEMISPHERE_SR / (n * n) as f64).sqrt();
+        let mut nearest_m = f64::INFINITY;
+        let keys = (0..n * n)
+            .map(|texel| {
+                let local = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
+                let direction = frame.to_world(local);
+                let hit = tracer.closest(origin, direction.as_vec3().to_array())?;
+                nearest_m = nearest_m.min(f64::from(hit.t));
+                let size = (cells.factor * f64::from(hit.t) * texel_angle).max(cells.floor_m);
+                let level = if cells.factor > 0.0 { level_of(size) } else { PRIVATE_LEVEL };
+                Some(cell_of(hit, direction, level, mesh, lifted_position))
+            })
+            .collect();
+        HitTrace { cells: keys, nearest_m, enclosed: self.enclosed(tracer) }
+    }
+
+    /// Majority of three steep rays with an odd number of crossings.
+    fn enclosed(&self, tracer: &Tracer) -> bool {
+        let origin = self.origin(tracer);
+        let ups = [[0.031, 0.017, 1.0], [-0.023, 0.041, 1.0], [0.011, -0.037, 1.0]];
+        ups.iter().filter(|d| tracer.crossings(origin, **d) % 2 == 1).count() >= 2
+    }
+}

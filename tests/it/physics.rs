@@ -1,0 +1,223 @@
+//! Closed forms: what the whole chain (trace, archive, recombine) gives where the answer is known.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use heliotile::commands::build::BuildSettings;
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::sky::SkyModel;
+use heliotile::units::SUN_RADIUS_RAD;
+
+use crate::scenes::*;
+
+/// Open-sky value that errors are a share of: DHI.
+const OPEN: f64 = 100.0;
+
+fn assert_near(what: &str, got: f64, expected: f64, tolerance: f64) {
+    let error = (got - expected).abs();
+    assert!(error <= tolerance * OPEN, "{what}: {got:.4}, expected {expected:.4}, off by {:.3} % of open sky", error);
+}
+
+/// View factor of a 2a x 2b rectangle from an element facing its centre at distance d (Siegel and Howell, differential
+/// element to parallel rectangle, four times the corner formula).
+fn rectangle_view_factor(a: f64, b: f64, d: f64) -> f64 {
+    let (x, y) = (a / d, b / d);
+    let (p, q) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
+    4.0 / (2.0 * PI) * (x / p * (y / p).atan() + y / q * (x / q).atan())
+}
+
+/// Open receivers at seven tilts over a large ground of albedo 0.2: sky (1 + cos)/2 within 0.3 %, ground 0.2 (1 - cos)/2 within 1 %.
+#[test]
+fn tilted_over_ground() {
+    let scene = scene(&ground(20_000.0, 0.0, 0), &[0.2]);
+    let tilts = [0.0, 20.0, 37.0, 60.0, 90.0, 135.0, 180.0];
+    let receivers: Vec<_> =
+        tilts.iter().map(|&t| receiver(&format!("{t}"), v(3.3, 1.7, 2.0), tilted(t, 140.0))).collect();
+    let rows = site(&scene, &receivers, &BuildSettings::default()).uniform();
+    for tilt in tilts {
+        let row = rows[&format!("{tilt}")];
+        let cos = tilt.to_radians().cos();
+        assert_near(&format!("sky at {tilt}"), row.sky_direct, OPEN * (1.0 + cos) / 2.0, 0.003);
+        assert_near(&format!("ground at {tilt}"), row.sky_diffuse, 0.2 * OPEN * (1.0 - cos) / 2.0, 0.01);
+    }
+}
+
+/// The 10 m x 10 m wall of the paper's Fig. 5 at 1 to 50 m: the sky it hides within 0.3 %, the light it sends within 1 %.
+#[test]
+fn wall_form_factor() {
+    for d in [1.0, 2.0, 5.0, 10.0, 20.0, 50.0] {
+        let view_factor = rectangle_view_factor(5.0, 5.0, d);
+        // Above a horizontal receiver: a black roof hides its view factor.
+        let roof = quad(v(-5.0, -5.0, d), v(10.0, 0.0, 0.0), v(0.0, 10.0, 0.0), 0);
+        let up = [receiver("up", DVec3::ZERO, DVec3::Z)];
+        let rows = site(&scene(&roof, &[0.0]), &up, &BuildSettings::default()).uniform();
+        assert_near(&format!("roof at {d} m"), rows["up"].sky_direct, OPEN * (1.0 - view_factor), 0.003);
+        // In front of a vertical receiver: the wall sees half the sky, and sends albedo x half the sky back.
+        let wall = quad(v(-5.0, d, -5.0), v(10.0, 0.0, 0.0), v(0.0, 0.0, 10.0), 0);
+        let north = [receiver("north", DVec3::ZERO, DVec3::Y)];
+        let rows = site(&scene(&wall, &[0.6]), &north, &BuildSettings::default()).uniform();
+        assert_near(&format!("wall at {d} m"), rows["north"].sky_direct, OPEN * (1.0 - view_factor) / 2.0, 0.003);
+        let sent = OPEN * 0.6 * 0.5 * view_factor;
+        assert_near(&format!("light of wall at {d} m"), rows["north"].sky_diffuse, sent, 0.01);
+    }
+}
+
+/// Floor and walls of a long black canyon see the sky that Hottel's crossed strings give, within 0.3 %.
+#[test]
+fn canyon_sky() {
+    let (width, height) = (20.0_f64, 15.0_f64);
+    let scene = scene(&canyon(width, height, 6000.0), &[0.0, 0.0]);
+    let mut receivers = vec![receiver("floor", v(0.0, 0.3, 0.0), DVec3::Z)];
+    for h in [1.0, 5.0, 10.0, 14.0] {
+        receivers.push(receiver(&format!("{h}"), v(-10.0, 0.7, h), DVec3::X));
+    }
+    let rows = site(&scene, &receivers, &BuildSettings::default()).uniform();
+    let floor = (width / 2.0) / (width * width / 4.0 + height * height).sqrt();
+    assert_near("floor", rows["floor"].sky_direct, OPEN * floor, 0.003);
+    for h in [1.0, 5.0, 10.0, 14.0] {
+        let sin = (height - h) / ((height - h) * (height - h) + width * width).sqrt();
+        assert_near(&format!("wall {h}"), rows[&format!("{h}")].sky_direct, OPEN * (1.0 - sin) / 2.0, 0.003);
+    }
+}
+
+/// Inside a closed white box every component is exactly 0.
+#[test]
+fn closed_box() {
+    let scene = scene(&block(v(-4.0, -3.0, 0.0), v(5.0, 6.0, 7.0), 0), &[0.9]);
+    let receivers = [
+        receiver("up", v(0.1, 0.2, 1.0), DVec3::Z),
+        receiver("side", v(0.1, 0.2, 3.0), tilted(70.0, 33.0)),
+        receiver("wall", v(-4.0, 0.0, 3.0), DVec3::X),
+    ];
+    let site = site(&scene, &receivers, &BuildSettings::default());
+    for (id, rows) in site.replay(&[sun(120.0, 40.0, 900.0, 100.0)], SkyModel::Perez, Depth::All) {
+        assert_eq!(rows[0].total, 0.0, "{id}");
+    }
+}
+
+/// A receiver 0.5 m in front of a huge wall of albedo 0.5 gets no sky from it and the wall's light: within 0.3 % and 1 %.
+#[test]
+fn huge_wall() {
+    let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
+    let rows =
+        site(&scene(&wall, &[0.5]), &[receiver("r", DVec3::ZERO, DVec3::Y)], &BuildSettings::default()).uniform();
+    assert_near("sky", rows["r"].sky_direct, 0.0, 0.003);
+    assert_near("light", rows["r"].sky_diffuse, OPEN * 0.5 * 0.5, 0.01);
+}
+
+/// White furnace: with every albedo 1 under a uniform sky each receiver gets pi L = DHI, within 1 %.
+#[test]
+fn white_furnace() {
+    let mut triangles = ground(20_000.0, 0.0, 0);
+    triangles.extend(block(v(-30.0, -10.0, 0.0), v(-10.0, 25.0, 18.0), 1));
+    triangles.extend(block(v(4.0, -12.0, 0.0), v(17.0, 9.0, 11.0), 1));
+    triangles.extend(block(v(-6.0, 30.0, 0.0), v(20.0, 42.0, 25.0), 1));
+    let scene = scene(&triangles, &[1.0, 1.0]);
+    let receivers = [
+        receiver("street", v(-3.0, 0.0, 1.0), DVec3::Z),
+        receiver("west wall", v(4.0, 1.0, 2.0), DVec3::NEG_X),
+        receiver("east wall", v(-10.0, 3.0, 9.0), DVec3::X),
+        receiver("roof", v(10.0, 0.0, 11.0), DVec3::Z),
+        receiver("corner", v(-9.9, 24.8, 0.3), tilted(90.0, 45.0)),
+        receiver("down", v(-3.0, 10.0, 4.0), DVec3::NEG_Z),
+        receiver("tilted", v(-3.0, 20.0, 1.5), tilted(35.0, 200.0)),
+    ];
+    for (id, row) in site(&scene, &receivers, &BuildSettings::default()).uniform() {
+        assert_near(&id, row.total, OPEN, 0.01);
+    }
+}
+
+/// Irradiance under a uniform sky in an endless canyon of albedo `rho`, by radiosity between `n` strips a surface with
+/// Hottel's crossed strings: floor, west wall, east wall. Gives the irradiance at the strip holding each asked point.
+fn canyon_radiosity(width: f64, height: f64, rho: f64, n: usize) -> impl Fn(usize, f64) -> f64 {
+    let strips: Vec<[(f64, f64); 2]> = (0..3 * n)
+        .map(|i| {
+            let (a, b) = ((i % n) as f64 / n as f64, (i % n + 1) as f64 / n as f64);
+            match i / n {
+                0 => [((a - 0.5) * width, 0.0), ((b - 0.5) * width, 0.0)],
+                1 => [(-width / 2.0, a * height), (-width / 2.0, b * height)],
+                _ => [(width / 2.0, a * height), (width / 2.0, b * height)],
+            }
+        })
+        .collect();
+    let length = |p: (f64, f64), q: (f64, f64)| (p.0 - q.0).hypot(p.1 - q.1);
+    let factor = |i: usize, j: usize| {
+        let ([a, b], [c, d]) = (strips[i], strips[j]);
+        let (straight, crossed) = (length(a, c) + length(b, d), length(a, d) + length(b, c));
+        (straight - crossed).abs() / (2.0 * length(a, b))
+    };
+    let factors: Vec<Vec<f64>> =
+        (0..3 * n).map(|i| (0..3 * n).map(|j| if i / n == j / n { 0.0 } else { factor(i, j) }).collect()).collect();
+    let mut irradiance = vec![0.0; 3 * n];
+    for _ in 0..200 {
+        irradiance = (0..3 * n)
+            .map(|i| {
+                let surfaces: f64 = factors[i].iter().sum();
+                let light: f64 = factors[i].iter().zip(&irradiance).map(|(f, e)| f * rho * e).sum();
+                (1.0 - surfaces) * OPEN + light
+            })
+            .collect();
+    }
+    move |surface, along| irradiance[surface * n + ((along * n as f64) as usize).min(n - 1)]
+}
+
+/// All bounces in a canyon of albedo 0.5 equal a dense radiosity solution within 1 %, on the floor and four heights of a wall.
+#[test]
+fn canyon_bounces() {
+    let (width, height) = (12.0, 16.0);
+    let scene = scene(&canyon(width, height, 4000.0), &[0.5, 0.5]);
+    let exact = canyon_radiosity(width, height, 0.5, 200);
+    let places = [(0, 0.5), (0, 0.2), (1, 0.1), (1, 0.3), (1, 0.6), (1, 0.9)];
+    let receivers: Vec<_> = places
+        .iter()
+        .map(|&(surface, along)| {
+            let id = format!("{surface}/{along}");
+            match surface {
+                0 => receiver(&id, v((along - 0.5) * width, 0.37, 0.0), DVec3::Z),
+                _ => receiver(&id, v(-width / 2.0, 0.37, along * height), DVec3::X),
+            }
+        })
+        .collect();
+    let rows = site(&scene, &receivers, &BuildSettings::default()).uniform();
+    for (surface, along) in places {
+        let id = format!("{surface}/{along}");
+        assert_near(&id, rows[&id].total, exact(surface, along), 0.01);
+    }
+}
+
+/// Shadow of a box at 500 sun positions: sun_direct is exact except where the sun's disc, widened by half a texel, meets the box's edge.
+#[test]
+fn box_shadow() {
+    let (low, high) = (v(-4.0, 6.0, 0.0), v(7.0, 13.0, 12.0));
+    let scene = scene(&block(low, high, 0), &[0.0]);
+    let place = v(1.0, 0.0, 0.5);
+    let site = site(&scene, &[receiver("r", place, DVec3::Z)], &BuildSettings::default());
+    let suns: Vec<(f64, f64)> =
+        (0..500).map(|i| (f64::from(i) * 222.492 % 360.0, 1.0 + 88.0 * (f64::from(i) * 0.618_034).fract())).collect();
+    let conditions: Vec<_> = suns.iter().map(|&(azimuth, altitude)| sun(azimuth, altitude, 1000.0, 0.0)).collect();
+    let rows = &site.replay(&conditions, SkyModel::Uniform, Depth::All)["r"];
+    // Half a 1024 texel's diagonal, with the map's greatest stretch.
+    let margin = SUN_RADIUS_RAD + 0.5 * 2.0_f64.sqrt() * 1.6 * (2.0 * PI).sqrt() / 1024.0;
+    let (mut near_edge, mut shadowed) = (0, 0);
+    for (condition, row) in conditions.iter().zip(rows) {
+        let d = condition.suns[0].sun;
+        let hit = |d: DVec3| {
+            let (a, b) = ((low - place) / d, (high - place) / d);
+            let (near, far) = (a.min(b).max_element(), a.max(b).min_element());
+            near <= far && far > 0.0
+        };
+        let side = d.any_orthonormal_pair();
+        let turned = |k: i32| {
+            let (sin, cos) = (f64::from(k) * PI / 32.0).sin_cos();
+            (d + (side.0 * cos + side.1 * sin) * margin).normalize()
+        };
+        if (0..64).any(|k| hit(turned(k)) != hit(d)) {
+            near_edge += 1;
+            continue;
+        }
+        shadowed += u32::from(hit(d));
+        let expected = if hit(d) { 0.0 } else { 1000.0 * d.z };
+        assert!((row.sun_direct - expected).abs() < 0.01, "sun {d}: {} for {expected}", row.sun_direct);
+    }
+    assert!(shadowed > 40 && near_edge < 25, "{shadowed} in shadow, {near_edge} near an edge");
+}

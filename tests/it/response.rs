@@ -1,0 +1,206 @@
+//! The response texture against the plain definitions that know nothing of it.
+
+use glam::DVec3;
+use heliotile::archive::Archive;
+use heliotile::commands::build::{BuildSettings, Share};
+use heliotile::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
+use heliotile::layers::probes::{Bounces, bit};
+use heliotile::recombine::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
+use heliotile::recombine::load::{Tables, TileView, tile_view};
+use heliotile::recombine::response::{Responder, bit_at, hit_weights, respond};
+use heliotile::recombine::sky::SkyModel;
+use heliotile::scene::Scene;
+use heliotile::scene::receivers::Receiver;
+
+use crate::scenes::*;
+
+/// Three blocks on a plain: neighbours, corners, a narrow gap.
+fn blocks() -> Scene {
+    let mut triangles = ground(300.0, 0.0, 0);
+    triangles.extend(block(v(-30.0, -10.0, 0.0), v(-10.0, 25.0, 18.0), 1));
+    triangles.extend(block(v(4.0, -12.0, 0.0), v(17.0, 9.0, 11.0), 1));
+    triangles.extend(block(v(-6.0, 30.0, 0.0), v(20.0, 42.0, 25.0), 1));
+    scene(&triangles, &[0.25, 0.5])
+}
+
+fn twenty() -> Vec<Receiver> {
+    (0..20)
+        .map(|i| {
+            let along = f64::from(i) / 20.0;
+            match i % 4 {
+                0 => receiver(&format!("r{i}"), v(4.0, -11.0 + 19.0 * along, 0.5 + 10.0 * along), DVec3::NEG_X),
+                1 => receiver(&format!("r{i}"), v(-10.0, -9.0 + 30.0 * along, 1.0 + 15.0 * along), DVec3::X),
+                2 => receiver(&format!("r{i}"), v(-8.0 + 10.0 * along, -20.0 + 45.0 * along, 0.0), DVec3::Z),
+                _ => receiver(&format!("r{i}"), v(-5.0 + 20.0 * along, 30.0, 1.0 + 20.0 * along), DVec3::NEG_Y),
+            }
+        })
+        .collect()
+}
+
+fn suns() -> Vec<DVec3> {
+    (0..50)
+        .map(|i| {
+            heliotile::units::direction_from_degrees(f64::from(i) * 137.5, 3.0 + 82.0 * (f64::from(i) * 0.618).fract())
+        })
+        .collect()
+}
+
+/// Radiosity of every coarse cell for one source whose visibility and cosine `lit(cell)` gives: the plain scalar system.
+fn radiosities(
+    cells: &Bounces,
+    sky: usize,
+    rho: &dyn Fn(usize) -> f64,
+    lit: &dyn Fn(&[u8], [f32; 3]) -> f64,
+) -> Vec<f64> {
+    let (row, rays) = (sky * sky / 8, cells.hits.len() / cells.keys.len());
+    let centres = centres_f32(sky);
+    let bits = |i: usize| &cells.bits[i * row..(i + 1) * row];
+    let source: Vec<f64> = (0..cells.keys.len()).map(|i| rho(i) * lit(bits(i), cells.normals[i])).collect();
+    let mut now = source.clone();
+    for _ in 0..200 {
+        let next: Vec<f64> = (0..now.len())
+            .map(|i| {
+                let around = surround(cells.normals[i], bits(i), &centres);
+                let (above, below) = seen(&cells.hits[i * rays..(i + 1) * rays]);
+                let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * now[c as usize]).sum::<f64>();
+                source[i] + rho(i) * (around.up * gather(&above) + around.down * gather(&below))
+            })
+            .collect();
+        let change = next.iter().zip(&now).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        now = next;
+        if change < 1e-12 {
+            break;
+        }
+    }
+    now
+}
+
+/// What a source sends to a receiver by a plain loop over the cells it sees.
+fn plain(tables: &Tables, view: &TileView, index: usize, sky: &Source, cells: &[f64]) -> f64 {
+    let (shape, hits) = (tables.shape, &view.hits);
+    let (probes, bounces) = (&tables.probes, &tables.bounces);
+    let per = shape.hit * shape.hit;
+    let texels = &hits.texels[index * per..(index + 1) * per];
+    let (row, rays) = (shape.probe * shape.probe / 8, bounces.hits.len() / bounces.keys.len());
+    let centres = centres_f32(shape.probe);
+    let mut sum = 0.0;
+    for (cell, weight) in hit_weights(texels, &view.viewers[index]).cells {
+        let key = hits.palette[cell];
+        let probe = probes.find(&key).expect("every hit has its probe");
+        let bits = &probes.bits[probe * row..(probe + 1) * row];
+        let around = surround(probes.normals[probe], bits, &centres);
+        let tier = bounces.find(&key.coarse(shape.tier_level)).expect("every probe has its coarse cell");
+        let (above, below) = seen(&bounces.hits[tier * rays..(tier + 1) * rays]);
+        let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * cells[c as usize]).sum::<f64>();
+        let indirect = around.up * gather(&above) + around.down * gather(&below);
+        let rho = tables.reflectors[usize::from(key.material)].diffuse;
+        sum += weight * rho * (sky(shape.probe, bits, probes.normals[probe]) + indirect);
+    }
+    sum
+}
+
+/// Irradiance of a cell with n x n sky bits and a normal.
+type Source<'a> = dyn Fn(usize, &[u8], [f32; 3]) -> f64 + 'a;
+
+fn cosine(normal: [f32; 3], d: DVec3) -> f64 {
+    f64::from(normal[0]) * d.x + f64::from(normal[1]) * d.y + f64::from(normal[2]) * d.z
+}
+
+/// On 20 receivers and 50 suns and a uniform sky, s . G equals a plain loop over probes, cells and bounces to 1e-5 of the source.
+#[test]
+fn response_equals_plain_loop() {
+    let site = site(&blocks(), &twenty(), &BuildSettings::default());
+    let archive = Archive::open(&site.path).expect("an archive");
+    let tables = Tables::load(&archive).expect("tables");
+    let view = tile_view(&archive, 0).expect("a tile");
+    let bounces = &tables.bounces;
+    let responder =
+        Responder::new(tables.probes.clone(), bounces.clone(), tables.shape, tables.reflectors.clone(), Depth::All);
+    let rho = |i: usize| tables.reflectors[usize::from(bounces.keys[i].material)].diffuse;
+    let responses: Vec<Vec<f32>> = (0..20).map(|r| responder.derive(&view.hits, r, &view.viewers[r]).total()).collect();
+
+    let mut worst = 0.0_f64;
+    let mut largest = 0.0_f64;
+    for s in suns() {
+        // Bounce cells have coarser textures, read at the finer texel centres first, as the response is.
+        let corners = bilinear(s, tables.shape.probe);
+        let sun = |n: usize, bits: &[u8], normal: [f32; 3]| {
+            if n == tables.shape.probe {
+                return bit_at(bits, &corners) * cosine(normal, s);
+            }
+            let fine = texel_centres(tables.shape.probe);
+            let at = |t: usize| bit_at(bits, &bilinear(fine[t], n));
+            corners.iter().map(|&(t, w)| at(t) * w).sum::<f64>() * cosine(normal, s)
+        };
+        let cells = radiosities(bounces, tables.shape.bounce_sky, &rho, &|bits, normal| {
+            sun(tables.shape.bounce_sky, bits, normal)
+        });
+        for (r, response) in responses.iter().enumerate() {
+            let expected = plain(&tables, &view, r, &sun, &cells);
+            worst = worst.max((respond(response, s, &corners) - expected).abs());
+            largest = largest.max(expected);
+        }
+    }
+    assert!(worst < 1e-5, "sun: off by {worst:.1e}");
+    assert!(largest > 0.05, "nothing was reflected");
+
+    let sky = |n: usize, bits: &[u8], normal: [f32; 3]| {
+        let centres = texel_centres(n);
+        let sum: f64 = (0..n * n).filter(|&t| bit(bits, t)).map(|t| cosine(normal, centres[t])).sum();
+        sum * HEMISPHERE_SR / (n * n) as f64
+    };
+    // A uniform sky of unit radiance; the coarse cells' textures are read at the response's texels here too.
+    let fine = texel_centres(tables.shape.probe);
+    let coarse = |bits: &[u8], normal: [f32; 3]| {
+        let n = tables.shape.bounce_sky;
+        let sum: f64 = fine.iter().map(|d| bit_at(bits, &bilinear(*d, n)) * cosine(normal, *d)).sum();
+        sum * HEMISPHERE_SR / fine.len() as f64
+    };
+    let cells = radiosities(bounces, tables.shape.bounce_sky, &rho, &coarse);
+    for (r, response) in responses.iter().enumerate() {
+        let texels = fine.len();
+        let got: f64 = fine
+            .iter()
+            .enumerate()
+            .map(|(t, d)| {
+                f64::from(response[t]) * d.x
+                    + f64::from(response[texels + t]) * d.y
+                    + f64::from(response[2 * texels + t]) * d.z
+            })
+            .sum::<f64>()
+            * HEMISPHERE_SR
+            / texels as f64;
+        let expected = plain(&tables, &view, r, &sky, &cells);
+        assert!(
+            (got - expected).abs() < 1e-5 * std::f64::consts::PI + TOLERANCE * expected,
+            "sky at {r}: {got} for {expected}"
+        );
+    }
+}
+
+/// Shared cells against a hemisphere of its own for every hit: over 8 receivers and 50 suns the reflected sun differs by less
+/// than 1 % of the direct normal irradiance (root mean square), its mean by less than 0.2 %.
+#[test]
+fn sharing_costs_little() {
+    let receivers: Vec<Receiver> = twenty().into_iter().take(8).collect();
+    let shared = site(&blocks(), &receivers, &BuildSettings::default());
+    let alone = site(&blocks(), &receivers, &BuildSettings { share: Share::None, ..BuildSettings::default() });
+    let conditions: Vec<_> = suns()
+        .into_iter()
+        .map(|s| heliotile::recombine::conditions::Condition::new("c".into(), &[s], s, 1000.0, 0.0))
+        .collect();
+    let a = shared.replay(&conditions, SkyModel::Perez, Depth::All);
+    let b = alone.replay(&conditions, SkyModel::Perez, Depth::All);
+    let (mut square, mut bias, mut count) = (0.0, 0.0, 0.0);
+    for (id, rows) in &a {
+        for (x, y) in rows.iter().zip(&b[id]) {
+            let d = x.sun_diffuse - y.sun_diffuse;
+            square += d * d;
+            bias += d;
+            count += 1.0;
+        }
+    }
+    let (rmse, bias) = ((square / count as f64).sqrt() / 10.0, bias / count / 10.0);
+    println!("sharing: RMSE {rmse:.3} % and bias {bias:.3} % of DNI");
+    assert!(rmse < 1.0 && bias.abs() < 0.2, "RMSE {rmse:.3} %, bias {bias:.3} % of DNI");
+}

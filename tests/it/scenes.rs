@@ -1,0 +1,147 @@
+//! Small scenes with known answers, and the shortest way from a scene to irradiance: through a real archive.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use glam::DVec3;
+use heliotile::archive::Archive;
+use heliotile::commands::build::{BuildSettings, build};
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::conditions::Condition;
+use heliotile::recombine::replay::{Replay, ReplaySettings};
+use heliotile::recombine::sky::SkyModel;
+use heliotile::scene::Scene;
+use heliotile::scene::materials::{Class, Material};
+use heliotile::scene::receivers::Receiver;
+use heliotile::units::direction_from_degrees;
+
+pub type Triangles = Vec<([DVec3; 3], u16)>;
+
+pub fn v(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// Two triangles of a parallelogram with corner `at` and sides `a`, `b`; its normal is a x b.
+pub fn quad(at: DVec3, a: DVec3, b: DVec3, material: u16) -> Triangles {
+    vec![([at, at + a, at + a + b], material), ([at, at + a + b, at + b], material)]
+}
+
+/// Six outward faces of a box.
+pub fn block(low: DVec3, high: DVec3, material: u16) -> Triangles {
+    let d = high - low;
+    let (x, y, z) = (v(d.x, 0.0, 0.0), v(0.0, d.y, 0.0), v(0.0, 0.0, d.z));
+    [
+        quad(low, y, x, material),
+        quad(low + z, x, y, material),
+        quad(low, x, z, material),
+        quad(low + y, z, x, material),
+        quad(low, z, y, material),
+        quad(low + x, y, z, material),
+    ]
+    .concat()
+}
+
+/// A horizontal square of the given half side around (0, 0, z), facing up.
+pub fn ground(half: f64, z: f64, material: u16) -> Triangles {
+    quad(v(-half, -half, z), v(2.0 * half, 0.0, 0.0), v(0.0, 2.0 * half, 0.0), material)
+}
+
+/// A street along y of the given width between two walls of the given height, `length` long, floor at z = 0.
+pub fn canyon(width: f64, height: f64, length: f64) -> Triangles {
+    let half = length / 2.0;
+    [
+        quad(v(-width / 2.0, -half, 0.0), v(width, 0.0, 0.0), v(0.0, length, 0.0), 0),
+        quad(v(-width / 2.0, -half, 0.0), v(0.0, length, 0.0), v(0.0, 0.0, height), 1),
+        quad(v(width / 2.0, -half, 0.0), v(0.0, 0.0, height), v(0.0, length, 0.0), 1),
+    ]
+    .concat()
+}
+
+/// A scene whose materials 0, 1, ... have the given diffuse reflectances; material 0 counts as ground.
+pub fn scene(triangles: &Triangles, diffuse: &[f64]) -> Scene {
+    let materials = diffuse
+        .iter()
+        .enumerate()
+        .map(|(i, &diffuse)| Material {
+            name: format!("m{i}"),
+            diffuse,
+            specular: 0.0,
+            class: if i == 0 { Class::Ground } else { Class::Obstruction },
+            group: None,
+        })
+        .collect();
+    Scene::from_triangles(triangles, materials).expect("a valid scene")
+}
+
+pub fn receiver(id: &str, position: DVec3, normal: DVec3) -> Receiver {
+    Receiver { id: id.into(), position, normal: normal.normalize(), area: None, surface: None }
+}
+
+/// A receivers' normal tilted by `tilt_deg` from the zenith towards `azimuth_deg`.
+pub fn tilted(tilt_deg: f64, azimuth_deg: f64) -> DVec3 {
+    direction_from_degrees(azimuth_deg, 90.0 - tilt_deg)
+}
+
+pub fn sun(azimuth_deg: f64, altitude_deg: f64, dni_w_m2: f64, dhi_w_m2: f64) -> Condition {
+    let sun = direction_from_degrees(azimuth_deg, altitude_deg);
+    Condition::new("c".into(), &[sun], sun, dni_w_m2, dhi_w_m2)
+}
+
+/// DHI 100 W/m2, no sun.
+pub fn sky_only() -> Condition {
+    sun(180.0, 45.0, 0.0, 100.0)
+}
+
+/// Components of one receiver and condition.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    pub sun_direct: f64,
+    pub sky_direct: f64,
+    pub sun_diffuse: f64,
+    pub sky_diffuse: f64,
+    pub total: f64,
+}
+
+/// An archive in a scratch folder.
+pub struct Site {
+    _folder: tempfile::TempDir,
+    pub path: PathBuf,
+}
+
+pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> Site {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let path = folder.path().join("site.helio");
+    build(scene, receivers, settings, &path).expect("a build");
+    Site { _folder: folder, path }
+}
+
+impl Site {
+    /// Irradiance per receiver id: one row a condition.
+    pub fn replay(&self, conditions: &[Condition], sky: SkyModel, depth: Depth) -> BTreeMap<String, Vec<Row>> {
+        let archive = Archive::open(&self.path).expect("an archive");
+        let settings = ReplaySettings { sky, patches: 577, depth };
+        let replay = Replay::new(&archive, conditions, settings).expect("a replay");
+        let mut rows = BTreeMap::new();
+        for tile in 0..replay.tiles() {
+            let (ids, values) = replay.tile(tile).expect("a tile");
+            for (r, id) in ids.into_iter().enumerate() {
+                let at = |component: usize, c: usize| f64::from(values.row(component, r)[c]);
+                let row = |c: usize| Row {
+                    sun_direct: at(0, c),
+                    sky_direct: at(1, c),
+                    sun_diffuse: at(2, c),
+                    sky_diffuse: at(3, c),
+                    total: at(6, c),
+                };
+                rows.insert(id, (0..conditions.len()).map(row).collect());
+            }
+        }
+        rows
+    }
+
+    /// One condition under a uniform sky, all bounces.
+    pub fn uniform(&self) -> BTreeMap<String, Row> {
+        let rows = self.replay(&[sky_only()], SkyModel::Uniform, Depth::All);
+        rows.into_iter().map(|(id, rows)| (id, rows[0])).collect()
+    }
+}
