@@ -93,7 +93,7 @@ pub struct Settings {
     pub closed_m: f64,
     /// Side of the sky texture of a bounce cell.
     pub bounce_sky: u32,
-    /// Hit rays of a bounce cell.
+    /// Side of the square of hit rays of a bounce cell.
     pub bounce_hits: u32,
     /// Who shares probes: `cells`, or `none` for the reference with a hemisphere a hit.
     pub share: String,
@@ -234,7 +234,7 @@ mod tests {
     #[test]
     fn json_round_trips() {
         let mut manifest = Manifest::new();
-        manifest.scene.origin_m = [85_000.123_456_789_01, -0.1 - 0.2, 5e-324];
+        manifest.scene.origin_m = [85_000.123_456_789, -0.1 - 0.2, 5e-324];
         for other in [
             &mut manifest.other,
             &mut manifest.scene.other,

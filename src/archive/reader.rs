@@ -196,7 +196,8 @@ mod tests {
         let site = test_site::written();
         let good = Archive::open(&site.path).unwrap();
         let slot = good.header().slot;
-        let lies: [(&str, fn(&mut Vec<Entry>)); 8] = [
+        type Lie = fn(&mut Vec<Entry>);
+        let lies: [(&str, Lie); 8] = [
             ("swapped", |e| e.swap(0, 1)),
             ("twice", |e| e[1] = e[0]),
             ("overlap", |e| e[1].offset = e[0].offset),

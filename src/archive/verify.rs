@@ -5,9 +5,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::codec::Block;
-use super::format::{
-    self, BOUNCE, ENTRY_SIZE, Entry, FIRST_BLOCK, MATERIALS, PROBES, RECEIVERS, SLOT_OFFSETS, SLOT_SIZE,
-};
+use super::format::{self, BOUNCE, Entry, FIRST_BLOCK, MATERIALS, PROBES, RECEIVERS, SLOT_OFFSETS, SLOT_SIZE};
 use super::reader::{Archive, by_place};
 use super::source::Access;
 use super::tables::{Bounce, Materials, Probes, Receivers};
@@ -103,7 +101,11 @@ struct Ends {
 
 /// Reads one block and asks everything that can be asked of it.
 fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<Option<Ends>> {
-    let block = archive.fetch(entry)?;
+    let block = match archive.fetch(entry) {
+        // A later release may pack its own kinds in its own way; the checksum was right.
+        Err(Error::Unsupported { .. }) if format::schema_of(entry.kind).is_none() => return Ok(None),
+        block => block?,
+    };
     block.check_content()?;
     match entry.kind {
         RECEIVERS => Receivers::from_block(&block).map(|_| None),
@@ -119,7 +121,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<Option<Ends>> 
             check_materials(&block, &table.material, site)?;
             match table.highest_hit() {
                 Some(cell) if u64::from(cell) >= site.cells => {
-                    return Err(block.corrupt(format!("a hit of cell {cell}"), format!("below {}", site.cells)));
+                    Err(block.corrupt(format!("a hit of cell {cell}"), format!("below {}", site.cells)))
                 }
                 _ => Ok(Some(Ends { first: table.keys().next(), last: table.keys().last() })),
             }
@@ -185,7 +187,6 @@ mod tests {
         assert_eq!((report.problems.clone(), report.root), (vec![], Some(site.summary.root)));
         assert_eq!((report.blocks, report.unknown_blocks, report.trailing_bytes), (9, 1, 0));
         assert_eq!(report.raw_bytes, test_site::blocks().iter().map(|(_, _, raw)| raw.len() as u64).sum::<u64>());
-        assert_eq!(ENTRY_SIZE, 80);
     }
 
     /// Damage of 2 blocks, a slot and a gap gives these 4 names, and all 9 blocks are checked.

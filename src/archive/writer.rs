@@ -92,8 +92,8 @@ impl Writer {
         manifest::summarize(self.entries.values())
     }
 
-    /// Writes directory and manifest, syncs, commits, and gives the file its name. On an error nothing has that name that
-    /// had not before, and the partial file is gone.
+    /// Writes directory and manifest, syncs, commits, and gives the file its name. On an error the name means what it
+    /// did before and the partial file is gone; only if syncing the folder fails, the name may mean either after a crash.
     pub fn finish(mut self, manifest: &Manifest) -> Result<Summary> {
         let entries: Vec<Entry> = self.entries.values().copied().collect();
         manifest.check(&entries).map_err(|wrong| Error::Unsupported {

@@ -63,14 +63,17 @@ pub fn centres_f32(n: usize) -> Vec<[f32; 3]> {
     texel_centres(n).iter().map(|d| d.as_vec3().to_array()).collect()
 }
 
+/// Cells and their weights.
+pub type Weighted = Vec<(u32, f32)>;
+
 /// Weights of the cells that one cell sees, for its rays above and below the horizon apart: each list sums to the share of
 /// rays that met something (of the rays that met something, for the upper ones). Sorted by first ray.
-pub fn seen(hits: &[u32]) -> (Vec<(u32, f32)>, Vec<(u32, f32)>) {
+pub fn seen(hits: &[u32]) -> (Weighted, Weighted) {
     let below: Vec<u32> = hits.iter().filter(|&&h| h & DOWN != 0).map(|h| h & !DOWN).collect();
     let above: Vec<u32> = hits.iter().filter(|&&h| h & DOWN == 0 && h != MISS).copied().collect();
     let merge = |rays: &[u32]| {
         let weight = 1.0 / rays.len().max(1) as f32;
-        let mut merged: Vec<(u32, f32)> = Vec::with_capacity(rays.len());
+        let mut merged: Weighted = Vec::with_capacity(rays.len());
         for &cell in rays.iter().filter(|&&h| h != MISS) {
             match merged.iter_mut().find(|m| m.0 == cell) {
                 Some(m) => m.1 += weight,
@@ -99,15 +102,14 @@ pub fn solve(cells: &Bounces, n: usize, reflectance: &[f64], depth: Depth) -> So
     let centres = centres_f32(n);
     let rays = cells.hits.len().checked_div(count).unwrap_or(0);
     let row_bytes = cells.bits.len().checked_div(count).unwrap_or(0);
-    let rows: Vec<Vec<(u32, f32)>> = (0..count)
+    let rows: Vec<Weighted> = (0..count)
         .into_par_iter()
         .map(|i| {
             let bits = &cells.bits[i * row_bytes..(i + 1) * row_bytes];
             let around = surround(cells.normals[i], bits, &centres);
             let (above, below) = seen(&cells.hits[i * rays..(i + 1) * rays]);
-            let scaled = |list: Vec<(u32, f32)>, share: f64| {
-                list.into_iter().map(move |(cell, w)| (cell, w * share as f32 * rho(i)))
-            };
+            let scaled =
+                |list: Weighted, share: f64| list.into_iter().map(move |(cell, w)| (cell, w * share as f32 * rho(i)));
             scaled(above, around.up).chain(scaled(below, around.down)).collect()
         })
         .collect();

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::rays::Tracer;
-use super::surface::{SurfacePoint, sample};
+use super::surface::{POINTS, SurfacePoint, sample};
 use crate::hemisphere::{jitter, mix, texel_direction, unit};
 use crate::scene::cells::CellKey;
 use crate::scene::mesh::Mesh;
@@ -47,9 +47,9 @@ pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Prob
     let mut owner = vec![0_usize; n * n];
     let mut open = vec![0_u32; count];
     let mut asked = vec![0_u32; count];
-    for texel in 0..n * n {
-        let point = slot(texel, n, seed) * count / 16;
-        owner[texel] = point;
+    for (texel, owner) in owner.iter_mut().enumerate() {
+        let point = slot(texel, n, seed) * count / POINTS;
+        *owner = point;
         if let Some(sky) = look(texel, point) {
             asked[point] += 1;
             open[point] += u32::from(sky);
@@ -90,7 +90,7 @@ fn slot(texel: usize, n: usize, seed: u64) -> usize {
     let (column, row) = (texel % n, texel / n);
     let block = (row / 4 * n.div_ceil(4) + column / 4) as u64;
     let turn = mix(seed ^ 0x736c_6f74, block) as usize;
-    ((row % 4) * 4 + column % 4) * 5 % 16 ^ (turn & 15)
+    (((row % 4) * 4 + column % 4) * 5 % 16) ^ (turn & 15)
 }
 
 /// First index at which the running sum of `weights` exceeds `at`; the last positive one if rounding leaves none.

@@ -1,5 +1,7 @@
 //! All integration tests in one binary, by question.
 
+mod archive;
+mod cli;
 mod physics;
 mod response;
 mod scenes;

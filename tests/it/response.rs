@@ -200,7 +200,7 @@ fn sharing_costs_little() {
             count += 1.0;
         }
     }
-    let (rmse, bias) = ((square / count as f64).sqrt() / 10.0, bias / count / 10.0);
+    let (rmse, bias) = ((square / count).sqrt() / 10.0, bias / count / 10.0);
     println!("sharing: RMSE {rmse:.3} % and bias {bias:.3} % of DNI");
     assert!(rmse < 1.0 && bias.abs() < 0.2, "RMSE {rmse:.3} %, bias {bias:.3} % of DNI");
 }

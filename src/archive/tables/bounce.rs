@@ -18,9 +18,9 @@ pub struct Bounce {
     pub tag: Vec<u32>,
     pub material: Vec<u16>,
     pub normal: Vec<[f32; 3]>,
-    /// [cell][byte]: sky bits, world frame, lowest bit first.
+    /// `[cell][byte]`: sky bits, world frame, lowest bit first.
     pub bits: Vec<u8>,
-    /// [cell][ray]: row of the cell met, counted over all chunks, and a flag; see `schema/layers.md`.
+    /// `[cell][ray]`: row of the cell met, counted over all chunks, and a flag; see `schema/layers.md`.
     pub hits: Vec<u32>,
     /// 0 first tier, 1 closed system.
     pub tier: Vec<u8>,

@@ -32,7 +32,7 @@ pub struct Probes {
     pub material: Vec<u16>,
     /// Mean of the unit normals of the cell's points, so at most 1 long.
     pub normal: Vec<[f32; 3]>,
-    /// [probe][byte]: sky bits, world frame, lowest bit first.
+    /// `[probe][byte]`: sky bits, world frame, lowest bit first.
     pub bits: Vec<u8>,
 }
 
@@ -130,8 +130,8 @@ mod tests {
             |p| p.tag[1] = 65_536,
             |p| p.normal[0][0] = 0.1,
             |p| p.normal[1][0] = f32::NAN,
-            |p| drop(p.material.pop()),
-            |p| drop(p.bits.pop()),
+            |p| p.material.truncate(1),
+            |p| p.bits.truncate(3),
         ];
         for (number, flaw) in flaws.into_iter().enumerate() {
             let mut wrong = known();

@@ -96,7 +96,7 @@ mod tests {
             |r| r.area[1] = f64::INFINITY,
             |r| r.sky_view[0] = 1.1,
             |r| r.ground_view[1] = f32::NAN,
-            |r| drop(r.obstruction_view.pop()),
+            |r| r.obstruction_view.truncate(1),
         ];
         for (number, flaw) in flaws.into_iter().enumerate() {
             let mut wrong = known();

@@ -76,12 +76,7 @@ impl Job<'_> {
                 bounces: "all".into(),
                 ..Settings::default()
             },
-            counts: manifest::Counts {
-                probes: counts.probes as u64,
-                bounce_cells: counts.bounce_cells as u64,
-                rays,
-                ..manifest::Counts::default()
-            },
+            counts: manifest::Counts { probes: counts.probes as u64, bounce_cells: counts.bounce_cells as u64, rays },
             layers,
             ..Manifest::default()
         }

@@ -1,0 +1,98 @@
+//! The archive as a whole: equal inputs, equal bytes; cached and derived layers agree.
+
+use std::fs;
+
+use heliotile::archive::Archive;
+use heliotile::commands::build::{BuildSettings, build};
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::load::cached_responses;
+use heliotile::recombine::load::{Tables, tile_view};
+use heliotile::recombine::response::Responder;
+use heliotile::scene::receivers::Receiver;
+
+use crate::scenes::*;
+
+fn town() -> Triangles {
+    let mut triangles = ground(200.0, 0.0, 0);
+    for i in 0..12 {
+        let (x, y) = (f64::from(i % 4) * 22.0 - 44.0, f64::from(i / 4) * 25.0 - 37.0);
+        triangles.extend(block(v(x, y, 0.0), v(x + 12.0, y + 10.0, 6.0 + f64::from(i * 7 % 11)), 1));
+    }
+    triangles
+}
+
+/// 150 receivers, three tiles.
+fn many() -> Vec<Receiver> {
+    (0..150)
+        .map(|i| {
+            let (a, b) = (f64::from(i % 15) * 6.1 - 45.0, f64::from(i / 15) * 7.3 - 40.0);
+            receiver(
+                &format!("r{i:03}"),
+                v(a, b, 20.0 * f64::from(i % 3)),
+                tilted(f64::from(i % 4) * 30.0, f64::from(i)),
+            )
+        })
+        .collect()
+}
+
+/// One and two threads, receivers and faces in another order: one root hash and the same bytes.
+#[test]
+fn bytes_depend_on_content_only() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let settings = BuildSettings { sky_fine: 512, probe: 16, ..BuildSettings::default() };
+    let with = |name: &str, threads: usize, reversed: bool| {
+        let path = folder.path().join(name);
+        let (mut triangles, mut receivers) = (town(), many());
+        if reversed {
+            triangles.reverse();
+            receivers.reverse();
+        }
+        let scene = scene(&triangles, &[0.2, 0.4]);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let report = pool.install(|| build(&scene, &receivers, &settings, &path)).expect("a build");
+        (report.root, fs::read(path).expect("the archive"))
+    };
+    let first = with("a.helio", 1, false);
+    for (name, threads, reversed) in [("b.helio", 2, false), ("c.helio", 2, true)] {
+        let other = with(name, threads, reversed);
+        assert_eq!(first.0, other.0, "{name}");
+        assert!(first.1 == other.1, "{name} has other bytes");
+    }
+}
+
+/// The response layer of the archive is the derived response rounded to 16-bit floats: within 5e-4 of each value.
+#[test]
+fn cached_response_is_the_derived_one() {
+    let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &BuildSettings::default());
+    let archive = Archive::open(&site.path).expect("an archive");
+    let t = Tables::load(&archive).expect("tables");
+    let responder = Responder::new(t.probes, t.bounces, t.shape, t.reflectors, Depth::All);
+    let mut compared = 0;
+    for tile in 0..archive.tiles() {
+        let view = tile_view(&archive, tile).expect("a tile");
+        for (i, cached) in cached_responses(&archive, tile).expect("responses").iter().enumerate() {
+            let derived = responder.derive(&view.hits, i, &view.viewers[i]);
+            for (a, b) in derived.values.iter().zip(&cached.values) {
+                assert!((a - b).abs() <= 5e-4 * a.abs() + 1e-7, "{a} {b}");
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 150 * 2 * 3 * 1024);
+}
+
+/// More bounces, more light: on every receiver 1 <= 2 <= 3 <= all, and the third adds less than the second.
+#[test]
+fn bounces_add_up() {
+    let site = site(
+        &scene(&canyon(10.0, 14.0, 400.0), &[0.5, 0.5]),
+        &[receiver("r", v(0.1, 0.2, 0.0), tilted(0.0, 0.0))],
+        &BuildSettings::default(),
+    );
+    let light = |depth| {
+        site.replay(&[sun(90.0, 60.0, 800.0, 100.0)], heliotile::recombine::sky::SkyModel::Perez, depth)["r"][0].total
+    };
+    let [one, two, three, all] = [Depth::Count(1), Depth::Count(2), Depth::Count(3), Depth::All].map(light);
+    assert!(one < two && two < three && three < all, "{one} {two} {three} {all}");
+    assert!(three - two < two - one && all - three < two - one, "{one} {two} {three} {all}");
+}

@@ -1,0 +1,169 @@
+//! The command line: names and columns of the contract, exit codes, messages that a user can act on.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A scratch folder with a small valid site: a 10 m cube on a 60 m square, three receivers, two conditions.
+struct Folder(TempDir);
+
+const SCENE: &str = "\
+v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nv 0 0 10\nv 10 0 10\nv 10 10 10\nv 0 10 10\n\
+usemtl wall\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nusemtl roof\nf 5 6 7 8\n\
+v -30 -30 0\nv 30 -30 0\nv 30 30 0\nv -30 30 0\nusemtl grass\nf -4 -3 -2 -1\n";
+const MATERIALS: &str = "[wall]\ndiffuse = 0.4\n[roof]\ndiffuse = 0.2\n[grass]\ndiffuse = 0.25\n";
+const RECEIVERS: &str = "receiver,x,y,z,nx,ny,nz\nroof,5,5,10.02,0,0,1\nsouth,5,-0.02,4,0,-1,0\nlawn,15,5,0.02,0,0,2\n";
+const CONDITIONS: &str =
+    "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,50,800,100\novercast,180,30,0,200\n";
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Folder(tempfile::tempdir().expect("a scratch folder"));
+        folder.write("scene.obj", SCENE);
+        folder.write("materials.toml", MATERIALS);
+        folder.write("receivers.csv", RECEIVERS);
+        folder.write("conditions.csv", CONDITIONS);
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("a writable folder");
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
+        command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().expect("the program")
+    }
+
+    fn build(&self) -> Output {
+        self.run("build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio")
+    }
+
+    /// Runs a command that must fail with exit code 2 and a message holding every one of `parts`.
+    fn refused(&self, arguments: &str, parts: &[&str]) {
+        let output = self.run(arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {message}");
+        for part in parts {
+            assert!(message.contains(part), "{arguments}: `{part}` is not in: {message}");
+        }
+        assert!(!message.contains("panicked"), "{message}");
+    }
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn golden() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_3_days.epw")
+}
+
+/// Build, query and replay give the columns of the contract: 9 columns, 6 rows of a query, 216 of three days.
+#[test]
+fn contract() {
+    let folder = Folder::new();
+    let built = folder.build();
+    assert_eq!(built.status.code(), Some(0), "{}", String::from_utf8_lossy(&built.stderr));
+
+    let table = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(
+        lines[0],
+        "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total"
+    );
+    assert_eq!(lines.len(), 1 + 2 * 3);
+    let roof = lines.iter().find(|l| l.starts_with("noon,roof,")).expect("the roof at noon");
+    let direct: f64 = roof.split(',').nth(2).and_then(|t| t.parse().ok()).expect("a number");
+    assert!((direct - 800.0 * 50.0_f64.to_radians().sin()).abs() < 0.01, "{roof}");
+
+    let weather = golden();
+    let replay = |rest: &str| folder.run(&format!("replay site.helio --weather {} {rest}", weather.display()));
+    let hourly = stdout(&replay("--every hour"));
+    assert_eq!(hourly.lines().count(), 1 + 72 * 3);
+    assert!(hourly.starts_with("time,receiver,sun_direct,"));
+    assert_eq!(replay("-o year.csv --every year").status.code(), Some(0));
+    let year = fs::read_to_string(folder.path("year.csv")).expect("the table");
+    assert!(year.starts_with("time,receiver,sun_direct_kwh_m2,"), "{year}");
+    assert_eq!(year.lines().count(), 4);
+    // The year's sums are the hours' means.
+    let sum = |table: &str, from: f64| -> f64 {
+        let totals = table.lines().skip(1).filter_map(|l| l.rsplit(',').next()?.parse::<f64>().ok());
+        totals.sum::<f64>() * from
+    };
+    let (hours, sums) = (sum(&hourly, 1e-3), sum(&year, 1.0));
+    assert!((hours - sums).abs() < 1e-3 * sums, "{hours} {sums}");
+    assert_eq!(replay("-o hours.parquet").status.code(), Some(0));
+    assert!(fs::metadata(folder.path("hours.parquet")).expect("the table").len() > 1000);
+}
+
+/// `info` names all 7 layers and the counts, `verify` finds nothing in a good archive and the damaged block in a bad one.
+#[test]
+fn info_and_verify() {
+    let folder = Folder::new();
+    folder.build();
+    let info = stdout(&folder.run("info site.helio"));
+    for part in ["receivers", "sky", "hit", "response", "probes", "bounce", "materials", "3 in 1 tiles"] {
+        assert!(info.contains(part), "{part}: {info}");
+    }
+    assert_eq!(folder.run("verify site.helio").status.code(), Some(0));
+    let mut bytes = fs::read(folder.path("site.helio")).expect("the archive");
+    bytes[8192 + 10] ^= 1;
+    fs::write(folder.path("bad.helio"), &bytes).expect("a writable folder");
+    let verified = folder.run("verify bad.helio");
+    assert_eq!(verified.status.code(), Some(1));
+    assert!(stdout(&verified).contains("receivers/0"), "{}", stdout(&verified));
+    folder.refused("query bad.helio --conditions conditions.csv", &["bad.helio", "receivers/0", "verify"]);
+}
+
+/// 14 wrong inputs: each ends with exit code 2 and a message that names the file, the place and what was found.
+#[test]
+fn wrong_inputs() {
+    let folder = Folder::new();
+    let build = "build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio";
+    folder.refused(&build.replace("scene.obj", "none.obj"), &["none.obj", "No such file"]);
+    let with = |name: &str, text: &str, parts: &[&str]| {
+        let folder = Folder::new();
+        folder.write(name, text);
+        folder.refused(build, parts);
+        assert!(!folder.path("site.helio").exists() && !folder.path("site.helio.partial").exists());
+    };
+    with("materials.toml", "[wall]\ndiffuse = 0.4\n[roof]\ndiffuse = 0.2\n", &["materials.toml", "grass"]);
+    with("materials.toml", "[wall]\ndifuse = 0.4\n", &["materials.toml", "line 2", "difuse"]);
+    with("materials.toml", &MATERIALS.replace("0.4", "1.4"), &["materials.toml", "line 2", "1.4"]);
+    with("receivers.csv", &RECEIVERS.replace("0,-1,0", "0,0,0"), &["receivers.csv", "line 3", "length zero"]);
+    with("receivers.csv", &RECEIVERS.replace("0,-1,0", "0,nan,0"), &["receivers.csv", "line 3", "ny", "nan"]);
+    with("receivers.csv", &RECEIVERS.replace("10.02", "high"), &["receivers.csv", "line 2", "z", "high"]);
+    with("receivers.csv", &RECEIVERS.replace("lawn", "roof"), &["receivers.csv", "line 4", "roof"]);
+    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 x 0\n"), &["scene.obj", "line 3", "x"]);
+    with("scene.obj", &SCENE.replace("f 1 2 6 5", "f 1 2 6 500"), &["scene.obj", "line 10", "500"]);
+    with("scene.obj", "v 0 0 0\n", &["scene.obj", "no faces"]);
+
+    folder.build();
+    let query = "query site.helio --conditions conditions.csv";
+    folder.write("conditions.csv", &CONDITIONS.replace("800", "-800"));
+    folder.refused(query, &["conditions.csv", "line 2", "dni_w_m2", "-800"]);
+    folder.refused(&format!("{query} -o out.xlsx"), &["conditions.csv"]);
+    folder.write("conditions.csv", CONDITIONS);
+    folder.refused(&format!("{query} -o out.xlsx"), &[".csv", ".parquet"]);
+    folder.refused(&format!("{query} --sky cie:16"), &["cie"]);
+    folder.refused("query scene.obj --conditions conditions.csv", &["scene.obj"]);
+}
+
+/// A receiver inside the cube and one that faces a wall from 0.3 mm are named, 2 of 2, and the build goes on.
+#[test]
+fn misplaced_receivers_are_named() {
+    let folder = Folder::new();
+    folder.write("receivers.csv", &format!("{RECEIVERS}buried,5,5,5,0,0,1\nclose,5,-0.0003,5,0,1,0\n"));
+    let built = folder.build();
+    let message = String::from_utf8_lossy(&built.stderr).into_owned();
+    assert_eq!(built.status.code(), Some(0), "{message}");
+    assert!(message.contains("inside a solid") && message.contains("buried"), "{message}");
+    assert!(message.contains("close (0.30 mm)"), "{message}");
+}
