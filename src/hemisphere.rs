@@ -91,6 +91,17 @@ pub fn texel_direction(column: usize, row: usize, n: usize, inside: DVec2) -> DV
     direction_of((DVec2::new(column as f64, row as f64) + inside) / n as f64)
 }
 
+/// Texels (column, row) of an n x n texture, 4 x 4 block by block: neighbours in the list are neighbours on the sphere.
+pub fn texels_in_blocks(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    let blocks = n.div_ceil(4);
+    (0..blocks * blocks * 16)
+        .map(move |i| {
+            let (block, inside) = (i / 16, i % 16);
+            (block % blocks * 4 + inside % 4, block / blocks * 4 + inside / 4)
+        })
+        .filter(move |&(column, row)| column < n && row < n)
+}
+
 /// Unit directions of all texel centres of an n x n texture, row-major, texel 0 = (column 0, row 0).
 pub fn texel_centres(n: usize) -> Vec<DVec3> {
     (0..n * n).map(|t| texel_direction(t % n, t / n, n, DVec2::splat(0.5))).collect()

@@ -57,6 +57,30 @@ impl BitSquare {
         })
     }
 
+    /// The same bits, 4 x 4 block by block: neighbours in the list are neighbours on the sphere.
+    pub fn ones_in_blocks(&self) -> Vec<(u32, u32)> {
+        let mut found = Vec::new();
+        for band in (0..self.n).step_by(4) {
+            let rows = band..(band + 4).min(self.n);
+            for i in 0..self.stride {
+                let words: Vec<u64> = rows.clone().map(|row| self.words[row * self.stride + i]).collect();
+                let mut any = words.iter().fold(0, |a, w| a | w);
+                while any != 0 {
+                    let shift = any.trailing_zeros() & !3;
+                    for (word, row) in words.iter().zip(rows.clone()) {
+                        let mut bits = word >> shift & 15;
+                        while bits != 0 {
+                            found.push((i as u32 * 64 + shift + bits.trailing_zeros(), row as u32));
+                            bits &= bits - 1;
+                        }
+                    }
+                    any &= !(15 << shift);
+                }
+            }
+        }
+        found
+    }
+
     fn map2(&self, other: &Self, f: impl Fn(u64, u64) -> u64) -> Self {
         let words = self.words.iter().zip(&other.words).map(|(&a, &b)| f(a, b)).collect();
         BitSquare { words, ..*self }
@@ -159,24 +183,25 @@ impl SkyTexture {
     ) -> (Self, BitSquare) {
         let front = front_of(base, normal);
         let mut dense = BitSquare::new(base);
-        let texels: Vec<(u32, u32)> = front.ones().collect();
+        let texels = front.ones_in_blocks();
         for (&(c, r), sky) in texels.iter().zip(visible(base, &texels)) {
             dense.set(c as usize, r as usize, sky);
         }
         let mut texture = SkyTexture { front, base: dense.clone(), levels: Vec::new() };
         let mut mask = texture.front.clone();
         for n in sides(base, fine) {
-            let refined: Vec<(u32, u32)> = mixed(&dense, &mask).ones().collect();
-            let children: Vec<(u32, u32)> = refined.iter().flat_map(|&t| children_of(t)).collect();
-            let bits = visible(n, &children);
-            let nibble = |four: &[bool]| four.iter().rev().fold(0, |b, &v| b << 1 | u8::from(v));
-            texture
-                .levels
-                .push(bits.chunks(8).map(|pair| nibble(&pair[..4]) | pair.get(4..).map_or(0, nibble) << 4).collect());
+            let refined = mixed(&dense, &mask);
+            let children: Vec<(u32, u32)> = refined.ones_in_blocks().into_iter().flat_map(children_of).collect();
             dense = dense.double();
-            for (&(c, r), sky) in children.iter().zip(bits) {
+            for (&(c, r), sky) in children.iter().zip(visible(n, &children)) {
                 dense.set(c as usize, r as usize, sky);
             }
+            let nibble = |parent| {
+                let child = |&(c, r): &(u32, u32)| u8::from(dense.get(c as usize, r as usize));
+                children_of(parent).iter().rev().fold(0, |bits, t| bits << 1 | child(t))
+            };
+            let nibbles: Vec<u8> = refined.ones().map(nibble).collect();
+            texture.levels.push(nibbles.chunks(2).map(|two| two[0] | two.get(1).map_or(0, |n| n << 4)).collect());
             mask = mask.double();
         }
         (texture, dense)

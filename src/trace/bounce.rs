@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::probe::{lifted, pick, trace_probe};
-use super::rays::{Hit, Tracer};
-use crate::hemisphere::{Frame, jitter, mix, unit};
+use super::rays::{Hit, Ray, Tracer};
+use crate::hemisphere::{Frame, direction_of, jitter, mix, texels_in_blocks, unit};
 use crate::scene::cells::{CellKey, level_of};
 use crate::scene::mesh::Mesh;
 
@@ -51,25 +51,36 @@ pub fn trace_bounce(key: CellKey, settings: BounceSettings, mesh: &Mesh, tracer:
     let seed = mix(key.seed(), 0x626f_756e);
     let count = settings.hits * settings.hits;
     let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
-    let mut rays = Vec::with_capacity(count);
-    for i in 0..count {
-        if probe.points.is_empty() {
-            rays.push((true, Seen::Nothing));
-            continue;
-        }
-        // Points are drawn systematically, in an order that has nothing to do with the directions' order.
-        let turn = (i * 37 + 11) % count;
-        let point = probe.points[pick(&weights, (turn as f64 + unit(mix(seed, 7))) / count as f64)].0;
-        let local = cosine_direction(i, settings.hits, jitter(seed, i as u64));
-        let direction = Frame::of(point.normal).to_world(local);
-        let hit = tracer.closest(lifted(point.position, point.normal, tracer), direction.as_vec3().to_array());
-        let seen = hit.map_or(Seen::Nothing, |hit| {
-            let distance_level = level_of(f64::from(hit.t) * DISTANCE_SHARE);
-            let level = distance_level.max(key.level).max(settings.closed_level);
-            Seen::Cell(cell_of(hit, direction, level, mesh, point.position).coarse(level))
-        });
-        rays.push((direction.z > 0.0, seen));
+    if probe.points.is_empty() {
+        let rays = vec![(true, Seen::Nothing); count];
+        return BounceTrace { key, normal: probe.normal, bits: probe.bits, rays, cast: 0 };
     }
+    let start = unit(mix(seed, 7));
+    let (origins, rays): (Vec<DVec3>, Vec<Ray>) = texels_in_blocks(settings.hits)
+        .map(|(column, row)| {
+            let i = row * settings.hits + column;
+            // Points are drawn systematically, in an order that has nothing to do with the directions' order.
+            let turn = (i * 37 + 11) % count;
+            let point = probe.points[pick(&weights, (turn as f64 + start) / count as f64)].0;
+            let local = cosine_direction(column, row, settings.hits, jitter(seed, i as u64));
+            let direction = Frame::of(point.normal).to_world(local).as_vec3().to_array();
+            (point.position, Ray { origin: lifted(point.position, point.normal, tracer), direction })
+        })
+        .unzip();
+    let rays = tracer
+        .closest_many(&rays)
+        .into_iter()
+        .zip(rays.iter().zip(origins))
+        .map(|(hit, (ray, origin))| {
+            let direction = DVec3::from(ray.direction.map(f64::from));
+            let seen = hit.map_or(Seen::Nothing, |hit| {
+                let distance_level = level_of(f64::from(hit.t) * DISTANCE_SHARE);
+                let level = distance_level.max(key.level).max(settings.closed_level);
+                Seen::Cell(cell_of(hit, direction, level, mesh, origin).coarse(level))
+            });
+            (direction.z > 0.0, seen)
+        })
+        .collect();
     let cast = probe.rays + count as u64;
     BounceTrace { key, normal: probe.normal, bits: probe.bits, rays, cast }
 }
@@ -110,11 +121,11 @@ pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3
     CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
 }
 
-/// Direction of ray `i` of n x n, cosine-distributed about z: Malley's method over Shirley and Chiu's disc.
-fn cosine_direction(i: usize, n: usize, inside: DVec2) -> DVec3 {
-    let p = (DVec2::new((i % n) as f64, (i / n) as f64) + inside) / n as f64;
+/// Direction of ray (column, row) of n x n, cosine-distributed about z: Malley's method over Shirley and Chiu's disc.
+fn cosine_direction(column: usize, row: usize, n: usize, inside: DVec2) -> DVec3 {
+    let p = (DVec2::new(column as f64, row as f64) + inside) / n as f64;
     // The equal-solid-angle lift has z = 1 - r^2; the cosine lift of the same disc point has z = sqrt(1 - r^2).
-    let d = crate::hemisphere::direction_of(p);
+    let d = direction_of(p);
     let r2 = (1.0 - d.z).clamp(0.0, 1.0);
     let stretch = 1.0 / (2.0 - r2).sqrt();
     DVec3::new(d.x * stretch, d.y * stretch, (1.0 - r2).sqrt())

@@ -2,10 +2,13 @@
 //! cells that are seen. It knows nothing of textures on disk, archives, weather or reflectances.
 
 pub mod bounce;
+pub mod lanes;
+pub mod packet;
 pub mod probe;
 pub mod rays;
 pub mod receiver;
 pub mod surface;
+pub mod tree;
 pub mod triangle;
 
-pub use rays::Tracer;
+pub use rays::{Ray, Tracer};

@@ -6,9 +6,9 @@
 
 use glam::DVec3;
 
-use super::rays::Tracer;
+use super::rays::{Ray, Tracer};
 use super::surface::{POINTS, SurfacePoint, sample};
-use crate::hemisphere::{jitter, mix, texel_direction, unit};
+use crate::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
 use crate::scene::cells::CellKey;
 use crate::scene::mesh::Mesh;
 
@@ -34,23 +34,33 @@ pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Prob
     }
     let seed = key.seed();
     let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
+    let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
     let mut rays = 0;
-    let mut look = |texel: usize, point: usize| -> Option<bool> {
-        let d = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
-        (points[point].normal.dot(d) > 0.0).then(|| {
-            rays += 1;
-            !tracer.occluded(origins[point], d.as_vec3().to_array())
-        })
+    // Answers for (texel, point): `None` where the texel is behind the point's surface.
+    let mut look = |asked: &[(usize, usize)]| -> Vec<Option<bool>> {
+        let mut cast = Vec::with_capacity(asked.len());
+        let mut answers: Vec<Option<bool>> = Vec::with_capacity(asked.len());
+        for &(texel, point) in asked {
+            let d = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
+            let front = points[point].normal.dot(d) > 0.0;
+            answers.push(front.then_some(false));
+            if front {
+                cast.push(Ray { origin: origins[point], direction: d.as_vec3().to_array() });
+            }
+        }
+        rays += cast.len() as u64;
+        let met = tracer.occluded_many(&cast);
+        answers.iter_mut().flatten().zip(met).for_each(|(answer, met)| *answer = !met);
+        answers
     };
 
     // First round: every point gets the same share of texels, spread over the whole sky.
-    let mut owner = vec![0_usize; n * n];
+    let mut owners: Vec<(usize, usize)> =
+        texels.iter().map(|&texel| (texel, slot(texel, n, seed) * count / POINTS)).collect();
     let mut open = vec![0_u32; count];
     let mut asked = vec![0_u32; count];
-    for (texel, owner) in owner.iter_mut().enumerate() {
-        let point = slot(texel, n, seed) * count / POINTS;
-        *owner = point;
-        if let Some(sky) = look(texel, point) {
+    for (&(texel, point), sky) in owners.iter().zip(look(&owners)) {
+        if let Some(sky) = sky {
             asked[point] += 1;
             open[point] += u32::from(sky);
             set(&mut bits, texel, sky);
@@ -63,14 +73,14 @@ pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Prob
     // Second round: a texel keeps its point with probability openness / best, else draws another by openness.
     // Points then own texels in exact proportion to their openness.
     let share: Vec<f64> = if best > 0.0 {
-        for texel in 0..n * n {
-            let draw = mix(seed ^ 0x6f70_656e, texel as u64);
-            if unit(draw) * best < openness[owner[texel]] {
-                continue;
-            }
-            let point = pick(&openness, sum * unit(mix(draw, 1)));
-            owner[texel] = point;
-            set(&mut bits, texel, look(texel, point).unwrap_or(false));
+        owners.retain_mut(|(texel, point)| {
+            let draw = mix(seed ^ 0x6f70_656e, *texel as u64);
+            let keeps = unit(draw) * best < openness[*point];
+            *point = pick(&openness, sum * unit(mix(draw, 1)));
+            !keeps
+        });
+        for (&(texel, _), sky) in owners.iter().zip(look(&owners)) {
+            set(&mut bits, texel, sky.unwrap_or(false));
         }
         openness.iter().map(|o| o / sum).collect()
     } else {

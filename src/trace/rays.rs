@@ -1,23 +1,22 @@
-//! Rays: the bounding volume hierarchy and the walk over it. In: a mesh, then rays. Out: what they meet first, or whether
-//! they meet anything.
-//!
-//! obvhs builds the tree; its public nodes are walked by our own code with boxes padded for rounding and the watertight
-//! test of [`super::triangle`]. Rays are f32 in coordinates relative to the scene origin.
+//! Rays: what a scene answers. In: rays, f32, relative to the scene origin, directions of about unit length. Out: what they
+//! meet first, or whether they meet anything. Many rays go in packets of sixteen ([`super::packet`]); rays one by one
+//! are the reference that packets are judged against.
 
-use glam::{DVec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
-use obvhs::triangle::Triangle;
+use glam::DVec3;
 
-use super::triangle::{EdgeTriangle, intersect};
-use crate::error::{Error, Result};
+use super::lanes::Level;
+use super::packet::{self, Packet};
+use super::tree::{Child, MAX_DEPTH, Pair, Tree};
+use super::triangle::intersect;
+use crate::error::Result;
 use crate::scene::mesh::Mesh;
 
-/// Boxes grow by this share of the largest coordinate: measured to close all leaks at vertices.
-const BOX_PAD: f32 = 1e-6;
-
-/// Deepest tree that the walk's stack can hold.
-const MAX_DEPTH: usize = 192;
+/// A ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    pub origin: [f32; 3],
+    pub direction: [f32; 3],
+}
 
 /// What a ray met first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,61 +27,21 @@ pub struct Hit {
     pub triangle: u32,
 }
 
-/// One node, with the boxes of both children beside each other.
-#[derive(Clone, Copy)]
-struct Node {
-    low: [f32; 3],
-    /// First child (inner) or first triangle (leaf).
-    first: u32,
-    high: [f32; 3],
-    /// Number of triangles; 0 marks an inner node.
-    count: u32,
-}
-
 /// A scene ready for rays.
 pub struct Tracer {
-    nodes: Vec<Node>,
-    /// In the tree's order.
-    triangles: Vec<EdgeTriangle>,
-    /// Tree order to mesh order.
-    triangle: Vec<u32>,
-    reach: f64,
+    tree: Tree,
+    level: Level,
 }
 
 impl Tracer {
-    /// Builds the tree of a mesh (obvhs, preset "slow": spatial splits, built once for an archive).
+    /// Builds the tree; packets run on the best level of this machine.
     pub fn new(mesh: &Mesh) -> Result<Self> {
-        let corners_of = |i: usize| mesh.triangle_points(i).map(|p| p.as_vec3().to_array());
-        let boxed: Vec<Triangle> = (0..mesh.triangles.len())
-            .map(|i| {
-                let [v0, v1, v2] = corners_of(i).map(Vec3A::from_array);
-                Triangle { v0, v1, v2 }
-            })
-            .collect();
-        let mut build_time = std::time::Duration::default();
-        let bvh = build_bvh2_from_tris(&boxed, BvhBuildParams::slow_build(), &mut build_time);
-        if bvh.max_depth > MAX_DEPTH {
-            return Err(Error::Limit {
-                what: "depth of the bounding volume hierarchy".into(),
-                value: bvh.max_depth as u64,
-                max: MAX_DEPTH as u64,
-            });
-        }
-        let (low, high) = mesh.bounds();
-        let reach = low.abs().max(high.abs()).max_element();
-        let pad = Vec3A::splat(reach as f32 * BOX_PAD);
-        let nodes = bvh
-            .nodes
-            .iter()
-            .map(|n| Node {
-                low: (n.aabb.min - pad).to_array(),
-                first: n.first_index,
-                high: (n.aabb.max + pad).to_array(),
-                count: n.prim_count,
-            })
-            .collect();
-        let triangles = bvh.primitive_indices.iter().map(|&i| EdgeTriangle::new(corners_of(i as usize))).collect();
-        Ok(Tracer { nodes, triangles, triangle: bvh.primitive_indices, reach })
+        Tracer::at_level(mesh, Level::best())
+    }
+
+    /// As [`Tracer::new`], with packets compiled for a given level; results are the same.
+    pub fn at_level(mesh: &Mesh, level: Level) -> Result<Self> {
+        Ok(Tracer { tree: Tree::new(mesh)?, level })
     }
 
     /// Distance by which a ray's origin leaves its surface, metres: far above the rounding of f32 coordinates at that
@@ -93,16 +52,36 @@ impl Tracer {
 
     /// Largest coordinate of the scene, metres.
     pub fn reach_m(&self) -> f64 {
-        self.reach
+        self.tree.reach
+    }
+
+    /// Mesh indices of all triangles whose leaf touches the given box, ascending.
+    pub fn triangles_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
+        self.tree.triangles_near(low, high)
+    }
+
+    /// Whether each ray meets anything. Fast where sixteen rays in a row are alike, faster where they share an origin.
+    pub fn occluded_many(&self, rays: &[Ray]) -> Vec<bool> {
+        let packets: Vec<Packet> = rays.chunks(16).map(Packet::new).collect();
+        let met = packet::occluded(&self.tree, self.level, &packets);
+        (0..rays.len()).map(|i| met[i / 16] >> (i % 16) & 1 == 1).collect()
+    }
+
+    /// What each ray meets first; the same triangles and bits as [`Tracer::closest`].
+    pub fn closest_many(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        let packets: Vec<Packet> = rays.chunks(16).map(Packet::new).collect();
+        let mut hits: Vec<Option<Hit>> = packet::closest(&self.tree, self.level, &packets);
+        hits.truncate(rays.len());
+        hits
     }
 
     /// The first triangle met; among equal distances the one with the lowest index.
-    pub fn closest(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Hit> {
+    pub fn closest(&self, ray: Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
-        self.walk(origin, direction, |limit, first, count| {
+        self.walk(ray, |limit, first, count| {
             for k in first..first + count {
-                let Some(t) = intersect(origin, direction, &self.triangles[k]) else { continue };
-                let triangle = self.triangle[k];
+                let Some(t) = intersect(ray.origin, ray.direction, &self.tree.triangles[k]) else { continue };
+                let triangle = self.tree.mesh_triangle[k];
                 if best.is_none_or(|b| (t, triangle) < (b.t, b.triangle)) {
                     best = Some(Hit { t, triangle });
                     *limit = t;
@@ -114,21 +93,22 @@ impl Tracer {
     }
 
     /// Whether the ray meets anything.
-    pub fn occluded(&self, origin: [f32; 3], direction: [f32; 3]) -> bool {
+    pub fn occluded(&self, ray: Ray) -> bool {
         let mut met = false;
-        self.walk(origin, direction, |_, first, count| {
-            met = (first..first + count).any(|k| intersect(origin, direction, &self.triangles[k]).is_some());
+        self.walk(ray, |_, first, count| {
+            let triangles = &self.tree.triangles[first..first + count];
+            met = triangles.iter().any(|t| intersect(ray.origin, ray.direction, t).is_some());
             !met
         });
         met
     }
 
     /// Number of triangles that the ray meets.
-    pub fn crossings(&self, origin: [f32; 3], direction: [f32; 3]) -> usize {
+    pub fn crossings(&self, ray: Ray) -> usize {
         let mut met: Vec<u32> = Vec::new();
-        self.walk(origin, direction, |_, first, count| {
-            let hit = |k: &usize| intersect(origin, direction, &self.triangles[*k]).is_some();
-            met.extend((first..first + count).filter(hit).map(|k| self.triangle[k]));
+        self.walk(ray, |_, first, count| {
+            let hit = |k: &usize| intersect(ray.origin, ray.direction, &self.tree.triangles[*k]).is_some();
+            met.extend((first..first + count).filter(hit).map(|k| self.tree.mesh_triangle[k]));
             true
         });
         met.sort_unstable();
@@ -136,65 +116,35 @@ impl Tracer {
         met.len()
     }
 
-    /// Mesh indices of all triangles whose box touches the given one, ascending.
-    pub fn triangles_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let (low, high) = (low.as_vec3().to_array(), high.as_vec3().to_array());
-        let touches = |n: &Node| (0..3).all(|i| n.low[i] <= high[i] && n.high[i] >= low[i]);
-        let mut found = Vec::new();
-        let mut stack = vec![0_u32];
-        while let Some(index) = stack.pop() {
-            let Some(node) = self.nodes.get(index as usize).filter(|n| touches(n)) else { continue };
-            if node.count == 0 {
-                stack.extend([node.first, node.first + 1]);
-            } else {
-                let range = node.first as usize..(node.first + node.count) as usize;
-                found.extend_from_slice(&self.triangle[range]);
-            }
-        }
-        found.sort_unstable();
-        found.dedup();
-        found
-    }
-
     /// Visits the leaves that a ray meets, nearest first; `leaf(limit, first, count)` may lower the limit, and ends the
     /// walk by returning false.
-    fn walk(&self, origin: [f32; 3], direction: [f32; 3], mut leaf: impl FnMut(&mut f32, usize, usize) -> bool) {
-        // A component of exactly zero would give 0 x infinity in the slab test.
-        let inverse = direction.map(|d| 1.0 / if d.abs() < 1e-20 { 1e-20_f32.copysign(d) } else { d });
+    fn walk(&self, ray: Ray, mut leaf: impl FnMut(&mut f32, usize, usize) -> bool) {
+        let inverse = ray.direction.map(packet::inverse);
         let mut limit = f32::INFINITY;
-        let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH + 2];
+        let mut stack = [(Child::default(), 0.0_f32); MAX_DEPTH + 2];
         let mut top = 0;
-        let mut index = 0_u32;
-        if self.nodes.is_empty() {
-            return;
-        }
+        let mut child = self.tree.root;
         loop {
-            let node = self.nodes[index as usize];
-            if node.count > 0 {
-                if !leaf(&mut limit, node.first as usize, node.count as usize) {
+            if child.count > 0 {
+                if !leaf(&mut limit, child.first as usize, child.count as usize) {
                     return;
                 }
-            } else {
-                let left = slab(&self.nodes[node.first as usize], origin, inverse, limit);
-                let right = slab(&self.nodes[node.first as usize + 1], origin, inverse, limit);
-                match (left, right) {
-                    (Some(l), Some(r)) => {
-                        let (near, far, t) =
-                            if l <= r { (node.first, node.first + 1, r) } else { (node.first + 1, node.first, l) };
-                        stack[top] = (far, t);
+            } else if let Some(pair) = self.tree.pairs.get(child.first as usize) {
+                let [left, right] = [0, 1].map(|side| slab(pair, side, ray.origin, inverse, limit));
+                let ordered = match (left, right) {
+                    (Some(l), Some(r)) if l <= r => Some((0, Some((1, r)))),
+                    (Some(l), Some(_)) => Some((1, Some((0, l)))),
+                    (Some(_), None) => Some((0, None)),
+                    (None, Some(_)) => Some((1, None)),
+                    (None, None) => None,
+                };
+                if let Some((near, far)) = ordered {
+                    if let Some((side, t)) = far {
+                        stack[top] = (pair.child[side], t);
                         top += 1;
-                        index = near;
-                        continue;
                     }
-                    (Some(_), None) => {
-                        index = node.first;
-                        continue;
-                    }
-                    (None, Some(_)) => {
-                        index = node.first + 1;
-                        continue;
-                    }
-                    (None, None) => {}
+                    child = pair.child[near];
+                    continue;
                 }
             }
             loop {
@@ -202,9 +152,8 @@ impl Tracer {
                     return;
                 }
                 top -= 1;
-                let (next, t) = stack[top];
-                if t <= limit {
-                    index = next;
+                if stack[top].1 <= limit {
+                    child = stack[top].0;
                     break;
                 }
             }
@@ -212,17 +161,17 @@ impl Tracer {
     }
 }
 
-/// Entry distance of a ray into a box, if it meets it before `limit`. The far distance is widened by two roundings
-/// (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
+/// Entry distance of a ray into one box of a pair, if it meets it before `limit`. The far distance is widened by two
+/// roundings (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
 #[inline]
-fn slab(node: &Node, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
+fn slab(pair: &Pair, side: usize, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
     let mut near = 0.0_f32;
     let mut far = limit;
     for i in 0..3 {
-        let a = (node.low[i] - origin[i]) * inverse[i];
-        let b = (node.high[i] - origin[i]) * inverse[i];
+        let a = (pair.low[side][i] - origin[i]) * inverse[i];
+        let b = (pair.high[side][i] - origin[i]) * inverse[i];
         near = near.max(a.min(b));
-        far = far.min(a.max(b) * 1.000_000_4);
+        far = far.min(a.max(b) * packet::FAR_PAD);
     }
     (near <= far).then_some(near)
 }

@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 
 use super::bounce::cell_of;
 use super::probe::lifted;
-use super::rays::Tracer;
-use crate::hemisphere::{Frame, jitter, texel_direction};
+use super::rays::{Ray, Tracer};
+use crate::hemisphere::{Frame, jitter, texel_direction, texels_in_blocks};
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
 use crate::scene::mesh::Mesh;
 
@@ -52,15 +52,16 @@ impl Viewpoint {
     /// surface are asked along the surface.
     pub fn sky(&self, n: usize, texels: &[(u32, u32)], tracer: &Tracer) -> Vec<bool> {
         let origin = self.origin(tracer);
-        texels
+        let rays: Vec<Ray> = texels
             .iter()
             .map(|&(column, row)| {
                 let d = texel_direction(column as usize, row as usize, n, DVec2::splat(0.5));
                 let behind = self.normal.dot(d);
                 let d = if behind > 0.0 { d } else { d - self.normal * (behind - 1e-4) };
-                !tracer.occluded(origin, d.as_vec3().to_array())
+                Ray { origin, direction: d.as_vec3().to_array() }
             })
-            .collect()
+            .collect();
+        tracer.occluded_many(&rays).into_iter().map(|met| !met).collect()
     }
 
     /// Closest hits over the n x n texture of the surface's own hemisphere, one jittered ray a texel.
@@ -70,18 +71,20 @@ impl Viewpoint {
         let frame = Frame::of(self.normal);
         let seed = self.seed();
         let texel_angle = (crate::hemisphere::HEMISPHERE_SR / (n * n) as f64).sqrt();
+        let direction =
+            |texel: usize| frame.to_world(texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)));
+        let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
+        let rays: Vec<Ray> =
+            texels.iter().map(|&t| Ray { origin, direction: direction(t).as_vec3().to_array() }).collect();
         let mut nearest_m = f64::INFINITY;
-        let keys = (0..n * n)
-            .map(|texel| {
-                let local = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
-                let direction = frame.to_world(local);
-                let hit = tracer.closest(origin, direction.as_vec3().to_array())?;
-                nearest_m = nearest_m.min(f64::from(hit.t));
-                let size = (cells.factor * f64::from(hit.t) * texel_angle).max(cells.floor_m);
-                let level = if cells.factor > 0.0 { level_of(size) } else { PRIVATE_LEVEL };
-                Some(cell_of(hit, direction, level, mesh, lifted_position))
-            })
-            .collect();
+        let mut keys = vec![None; n * n];
+        for (&texel, hit) in texels.iter().zip(tracer.closest_many(&rays)) {
+            let Some(hit) = hit else { continue };
+            nearest_m = nearest_m.min(f64::from(hit.t));
+            let size = (cells.factor * f64::from(hit.t) * texel_angle).max(cells.floor_m);
+            let level = if cells.factor > 0.0 { level_of(size) } else { PRIVATE_LEVEL };
+            keys[texel] = Some(cell_of(hit, direction(texel), level, mesh, lifted_position));
+        }
         HitTrace { cells: keys, nearest_m, enclosed: self.enclosed(tracer) }
     }
 
@@ -89,6 +92,6 @@ impl Viewpoint {
     fn enclosed(&self, tracer: &Tracer) -> bool {
         let origin = self.origin(tracer);
         let ups = [[0.031, 0.017, 1.0], [-0.023, 0.041, 1.0], [0.011, -0.037, 1.0]];
-        ups.iter().filter(|d| tracer.crossings(origin, **d) % 2 == 1).count() >= 2
+        ups.into_iter().filter(|&direction| tracer.crossings(Ray { origin, direction }) % 2 == 1).count() >= 2
     }
 }

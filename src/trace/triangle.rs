@@ -34,35 +34,47 @@ pub struct Seen {
     pub edge_on: f32,
 }
 
+/// Everything about a triangle that depends on nothing else.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixed {
+    pub ab: [f32; 3],
+    pub bc: [f32; 3],
+    pub ca: [f32; 3],
+    /// Not unit.
+    pub normal: [f32; 3],
+    /// Doubt of a volume per metre of distance, and of a product with the normal.
+    pub doubt: f32,
+    pub flat: f32,
+}
+
 impl EdgeTriangle {
     pub fn new(corners: Corners) -> Self {
         let backwards = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| corners[j] < corners[i]);
         EdgeTriangle { corners, backwards }
     }
 
+    /// Edges from the corners themselves, so that both triangles of an edge have the same one.
+    #[inline(always)]
+    pub fn fixed(&self) -> Fixed {
+        let [a, b, c] = self.corners;
+        let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
+        let longest = max_abs(ab).max(max_abs(bc)).max(max_abs(ca));
+        Fixed { ab, bc, ca, normal: cross(ca, ab), doubt: DOUBT * longest, flat: DOUBT * longest * longest }
+    }
+
     /// The triangle as seen from an origin.
     #[inline(always)]
     pub fn seen_from(&self, origin: [f32; 3]) -> Seen {
+        let fixed = self.fixed();
         let [a, b, c] = [0, 1, 2].map(|i| sub(self.corners[i], origin));
-        // Edge vectors from the corners themselves: equal for both triangles of an edge.
-        let [ab, bc, ca] = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| sub(self.corners[j], self.corners[i]));
         // b x (c - b) = -(c x (b - c)): the lower end is used, whichever triangle asks.
-        let plane = |from: [f32; 3], to: [f32; 3], edge: [f32; 3], backwards: bool| {
-            cross(if backwards { to } else { from }, edge)
-        };
-        let edges = [
-            plane(b, c, bc, self.backwards[0]),
-            plane(c, a, ca, self.backwards[1]),
-            plane(a, b, ab, self.backwards[2]),
-        ];
+        let lower = |edge: usize, from: [f32; 3], to: [f32; 3]| if self.backwards[edge] { to } else { from };
+        let edges = [cross(lower(0, b, c), fixed.bc), cross(lower(1, c, a), fixed.ca), cross(lower(2, a, b), fixed.ab)];
         let reach = max_abs(a).max(max_abs(b)).max(max_abs(c));
-        let longest = max_abs(ab).max(max_abs(bc)).max(max_abs(ca));
-        let normal = cross(ca, ab);
-        let height = dot(a, normal);
-        let flat = DOUBT * longest * longest;
+        let height = dot(a, fixed.normal);
         // An origin in the plane of the triangle sees it edge-on from everywhere.
-        let edge_on = if height.abs() < flat * reach { f32::INFINITY } else { flat };
-        Seen { edges, normal, height, doubt: DOUBT * reach * longest, edge_on }
+        let edge_on = if height.abs() < fixed.flat * reach { f32::INFINITY } else { fixed.flat };
+        Seen { edges, normal: fixed.normal, height, doubt: fixed.doubt * reach, edge_on }
     }
 }
 
