@@ -10,13 +10,30 @@ use std::f64::consts::{FRAC_PI_4, PI};
 /// Sine and cosine for |x| <= pi/4 by their Taylor series, error below 1e-16. The C library's own differ in the last bit
 /// between processors (with and without FMA), and archives must not.
 fn sin_cos_octant(x: f64) -> (f64, f64) {
+    // Powers of -1 over factorials: x^3, x^5, ... and x^2, x^4, ...
+    const SIN: [f64; 8] = [
+        -1.0 / 6.0,
+        1.0 / 120.0,
+        -1.0 / 5_040.0,
+        1.0 / 362_880.0,
+        -1.0 / 39_916_800.0,
+        1.0 / 6_227_020_800.0,
+        -1.0 / 1_307_674_368_000.0,
+        1.0 / 355_687_428_096_000.0,
+    ];
+    const COS: [f64; 8] = [
+        -1.0 / 2.0,
+        1.0 / 24.0,
+        -1.0 / 720.0,
+        1.0 / 40_320.0,
+        -1.0 / 3_628_800.0,
+        1.0 / 479_001_600.0,
+        -1.0 / 87_178_291_200.0,
+        1.0 / 20_922_789_888_000.0,
+    ];
     let q = x * x;
-    let (mut sin, mut cos) = (1.0, 1.0);
-    for k in [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
-        sin = 1.0 - q / (k * (k - 1.0)) * sin;
-        cos = 1.0 - q / ((k + 1.0) * k) * cos;
-    }
-    (x * sin, 1.0 - 0.5 * q * cos)
+    let series = |terms: [f64; 8]| 1.0 + q * terms.iter().rev().fold(0.0, |sum, term| sum * q + term);
+    (x * series(SIN), series(COS))
 }
 
 /// 64-bit finaliser of splitmix64 (Steele, Lea, Flood 2014) over a running value: seeds of jitter.
@@ -89,6 +106,12 @@ pub fn texel_of(direction: DVec3, n: usize) -> (usize, usize) {
 /// Direction at the position (0..1, 0..1) inside texel (column, row) of an n x n texture.
 pub fn texel_direction(column: usize, row: usize, n: usize, inside: DVec2) -> DVec3 {
     direction_of((DVec2::new(column as f64, row as f64) + inside) / n as f64)
+}
+
+/// Bit `index` of a packed texture, lowest bit of a byte first.
+#[inline]
+pub fn bit(bits: &[u8], index: usize) -> bool {
+    bits[index / 8] >> (index % 8) & 1 == 1
 }
 
 /// Texels (column, row) of an n x n texture, 4 x 4 block by block: neighbours in the list are neighbours on the sphere.

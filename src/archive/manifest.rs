@@ -87,13 +87,13 @@ pub struct Settings {
     pub cell_floor_m: f64,
     /// Side of a probe's sky texture.
     pub probe: u32,
-    /// Cells of the first bounce tier.
-    pub tier_m: f64,
-    /// Cells of the closed system.
+    /// Hit rays of a probe.
+    pub probe_hits: u32,
+    /// Edge of the bounce cells at middle distance.
     pub closed_m: f64,
     /// Side of the sky texture of a bounce cell.
     pub bounce_sky: u32,
-    /// Side of the square of hit rays of a bounce cell.
+    /// Hit rays of a bounce cell.
     pub bounce_hits: u32,
     /// Who shares probes: `cells`, or `none` for the reference with a hemisphere a hit.
     pub share: String,
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn what_json_cannot_hold_is_refused() {
         let mut nan = Manifest::new();
-        nan.settings.tier_m = f64::NAN;
+        nan.settings.closed_m = f64::NAN;
         let mut twice = Manifest::new();
         twice.other.insert("format".to_string(), Value::from("other"));
         let mut long = Manifest::new();

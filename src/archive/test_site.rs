@@ -42,12 +42,13 @@ pub fn probes() -> Probes {
         material: vec![0],
         normal: vec![[0.0, 0.0, 1.0]],
         bits: vec![0xf0; 8],
+        hits: vec![0],
     }
 }
 
 pub fn bounce() -> Bounce {
     let Probes { voxel, material, normal, bits, .. } = probes();
-    Bounce { voxel, tag: vec![pack_tag(2, 58)], material, normal, bits, hits: vec![0, u32::MAX], tier: vec![1] }
+    Bounce { voxel, tag: vec![pack_tag(2, 58)], material, normal, bits, hits: vec![0, u32::MAX] }
 }
 
 fn encoded() -> Vec<EncodedBlock> {
@@ -85,7 +86,7 @@ pub fn manifest() -> Manifest {
     manifest.receivers.count = 3;
     manifest.receivers.tile_size = 2;
     manifest.receivers.tiles = 2;
-    manifest.settings.tier_m = 4.0;
+    manifest.settings.closed_m = 8.0;
     manifest.counts.rays.insert("sky".to_string(), 123);
     manifest.layers = manifest::summarize(encoded().iter().map(EncodedBlock::entry));
     manifest

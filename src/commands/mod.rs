@@ -5,8 +5,12 @@ pub mod progress;
 pub mod replay;
 pub mod store;
 
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
 use crate::cli::Command;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// How a command that ran ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +32,35 @@ pub fn run(command: &Command) -> Result<Outcome> {
     }
 }
 
+/// Refuses an output that would replace one of the inputs, or that is no regular file (a folder, a device).
+fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
+    let refuse = |what: &str| Err(Error::input(output, None, what, "give the output a name of its own"));
+    match fs::metadata(output) {
+        Ok(found) if !found.is_file() => refuse("is a folder or a device, no file can be put in its place"),
+        Ok(_) if inputs.iter().any(|input| same_file(input, output)) => {
+            refuse("is also an input, and would be replaced")
+        }
+        _ => Ok(()),
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (fs::canonicalize(a), fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}
+
+/// Writes text to standard output; a reader that went away is no error.
+fn say(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("standard output"), "write to")(e)),
+        _ => Ok(()),
+    }
+}
+
 /// Prints a warning of a command that goes on.
 fn warn(text: &str) {
-    eprintln!("warning: {text}");
+    // A closed standard error must not end the work.
+    let _ = writeln!(std::io::stderr(), "warning: {text}");
 }

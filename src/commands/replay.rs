@@ -1,9 +1,11 @@
 //! Story two: archive -> recombine -> outputs, for a conditions table (`query`) and a weather file (`replay`).
 
+use std::path::Path;
+
 use rayon::prelude::*;
 
 use super::progress::bar;
-use super::{Outcome, warn};
+use super::{Outcome, guard_output, warn};
 use crate::archive::Archive;
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::error::Result;
@@ -16,6 +18,7 @@ use crate::recombine::values::TileValues;
 
 /// `heliotile query`.
 pub fn query(args: &QueryArgs) -> Result<Outcome> {
+    guard(&args.common, &args.conditions)?;
     let file = read_conditions(&args.conditions)?;
     file.warnings.iter().for_each(|w| warn(w));
     let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
@@ -24,6 +27,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
 
 /// `heliotile replay`.
 pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
+    guard(&args.common, &args.weather)?;
     let weather = read_epw(&args.weather)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let conditions = weather.conditions(usize::from(args.steps));
@@ -33,6 +37,10 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         Every::Hour => run(&args.common, &conditions, Columns::Times, &periods.labels, |values| values),
         _ => run(&args.common, &conditions, Columns::Sums, &periods.labels, |values| periods.sum(&values)),
     }
+}
+
+fn guard(args: &RecombineArgs, forcing: &Path) -> Result<()> {
+    if args.output == Path::new("-") { Ok(()) } else { guard_output(&args.output, &[&args.archive, forcing]) }
 }
 
 /// Streams all tiles into a table; `shape` turns conditions into rows.

@@ -1,64 +1,99 @@
 //! What an archive holds (`info`) and whether it is whole (`verify`).
 
-use super::Outcome;
+use std::fmt::Write;
+
+use super::{Outcome, say};
 use crate::archive::{self, Archive, format};
 use crate::cli::ArchiveArg;
 use crate::error::Result;
+
+/// One line of text.
+macro_rules! line {
+    ($out:ident, $($part:tt)*) => {
+        // Writing to a string cannot fail.
+        let _ = writeln!($out, $($part)*);
+    };
+}
 
 /// `heliotile info`.
 pub fn info(args: &ArchiveArg) -> Result<Outcome> {
     let archive = Archive::open(&args.archive)?;
     let manifest = archive.manifest();
+    let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
-    println!("{}", args.archive.display());
-    println!("  written by  {} {}", manifest.creator.name, manifest.creator.version);
-    println!("  root        {}", format::hex(&archive.root()));
-    println!("  scene       {} triangles, {} materials, hash {}", scene.triangles, scene.materials, scene.content_hash);
-    let [low, high] = scene.bounds_m;
-    println!(
-        "  bounds      {:.2} {:.2} {:.2} to {:.2} {:.2} {:.2} m",
-        low[0], low[1], low[2], high[0], high[1], high[2]
+    line!(out, "{}", args.archive.display());
+    line!(out, "  written by  {} {}", manifest.creator.name, manifest.creator.version);
+    line!(out, "  root        {}", format::hex(&archive.root()));
+    line!(
+        out,
+        "  scene       {} triangles, {} materials, hash {}",
+        scene.triangles,
+        scene.materials,
+        scene.content_hash
     );
-    println!("  receivers   {} in {} tiles of {}", receivers.count, receivers.tiles, receivers.tile_size);
-    println!(
+    let [low, high] = scene.bounds_m;
+    line!(
+        out,
+        "  bounds      {:.2} {:.2} {:.2} to {:.2} {:.2} {:.2} m",
+        low[0],
+        low[1],
+        low[2],
+        high[0],
+        high[1],
+        high[2]
+    );
+    line!(out, "  receivers   {} in {} tiles of {}", receivers.count, receivers.tiles, receivers.tile_size);
+    line!(
+        out,
         "  textures    sky {} to {}, hit {}, probe {}, bounce cells sky {} and {} rays",
         s.sky_base,
         s.sky_fine,
         s.hit,
         s.probe,
         s.bounce_sky,
-        s.bounce_hits * s.bounce_hits
+        s.bounce_hits
     );
-    println!(
-        "  cells       {} x footprint, at least {} m; bounces {} m over {} m; shared by {}",
-        s.cell_factor, s.cell_floor_m, s.tier_m, s.closed_m, s.share
+    line!(
+        out,
+        "  cells       {} x footprint, at least {} m; bounce cells {} m; shared by {}",
+        s.cell_factor,
+        s.cell_floor_m,
+        s.closed_m,
+        s.share
     );
-    println!("  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
+    line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
     for (name, rays) in &manifest.counts.rays {
-        println!("  rays        {name:<10} {rays:>14}");
+        line!(out, "  rays        {name:<10} {rays:>14}");
     }
-    println!("  layer            blocks      raw bytes   stored bytes  a receiver");
+    line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");
     let mut stored = 0;
     for layer in &manifest.layers {
         stored += layer.stored_bytes;
         let each = layer.stored_bytes as f64 / receivers.count.max(1) as f64;
-        println!(
+        line!(
+            out,
             "  {:<12} {:>10} {:>14} {:>14} {each:>11.1}",
-            layer.name, layer.blocks, layer.raw_bytes, layer.stored_bytes
+            layer.name,
+            layer.blocks,
+            layer.raw_bytes,
+            layer.stored_bytes
         );
     }
     let each = stored as f64 / receivers.count.max(1) as f64;
-    println!("  {:<12} {:>10} {:>14} {stored:>14} {each:>11.1}", "all", "", "");
+    line!(out, "  {:<12} {:>10} {:>14} {stored:>14} {each:>11.1}", "all", "", "");
+    say(&out)?;
     Ok(Outcome::Fine)
 }
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
 pub fn verify(args: &ArchiveArg) -> Result<Outcome> {
     let report = archive::verify(&args.archive)?;
+    let mut out = String::new();
     for problem in &report.problems {
-        println!("{} at byte {}: {}", problem.part, problem.offset, problem.reason);
+        line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);
     }
     let (path, bad) = (args.archive.display(), report.problems.len());
-    println!("{path}: {} blocks, {} bytes checked, {bad} bad", report.blocks, report.stored_bytes);
+    line!(out, "{path}: {} blocks, {} bytes checked, {bad} bad", report.blocks, report.stored_bytes);
+    say(&out)?;
     Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })
 }

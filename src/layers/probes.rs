@@ -11,12 +11,14 @@ pub struct Probes {
     pub normals: Vec<[f32; 3]>,
     /// [probe][texel / 8], world frame, row-major, lowest bit first.
     pub bits: Vec<u8>,
+    /// [probe][ray], equal weights: rows of [`Bounces`] as in its own `hits`.
+    pub hits: Vec<u32>,
 }
 
 /// Coarse cells of the bounce system. `hits` refers to the table itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bounces {
-    /// Sorted, no two equal: first-tier cells and the closed system together.
+    /// Sorted, no two equal; every cell that a probe or a cell of the table sees.
     pub keys: Vec<CellKey>,
     pub normals: Vec<[f32; 3]>,
     /// [cell][texel / 8] of the cells' own sky texture.
@@ -35,16 +37,4 @@ impl Probes {
     pub fn find(&self, key: &CellKey) -> Option<usize> {
         self.keys.binary_search(key).ok()
     }
-}
-
-impl Bounces {
-    pub fn find(&self, key: &CellKey) -> Option<usize> {
-        self.keys.binary_search(key).ok()
-    }
-}
-
-/// Bit `index` of a packed row.
-#[inline]
-pub fn bit(bits: &[u8], index: usize) -> bool {
-    bits[index / 8] >> (index % 8) & 1 == 1
 }

@@ -2,13 +2,14 @@
 //! of irradiance from each direction of the sky.
 //!
 //! X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] ) for every sky texel t (one 3-vector each, as for the receiver's response;
-//! Goral et al. 1984 for the radiosity system). A fixed number of Jacobi steps is taken, so the result for a cell depends
-//! on the cells reachable from it only, not on which others are in the table.
+//! Goral et al. 1984 for the radiosity system). Only cells from the closed level up see each other in circles: they take a
+//! fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
+//! depends on the cells reachable from it, not on which others are in the table.
 
 use rayon::prelude::*;
 
-use crate::hemisphere::texel_centres;
-use crate::layers::probes::{Bounces, DOWN, MISS, bit};
+use crate::hemisphere::{bit, texel_centres};
+use crate::layers::probes::{Bounces, DOWN, MISS};
 
 /// How many times light may be reflected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +21,7 @@ pub enum Depth {
 }
 
 /// Share of the reflected light that `Depth::All` may leave out.
-pub const TOLERANCE: f64 = 1e-4;
+pub const TOLERANCE: f64 = 1e-3;
 
 /// Columns of the system solved together: small enough for a core's cache.
 const BLOCK: usize = 32;
@@ -28,10 +29,17 @@ const BLOCK: usize = 32;
 /// Solved system.
 #[derive(Clone, Debug)]
 pub struct Solved {
-    /// [cell][axis][texel]: radiosity per unit normal irradiance is s . X; zero rows for cells that no cell sees.
-    pub radiosity: Vec<f32>,
+    /// [block of columns][cell][column]: radiosity per unit normal irradiance is s . X; a cell's columns are [axis][texel].
+    blocks: Vec<Vec<[f32; BLOCK]>>,
     /// Values of one cell: 3 x texels.
     pub width: usize,
+}
+
+impl Solved {
+    /// Values of one cell, [axis][texel].
+    pub fn row(&self, cell: usize) -> impl Iterator<Item = f32> + '_ {
+        self.blocks.iter().flat_map(move |block| block[cell]).take(self.width)
+    }
 }
 
 /// How one cell's two kinds of rays share its surroundings.
@@ -86,13 +94,12 @@ pub fn seen(hits: &[u32]) -> (Weighted, Weighted) {
 }
 
 /// Solves the system for `n` x `n` texels; `reflectance[material]` is the diffuse one.
-pub fn solve(cells: &Bounces, n: usize, reflectance: &[f64], depth: Depth) -> Solved {
+pub fn solve(cells: &Bounces, n: usize, closed_level: i8, reflectance: &[f64], depth: Depth) -> Solved {
     let (texels, width) = (n * n, 3 * n * n);
     let count = cells.keys.len();
+    // The first reflection is the fine probe's, the second is the source term below.
     let steps = match depth {
-        // The first reflection is the fine probe's, the second is the source term below.
-        Depth::Count(0 | 1) => return Solved { radiosity: vec![0.0; count * width], width },
-        Depth::Count(bounces) => bounces as usize - 2,
+        Depth::Count(bounces) => (bounces as usize).saturating_sub(2),
         Depth::All => {
             let largest = reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
             (TOLERANCE.ln() / largest.ln()).ceil() as usize
@@ -113,46 +120,44 @@ pub fn solve(cells: &Bounces, n: usize, reflectance: &[f64], depth: Depth) -> So
             scaled(above, around.up).chain(scaled(below, around.down)).collect()
         })
         .collect();
-    let mut wanted = vec![false; count];
-    rows.iter().flatten().for_each(|&(cell, _)| wanted[cell as usize] = true);
-    let wanted: Vec<usize> = (0..count).filter(|&i| wanted[i]).collect();
-
-    let blocks: Vec<Vec<f32>> = (0..width.div_ceil(BLOCK))
+    // Keys are sorted by level: finer cells first.
+    let closed = cells.keys.partition_point(|k| k.level < closed_level);
+    let gather = |i: usize, source: &[f32; BLOCK], now: &[[f32; BLOCK]]| {
+        let mut sum = *source;
+        for &(cell, weight) in &rows[i] {
+            for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
+                *s += weight * x;
+            }
+        }
+        sum
+    };
+    let blocks = (0..width.div_ceil(BLOCK))
         .into_par_iter()
         .map(|block| {
-            let columns = block * BLOCK..((block + 1) * BLOCK).min(width);
             let mut source = vec![[0.0_f32; BLOCK]; count];
-            for &i in &wanted {
+            for (i, source) in source.iter_mut().enumerate() {
                 let bits = &cells.bits[i * row_bytes..(i + 1) * row_bytes];
-                for (slot, column) in columns.clone().enumerate() {
-                    let (axis, texel) = (column / texels, column % texels);
-                    if bit(bits, texel) {
-                        source[i][slot] = rho(i) * cells.normals[i][axis];
+                for (slot, column) in (block * BLOCK..width.min((block + 1) * BLOCK)).enumerate() {
+                    if bit(bits, column % texels) {
+                        source[slot] = rho(i) * cells.normals[i][column / texels];
                     }
                 }
             }
             let mut now = source.clone();
-            let mut next = source.clone();
+            // With a bounded number of reflections every cell takes each step; else the finer cells wait for the closed ones.
+            let first = if depth == Depth::All { closed } else { 0 };
+            let mut next = now.clone();
             for _ in 0..steps {
-                for &i in &wanted {
-                    let mut sum = source[i];
-                    for &(cell, weight) in &rows[i] {
-                        for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
-                            *s += weight * x;
-                        }
-                    }
-                    next[i] = sum;
+                for i in first..count {
+                    next[i] = gather(i, &source[i], &now);
                 }
-                std::mem::swap(&mut now, &mut next);
+                now[first..].copy_from_slice(&next[first..]);
             }
-            now.concat()
+            for i in (0..first).rev() {
+                now[i] = gather(i, &source[i], &now);
+            }
+            now
         })
         .collect();
-    let mut radiosity = vec![0.0; count * width];
-    radiosity.par_chunks_mut(width).enumerate().for_each(|(i, row)| {
-        for (part, block) in row.chunks_mut(BLOCK).zip(&blocks) {
-            part.copy_from_slice(&block[i * BLOCK..][..part.len()]);
-        }
-    });
-    Solved { radiosity, width }
+    Solved { blocks, width }
 }

@@ -46,7 +46,7 @@ pub fn shape(manifest: &Manifest) -> Shape {
         hit: settings.hit as usize,
         probe: settings.probe as usize,
         bounce_sky: settings.bounce_sky as usize,
-        tier_level: level_of(settings.tier_m),
+        closed_level: level_of(settings.closed_m),
     }
 }
 
@@ -119,6 +119,7 @@ impl Tables {
             probes.keys.extend(table.keys().map(cell_key));
             probes.normals.extend(table.normal);
             probes.bits.extend(table.bits);
+            probes.hits.extend(table.hits);
         }
         let mut bounces = Bounces::default();
         for block in archive.scan(format::BOUNCE) {
@@ -129,8 +130,8 @@ impl Tables {
             bounces.hits.extend(table.hits);
         }
         let tables = Tables { shape: shape(archive.manifest()), probes, bounces, reflectors };
-        let rays = archive.manifest().settings.bounce_hits as usize;
-        match tables.flaw(rays * rays) {
+        let settings = &archive.manifest().settings;
+        match tables.flaw(settings.probe_hits as usize, settings.bounce_hits as usize) {
             None => Ok(tables),
             Some((kind, got, expected)) => Err(Error::Corrupt {
                 path: archive.path().to_path_buf(),
@@ -143,7 +144,7 @@ impl Tables {
     }
 
     /// What one block cannot know: how the chunks fit each other and the manifest.
-    fn flaw(&self, rays: usize) -> Option<(u32, &'static str, &'static str)> {
+    fn flaw(&self, probe_rays: usize, rays: usize) -> Option<(u32, &'static str, &'static str)> {
         let (probes, bounces) = (&self.probes, &self.bounces);
         let row = |side: usize| (side * side).div_ceil(8);
         let cells = bounces.keys.len();
@@ -169,6 +170,13 @@ impl Tables {
             ),
             (format::BOUNCE, bounces.hits.len() == cells * rays, "another number of rays", "the manifest's number"),
             (format::BOUNCE, bounces.hits.iter().all(met), "a cell that does not exist", "cells of the table"),
+            (
+                format::PROBES,
+                probes.hits.len() == probes.keys.len() * probe_rays,
+                "another number of rays",
+                "the manifest's number",
+            ),
+            (format::PROBES, probes.hits.iter().all(met), "a cell that does not exist", "cells of the bounce table"),
         ];
         checks.into_iter().find(|check| !check.1).map(|(kind, _, got, expected)| (kind, got, expected))
     }

@@ -7,9 +7,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::bounces::{Depth, Solved, Surround, centres_f32, seen, solve, surround};
+use crate::hemisphere::bit;
 use crate::hemisphere::{Frame, bilinear, jitter, texel_centres, texel_direction};
 use crate::layers::hit::HitTile;
-use crate::layers::probes::{Bounces, Probes, bit};
+use crate::layers::probes::{Bounces, Probes};
 use crate::layers::response::{CLASSES, Response};
 use crate::scene::materials::Class;
 
@@ -22,8 +23,8 @@ pub struct Shape {
     pub probe: usize,
     /// Side of the bounce cells' sky texture.
     pub bounce_sky: usize,
-    /// Level of the first tier of bounce cells.
-    pub tier_level: i8,
+    /// Level of the bounce cells at middle distance: from here up cells see each other in circles.
+    pub closed_level: i8,
 }
 
 /// Reflecting properties of a material that recombination needs.
@@ -92,7 +93,6 @@ pub fn hit_weights(texels: &[u32], viewer: &Viewer) -> HitWeights {
 /// Derives responses from probes and bounces for one set of reflectances.
 pub struct Responder {
     probes: Probes,
-    bounces: Bounces,
     shape: Shape,
     reflectors: Vec<Reflector>,
     solved: Solved,
@@ -106,7 +106,7 @@ impl Responder {
     /// Solves the bounces; `reflectors` by material index.
     pub fn new(probes: Probes, bounces: Bounces, shape: Shape, reflectors: Vec<Reflector>, depth: Depth) -> Self {
         let reflectance: Vec<f64> = reflectors.iter().map(|r| r.diffuse).collect();
-        let solved = solve(&bounces, shape.bounce_sky, &reflectance, depth);
+        let solved = solve(&bounces, shape.bounce_sky, shape.closed_level, &reflectance, depth);
         let centres = centres_f32(shape.probe);
         let row = centres.len().div_ceil(8);
         let surrounds = probes
@@ -116,7 +116,7 @@ impl Responder {
             .map(|(&normal, bits)| surround(normal, bits, &centres))
             .collect();
         let upsample = texel_centres(shape.probe).into_iter().map(|d| bilinear(d, shape.bounce_sky)).collect();
-        Responder { probes, bounces, shape, reflectors, solved, depth, surrounds, upsample }
+        Responder { probes, shape, reflectors, solved, depth, surrounds, upsample }
     }
 
     /// Response of receiver `index` of a tile. Cells that the tables do not hold are left out.
@@ -126,8 +126,9 @@ impl Responder {
         let row = texels.div_ceil(8);
         let weights = hit_weights(&tile.texels[index * per_receiver..(index + 1) * per_receiver], viewer);
         let mut values = vec![0.0_f32; Response::len(self.shape.probe)];
-        // Per first-tier cell and class: what its upper and its lower rays are worth to this receiver.
-        let mut tiers: Vec<(usize, usize, f64, f64)> = Vec::new();
+        let rays = self.probes.hits.len().checked_div(self.probes.keys.len()).unwrap_or(0);
+        // (bounce cell, class, what its radiosity is worth to this receiver)
+        let mut indirect: Vec<(u32, usize, f32)> = Vec::new();
         for (cell, weight) in weights.cells {
             let key = tile.palette[cell];
             let Some(reflector) = self.reflectors.get(usize::from(key.material)) else { continue };
@@ -138,37 +139,28 @@ impl Responder {
             let bits = &self.probes.bits[probe * row..(probe + 1) * row];
             let out = &mut values[class * 3 * texels..(class + 1) * 3 * texels];
             add_bits(out, bits, normal, texels);
-            if self.depth != Depth::Count(1)
-                && let Some(tier) = self.bounces.find(&key.coarse(self.shape.tier_level))
-            {
+            if self.depth != Depth::Count(1) {
                 let around = self.surrounds[probe];
-                tiers.push((tier, class, worth * around.up, worth * around.down));
+                let (above, below) = seen(&self.probes.hits[probe * rays..(probe + 1) * rays]);
+                for (list, share) in [(above, around.up), (below, around.down)] {
+                    let share = (worth * share) as f32;
+                    indirect.extend(list.into_iter().map(|(cell, w)| (cell, class, w * share)));
+                }
             }
         }
-        self.add_indirect(&mut values, tiers);
+        self.add_indirect(&mut values, indirect);
         Response { values }
     }
 
     /// Adds the light that the probes themselves get from other surfaces.
-    fn add_indirect(&self, values: &mut [f32], mut tiers: Vec<(usize, usize, f64, f64)>) {
-        tiers.sort_by_key(|t| (t.0, t.1));
-        let rays = self.bounces.hits.len().checked_div(self.bounces.keys.len()).unwrap_or(0);
+    fn add_indirect(&self, values: &mut [f32], mut worth: Vec<(u32, usize, f32)>) {
         let width = self.solved.width;
         let mut coarse = vec![0.0_f32; CLASSES * width];
-        let mut worth: Vec<(u32, usize, f32)> = Vec::new();
-        for group in tiers.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let (tier, class) = (group[0].0, group[0].1);
-            let up: f64 = group.iter().map(|g| g.2).sum();
-            let down: f64 = group.iter().map(|g| g.3).sum();
-            let (above, below) = seen(&self.bounces.hits[tier * rays..(tier + 1) * rays]);
-            worth.extend(above.iter().map(|&(cell, w)| (cell, class, w * up as f32)));
-            worth.extend(below.iter().map(|&(cell, w)| (cell, class, w * down as f32)));
-        }
         worth.sort_by_key(|w| (w.0, w.1));
         for group in worth.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let sum: f32 = group.iter().map(|g| g.2).sum();
             let (cell, class) = (group[0].0 as usize, group[0].1);
-            let x = &self.solved.radiosity[cell * width..(cell + 1) * width];
+            let x = self.solved.row(cell);
             for (o, x) in coarse[class * width..(class + 1) * width].iter_mut().zip(x) {
                 *o += sum * x;
             }

@@ -74,10 +74,15 @@ pub struct Distribution {
 /// Floor of cos(zenith angle) in the gradation, as in gendaylit: b / cos stays finite at the horizon.
 const SMALLEST_COSINE: f64 = 0.01;
 
+/// The same where b > 0, which Perez' fits give for low suns: the sky then brightens towards the horizon as exp(b / cos), up to
+/// e^30 at the other floor, and all light would come from the lowest patches. The scans behind the fits end near 6 degrees.
+const SMALLEST_COSINE_RISING: f64 = 0.1;
+
 impl Distribution {
     /// 1 + a exp(b / cos zeta), not below 0.
     pub fn gradation(&self, cos_zenith: f64) -> f64 {
-        (1.0 + self.a * (self.b / cos_zenith.max(SMALLEST_COSINE)).exp()).max(0.0)
+        let floor = if self.b > 0.0 { SMALLEST_COSINE_RISING } else { SMALLEST_COSINE };
+        (1.0 + self.a * (self.b / cos_zenith.max(floor)).exp()).max(0.0)
     }
 
     /// 1 + c (exp(d gamma) - offset) + e cos^2 gamma, not below 0.
@@ -99,8 +104,9 @@ impl SkyModel {
         match self {
             SkyModel::Uniform => Distribution::default(),
             SkyModel::Cie(number) => number.distribution(),
+            // A sun below the horizon lights no sky: its DNI is a defect of the input.
             SkyModel::Perez => perez::distribution(
-                condition.dni_w_m2,
+                if condition.suns.is_empty() { 0.0 } else { condition.dni_w_m2 },
                 condition.dhi_w_m2,
                 condition.extraterrestrial_w_m2,
                 condition.sky_sun.z,

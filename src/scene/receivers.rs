@@ -33,6 +33,9 @@ pub struct Receiver {
     pub surface: Option<String>,
 }
 
+/// Longest name of a receiver that an archive holds.
+const MAX_NAME_BYTES: usize = 1024;
+
 /// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row.
 pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
     read_receivers_with_warnings(path, &mut Vec::new())
@@ -124,6 +127,11 @@ impl Row<'_> {
         let [id, x, y, z, nx, ny, nz] = self.columns.required.map(|column| self.cell(column));
         if id.is_empty() {
             return Err(self.rows.cell_error("receiver", id, "an empty name", "give every receiver a name"));
+        }
+        if id.len() > MAX_NAME_BYTES {
+            let start: String = id.chars().take(40).collect();
+            let what = format!("a name of {} bytes", id.len());
+            return Err(self.rows.cell_error("receiver", &start, &what, "names have at most 1024 bytes"));
         }
         let position = DVec3::new(self.coordinate("x", x)?, self.coordinate("y", y)?, self.coordinate("z", z)?);
         let normal = DVec3::new(self.number("nx", nx)?, self.number("ny", ny)?, self.number("nz", nz)?);

@@ -8,6 +8,7 @@ pub mod probe;
 pub mod rays;
 pub mod receiver;
 pub mod surface;
+pub mod surroundings;
 pub mod tree;
 pub mod triangle;
 

@@ -15,7 +15,13 @@ pub const FAR_PAD: f32 = 1.000_000_4;
 /// Reciprocal of a direction's component; one of exactly zero would give 0 x infinity in the slab test.
 #[inline(always)]
 pub fn inverse(d: f32) -> f32 {
-    1.0 / if d.abs() < 1e-20 { 1e-20_f32.copysign(d) } else { d }
+    1.0 / if d.abs() >= 1e-20 {
+        d
+    } else if d < 0.0 {
+        -1e-20
+    } else {
+        1e-20
+    }
 }
 
 /// Sixteen rays; lanes beyond the given rays repeat the last one and are not active.
@@ -23,25 +29,39 @@ pub fn inverse(d: f32) -> f32 {
 pub struct Packet {
     origin: [Sixteen; 3],
     direction: [Sixteen; 3],
-    inverse: [Sixteen; 3],
     active: u16,
+    /// All rays start at one point.
     shared: bool,
+    /// All rays go up, or all go down, along each axis.
+    one_octant: bool,
 }
 
 impl Packet {
     /// A packet of 1 to 16 rays.
     pub fn new(rays: &[Ray]) -> Self {
-        let count = rays.len().min(LANES);
-        let ray = |lane: usize| rays[lane.min(count - 1)];
-        let gather = |f: &dyn Fn(Ray) -> f32| Sixteen(std::array::from_fn(|lane| f(ray(lane))));
-        let axes = [0, 1, 2];
-        Packet {
-            origin: axes.map(|i| gather(&|r| r.origin[i])),
-            direction: axes.map(|i| gather(&|r| r.direction[i])),
-            inverse: axes.map(|i| gather(&|r| inverse(r.direction[i]))),
-            active: u16::MAX >> (LANES - count),
-            shared: rays[..count].iter().all(|r| r.origin == rays[0].origin),
+        let last = rays.len().min(LANES) - 1;
+        let first = rays[0];
+        let shared = rays[1..=last].iter().all(|r| r.origin == first.origin);
+        let mut packet = Packet {
+            origin: first.origin.map(|x| Sixteen([x; LANES])),
+            direction: [Sixteen([0.0; LANES]); 3],
+            active: u16::MAX >> (LANES - 1 - last),
+            shared,
+            one_octant: true,
+        };
+        for lane in 0..LANES {
+            let ray = &rays[lane.min(last)];
+            for axis in 0..3 {
+                packet.direction[axis].0[lane] = ray.direction[axis];
+                packet.one_octant &= (ray.direction[axis] < 0.0) == (first.direction[axis] < 0.0);
+            }
+            if !shared {
+                for axis in 0..3 {
+                    packet.origin[axis].0[lane] = ray.origin[axis];
+                }
+            }
         }
+        packet
     }
 
     fn ray(&self, lane: usize) -> Ray {
@@ -73,10 +93,11 @@ impl Kernel for Occluded<'_> {
         let mut met = Vec::with_capacity(self.packets.len());
         for packet in self.packets {
             let mut state = State::new(l, packet);
-            if packet.shared {
-                walk::<L, true, true>(l, self.tree, packet, &mut state, &mut stack);
-            } else {
-                walk::<L, true, false>(l, self.tree, packet, &mut state, &mut stack);
+            match (packet.shared, packet.one_octant) {
+                (true, true) => walk::<L, true, true, true>(l, self.tree, packet, &mut state, &mut stack),
+                (true, false) => walk::<L, true, true, false>(l, self.tree, packet, &mut state, &mut stack),
+                (false, true) => walk::<L, true, false, true>(l, self.tree, packet, &mut state, &mut stack),
+                (false, false) => walk::<L, true, false, false>(l, self.tree, packet, &mut state, &mut stack),
             }
             met.push(state.met);
         }
@@ -97,10 +118,11 @@ impl Kernel for Closest<'_> {
         let mut hits = Vec::with_capacity(self.packets.len() * LANES);
         for packet in self.packets {
             let mut state = State::new(l, packet);
-            if packet.shared {
-                walk::<L, false, true>(l, self.tree, packet, &mut state, &mut stack);
-            } else {
-                walk::<L, false, false>(l, self.tree, packet, &mut state, &mut stack);
+            match (packet.shared, packet.one_octant) {
+                (true, true) => walk::<L, false, true, true>(l, self.tree, packet, &mut state, &mut stack),
+                (true, false) => walk::<L, false, true, false>(l, self.tree, packet, &mut state, &mut stack),
+                (false, true) => walk::<L, false, false, true>(l, self.tree, packet, &mut state, &mut stack),
+                (false, false) => walk::<L, false, false, false>(l, self.tree, packet, &mut state, &mut stack),
             }
             let t = l.store(state.limit).0;
             hits.extend(
@@ -143,9 +165,10 @@ struct Rays<F> {
     inverse: [F; 3],
 }
 
-/// Walks the tree nearest child first; `ANY` stops a lane at its first hit, `SHARED` says that all rays start at one point.
+/// Walks the tree nearest child first; `ANY` stops a lane at its first hit, `SHARED` says that all rays start at one point,
+/// `OCTANT` that they agree on the sign of each axis.
 #[inline(always)]
-fn walk<L: Lanes, const ANY: bool, const SHARED: bool>(
+fn walk<L: Lanes, const ANY: bool, const SHARED: bool, const OCTANT: bool>(
     l: L,
     tree: &Tree,
     packet: &Packet,
@@ -153,8 +176,9 @@ fn walk<L: Lanes, const ANY: bool, const SHARED: bool>(
     stack: &mut Vec<Waiting<L::F>>,
 ) {
     let load = |v: &[Sixteen; 3]| [l.load(&v[0]), l.load(&v[1]), l.load(&v[2])];
-    let rays =
-        Rays { origin: load(&packet.origin), direction: load(&packet.direction), inverse: load(&packet.inverse) };
+    let direction = load(&packet.direction);
+    let inverse = [inverses(l, direction[0]), inverses(l, direction[1]), inverses(l, direction[2])];
+    let rays = Rays { origin: load(&packet.origin), direction, inverse };
     let first = packet.ray(0);
     // Which way the packet goes: the first ray speaks for all, which costs only time where it is wrong.
     let way = first.direction;
@@ -170,8 +194,8 @@ fn walk<L: Lanes, const ANY: bool, const SHARED: bool>(
             }
         } else {
             let pair = &tree.pairs[child.first as usize];
-            let (near0, in0) = enter::<L, SHARED>(l, pair, 0, &rays, first.origin, state.limit);
-            let (near1, in1) = enter::<L, SHARED>(l, pair, 1, &rays, first.origin, state.limit);
+            let (near0, in0) = enter::<L, SHARED, OCTANT>(l, pair, 0, &rays, &first, state.limit);
+            let (near1, in1) = enter::<L, SHARED, OCTANT>(l, pair, 1, &rays, &first, state.limit);
             if in0 != 0 && in1 != 0 {
                 let ahead = |i: usize| (pair.low[1][i] + pair.high[1][i]) - (pair.low[0][i] + pair.high[0][i]);
                 let left_first = ahead(0) * way[0] + ahead(1) * way[1] + ahead(2) * way[2] >= 0.0;
@@ -197,26 +221,42 @@ fn walk<L: Lanes, const ANY: bool, const SHARED: bool>(
     }
 }
 
+/// [`inverse`] in lanes.
+#[inline(always)]
+fn inverses<L: Lanes>(l: L, d: L::F) -> L::F {
+    let tiny = l.less(l.abs(d), l.splat(1e-20));
+    let negative = l.less(d, l.splat(0.0));
+    let smallest = l.select(negative, l.splat(-1e-20), l.splat(1e-20));
+    l.div(l.splat(1.0), l.select(tiny, smallest, d))
+}
+
 /// Entry distances into one box and the lanes that enter it before their limit.
 #[inline(always)]
-fn enter<L: Lanes, const SHARED: bool>(
+fn enter<L: Lanes, const SHARED: bool, const OCTANT: bool>(
     l: L,
     pair: &Pair,
     side: usize,
     rays: &Rays<L::F>,
-    origin: [f32; 3],
+    first: &Ray,
     limit: L::F,
 ) -> (L::F, u16) {
     let mut near = l.splat(0.0);
     let mut far = l.splat(f32::INFINITY);
     for i in 0..3 {
         let plane = |at: f32| {
-            let from = if SHARED { l.splat(at - origin[i]) } else { l.sub(l.splat(at), rays.origin[i]) };
+            let from = if SHARED { l.splat(at - first.origin[i]) } else { l.sub(l.splat(at), rays.origin[i]) };
             l.mul(from, rays.inverse[i])
         };
-        let (a, b) = (plane(pair.low[side][i]), plane(pair.high[side][i]));
-        near = l.max(near, l.min(a, b));
-        far = l.min(far, l.max(a, b));
+        let (low, high) = (pair.low[side][i], pair.high[side][i]);
+        let (enter, leave) = if OCTANT {
+            let backwards = first.direction[i] < 0.0;
+            (plane(if backwards { high } else { low }), plane(if backwards { low } else { high }))
+        } else {
+            let (a, b) = (plane(low), plane(high));
+            (l.min(a, b), l.max(a, b))
+        };
+        near = l.max(near, enter);
+        far = l.min(far, leave);
     }
     let far = l.min(l.mul(far, l.splat(FAR_PAD)), limit);
     (near, l.not_above(near, far))

@@ -1,8 +1,10 @@
 //! Probes: what the surface of one cell sees of the sky. In: a cell key. Out: one small world-frame sky texture, and the
 //! points it was traced from.
 //!
-//! Rays start from many points of the cell, each texel from one of them. Points are drawn in proportion to the share of
-//! the sky that they see: points hidden in party walls or below the terrain, which no receiver sees either, drop out.
+//! Rays start from many points of the cell, each texel from one of them. Points hidden in party walls or below the terrain,
+//! which no receiver sees either, must not count: points that see no sky drop out, all others count alike. (Weights in
+//! proportion to the sky that they see were tried: too much light in wells and canyons, where lower parts see little sky and
+//! yet are seen.)
 
 use glam::DVec3;
 
@@ -21,6 +23,9 @@ pub struct ProbeTrace {
     pub bits: Vec<u8>,
     /// Points and the share of the cell that each stands for (sum 1).
     pub points: Vec<(SurfacePoint, f64)>,
+    /// [texel]: direction of the texel's ray, and the point that it was cast from.
+    pub directions: Vec<DVec3>,
+    pub owner: Vec<u8>,
     pub rays: u64,
 }
 
@@ -30,10 +35,18 @@ pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Prob
     let count = points.len();
     let mut bits = vec![0_u8; (n * n).div_ceil(8)];
     if count == 0 {
-        return ProbeTrace { normal: DVec3::ZERO, bits, points: Vec::new(), rays: 0 };
+        return ProbeTrace {
+            normal: DVec3::ZERO,
+            bits,
+            points: Vec::new(),
+            directions: Vec::new(),
+            owner: Vec::new(),
+            rays: 0,
+        };
     }
     let seed = key.seed();
     let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
+    let directions: Vec<DVec3> = (0..n * n).map(|t| texel_direction(t % n, t / n, n, jitter(seed, t as u64))).collect();
     let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
     let mut rays = 0;
     // Answers for (texel, point): `None` where the texel is behind the point's surface.
@@ -41,7 +54,7 @@ pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Prob
         let mut cast = Vec::with_capacity(asked.len());
         let mut answers: Vec<Option<bool>> = Vec::with_capacity(asked.len());
         for &(texel, point) in asked {
-            let d = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
+            let d = directions[texel];
             let front = points[point].normal.dot(d) > 0.0;
             answers.push(front.then_some(false));
             if front {
@@ -57,37 +70,35 @@ pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Prob
     // First round: every point gets the same share of texels, spread over the whole sky.
     let mut owners: Vec<(usize, usize)> =
         texels.iter().map(|&texel| (texel, slot(texel, n, seed) * count / POINTS)).collect();
+    // At most POINTS, so a byte.
+    let mut owner = vec![0_u8; n * n];
+    owners.iter().for_each(|&(texel, point)| owner[texel] = point as u8);
     let mut open = vec![0_u32; count];
-    let mut asked = vec![0_u32; count];
     for (&(texel, point), sky) in owners.iter().zip(look(&owners)) {
         if let Some(sky) = sky {
-            asked[point] += 1;
             open[point] += u32::from(sky);
             set(&mut bits, texel, sky);
         }
     }
-    let openness: Vec<f64> = open.iter().zip(&asked).map(|(&o, &a)| f64::from(o) / f64::from(a.max(1))).collect();
-    let best = openness.iter().copied().fold(0.0, f64::max);
-    let sum: f64 = openness.iter().sum();
+    let worth: Vec<f64> = open.iter().map(|&o| if o > 0 { 1.0 } else { 0.0 }).collect();
+    let lit: f64 = worth.iter().sum();
 
-    // Second round: a texel keeps its point with probability openness / best, else draws another by openness.
-    // Points then own texels in exact proportion to their openness.
-    let share: Vec<f64> = if best > 0.0 {
-        owners.retain_mut(|(texel, point)| {
-            let draw = mix(seed ^ 0x6f70_656e, *texel as u64);
-            let keeps = unit(draw) * best < openness[*point];
-            *point = pick(&openness, sum * unit(mix(draw, 1)));
-            !keeps
-        });
+    // Second round: texels of points in the dark are asked again from the others.
+    let share: Vec<f64> = if lit > 0.0 {
+        owners.retain(|&(_, point)| open[point] == 0);
+        for (texel, point) in &mut owners {
+            *point = pick(&worth, lit * unit(mix(seed ^ 0x6f70_656e, *texel as u64)));
+        }
         for (&(texel, _), sky) in owners.iter().zip(look(&owners)) {
             set(&mut bits, texel, sky.unwrap_or(false));
         }
-        openness.iter().map(|o| o / sum).collect()
+        owners.iter().for_each(|&(texel, point)| owner[texel] = point as u8);
+        worth.iter().map(|w| w / lit).collect()
     } else {
         vec![1.0 / count as f64; count]
     };
     let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
-    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), rays }
+    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), directions, owner, rays }
 }
 
 /// Ray origin of a surface point: lifted off the surface, f32.

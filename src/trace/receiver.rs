@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::bounce::cell_of;
 use super::probe::lifted;
 use super::rays::{Ray, Tracer};
+use super::surroundings::cell_of;
 use crate::hemisphere::{Frame, jitter, texel_direction, texels_in_blocks};
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
 use crate::scene::mesh::Mesh;

@@ -1,7 +1,8 @@
 //! The bounding volume hierarchy. In: a mesh. Out: pairs of boxes to walk and triangles in the tree's order.
 //!
-//! obvhs builds the tree (preset "slow": spatial splits; a scene is traced often and built once). Its nodes are laid out
-//! again so that both children of a node lie in one cache line, with boxes padded for rounding.
+//! obvhs builds the tree (preset "slow": spatial splits; a scene is traced often and built once; leaves are collapsed less
+//! than it would, 5 % faster for packets). Its nodes are laid out again so that both children of a node lie in one cache
+//! line, with boxes padded for rounding.
 
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
@@ -57,7 +58,8 @@ impl Tree {
             })
             .collect();
         let mut build_time = std::time::Duration::default();
-        let bvh = build_bvh2_from_tris(&boxed, BvhBuildParams::slow_build(), &mut build_time);
+        let params = BvhBuildParams { collapse_traversal_cost: 1.0, ..BvhBuildParams::slow_build() };
+        let bvh = build_bvh2_from_tris(&boxed, params, &mut build_time);
         if bvh.max_depth > MAX_DEPTH {
             return Err(Error::Limit {
                 what: "depth of the bounding volume hierarchy".into(),

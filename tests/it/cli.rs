@@ -156,6 +156,21 @@ fn wrong_inputs() {
     folder.refused("query scene.obj --conditions conditions.csv", &["scene.obj"]);
 }
 
+/// 5 outputs that would destroy something: an input, another kind of file, a device, a folder; each is refused and nothing is lost.
+#[test]
+fn outputs_never_replace_inputs() {
+    let folder = Folder::new();
+    folder.build();
+    let build = "build scene.obj --materials materials.toml --receivers receivers.csv -o ";
+    folder.refused(&format!("{build}scene.obj"), &["scene.obj", "input"]);
+    folder.refused(&format!("{build}conditions.csv"), &["conditions.csv", "not an archive"]);
+    folder.refused(&format!("{build}/dev/null"), &["/dev/null", "device"]);
+    folder.refused("query site.helio --conditions conditions.csv -o conditions.csv", &["conditions.csv", "input"]);
+    folder.refused(&format!("{build}."), &["folder"]);
+    assert_eq!(fs::read_to_string(folder.path("scene.obj")).ok().as_deref(), Some(SCENE));
+    assert_eq!(fs::read_to_string(folder.path("conditions.csv")).ok().as_deref(), Some(CONDITIONS));
+}
+
 /// A receiver inside the cube and one that faces a wall from 0.3 mm are named, 2 of 2, and the build goes on.
 #[test]
 fn misplaced_receivers_are_named() {

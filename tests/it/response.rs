@@ -3,8 +3,9 @@
 use glam::DVec3;
 use heliotile::archive::Archive;
 use heliotile::commands::build::{BuildSettings, Share};
+use heliotile::hemisphere::bit;
 use heliotile::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
-use heliotile::layers::probes::{Bounces, bit};
+use heliotile::layers::probes::Bounces;
 use heliotile::recombine::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
 use heliotile::recombine::load::{Tables, TileView, tile_view};
 use heliotile::recombine::response::{Responder, bit_at, hit_weights, respond};
@@ -78,10 +79,10 @@ fn radiosities(
 /// What a source sends to a receiver by a plain loop over the cells it sees.
 fn plain(tables: &Tables, view: &TileView, index: usize, sky: &Source, cells: &[f64]) -> f64 {
     let (shape, hits) = (tables.shape, &view.hits);
-    let (probes, bounces) = (&tables.probes, &tables.bounces);
+    let probes = &tables.probes;
     let per = shape.hit * shape.hit;
     let texels = &hits.texels[index * per..(index + 1) * per];
-    let (row, rays) = (shape.probe * shape.probe / 8, bounces.hits.len() / bounces.keys.len());
+    let (row, rays) = (shape.probe * shape.probe / 8, probes.hits.len() / probes.keys.len());
     let centres = centres_f32(shape.probe);
     let mut sum = 0.0;
     for (cell, weight) in hit_weights(texels, &view.viewers[index]).cells {
@@ -89,8 +90,7 @@ fn plain(tables: &Tables, view: &TileView, index: usize, sky: &Source, cells: &[
         let probe = probes.find(&key).expect("every hit has its probe");
         let bits = &probes.bits[probe * row..(probe + 1) * row];
         let around = surround(probes.normals[probe], bits, &centres);
-        let tier = bounces.find(&key.coarse(shape.tier_level)).expect("every probe has its coarse cell");
-        let (above, below) = seen(&bounces.hits[tier * rays..(tier + 1) * rays]);
+        let (above, below) = seen(&probes.hits[probe * rays..(probe + 1) * rays]);
         let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * cells[c as usize]).sum::<f64>();
         let indirect = around.up * gather(&above) + around.down * gather(&below);
         let rho = tables.reflectors[usize::from(key.material)].diffuse;

@@ -118,8 +118,19 @@ pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> 
 impl Site {
     /// Irradiance per receiver id: one row a condition.
     pub fn replay(&self, conditions: &[Condition], sky: SkyModel, depth: Depth) -> BTreeMap<String, Vec<Row>> {
+        self.replay_with(conditions, sky, depth, 577)
+    }
+
+    /// The same with a number of sky patches.
+    pub fn replay_with(
+        &self,
+        conditions: &[Condition],
+        sky: SkyModel,
+        depth: Depth,
+        patches: usize,
+    ) -> BTreeMap<String, Vec<Row>> {
         let archive = Archive::open(&self.path).expect("an archive");
-        let settings = ReplaySettings { sky, patches: 577, depth };
+        let settings = ReplaySettings { sky, patches, depth };
         let replay = Replay::new(&archive, conditions, settings).expect("a replay");
         let mut rows = BTreeMap::new();
         for tile in 0..replay.tiles() {

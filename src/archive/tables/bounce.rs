@@ -3,7 +3,7 @@
 use rkyv::{Archive, Deserialize, Serialize};
 
 use super::probes::{Key, check_cells, keys};
-use super::{Flaw, column, flat_column, per_row, table};
+use super::{Flaw, flat_column, per_row, table};
 use crate::archive::format::BOUNCE;
 
 /// The bits of a hit that hold a cell; bit 31 says that the ray goes below the horizon.
@@ -11,7 +11,7 @@ const CELL: u32 = u32::MAX >> 1;
 /// The cell of a ray that met nothing.
 const NOTHING: u32 = CELL;
 
-/// Columns of one chunk, schema 1; the first five are those of [`super::Probes`].
+/// Columns of one chunk, schema 1; the columns are those of [`super::Probes`].
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct Bounce {
     pub voxel: Vec<[i32; 3]>,
@@ -22,8 +22,6 @@ pub struct Bounce {
     pub bits: Vec<u8>,
     /// `[cell][ray]`: row of the cell met, counted over all chunks, and a flag; see `schema/layers.md`.
     pub hits: Vec<u32>,
-    /// 0 first tier, 1 closed system.
-    pub tier: Vec<u8>,
 }
 
 table!(Bounce, BOUNCE);
@@ -58,8 +56,7 @@ impl Bounce {
         check_cells(&self.voxel, &self.tag, &self.material, &self.normal)?;
         let rows = self.rows();
         flat_column("bits", self.bits.len(), rows)?;
-        flat_column("hits", self.hits.len(), rows)?;
-        column("tier", &self.tier, rows, "0 or 1", |tier| *tier <= 1)
+        flat_column("hits", self.hits.len(), rows)
     }
 }
 
@@ -78,7 +75,6 @@ mod tests {
             normal: vec![[0.0, 0.0, 1.0], [0.5, -0.25, 0.0]],
             bits: vec![1, 2],
             hits: vec![0, 1, NOTHING, 1 << 31 | 1, u32::MAX, 0],
-            tier: vec![0, 1],
         }
     }
 
@@ -86,22 +82,17 @@ mod tests {
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
-        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (148, "b57c2e98d50cf176".to_string()));
+        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (136, "6c62f1d4e4ba5057".to_string()));
         let back = Bounce::from_block(&block(&known().encode(0, 9).unwrap())).unwrap();
         assert_eq!((back.rays_per_cell(), back.bytes_per_cell(), back.highest_hit()), (3, 1, Some(1)));
         assert_eq!(back, known());
     }
 
-    /// A value out of range in any of 5 ways is refused on writing and, under right checksums, on reading.
+    /// A value out of range in any of 4 ways is refused on writing and, under right checksums, on reading.
     #[test]
     fn ranges_are_checked() {
-        let flaws: [fn(&mut Bounce); 5] = [
-            |b| b.tag.swap(0, 1),
-            |b| b.normal[0][0] = f32::INFINITY,
-            |b| b.hits.truncate(5),
-            |b| b.bits.clear(),
-            |b| b.tier[1] = 2,
-        ];
+        let flaws: [fn(&mut Bounce); 4] =
+            [|b| b.tag.swap(0, 1), |b| b.normal[0][0] = f32::INFINITY, |b| b.hits.truncate(5), |b| b.bits.clear()];
         for (number, flaw) in flaws.into_iter().enumerate() {
             let mut wrong = known();
             flaw(&mut wrong);

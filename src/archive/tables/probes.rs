@@ -34,6 +34,8 @@ pub struct Probes {
     pub normal: Vec<[f32; 3]>,
     /// `[probe][byte]`: sky bits, world frame, lowest bit first.
     pub bits: Vec<u8>,
+    /// [probe][ray]: row of the bounce cell met, counted over all chunks, and a flag; see `schema/layers.md`.
+    pub hits: Vec<u32>,
 }
 
 table!(Probes, PROBES);
@@ -56,7 +58,8 @@ impl Probes {
 
     fn check(&self) -> Result<(), Flaw> {
         check_cells(&self.voxel, &self.tag, &self.material, &self.normal)?;
-        flat_column("bits", self.bits.len(), self.rows())
+        flat_column("bits", self.bits.len(), self.rows())?;
+        flat_column("hits", self.hits.len(), self.rows())
     }
 }
 
@@ -94,6 +97,7 @@ mod tests {
             material: vec![1, 1],
             normal: vec![[0.0, 0.0, 1.0], [0.5, -0.25, 0.0]],
             bits: vec![0xff, 0x01, 0x00, 0x80],
+            hits: vec![0, 1 << 31 | 1],
         }
     }
 
@@ -116,7 +120,7 @@ mod tests {
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
-        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (104, "4af8ce1fca930bb2".to_string()));
+        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (120, "e558abcd6d4a9102".to_string()));
         let back = Probes::from_block(&block(&known().encode(0, 9).unwrap())).unwrap();
         assert_eq!((back.bytes_per_probe(), &back), (2, &known()));
     }

@@ -10,48 +10,61 @@ use crate::commands::progress::bar;
 use crate::error::Result;
 use crate::layers::probes::{Bounces, DOWN, MISS, Probes};
 use crate::scene::cells::{CellKey, level_of};
-use crate::trace::bounce::{BounceSettings, BounceTrace, Seen, close};
+use crate::trace::bounce::{BounceSettings, close};
 use crate::trace::probe::trace_probe;
+use crate::trace::surroundings::{Seen, surroundings};
 
 /// Probes, or bounce cells, in a block.
 const PROBES_PER_BLOCK: usize = 16_384;
 const BOUNCES_PER_BLOCK: usize = 8_192;
 
+/// A traced probe: all but its key.
+struct TracedProbe {
+    normal: [f32; 3],
+    bits: Vec<u8>,
+    seen: Vec<Seen>,
+    rays: u64,
+}
+
 impl Job<'_> {
-    /// Probes of all keys, which are sorted.
-    pub fn trace_probes(&self, keys: &[CellKey], rays: &mut Rays) -> Probes {
+    /// Probes of all keys, which are sorted, and the coarse cells that they see, directly or by further bounces.
+    pub fn trace_cells(&self, keys: &[CellKey], rays: &mut Rays) -> (Probes, Bounces) {
+        let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
+        let closed_level = level_of(s.closed_m);
         let progress = bar("probes", Some(keys.len() as u64));
-        let traced: Vec<_> = keys
+        let traced: Vec<TracedProbe> = keys
             .par_iter()
             .map(|&key| {
-                let probe = trace_probe(key, self.settings.probe, &self.scene.mesh, self.tracer);
+                let probe = trace_probe(key, s.probe, mesh, tracer);
+                let seen = surroundings(key, &probe, s.probe, s.probe_hits, closed_level, mesh, tracer);
                 progress.inc(1);
-                (probe.normal.as_vec3().to_array(), probe.bits, probe.rays)
+                let (normal, rays) = (probe.normal.as_vec3().to_array(), probe.rays + s.probe_hits as u64);
+                TracedProbe { normal, bits: probe.bits, seen, rays }
             })
             .collect();
         progress.finish_and_clear();
-        rays.probe = traced.iter().map(|t| t.2).sum();
-        Probes {
-            keys: keys.to_vec(),
-            normals: traced.iter().map(|t| t.0).collect(),
-            bits: traced.into_iter().flat_map(|t| t.1).collect(),
-        }
-    }
-
-    /// The coarse cells that probes lie in, and all that are reachable from them.
-    pub fn trace_bounces(&self, keys: &[CellKey], rays: &mut Rays) -> Bounces {
-        let tier = level_of(self.settings.tier_m);
-        let start: BTreeSet<CellKey> = keys.iter().map(|k| k.coarse(tier)).collect();
-        let settings = BounceSettings {
-            closed_level: level_of(self.settings.closed_m),
-            sky: self.settings.bounce_sky,
-            hits: self.settings.bounce_hits,
-        };
         let progress = bar("bounces", None);
-        let cells = close(&start, settings, &self.scene.mesh, self.tracer, &|n| progress.inc(n));
+        let start: BTreeSet<CellKey> = traced.iter().flat_map(|p| &p.seen).filter_map(|seen| seen.cell).collect();
+        let settings = BounceSettings { closed_level, sky: s.bounce_sky, hits: s.bounce_hits };
+        let cells = close(start, settings, mesh, tracer, &|n| progress.inc(n));
         progress.finish_and_clear();
+        rays.probe = traced.iter().map(|t| t.rays).sum();
         rays.bounce = cells.iter().map(|c| c.cast).sum();
-        bounce_table(&cells)
+
+        let rows: Vec<CellKey> = cells.iter().map(|c| c.key).collect();
+        let probes = Probes {
+            keys: keys.to_vec(),
+            normals: traced.iter().map(|t| t.normal).collect(),
+            hits: traced.par_iter().flat_map_iter(|t| row_numbers(&t.seen, &rows)).collect(),
+            bits: traced.into_iter().flat_map(|t| t.bits).collect(),
+        };
+        let bounces = Bounces {
+            normals: cells.iter().map(|c| c.normal.as_vec3().to_array()).collect(),
+            hits: cells.par_iter().flat_map_iter(|c| row_numbers(&c.seen, &rows)).collect(),
+            bits: cells.into_iter().flat_map(|c| c.bits).collect(),
+            keys: rows,
+        };
+        (probes, bounces)
     }
 
     pub fn probe_blocks(&self, probes: &Probes) -> Result<Vec<EncodedBlock>> {
@@ -66,6 +79,7 @@ impl Job<'_> {
                 material: keys.iter().map(|k| k.material).collect(),
                 normal: probes.normals[part.clone()].to_vec(),
                 bits: probes.bits[part.start * row..part.end * row].to_vec(),
+                hits: probes.hits[part.start * self.settings.probe_hits..part.end * self.settings.probe_hits].to_vec(),
             };
             table.encode((start / PROBES_PER_BLOCK) as u32, COMPRESSION)
         };
@@ -76,11 +90,6 @@ impl Job<'_> {
         let count = bounces.keys.len();
         let row = bounces.bits.len().checked_div(count).unwrap_or(0);
         let rays = bounces.hits.len().checked_div(count).unwrap_or(0);
-        // Cells that others see make up the closed system; the rest only gather for the probes that lie in them.
-        let mut seen = vec![0_u8; count];
-        for hit in bounces.hits.iter().map(|h| h & !DOWN).filter(|&cell| cell != MISS) {
-            seen[hit as usize] = 1;
-        }
         let starts: Vec<usize> = (0..count).step_by(BOUNCES_PER_BLOCK).collect();
         let block = |start: &usize| {
             let part = *start..(start + BOUNCES_PER_BLOCK).min(count);
@@ -92,7 +101,6 @@ impl Job<'_> {
                 normal: bounces.normals[part.clone()].to_vec(),
                 bits: bounces.bits[part.start * row..part.end * row].to_vec(),
                 hits: bounces.hits[part.start * rays..part.end * rays].to_vec(),
-                tier: seen[part.clone()].to_vec(),
             };
             table.encode((start / BOUNCES_PER_BLOCK) as u32, COMPRESSION)
         };
@@ -100,24 +108,16 @@ impl Job<'_> {
     }
 }
 
-/// Columns of traced cells, sorted by key; the cells they see become row numbers.
-fn bounce_table(cells: &[BounceTrace]) -> Bounces {
-    let keys: Vec<CellKey> = cells.iter().map(|c| c.key).collect();
-    let row = |&(up, seen): &(bool, Seen)| {
+/// What a cell sees as row numbers. Rays count alike, so their order means nothing: sorted, they compress.
+fn row_numbers(seen: &[Seen], rows: &[CellKey]) -> Vec<u32> {
+    let number = |s: &Seen| {
         // The system is closed: every cell that is seen has a row.
-        let index = match seen {
-            Seen::Cell(key) => keys.binary_search(&key).map_or(MISS, |i| i as u32),
-            Seen::Nothing => MISS,
-        };
-        if up { index } else { index | DOWN }
+        let row = s.cell.and_then(|key| rows.binary_search(&key).ok()).map_or(MISS, |i| i as u32);
+        if s.up { row } else { row | DOWN }
     };
-    let hits = cells.par_iter().flat_map_iter(|c| c.rays.iter().map(row)).collect();
-    Bounces {
-        normals: cells.iter().map(|c| c.normal.as_vec3().to_array()).collect(),
-        bits: cells.iter().flat_map(|c| c.bits.iter().copied()).collect(),
-        hits,
-        keys,
-    }
+    let mut numbers: Vec<u32> = seen.iter().map(number).collect();
+    numbers.sort_unstable();
+    numbers
 }
 
 fn tag(key: &CellKey) -> u32 {

@@ -68,7 +68,7 @@ impl Job<'_> {
                 cell_factor: s.cell_factor,
                 cell_floor_m: s.cell_floor_m,
                 probe: s.probe as u32,
-                tier_m: s.tier_m,
+                probe_hits: s.probe_hits as u32,
                 closed_m: s.closed_m,
                 bounce_sky: s.bounce_sky as u32,
                 bounce_hits: s.bounce_hits as u32,

@@ -5,13 +5,15 @@ mod manifest;
 mod tiles;
 
 use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use super::progress::bar;
-use super::{Outcome, warn};
+use super::{Outcome, guard_output, say, warn};
 use crate::archive::{EncodedBlock, Writer, encode, format};
 use crate::cli::BuildArgs;
 pub use crate::cli::Share;
@@ -40,10 +42,11 @@ pub struct BuildSettings {
     pub cell_floor_m: f64,
     /// Side of the probes' sky texture and of the response.
     pub probe: usize,
-    /// Edges of the first tier of bounce cells and of the closed system.
-    pub tier_m: f64,
+    /// Rays of a probe to the surfaces around it.
+    pub probe_hits: usize,
+    /// Edge of the bounce cells at middle distance: the closed system.
     pub closed_m: f64,
-    /// Side of the bounce cells' sky texture and of their square of hit rays.
+    /// Side of the bounce cells' sky texture, and their rays to the surfaces around them.
     pub bounce_sky: usize,
     pub bounce_hits: usize,
     pub share: Share,
@@ -58,10 +61,10 @@ impl Default for BuildSettings {
             cell_factor: 4.0,
             cell_floor_m: 0.5,
             probe: 32,
-            tier_m: 4.0,
+            probe_hits: 16,
             closed_m: 8.0,
             bounce_sky: 16,
-            bounce_hits: 8,
+            bounce_hits: 32,
             share: Share::Cells,
         }
     }
@@ -90,7 +93,7 @@ pub struct Rays {
 impl BuildSettings {
     /// Shape of the tables that responses are derived from.
     fn shape(&self) -> Shape {
-        Shape { hit: self.hit, probe: self.probe, bounce_sky: self.bounce_sky, tier_level: level_of(self.tier_m) }
+        Shape { hit: self.hit, probe: self.probe, bounce_sky: self.bounce_sky, closed_level: level_of(self.closed_m) }
     }
 
     /// Edge of a fine cell in footprints; 0 when every hit has a probe of its own.
@@ -126,6 +129,13 @@ impl Job<'_> {
 
 /// `heliotile build`.
 pub fn run(args: &BuildArgs) -> Result<Outcome> {
+    let inputs: Vec<&Path> = [Some(&args.scene), Some(&args.receivers), args.materials.as_ref()]
+        .into_iter()
+        .flatten()
+        .map(|p| &**p)
+        .collect();
+    guard_output(&args.output, &inputs)?;
+    guard_archive(&args.output)?;
     let scene = Scene::load(&args.scene, args.materials.as_deref())?;
     scene.report.warnings.iter().for_each(|w| warn(w));
     let mut warnings = Vec::new();
@@ -134,7 +144,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let settings = BuildSettings { share: args.share, ..BuildSettings::default() };
     let report = build(&scene, &receivers, &settings, &args.output)?;
     report.warnings.iter().for_each(|w| warn(w));
-    print(&report, &scene, &args.output);
+    say(&summary(&report, &scene, &args.output))?;
     Ok(Outcome::Fine)
 }
 
@@ -151,6 +161,7 @@ pub fn build(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings, ou
     let tracer = Tracer::new(&scene.mesh)?;
     let job = Job { scene, tracer: &tracer, settings };
     lap("tree");
+    let mut warnings: Vec<String> = far_away(&tracer, scene, receivers).into_iter().collect();
 
     let order = morton_order(receivers, scene.mesh.origin);
     let tiles: Vec<Vec<&Receiver>> =
@@ -181,10 +192,8 @@ pub fn build(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings, ou
     lap("receivers");
 
     let keys: Vec<CellKey> = keys.into_iter().collect();
-    let probes = job.trace_probes(&keys, &mut rays);
-    lap("probes");
-    let bounces = job.trace_bounces(&keys, &mut rays);
-    lap("bounces");
+    let (probes, bounces) = job.trace_cells(&keys, &mut rays);
+    lap("cells");
     for block in job.probe_blocks(&probes)?.into_iter().chain(job.bounce_blocks(&bounces)?) {
         writer.append(block)?;
     }
@@ -207,27 +216,65 @@ pub fn build(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings, ou
     }
     lap("response");
     let manifest = job.manifest(&counts, writer.layers());
+    warnings.extend(tiles::warnings(&misplaced));
     let summary = writer.finish(&manifest)?;
     lap("finish");
-    Ok(BuildReport { counts, seconds, bytes: summary.bytes, root: summary.root, warnings: tiles::warnings(&misplaced) })
+    Ok(BuildReport { counts, seconds, bytes: summary.bytes, root: summary.root, warnings })
+}
+
+/// Rays start this far off surfaces (metres) before it is worth a warning.
+const LARGE_OFFSET_M: f64 = 0.01;
+
+/// A warning if some receiver lies so far from the scene's origin that details near it are lost.
+fn far_away(tracer: &Tracer, scene: &Scene, receivers: &[Receiver]) -> Option<String> {
+    let offset_m = |r: &Receiver| tracer.offset_m(r.position - scene.mesh.origin);
+    let worst = receivers.iter().max_by(|a, b| offset_m(a).total_cmp(&offset_m(b)))?;
+    let (offset_m, o) = (offset_m(worst), scene.mesh.origin);
+    (offset_m > LARGE_OFFSET_M).then(|| {
+        format!(
+            "receiver {} lies far from the scene's centre ({:.0}, {:.0}, {:.0}): rays start {:.1} mm off its surface and finer \
+             details are lost; look for stray geometry, or build the site in parts",
+            worst.id,
+            o.x,
+            o.y,
+            o.z,
+            offset_m * 1e3
+        )
+    })
+}
+
+/// Refuses to replace a file that is not an archive.
+fn guard_archive(output: &Path) -> Result<()> {
+    let mut head = [0; format::MAGIC.len()];
+    match File::open(output).and_then(|mut file| file.read_exact(&mut head)) {
+        Ok(()) if head != format::MAGIC => {
+            let hint = "give the archive a name of its own, or remove the file";
+            Err(Error::input(output, None, "exists and is not an archive, it would be replaced", hint))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The summary that a build ends with.
-fn print(report: &BuildReport, scene: &Scene, output: &Path) {
+fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
     let counts = &report.counts;
     let total: f64 = report.seconds.iter().map(|s| s.1).sum();
     let rays = counts.rays.sky + counts.rays.hit + counts.rays.probe + counts.rays.bounce;
-    println!("{}: {} receivers, {} triangles", output.display(), counts.receivers, scene.mesh.triangles.len());
-    println!(
-        "  {} probes, {} bounce cells, {:.1} Mray ({:.0} a receiver), {:.2} MB ({:.0} bytes a receiver)",
+    let each = |x: f64| x / counts.receivers.max(1) as f64;
+    let stages: Vec<String> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
+    format!(
+        "{}: {} receivers, {} triangles\n  {} probes, {} bounce cells, {:.1} Mray ({:.0} a receiver), {:.2} MB ({:.0} bytes a \
+         receiver)\n  {total:.2} s: {}\n  root {}\n",
+        output.display(),
+        counts.receivers,
+        scene.mesh.triangles.len(),
         counts.probes,
         counts.bounce_cells,
         rays as f64 / 1e6,
-        rays as f64 / counts.receivers.max(1) as f64,
+        each(rays as f64),
         report.bytes as f64 / 1e6,
-        report.bytes as f64 / counts.receivers.max(1) as f64,
-    );
-    let stages: Vec<String> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
-    println!("  {total:.2} s: {}", stages.join(", "));
-    println!("  root {}", format::hex(&report.root));
+        each(report.bytes as f64),
+        stages.join(", "),
+        format::hex(&report.root),
+    )
 }

@@ -67,6 +67,13 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Weather> {
         return Err(Error::input(path, None, "the file has no weather rows", hint));
     }
     let mut weather = filled(path, header, &raw);
+    let hours = raw.len() as f64 * weather.interval_hours;
+    if hours < HOURS_OF_YEAR {
+        weather.report.warnings.push(format!(
+            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums are sums of these",
+            path.display()
+        ));
+    }
     if let Some((line, minute)) = odd_minute {
         weather.report.warnings.push(format!(
             "{}, line {line}: minute {minute} of an hourly row is ignored, the row holds the whole hour",
@@ -75,6 +82,9 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Weather> {
     }
     Ok(weather)
 }
+
+/// Hours of a year that is not a leap year.
+const HOURS_OF_YEAR: f64 = 8760.0;
 
 /// Fills what is missing, then judges the file as a whole.
 fn filled(path: &Path, header: Header, raw: &[RawRow]) -> Weather {

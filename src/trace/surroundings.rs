@@ -1,0 +1,148 @@
+//! What a cell sees besides the sky. In: a cell whose sky bits are traced. Out: the coarse cells that a few rays meet, above
+//! and below the horizon apart.
+//!
+//! No ray is spent on the sky: above the horizon, rays go again where the sky bits are 0, in proportion to the cosine. How
+//! much of the hemisphere they stand for is known from the bits, so sky and surroundings always add up to the whole.
+
+use glam::{DVec2, DVec3};
+
+use super::probe::{ProbeTrace, lifted, pick};
+use super::rays::{Hit, Ray, Tracer};
+use crate::hemisphere::{Frame, bit, direction_of, mix, texels_in_blocks, unit};
+use crate::scene::cells::{CellKey, level_of};
+use crate::scene::mesh::Mesh;
+
+/// What one ray met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seen {
+    /// Whether the ray goes above the horizon.
+    pub up: bool,
+    /// The coarse cell, if any surface was met.
+    pub cell: Option<CellKey>,
+}
+
+/// Surfaces at distance t are cut into cells of about t / 4, the footprint of a ray.
+const FAR_SHARE: f64 = 0.25;
+
+/// Nearby surfaces are cut into cells of about t / 2: in a light well light falls off over the well's width.
+const NEAR_SHARE: f64 = 1.0;
+
+/// A part of the hemisphere smaller than this gets no ray.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// Casts `count` rays from a cell with n x n sky bits; rays above the horizon count alike, and so do those below.
+/// `closed_level`: level of the cells that the closed system is made of at middle distance.
+pub fn surroundings(
+    key: CellKey,
+    probe: &ProbeTrace,
+    n: usize,
+    count: usize,
+    closed_level: i8,
+    mesh: &Mesh,
+    tracer: &Tracer,
+) -> Vec<Seen> {
+    let seed = key.seed();
+    // Blocked texels above the horizon and their cosines.
+    let mut blocked: Vec<(usize, f64)> = Vec::new();
+    let mut sum = 0.0;
+    for (column, row) in texels_in_blocks(if probe.points.is_empty() { 0 } else { n }) {
+        let texel = row * n + column;
+        if bit(&probe.bits, texel) {
+            continue;
+        }
+        let cos = probe.points[usize::from(probe.owner[texel])].0.normal.dot(probe.directions[texel]);
+        if cos > 0.0 {
+            sum += cos;
+            blocked.push((texel, sum));
+        }
+    }
+    let above = sum * 2.0 / (n * n) as f64;
+    let below = if probe.points.is_empty() { 0.0 } else { ((1.0 - probe.normal.z) / 2.0).max(0.0) };
+    let (up_count, down_count) = split(count, above, below);
+
+    let mut rays: Vec<(DVec3, Ray, bool)> = Vec::with_capacity(count);
+    let start = unit(mix(seed, 11));
+    for i in 0..up_count {
+        let at = (i as f64 + start) / up_count as f64 * sum;
+        let index = blocked.partition_point(|b| b.1 <= at).min(blocked.len() - 1);
+        let texel = blocked[index].0;
+        let point = probe.points[usize::from(probe.owner[texel])].0;
+        let direction = probe.directions[texel].as_vec3().to_array();
+        let origin = lifted(point.position, point.normal, tracer);
+        rays.push((point.position, Ray { origin, direction }, true));
+    }
+    let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
+    let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
+    // R2 sequence (Roberts 2018) over the cosine-distributed hemisphere, of which the part below the horizon is kept.
+    for j in 0..64 * down_count {
+        if rays.len() == up_count + down_count {
+            break;
+        }
+        let draw = unit(mix(seed ^ 0x646f_776e, j as u64));
+        let point = probe.points[pick(&weights, draw)].0;
+        let square = j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset;
+        let direction = Frame::of(point.normal).to_world(cosine_direction(square.fract()));
+        if direction.z <= 0.0 {
+            let origin = lifted(point.position, point.normal, tracer);
+            rays.push((point.position, Ray { origin, direction: direction.as_vec3().to_array() }, false));
+        }
+    }
+
+    let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();
+    let mut seen: Vec<Seen> = tracer
+        .closest_many(&cast)
+        .into_iter()
+        .zip(&rays)
+        .map(|(hit, &(position, ray, up))| {
+            let direction = DVec3::from(ray.direction.map(f64::from));
+            let cell = hit.map(|hit| {
+                let level = level_seen(f64::from(hit.t), key.level, closed_level);
+                cell_of(hit, direction, level, mesh, position).coarse(level)
+            });
+            Seen { up, cell }
+        })
+        .collect();
+    seen.resize(count, Seen { up: true, cell: None });
+    seen
+}
+
+/// Level of a coarse cell seen at distance t from a cell of level `own`.
+fn level_seen(t: f64, own: i8, closed: i8) -> i8 {
+    let near = level_of(t * NEAR_SHARE).min(closed);
+    let far = level_of(t * FAR_SHARE);
+    // Coarser from bounce to bounce, or one well of fine cells would drag in a city of them. It also means that only the
+    // cells from the closed level up see each other in circles.
+    near.max(far).max((own + 1).min(closed)).max(own)
+}
+
+/// Rays above and below the horizon, in proportion to their shares; at least one for each share that matters.
+fn split(count: usize, above: f64, below: f64) -> (usize, usize) {
+    match (above > NEGLIGIBLE, below > NEGLIGIBLE) {
+        (false, false) => (0, 0),
+        (true, false) => (count, 0),
+        (false, true) => (0, count),
+        (true, true) => {
+            let up = (count as f64 * above / (above + below)).round() as usize;
+            let up = up.clamp(1, count - 1);
+            (up, count - up)
+        }
+    }
+}
+
+/// Cell of a hit, on the side that the ray comes from.
+pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3) -> CellKey {
+    let triangle = hit.triangle as usize;
+    let outward = mesh.normal(triangle);
+    let back = outward.dot(direction) > 0.0;
+    let point = origin + direction * f64::from(hit.t);
+    CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
+}
+
+/// Cosine-distributed direction about z for a point of the unit square: Malley's method over Shirley and Chiu's disc.
+fn cosine_direction(square: DVec2) -> DVec3 {
+    // The equal-solid-angle lift has z = 1 - r^2; the cosine lift of the same disc point has z = sqrt(1 - r^2).
+    let d = direction_of(square);
+    let r2 = (1.0 - d.z).clamp(0.0, 1.0);
+    let stretch = 1.0 / (2.0 - r2).sqrt();
+    DVec3::new(d.x * stretch, d.y * stretch, (1.0 - r2).sqrt())
+}
