@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::probe::trace_probe;
+use super::probe::{Directions, trace_probe};
 use super::rays::Tracer;
 use super::surroundings::{Seen, surroundings};
 use crate::scene::cells::CellKey;
@@ -17,8 +17,6 @@ use crate::scene::mesh::Mesh;
 pub struct BounceSettings {
     /// Level of its cells at middle distance; cells nearby are finer, cells far away coarser.
     pub closed_level: i8,
-    /// Side of the cells' sky textures.
-    pub sky: usize,
     /// Hit rays of a cell.
     pub hits: usize,
 }
@@ -34,16 +32,23 @@ pub struct BounceTrace {
 }
 
 /// Traces one coarse cell; the cells it sees are never finer than itself, so the system stays finite in a large scene.
-pub fn trace_bounce(key: CellKey, settings: BounceSettings, mesh: &Mesh, tracer: &Tracer) -> BounceTrace {
-    let probe = trace_probe(key, settings.sky, mesh, tracer);
-    let seen = surroundings(key, &probe, settings.sky, settings.hits, settings.closed_level, mesh, tracer);
+pub fn trace_bounce(
+    key: CellKey,
+    texture: &Directions,
+    settings: BounceSettings,
+    mesh: &Mesh,
+    tracer: &Tracer,
+) -> BounceTrace {
+    let probe = trace_probe(key, texture, mesh, tracer);
+    let seen = surroundings(key, &probe, texture, settings.hits, settings.closed_level, mesh, tracer);
     let cast = probe.rays + settings.hits as u64;
     BounceTrace { key, normal: probe.normal, bits: probe.bits, seen, cast }
 }
 
-/// The closed system: all cells reachable from `start`, sorted by key. `progress` is told how many were traced.
+/// The closed system: all cells reachable from `start`, sorted by key. `texture`: the cells' sky texture. `progress` is told how many were traced.
 pub fn close(
     start: BTreeSet<CellKey>,
+    texture: &Directions,
     settings: BounceSettings,
     mesh: &Mesh,
     tracer: &Tracer,
@@ -53,7 +58,8 @@ pub fn close(
     let mut known = start;
     let mut cells = Vec::new();
     while !wave.is_empty() {
-        let traced: Vec<BounceTrace> = wave.par_iter().map(|&key| trace_bounce(key, settings, mesh, tracer)).collect();
+        let traced: Vec<BounceTrace> =
+            wave.par_iter().map(|&key| trace_bounce(key, texture, settings, mesh, tracer)).collect();
         progress(traced.len() as u64);
         let seen = traced.iter().flat_map(|c| &c.seen).filter_map(|s| s.cell);
         let next: BTreeSet<CellKey> = seen.filter(|key| !known.contains(key)).collect();

@@ -14,6 +14,29 @@ use crate::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
 use crate::scene::cells::CellKey;
 use crate::scene::mesh::Mesh;
 
+/// Jittered directions through the texels of cells' n x n sky textures: a few patterns, made once, of which each cell takes
+/// one by its seed.
+pub struct Directions {
+    pub n: usize,
+    patterns: Vec<Vec<DVec3>>,
+}
+
+/// Jitter patterns: a receiver sees some hundred probes, their errors average out over this many.
+const PATTERNS: u64 = 64;
+
+impl Directions {
+    pub fn new(n: usize) -> Self {
+        let direction = |k: u64, t: usize| texel_direction(t % n, t / n, n, jitter(mix(0x7465_7865, k), t as u64));
+        let patterns = (0..PATTERNS).map(|k| (0..n * n).map(|t| direction(k, t)).collect()).collect();
+        Directions { n, patterns }
+    }
+
+    /// [texel]: unit directions of a cell's rays, world frame.
+    pub fn of(&self, key: CellKey) -> &[DVec3] {
+        &self.patterns[(mix(key.seed(), 5) % PATTERNS) as usize]
+    }
+}
+
 /// Sky bits of a cell.
 #[derive(Clone, Debug)]
 pub struct ProbeTrace {
@@ -23,30 +46,22 @@ pub struct ProbeTrace {
     pub bits: Vec<u8>,
     /// Points and the share of the cell that each stands for (sum 1).
     pub points: Vec<(SurfacePoint, f64)>,
-    /// [texel]: direction of the texel's ray, and the point that it was cast from.
-    pub directions: Vec<DVec3>,
+    /// [texel]: the point that the texel's ray was cast from.
     pub owner: Vec<u8>,
     pub rays: u64,
 }
 
 /// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
-pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
+pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
+    let (n, directions) = (texture.n, texture.of(key));
     let points = sample(key, mesh, tracer);
     let count = points.len();
     let mut bits = vec![0_u8; (n * n).div_ceil(8)];
     if count == 0 {
-        return ProbeTrace {
-            normal: DVec3::ZERO,
-            bits,
-            points: Vec::new(),
-            directions: Vec::new(),
-            owner: Vec::new(),
-            rays: 0,
-        };
+        return ProbeTrace { normal: DVec3::ZERO, bits, points: Vec::new(), owner: Vec::new(), rays: 0 };
     }
     let seed = key.seed();
     let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
-    let directions: Vec<DVec3> = (0..n * n).map(|t| texel_direction(t % n, t / n, n, jitter(seed, t as u64))).collect();
     let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
     let mut rays = 0;
     // Answers for (texel, point): `None` where the texel is behind the point's surface.
@@ -98,7 +113,7 @@ pub fn trace_probe(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Prob
         vec![1.0 / count as f64; count]
     };
     let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
-    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), directions, owner, rays }
+    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), owner, rays }
 }
 
 /// Ray origin of a surface point: lifted off the surface, f32.

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::probe::{ProbeTrace, lifted, pick};
+use super::probe::{Directions, ProbeTrace, lifted, pick};
 use super::rays::{Hit, Ray, Tracer};
 use crate::hemisphere::{Frame, bit, direction_of, mix, texels_in_blocks, unit};
 use crate::scene::cells::{CellKey, level_of};
@@ -30,17 +30,18 @@ const NEAR_SHARE: f64 = 1.0;
 /// A part of the hemisphere smaller than this gets no ray.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Casts `count` rays from a cell with n x n sky bits; rays above the horizon count alike, and so do those below.
+/// Casts `count` rays from a cell whose sky texture is traced; rays above the horizon count alike, and so do those below.
 /// `closed_level`: level of the cells that the closed system is made of at middle distance.
 pub fn surroundings(
     key: CellKey,
     probe: &ProbeTrace,
-    n: usize,
+    texture: &Directions,
     count: usize,
     closed_level: i8,
     mesh: &Mesh,
     tracer: &Tracer,
 ) -> Vec<Seen> {
+    let (n, directions) = (texture.n, texture.of(key));
     let seed = key.seed();
     // Blocked texels above the horizon and their cosines.
     let mut blocked: Vec<(usize, f64)> = Vec::new();
@@ -50,7 +51,7 @@ pub fn surroundings(
         if bit(&probe.bits, texel) {
             continue;
         }
-        let cos = probe.points[usize::from(probe.owner[texel])].0.normal.dot(probe.directions[texel]);
+        let cos = probe.points[usize::from(probe.owner[texel])].0.normal.dot(directions[texel]);
         if cos > 0.0 {
             sum += cos;
             blocked.push((texel, sum));
@@ -67,7 +68,7 @@ pub fn surroundings(
         let index = blocked.partition_point(|b| b.1 <= at).min(blocked.len() - 1);
         let texel = blocked[index].0;
         let point = probe.points[usize::from(probe.owner[texel])].0;
-        let direction = probe.directions[texel].as_vec3().to_array();
+        let direction = directions[texel].as_vec3().to_array();
         let origin = lifted(point.position, point.normal, tracer);
         rays.push((point.position, Ray { origin, direction }, true));
     }

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::layers::probes::{Bounces, DOWN, MISS, Probes};
 use crate::scene::cells::{CellKey, level_of};
 use crate::trace::bounce::{BounceSettings, close};
-use crate::trace::probe::trace_probe;
+use crate::trace::probe::{Directions, trace_probe};
 use crate::trace::surroundings::{Seen, surroundings};
 
 /// Probes, or bounce cells, in a block.
@@ -31,12 +31,13 @@ impl Job<'_> {
     pub fn trace_cells(&self, keys: &[CellKey], rays: &mut Rays) -> (Probes, Bounces) {
         let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
         let closed_level = level_of(s.closed_m);
+        let texture = Directions::new(s.probe);
         let progress = bar("probes", Some(keys.len() as u64));
         let traced: Vec<TracedProbe> = keys
             .par_iter()
             .map(|&key| {
-                let probe = trace_probe(key, s.probe, mesh, tracer);
-                let seen = surroundings(key, &probe, s.probe, s.probe_hits, closed_level, mesh, tracer);
+                let probe = trace_probe(key, &texture, mesh, tracer);
+                let seen = surroundings(key, &probe, &texture, s.probe_hits, closed_level, mesh, tracer);
                 progress.inc(1);
                 let (normal, rays) = (probe.normal.as_vec3().to_array(), probe.rays + s.probe_hits as u64);
                 TracedProbe { normal, bits: probe.bits, seen, rays }
@@ -45,8 +46,8 @@ impl Job<'_> {
         progress.finish_and_clear();
         let progress = bar("bounces", None);
         let start: BTreeSet<CellKey> = traced.iter().flat_map(|p| &p.seen).filter_map(|seen| seen.cell).collect();
-        let settings = BounceSettings { closed_level, sky: s.bounce_sky, hits: s.bounce_hits };
-        let cells = close(start, settings, mesh, tracer, &|n| progress.inc(n));
+        let settings = BounceSettings { closed_level, hits: s.bounce_hits };
+        let cells = close(start, &Directions::new(s.bounce_sky), settings, mesh, tracer, &|n| progress.inc(n));
         progress.finish_and_clear();
         rays.probe = traced.iter().map(|t| t.rays).sum();
         rays.bounce = cells.iter().map(|c| c.cast).sum();
