@@ -133,8 +133,10 @@ pub fn solve(cells: &Bounces, n: usize, closed_level: i8, reflectance: &[f64], d
     };
     let blocks = (0..width.div_ceil(BLOCK))
         .into_par_iter()
-        .map(|block| {
-            let mut source = vec![[0.0_f32; BLOCK]; count];
+        // Two of the three buffers serve block after block.
+        .map_init(Default::default, |(source, next): &mut (Vec<_>, Vec<_>), block| {
+            source.clear();
+            source.resize(count, [0.0_f32; BLOCK]);
             for (i, source) in source.iter_mut().enumerate() {
                 let bits = &cells.bits[i * row_bytes..(i + 1) * row_bytes];
                 for (slot, column) in (block * BLOCK..width.min((block + 1) * BLOCK)).enumerate() {
@@ -146,12 +148,10 @@ pub fn solve(cells: &Bounces, n: usize, closed_level: i8, reflectance: &[f64], d
             let mut now = source.clone();
             // With a bounded number of reflections every cell takes each step; else the finer cells wait for the closed ones.
             let first = if depth == Depth::All { closed } else { 0 };
-            let mut next = now.clone();
             for _ in 0..steps {
-                for i in first..count {
-                    next[i] = gather(i, &source[i], &now);
-                }
-                now[first..].copy_from_slice(&next[first..]);
+                next.clear();
+                next.extend((first..count).map(|i| gather(i, &source[i], &now)));
+                now[first..].copy_from_slice(next);
             }
             for i in (0..first).rev() {
                 now[i] = gather(i, &source[i], &now);

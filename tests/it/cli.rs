@@ -122,7 +122,7 @@ fn info_and_verify() {
     folder.refused("query bad.helio --conditions conditions.csv", &["bad.helio", "receivers/0", "verify"]);
 }
 
-/// 14 wrong inputs: each ends with exit code 2 and a message that names the file, the place and what was found.
+/// 17 wrong inputs: each ends with exit code 2 and a message that names the file, the place and what was found.
 #[test]
 fn wrong_inputs() {
     let folder = Folder::new();
@@ -143,6 +143,9 @@ fn wrong_inputs() {
     with("receivers.csv", &RECEIVERS.replace("lawn", "roof"), &["receivers.csv", "line 4", "roof"]);
     with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 x 0\n"), &["scene.obj", "line 3", "x"]);
     with("scene.obj", &SCENE.replace("f 1 2 6 5", "f 1 2 6 500"), &["scene.obj", "line 10", "500"]);
+    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 nan 0\n"), &["scene.obj", "line 3", "nan"]);
+    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 1e30 0\n"), &["scene.obj", "line 3", "1e30"]);
+    with("scene.obj", "", &["scene.obj", "no faces"]);
     with("scene.obj", "v 0 0 0\n", &["scene.obj", "no faces"]);
 
     folder.build();
