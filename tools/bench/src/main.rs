@@ -1,7 +1,9 @@
 //! Rays per second of one core: heliotile's packets at every CPU level, its single rays and obvhs' own, on three scenes.
-//! Prints one table; `--rays FILE` writes scenes and rays for the Embree program.
+//! Prints one table; `--rays FOLDER` writes scenes and rays for the Embree program, `--quick` leaves the largest scene out,
+//! `--textures` compares adaptive and flat sky textures instead.
 
 mod scenes;
+mod textures;
 
 use std::io::Write;
 use std::time::Instant;
@@ -109,6 +111,13 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let folder = arguments.iter().position(|a| a == "--rays").map(|i| arguments[i + 1].clone());
     let quick = arguments.iter().any(|a| a == "--quick");
+    if arguments.iter().any(|a| a == "--textures") {
+        println!("| scene | sky texture | rays a receiver | ms a receiver | bits unlike flat 1024 |");
+        println!("|---|---|---|---|---|");
+        textures::table(&scenes::town(), 32);
+        textures::table(&scenes::city(), 32);
+        return;
+    }
     println!("| scene | engine | 32^2 any | 32^2 closest | 256^2 any | 256^2 closest | hits |");
     println!("|---|---|---|---|---|---|---|");
     let sites: [fn() -> Site; 3] = [scenes::town, scenes::city, scenes::big];

@@ -39,7 +39,8 @@ fn facet(out: &mut Triangles, at: DVec3, a: DVec3, b: DVec3, cells: usize, mater
 /// Walls and a flat or gabled roof; receivers on the four walls.
 fn house(out: &mut Triangles, places: &mut Vec<(DVec3, DVec3)>, low: DVec3, size: DVec3, cells: usize, gable: bool) {
     let (x, y, z) = (DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z);
-    let walls = [(low, x, DVec3::NEG_Y), (low + x, y, DVec3::X), (low + x + y, -x, DVec3::Y), (low + y, -y, DVec3::NEG_X)];
+    let walls =
+        [(low, x, DVec3::NEG_Y), (low + x, y, DVec3::X), (low + x + y, -x, DVec3::Y), (low + y, -y, DVec3::NEG_X)];
     for (at, side, normal) in walls {
         facet(out, at, side, z, cells, 1);
         places.push((at + side * 0.37 + z * 0.41 + normal * 1e-3, normal));
@@ -68,8 +69,7 @@ fn finish(name: &'static str, triangles: Triangles, places: Vec<(DVec3, DVec3)>,
     let materials = vec![material("ground", 0.2), material("wall", 0.4), material("roof", 0.2)];
     let scene = Scene::from_triangles(&triangles, materials).expect("a valid scene");
     let step = (places.len() / count).max(1);
-    let receivers =
-        places.into_iter().step_by(step).take(count).map(|(p, n)| (p - scene.mesh.origin, n)).collect();
+    let receivers = places.into_iter().step_by(step).take(count).map(|(p, n)| (p - scene.mesh.origin, n)).collect();
     Site { name, scene, receivers }
 }
 
@@ -118,7 +118,8 @@ fn blocks(triangles: &mut Triangles, places: &mut Vec<(DVec3, DVec3)>, ground: i
     let mut random = Random(2);
     for i in 0..2500 {
         let (x, y) = ((i % 50) as f64 * 30.0, (i / 50) as f64 * 30.0);
-        let size = DVec3::new(10.0 + 12.0 * random.next(), 10.0 + 12.0 * random.next(), 6.0 + 30.0 * random.next().powi(2));
+        let size =
+            DVec3::new(10.0 + 12.0 * random.next(), 10.0 + 12.0 * random.next(), 6.0 + 30.0 * random.next().powi(2));
         let low = DVec3::new(x, y, ground(x, y) - 2.0);
         // 5 facets of 12 quads, nearly: 4 x 3 is not square, so 3 x 3 and 4 x 4 in turn.
         house(triangles, places, low, size, if i % 2 == 0 { 3 } else { 4 }, false);

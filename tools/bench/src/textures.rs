@@ -1,0 +1,58 @@
+//! What adaptive sky textures save: rays, seconds and wrong bits beside flat ones.
+
+use std::time::Instant;
+
+use glam::{DVec2, DVec3};
+use heliotile::hemisphere::texel_direction;
+use heliotile::layers::sky::{BitSquare, SkyTexture};
+use heliotile::trace::Tracer;
+use heliotile::trace::receiver::Viewpoint;
+
+use crate::scenes::Site;
+
+/// One row for adaptive 128 to 1024, flat 256 and flat 1024: per receiver, one core.
+pub fn table(site: &Site, receivers: usize) {
+    let tracer = Tracer::new(&site.scene.mesh).expect("a tree");
+    let step = (site.receivers.len() / receivers).max(1);
+    let views: Vec<Viewpoint> = site
+        .receivers
+        .iter()
+        .step_by(step)
+        .take(receivers)
+        .map(|&(position, normal)| Viewpoint { position, normal })
+        .collect();
+    let trace = |base: usize, fine: usize| -> (Vec<BitSquare>, f64, f64) {
+        let (mut rays, start) = (0, Instant::now());
+        let squares: Vec<BitSquare> = views
+            .iter()
+            .map(|view| {
+                let visible = |n: usize, texels: &[(u32, u32)]| {
+                    rays += texels.len();
+                    view.sky(n, texels, &tracer)
+                };
+                SkyTexture::trace(base, fine, view.normal, visible).1
+            })
+            .collect();
+        let count = views.len() as f64;
+        (squares, rays as f64 / count, start.elapsed().as_secs_f64() * 1e3 / count)
+    };
+    let flat = trace(1024, 1024);
+    let name = format!("{} {}", site.name, site.scene.mesh.triangles.len());
+    for (what, traced) in [("adaptive 128 to 1024", trace(128, 1024)), ("flat 256", trace(256, 256))] {
+        let wrong: usize =
+            flat.0.iter().zip(&traced.0).zip(&views).map(|((a, b), view)| different(a, b, view.normal)).sum();
+        let share = 100.0 * wrong as f64 / (flat.0.len() * 1024 * 1024) as f64;
+        println!("| {name} | {what} | {:.0} | {:.2} | {share:.4} % |", traced.1, traced.2);
+    }
+    println!("| {name} | flat 1024 | {:.0} | {:.2} | |", flat.1, flat.2);
+}
+
+/// Texels of the finer square, in front of the surface, whose bit another (coarser) one does not have.
+fn different(fine: &BitSquare, other: &BitSquare, normal: DVec3) -> usize {
+    let scale = fine.side() / other.side();
+    (0..fine.side())
+        .flat_map(|row| (0..fine.side()).map(move |column| (column, row)))
+        .filter(|&(c, r)| fine.get(c, r) != other.get(c / scale, r / scale))
+        .filter(|&(c, r)| normal.dot(texel_direction(c, r, fine.side(), DVec2::splat(0.5))) > 0.0)
+        .count()
+}
