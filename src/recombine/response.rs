@@ -7,7 +7,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::bounces::{Depth, Solved, Surround, centres_f32, seen, solve, surround};
-use crate::hemisphere::bit;
 use crate::hemisphere::{Frame, bilinear, jitter, texel_centres, texel_direction};
 use crate::layers::hit::HitTile;
 use crate::layers::probes::{Bounces, Probes};
@@ -209,10 +208,4 @@ pub fn respond(total: &[f32], s: DVec3, corners: &[(usize, f64); 4]) -> f64 {
     let texels = total.len() / 3;
     let at = |axis: usize| -> f64 { corners.iter().map(|&(t, w)| f64::from(total[axis * texels + t]) * w).sum() };
     s.x * at(0) + s.y * at(1) + s.z * at(2)
-}
-
-/// The plain definition that [`Responder`] is judged against: the light of one source by a loop over the cells that a
-/// receiver sees, without any response texture. `bit_at` interpolates a cell's sky bits at the source.
-pub fn bit_at(bits: &[u8], corners: &[(usize, f64); 4]) -> f64 {
-    corners.iter().map(|&(t, w)| if bit(bits, t) { w } else { 0.0 }).sum()
 }

@@ -8,7 +8,7 @@ use heliotile::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
 use heliotile::layers::probes::Bounces;
 use heliotile::recombine::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
 use heliotile::recombine::load::{Tables, TileView, tile_view};
-use heliotile::recombine::response::{Responder, bit_at, hit_weights, respond};
+use heliotile::recombine::response::{Responder, hit_weights, respond};
 use heliotile::recombine::sky::SkyModel;
 use heliotile::scene::Scene;
 use heliotile::scene::receivers::Receiver;
@@ -97,6 +97,11 @@ fn plain(tables: &Tables, view: &TileView, index: usize, sky: &Source, cells: &[
         sum += weight * rho * (sky(shape.probe, bits, probes.normals[probe]) + indirect);
     }
     sum
+}
+
+/// A cell's sky bits at a source, interpolated.
+fn bit_at(bits: &[u8], corners: &[(usize, f64); 4]) -> f64 {
+    corners.iter().map(|&(t, w)| if bit(bits, t) { w } else { 0.0 }).sum()
 }
 
 /// Irradiance of a cell with n x n sky bits and a normal.
