@@ -114,20 +114,27 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<Option<Ends>> 
         PROBES => {
             let table = Probes::from_block(&block)?;
             check_materials(&block, &table.material, site)?;
+            check_hits(&block, table.highest_hit(), site)?;
             Ok(Some(Ends { first: table.keys().next(), last: table.keys().last() }))
         }
         BOUNCE => {
             let table = Bounce::from_block(&block)?;
             check_materials(&block, &table.material, site)?;
-            match table.highest_hit() {
-                Some(cell) if u64::from(cell) >= site.cells => {
-                    Err(block.corrupt(format!("a hit of cell {cell}"), format!("below {}", site.cells)))
-                }
-                _ => Ok(Some(Ends { first: table.keys().next(), last: table.keys().last() })),
-            }
+            check_hits(&block, table.highest_hit(), site)?;
+            Ok(Some(Ends { first: table.keys().next(), last: table.keys().last() }))
         }
         kind if format::schema_of(kind).is_some() => block.require(kind).map(|()| None),
         _ => Ok(None),
+    }
+}
+
+/// Hits of probes and of bounce cells alike are rows of the bounce table.
+fn check_hits(block: &Block, highest: Option<u32>, site: &Site) -> Result<()> {
+    match highest {
+        Some(cell) if u64::from(cell) >= site.cells => {
+            Err(block.corrupt(format!("a hit of cell {cell}"), format!("below {}", site.cells)))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -206,8 +213,8 @@ mod tests {
         assert_eq!(report.blocks, 9);
     }
 
-    /// Values that no single block can refuse are found: a material beyond the table, a hit beyond the cells, chunks out of
-    /// order: 3 problems.
+    /// Values that no single block can refuse are found: a material beyond the table, hits of a probe and of a cell beyond the
+    /// cells, chunks out of order: 4 problems.
     #[test]
     fn blocks_are_checked_against_each_other() {
         let folder = tempfile::tempdir().unwrap();
@@ -219,6 +226,9 @@ mod tests {
         probes.voxel[0][0] += 9;
         probes.material[0] += 9;
         writer.append(probes.encode(2, 9).unwrap()).unwrap();
+        probes.voxel[0][0] += 9;
+        (probes.material[0], probes.hits[0]) = (0, 7);
+        writer.append(probes.encode(3, 9).unwrap()).unwrap();
         let mut bounce = test_site::bounce();
         bounce.hits[0] = 7;
         writer.append(bounce.encode(0, 9).unwrap()).unwrap();
@@ -229,6 +239,6 @@ mod tests {
         writer.finish(&manifest).unwrap();
         let report = verify(&path).unwrap();
         let names: Vec<&str> = report.problems.iter().map(|problem| problem.part.as_str()).collect();
-        assert_eq!(names, ["probes/1", "probes/2", "bounce/0"], "{:?}", report.problems);
+        assert_eq!(names, ["probes/1", "probes/2", "probes/3", "bounce/0"], "{:?}", report.problems);
     }
 }

@@ -2,14 +2,9 @@
 
 use rkyv::{Archive, Deserialize, Serialize};
 
-use super::probes::{Key, check_cells, keys};
+use super::probes::{Key, check_cells, highest_hit, keys};
 use super::{Flaw, flat_column, per_row, table};
 use crate::archive::format::BOUNCE;
-
-/// The bits of a hit that hold a cell; bit 31 says that the ray goes below the horizon.
-const CELL: u32 = u32::MAX >> 1;
-/// The cell of a ray that met nothing.
-const NOTHING: u32 = CELL;
 
 /// Columns of one chunk, schema 1; the columns are those of [`super::Probes`].
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
@@ -49,7 +44,7 @@ impl Bounce {
 
     /// Highest cell that a ray met. It must be below the number of cells of all chunks, which one block cannot know.
     pub fn highest_hit(&self) -> Option<u32> {
-        self.hits.iter().map(|hit| hit & CELL).filter(|cell| *cell != NOTHING).max()
+        highest_hit(&self.hits)
     }
 
     fn check(&self) -> Result<(), Flaw> {
@@ -63,6 +58,7 @@ impl Bounce {
 #[cfg(test)]
 mod tests {
     use super::super::pack_tag;
+    use super::super::probes::NOTHING;
     use super::super::tests::{block, hostile};
     use super::*;
     use crate::archive::{codec, format};

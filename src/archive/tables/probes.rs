@@ -56,11 +56,26 @@ impl Probes {
         keys(&self.tag, &self.material, &self.voxel)
     }
 
+    /// Highest bounce cell that a ray met. It must be below the number of cells of all bounce chunks, which one block cannot know.
+    pub fn highest_hit(&self) -> Option<u32> {
+        highest_hit(&self.hits)
+    }
+
     fn check(&self) -> Result<(), Flaw> {
         check_cells(&self.voxel, &self.tag, &self.material, &self.normal)?;
         flat_column("bits", self.bits.len(), self.rows())?;
         flat_column("hits", self.hits.len(), self.rows())
     }
+}
+
+/// The bits of a hit that hold a cell; bit 31 says that the ray goes below the horizon.
+const CELL: u32 = u32::MAX >> 1;
+/// The cell of a ray that met nothing.
+pub(super) const NOTHING: u32 = CELL;
+
+/// Highest cell of a column of hits.
+pub(super) fn highest_hit(hits: &[u32]) -> Option<u32> {
+    hits.iter().map(|hit| hit & CELL).filter(|cell| *cell != NOTHING).max()
 }
 
 /// Keys of three columns.
