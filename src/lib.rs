@@ -3,7 +3,7 @@
 //!
 //! Stages, left to right; a file imports only stages to its left (a test reads the imports):
 //!
-//! `units, error, hemisphere | scene | trace | layers | archive | recombine | outputs | cli, commands`
+//! `units, error, spill, hemisphere | scene | trace | layers | archive | recombine | outputs | cli, commands`
 //!
 //! What never happens: only `trace` casts rays; `recombine` does not import `trace`; only `archive::source` holds `unsafe`;
 //! bytes of an archive do not depend on threads, on the order of receivers or faces, or on time.
@@ -17,6 +17,7 @@ pub mod layers;
 pub mod outputs;
 pub mod recombine;
 pub mod scene;
+pub mod spill;
 pub mod trace;
 pub mod units;
 

@@ -4,8 +4,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Stages in the order that data flows; files outside a folder belong to the stage of their name.
-const STAGES: [&str; 11] =
-    ["units", "error", "hemisphere", "scene", "trace", "layers", "archive", "recombine", "outputs", "cli", "commands"];
+const STAGES: [&str; 12] = [
+    "units",
+    "error",
+    "spill",
+    "hemisphere",
+    "scene",
+    "trace",
+    "layers",
+    "archive",
+    "recombine",
+    "outputs",
+    "cli",
+    "commands",
+];
 
 fn sources() -> Vec<(PathBuf, String)> {
     fn walk(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
