@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::mesh::lexicographic;
 use super::receivers::Receiver;
+use crate::spill::{from_ordered_f64, ordered_f64};
 
 /// Edge of the curve's cells; with 21 bits an axis it spans 524 km around the origin.
 const CELL_M: f64 = 0.25;
@@ -21,6 +22,27 @@ pub fn morton_order(receivers: &[Receiver], origin: DVec3) -> Vec<usize> {
         .collect();
     keyed.sort_by(|(code_a, a, _), (code_b, b, _)| code_a.cmp(code_b).then_with(|| exact_order(a, b)));
     keyed.into_iter().map(|(_, _, i)| i).collect()
+}
+
+/// Bytes that sort receivers as [`morton_order`] does: the code, the exact position and normal, the id.
+pub(super) fn morton_key(receiver: &Receiver, origin: DVec3) -> Vec<u8> {
+    let mut key = morton_code(receiver.position - origin).to_be_bytes().to_vec();
+    for part in [receiver.position, receiver.normal] {
+        key.extend(part.to_array().into_iter().flat_map(ordered_f64));
+    }
+    key.extend_from_slice(receiver.id.as_bytes());
+    key
+}
+
+/// The receiver of a [`morton_key`], which says nothing of its area and surface; `None` for other bytes.
+pub(super) fn receiver_of_key(key: &[u8]) -> Option<Receiver> {
+    let (_code, rest) = key.split_first_chunk::<8>()?;
+    let (numbers, id) = rest.split_first_chunk::<48>()?;
+    let mut numbers = numbers.as_chunks::<8>().0.iter().map(|bytes| from_ordered_f64(*bytes));
+    let mut vector = || Some(DVec3::new(numbers.next()?, numbers.next()?, numbers.next()?));
+    let (position, normal) = (vector()?, vector()?);
+    let id = String::from_utf8(id.to_vec()).ok()?;
+    Some(Receiver { id, position, normal, area: None, surface: None })
 }
 
 fn exact_order(a: &Receiver, b: &Receiver) -> Ordering {
@@ -92,6 +114,31 @@ mod tests {
         receivers.rotate_left(101);
         receivers.swap(3, 250);
         assert_eq!(ids(&receivers), expected);
+    }
+
+    /// Keys of 400 receivers, many at equal places and with negative or no coordinates, sort as the receivers do, and give
+    /// them back to the bit.
+    #[test]
+    fn keys_sort_as_receivers() {
+        let receivers: Vec<Receiver> = (0..400_u32)
+            .map(|i| {
+                let coordinate = |k: u32| f64::from(i / 3 * k % 13) * 0.11 - 0.55;
+                let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+                let place = [coordinate(5) * 0.0 * sign, coordinate(7), coordinate(11)];
+                Receiver { normal: DVec3::new(0.6, 0.8 * sign, -0.0), ..receiver(&format!("r{}", i % 100), place) }
+            })
+            .collect();
+        for origin in [DVec3::ZERO, DVec3::new(3e5, -0.1, 0.2)] {
+            let keys: Vec<Vec<u8>> = receivers.iter().map(|r| morton_key(r, origin)).collect();
+            let order = morton_order(&receivers, origin);
+            assert!(order.is_sorted_by_key(|&i| &keys[i]));
+            for (receiver, key) in receivers.iter().zip(&keys) {
+                let found = receiver_of_key(key).expect("a key");
+                assert_eq!(found, *receiver);
+                assert_eq!(found.position.x.to_bits(), receiver.position.x.to_bits());
+            }
+        }
+        assert_eq!(receiver_of_key(&[0; 55]), None);
     }
 
     /// Eight clusters of 64 receivers come out as eight tiles of one cluster each.

@@ -2,14 +2,13 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
 
 use super::obj::MAX_COORDINATE_M;
-use super::rows::Rows;
-use super::text::{excerpt, without_byte_order_mark};
+use super::rows::{Rows, cell_error};
+use super::text::excerpt;
 use crate::error::{Error, Result};
 
 pub use super::morton::morton_order;
@@ -36,42 +35,76 @@ pub struct Receiver {
 /// Longest name of a receiver that an archive holds.
 const MAX_NAME_BYTES: usize = 1024;
 
-/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row.
+/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row. Holds
+/// all of them in memory; [`ReceiverTiles`](super::receiver_tiles::ReceiverTiles) does not.
 pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
     read_receivers_with_warnings(path, &mut Vec::new())
 }
 
 /// [`read_receivers`] that also tells which columns it passed over.
 pub fn read_receivers_with_warnings(path: &Path, warnings: &mut Vec<String>) -> Result<Vec<Receiver>> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(without_byte_order_mark(&bytes), path, warnings)
+    collect(ReceiverRows::open(path, warnings)?)
 }
 
-fn parse(bytes: &[u8], file: &Path, warnings: &mut Vec<String>) -> Result<Vec<Receiver>> {
-    let mut rows = Rows::new(bytes, file);
-    if !rows.advance()? {
-        let hint = format!("begin with the line {}", REQUIRED.join(","));
-        return Err(Error::input(file, None, "the file is empty", hint));
-    }
-    let columns = Columns::find(&rows, warnings)?;
+fn collect(mut rows: ReceiverRows) -> Result<Vec<Receiver>> {
     let mut receivers: Vec<Receiver> = Vec::new();
     let mut line_of_id: HashMap<String, usize> = HashMap::new();
-    while rows.advance()? {
-        let receiver = Row { rows: &rows, columns: &columns }.receiver()?;
+    while let Some(receiver) = rows.next()? {
         match line_of_id.entry(receiver.id.clone()) {
-            Entry::Vacant(new) => new.insert(rows.line),
-            Entry::Occupied(first) => {
-                let why = format!("the name of the receiver in line {} too", first.get());
-                return Err(rows.cell_error("receiver", &receiver.id, &why, "give every receiver a name of its own"));
-            }
+            Entry::Vacant(new) => new.insert(rows.line()),
+            Entry::Occupied(first) => return Err(duplicate(rows.file(), &receiver.id, *first.get(), rows.line())),
         };
         receivers.push(receiver);
     }
-    if receivers.is_empty() {
-        let what = "the file holds a header but no receivers";
-        return Err(Error::input(file, None, what, "add one row per receiver"));
+    if receivers.is_empty() { Err(no_receivers(rows.file())) } else { Ok(receivers) }
+}
+
+/// The refusal of a name that two rows have.
+pub(super) fn duplicate(file: &Path, id: &str, first_line: usize, line: usize) -> Error {
+    let why = format!("the name of the receiver in line {first_line} too");
+    cell_error(file, line, "receiver", id, &why, "give every receiver a name of its own")
+}
+
+/// The refusal of a file without rows.
+pub(super) fn no_receivers(file: &Path) -> Error {
+    Error::input(file, None, "the file holds a header but no receivers", "add one row per receiver")
+}
+
+/// The rows of `receivers.csv` one after the other, each checked by itself.
+pub(super) struct ReceiverRows<'a> {
+    rows: Rows<'a>,
+    columns: Columns,
+}
+
+impl<'a> ReceiverRows<'a> {
+    pub(super) fn open(file: &'a Path, warnings: &mut Vec<String>) -> Result<Self> {
+        ReceiverRows::new(Rows::open(file)?, warnings)
     }
-    Ok(receivers)
+
+    fn new(mut rows: Rows<'a>, warnings: &mut Vec<String>) -> Result<Self> {
+        if !rows.advance()? {
+            let hint = format!("begin with the line {}", REQUIRED.join(","));
+            return Err(Error::input(rows.file, None, "the file is empty", hint));
+        }
+        let columns = Columns::find(&rows, warnings)?;
+        Ok(ReceiverRows { rows, columns })
+    }
+
+    pub(super) fn next(&mut self) -> Result<Option<Receiver>> {
+        if !self.rows.advance()? {
+            return Ok(None);
+        }
+        Row { rows: &self.rows, columns: &self.columns }.receiver().map(Some)
+    }
+
+    pub(super) fn file(&self) -> &'a Path {
+        self.rows.file
+    }
+
+    /// 1-based line of the last row.
+    pub(super) fn line(&self) -> usize {
+        self.rows.line
+    }
 }
 
 /// Where the columns stand.
@@ -187,14 +220,30 @@ impl Row<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::{self, Read};
+
     use super::*;
 
     const HEADER: &str = "receiver,x,y,z,nx,ny,nz\n";
 
-    fn read(text: &str) -> Result<(Vec<Receiver>, Vec<String>)> {
+    /// Reads the bytes one at a time, so that nothing depends on where a read ends.
+    fn read_bytes(mut bytes: &[u8]) -> Result<(Vec<Receiver>, Vec<String>)> {
+        let dribble = std::iter::from_fn(move || bytes.split_off_first());
         let mut warnings = Vec::new();
-        let receivers = parse(text.as_bytes(), Path::new("receivers.csv"), &mut warnings)?;
-        Ok((receivers, warnings))
+        let rows = Rows::new(Box::new(Dribble(dribble)), Path::new("receivers.csv"))?;
+        Ok((collect(ReceiverRows::new(rows, &mut warnings)?)?, warnings))
+    }
+
+    struct Dribble<I>(I);
+
+    impl<'a, I: Iterator<Item = &'a u8>> Read for Dribble<I> {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            Ok(buffer.iter_mut().take(1).zip(&mut self.0).map(|(slot, byte)| *slot = *byte).count())
+        }
+    }
+
+    fn read(text: &str) -> Result<(Vec<Receiver>, Vec<String>)> {
+        read_bytes(text.as_bytes())
     }
 
     /// Columns in any order, CRLF, blanks, quotes and unknown columns are read; normals come out with length 1.
@@ -255,7 +304,17 @@ mod tests {
             assert!(message.starts_with("receivers.csv") && message.contains(quoted), "{text:?}: {message}");
         }
         let broken = [HEADER.as_bytes(), b"a,0,0,0,0,0,1\n\xff,0,0,0,0,0,1\n"].concat();
-        let message = parse(&broken, Path::new("receivers.csv"), &mut Vec::new()).expect_err("not UTF-8").to_string();
+        let message = read_bytes(&broken).expect_err("not UTF-8").to_string();
         assert!(message.starts_with("receivers.csv, line 3: the row is not UTF-8"), "{message}");
+    }
+
+    /// A row of more than 16 MiB, as behind a quote that is never closed, is refused with the line it begins in.
+    #[test]
+    fn endless_row() {
+        let text = [HEADER, "a,0,0,0,0,0,1\n\n\"b", &"x\n".repeat(9 << 20)].concat();
+        let rows = Rows::new(Box::new(text.as_bytes()), Path::new("receivers.csv")).expect("readable");
+        let message = collect(ReceiverRows::new(rows, &mut Vec::new()).expect("a header")).expect_err("endless");
+        let expected = "receivers.csv, line 4: the row is longer than 16 MiB";
+        assert!(message.to_string().starts_with(expected), "{message}");
     }
 }

@@ -1,50 +1,59 @@
-//! In: the bytes of a CSV file. Out: its records with the line each begins in, and errors that name file, line and column.
+//! In: a CSV file, piece by piece. Out: its records with the line each begins in, and errors that name file, line and column.
 
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
+use csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
 
-use super::text::excerpt;
+use super::text::{excerpt, without_byte_order_mark};
 use crate::error::{Error, Result};
+
+/// Longest row that is read, in bytes, blank lines before it included.
+const MAX_ROW: usize = 16 << 20;
 
 /// Records one after the other, with true line numbers: the library's count blank lines to the record after them.
 pub(super) struct Rows<'a> {
-    bytes: &'a [u8],
     pub(super) file: &'a Path,
-    reader: csv::Reader<&'a [u8]>,
+    reader: csv::Reader<Ahead<'a>>,
     pub(super) record: StringRecord,
     /// 1-based line of `record`.
     pub(super) line: usize,
-    /// Line ends before this offset are in `line`.
-    counted: usize,
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(bytes: &'a [u8], file: &'a Path) -> Self {
-        let reader = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(bytes);
-        Rows { bytes, file, reader, record: StringRecord::new(), line: 1, counted: 0 }
+    pub(super) fn open(file: &'a Path) -> Result<Self> {
+        let input = File::open(file).map_err(Error::io(file, "read"))?;
+        Rows::new(Box::new(input), file)
+    }
+
+    pub(super) fn new(mut input: Box<dyn Read + 'a>, file: &'a Path) -> Result<Self> {
+        let mut start = Vec::new();
+        input.by_ref().take(3).read_to_end(&mut start).map_err(Error::io(file, "read"))?;
+        let start = io::Cursor::new(without_byte_order_mark(&start).to_vec());
+        let ahead = Ahead { input: Box::new(start.chain(input)), kept: Vec::new(), done: 0, offset: 0 };
+        let reader = ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(Trim::All)
+            .buffer_capacity(64 << 10)
+            .from_reader(ahead);
+        Ok(Rows { file, reader, record: StringRecord::new(), line: 1 })
     }
 
     pub(super) fn advance(&mut self) -> Result<bool> {
-        self.count_lines_to(self.reader.position().byte());
-        self.reader.read_record(&mut self.record).map_err(|_| {
-            let hint = "save the file as comma-separated UTF-8 text";
-            Error::input(self.file, self.line, "the row is not UTF-8 text", hint)
+        let start = self.reader.position().byte();
+        let result = self.reader.read_record(&mut self.record);
+        // Only now: blank lines in front of the record may not have been read before.
+        self.line += self.reader.get_mut().count_lines_to(start);
+        result.map_err(|error| match error.into_kind() {
+            ErrorKind::Io(source) if source.kind() == io::ErrorKind::FileTooLarge => {
+                let what = format!("the row is longer than {} MiB", MAX_ROW >> 20);
+                self.error(what, "close the quote that opens in it, or split it")
+            }
+            ErrorKind::Io(source) => Error::io(self.file, "read")(source),
+            _ => self.error("the row is not UTF-8 text", "save the file as comma-separated UTF-8 text"),
         })
-    }
-
-    /// Counts up to `start` and over the blank lines that follow it.
-    fn count_lines_to(&mut self, start: u64) {
-        let start = usize::try_from(start).unwrap_or(usize::MAX);
-        let mut rest = self.bytes.get(self.counted..).unwrap_or_default();
-        while let [byte, after @ ..] = rest
-            && (self.counted < start || matches!(byte, b'\n' | b'\r'))
-        {
-            let ends_line = *byte == b'\n' || (*byte == b'\r' && after.first() != Some(&b'\n'));
-            self.line += usize::from(ends_line);
-            self.counted += 1;
-            rest = after;
-        }
     }
 
     pub(super) fn error(&self, what: impl Into<String>, hint: impl Into<String>) -> Error {
@@ -52,6 +61,52 @@ impl<'a> Rows<'a> {
     }
 
     pub(super) fn cell_error(&self, column: &str, text: &str, why: &str, hint: &str) -> Error {
-        self.error(format!("column `{column}` is `{}`, {why}", excerpt(text.as_bytes())), hint)
+        cell_error(self.file, self.line, column, text, why, hint)
+    }
+}
+
+/// An error in one cell.
+pub(super) fn cell_error(file: &Path, line: usize, column: &str, text: &str, why: &str, hint: &str) -> Error {
+    Error::input(file, line, format!("column `{column}` is `{}`, {why}", excerpt(text.as_bytes())), hint)
+}
+
+/// Keeps the bytes that were handed on until their lines are counted.
+struct Ahead<'a> {
+    input: Box<dyn Read + 'a>,
+    kept: Vec<u8>,
+    /// Bytes of `kept` whose lines are counted.
+    done: usize,
+    /// Place of `kept` in the file.
+    offset: u64,
+}
+
+impl Ahead<'_> {
+    /// Counts up to `start` and over the blank lines that follow it.
+    fn count_lines_to(&mut self, start: u64) -> usize {
+        let start = usize::try_from(start.saturating_sub(self.offset)).unwrap_or(usize::MAX);
+        let mut lines = 0;
+        let mut rest = self.kept.get(self.done..).unwrap_or_default();
+        while let [byte, after @ ..] = rest
+            && (self.done < start || matches!(byte, b'\n' | b'\r'))
+        {
+            let ends_line = *byte == b'\n' || (*byte == b'\r' && after.first() != Some(&b'\n'));
+            lines += usize::from(ends_line);
+            self.done += 1;
+            rest = after;
+        }
+        lines
+    }
+}
+
+impl Read for Ahead<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.kept.drain(..self.done);
+        self.offset += std::mem::take(&mut self.done) as u64;
+        if self.kept.len() > MAX_ROW {
+            return Err(io::ErrorKind::FileTooLarge.into());
+        }
+        let count = self.input.read(buffer)?;
+        self.kept.extend_from_slice(buffer.get(..count).unwrap_or_default());
+        Ok(count)
     }
 }
