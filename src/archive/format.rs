@@ -104,7 +104,7 @@ pub fn hex(bytes: &[u8]) -> String {
 }
 
 /// A number or byte string of fixed size, little-endian.
-trait Plain: Sized {
+pub(super) trait Plain: Sized {
     fn put(&self, out: &mut Vec<u8>);
     /// The value and the bytes after it.
     fn take(bytes: &[u8]) -> Option<(Self, &[u8])>;
@@ -144,17 +144,20 @@ macro_rules! record {
             /// Name and size of every field, in file order.
             pub const FIELDS: &'static [(&'static str, usize)] = &[$((stringify!($field), size_of::<$kind>())),*];
 
-            fn put(&self, out: &mut Vec<u8>) {
+            pub(super) fn put(&self, out: &mut Vec<u8>) {
                 $(self.$field.put(out);)*
             }
 
-            fn take(bytes: &[u8]) -> Option<(Self, &[u8])> {
+            /// The record at the start of `bytes`, and the bytes after it.
+            pub(super) fn take(bytes: &[u8]) -> Option<(Self, &[u8])> {
                 $(let ($field, bytes) = Plain::take(bytes)?;)*
                 Some(($name { $($field,)* }, bytes))
             }
         }
     };
 }
+
+pub(super) use record;
 
 record! {
     /// A header slot without its reserved bytes and checksum.

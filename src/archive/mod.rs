@@ -26,8 +26,10 @@
 )]
 
 pub mod codec;
+mod disk;
 pub mod format;
 pub mod header;
+pub mod journal;
 pub mod manifest;
 pub mod reader;
 pub mod source;
@@ -38,11 +40,20 @@ pub mod writer;
 #[cfg(test)]
 mod damage_tests;
 #[cfg(test)]
+mod fault_tests;
+#[cfg(test)]
+mod memory_disk;
+#[cfg(test)]
+mod power_tests;
+#[cfg(test)]
+mod resume_tests;
+#[cfg(test)]
 mod schema_tests;
 #[cfg(test)]
 mod test_site;
 
 pub use codec::{Block, EncodedBlock, encode};
+pub use journal::{Job, Progress};
 pub use manifest::Manifest;
 pub use reader::Archive;
 pub use source::Access;

@@ -78,7 +78,7 @@ fn dump(offset: usize, bytes: &[u8]) -> String {
 fn the_example_is_a_real_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("example.helio");
-    let mut writer = Writer::create(&path).unwrap();
+    let mut writer = Writer::create(&path, &test_site::JOB).unwrap();
     // Stored raw, so that the example does not depend on the version of zstd.
     let stored = test_site::materials().to_bytes().unwrap();
     let mut entry = *test_site::materials().encode(0, 9).unwrap().entry();

@@ -1,9 +1,16 @@
 //! A small whole archive for tests: 3 receivers in 2 tiles, one block of every known kind but two, one of an unknown kind.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use super::disk::Disk;
 use super::tables::{Bounce, Materials, Probes, Receivers, pack_tag};
-use super::{EncodedBlock, Manifest, Summary, Writer, encode, format, manifest};
+use super::writer::Interrupted;
+use super::{EncodedBlock, Job, Manifest, Summary, Writer, encode, format, manifest};
+use crate::error::Result;
+
+/// What the site is built from.
+pub const JOB: Job = Job { scene: [1; 32], receivers: [2; 32], settings: [3; 32] };
 
 /// An archive in its own folder.
 pub struct Site {
@@ -51,7 +58,7 @@ pub fn bounce() -> Bounce {
     Bounce { voxel, tag: vec![pack_tag(2, 58)], material, normal, bits, hits: vec![0, u32::MAX] }
 }
 
-fn encoded() -> Vec<EncodedBlock> {
+pub fn encoded() -> Vec<EncodedBlock> {
     let layer = |kind, tile, items, byte| {
         let raw: Vec<u8> = (0..300_u32).map(|i| if i % 7 == 0 { (i / 7) as u8 } else { byte }).collect();
         encode(kind, tile, 1, items, &raw, 9).unwrap()
@@ -71,7 +78,7 @@ fn encoded() -> Vec<EncodedBlock> {
 
 /// Kind, tile and raw bytes of every block, in the order of writing.
 pub fn blocks() -> Vec<(u32, u32, Vec<u8>)> {
-    let path: std::sync::Arc<std::path::Path> = PathBuf::from("site.helio").into();
+    let path: Arc<Path> = PathBuf::from("site.helio").into();
     let raw = |block: EncodedBlock| {
         let bytes = super::codec::decode(&path, block.entry(), &block.stored).unwrap().bytes().to_vec();
         (block.entry().kind, block.entry().tile, bytes)
@@ -102,7 +109,7 @@ pub fn fill(mut writer: Writer) -> Summary {
 pub fn written() -> Site {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("site.helio");
-    let summary = fill(Writer::create(&path).unwrap());
+    let summary = fill(Writer::create(&path, &JOB).unwrap());
     Site { folder, path, summary }
 }
 
@@ -110,4 +117,44 @@ pub fn written() -> Site {
 pub fn bytes() -> (Vec<u8>, Summary) {
     let site = written();
     (std::fs::read(&site.path).unwrap(), site.summary)
+}
+
+/// A build of the site that is run many times, so everything is encoded once.
+pub struct Build {
+    pub blocks: Vec<EncodedBlock>,
+    pub manifest: Manifest,
+    /// The file that every run must end with.
+    pub bytes: Vec<u8>,
+}
+
+impl Build {
+    pub fn new() -> Self {
+        Build { blocks: encoded(), manifest: manifest(), bytes: bytes().0 }
+    }
+
+    /// Starts or resumes, appends what is missing with a checkpoint after each block whose bit is set, reads a block back,
+    /// finishes. `acknowledged` becomes the number of blocks of the last checkpoint; a resume must find them.
+    pub fn run(
+        &self,
+        disk: &Arc<dyn Disk>,
+        path: &Path,
+        interrupted: Interrupted,
+        checkpoints: u64,
+        acknowledged: &mut u64,
+    ) -> Result<Summary> {
+        let mut writer = Writer::start(Arc::clone(disk), path, &JOB, interrupted)?;
+        let found = writer.resumed().map_or(0, |progress| progress.blocks);
+        assert!(found >= *acknowledged, "{found} blocks of {acknowledged}");
+        for (row, block) in self.blocks.iter().enumerate() {
+            if !writer.has(block.entry().kind, block.entry().tile) {
+                writer.append(block.clone())?;
+            }
+            if checkpoints >> row & 1 == 1 {
+                writer.checkpoint()?;
+                *acknowledged = writer.committed().map_or(0, |progress| progress.blocks);
+            }
+        }
+        writer.read_back(format::SKY, 0)?;
+        writer.finish(&self.manifest)
+    }
 }

@@ -219,7 +219,7 @@ mod tests {
     fn blocks_are_checked_against_each_other() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("site.helio");
-        let mut writer = Writer::create(&path).unwrap();
+        let mut writer = Writer::create(&path, &test_site::JOB).unwrap();
         let mut probes = test_site::probes();
         writer.append(probes.encode(0, 9).unwrap()).unwrap();
         writer.append(probes.encode(1, 9).unwrap()).unwrap();

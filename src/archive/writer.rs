@@ -1,16 +1,23 @@
 //! Writing an archive. In: blocks in an order that follows from the input alone, then a manifest. Out: the finished file,
-//! whole or not at all: everything goes to `NAME.partial`, is synced, and gets its name last.
+//! whole or not at all: everything goes to `NAME.partial`, is synced, and gets its name last. Checkpoints go to a journal
+//! beside it, so that a build that was interrupted goes on where it was and ends with the same bytes.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::codec::{self, Block, EncodedBlock};
+use super::disk::{Disk, Handle, SystemDisk};
 use super::format::{self, COMPLETE, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_ENTRIES, SLOT_OFFSETS, Slot};
+use super::journal::{self, Found, Job, Journal, Progress};
 use super::manifest::{self, LayerSummary, Manifest};
-use super::source::{read_exact_at, write_all_at};
 use crate::error::{Error, Result};
+
+/// A checkpoint is due after this time or this many bytes: what a crash costs at most. One takes two syncs.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+const CHECKPOINT_BYTES: u64 = 64 << 20;
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,41 +28,140 @@ pub struct Summary {
     pub bytes: u64,
 }
 
-/// An archive that is being written. Dropped before [`Writer::finish`], it removes its partial file.
+/// What to do with an interrupted build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Interrupted {
+    Refuse,
+    Discard,
+    Resume,
+}
+
+/// An archive that is being written. Dropped before [`Writer::finish`], it leaves partial file and journal for
+/// [`Writer::resume`] if there is a checkpoint, else nothing.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
-    partial: Arc<Path>,
-    /// Locked until the end: nobody else may remove, rename or write the partial file.
-    file: File,
+    log: PathBuf,
+    disk: Arc<dyn Disk>,
+    /// Locked until the end: nobody else may remove, rename or write the partial file, or touch the journal.
+    partial: Handle,
+    job: Job,
+    /// Made by the first checkpoint: most builds end before it.
+    journal: Option<Journal>,
     entries: BTreeMap<(u32, u32), Entry>,
+    /// What the next checkpoint adds, in the order of writing.
+    pending: Vec<Entry>,
     /// End of the bytes written.
     end: u64,
+    committed: Option<Progress>,
+    committed_at: Instant,
+    resumed: Option<Progress>,
+    /// A write or sync failed. What is on the disk is then unknown, and a sync that is tried again may lie.
+    failed: bool,
     renamed: bool,
 }
 
 impl Writer {
-    /// Starts `path`'s partial file. A left-over of an interrupted run is overwritten; one that another process writes is
-    /// refused. An archive that exists under `path` stays as it is until [`Writer::finish`] replaces it.
-    pub fn create(path: &Path) -> Result<Self> {
+    /// Starts `path`'s partial file. One that another process writes is refused, and so is an interrupted build with a
+    /// checkpoint; a left-over without one is overwritten. An archive under `path` stays as it is until [`Writer::finish`].
+    pub fn create(path: &Path, job: &Job) -> Result<Self> {
+        Writer::start(Arc::new(SystemDisk), path, job, Interrupted::Refuse)
+    }
+
+    /// As [`Writer::create`], but an interrupted build is discarded.
+    pub fn create_fresh(path: &Path, job: &Job) -> Result<Self> {
+        Writer::start(Arc::new(SystemDisk), path, job, Interrupted::Discard)
+    }
+
+    /// Goes on with an interrupted build of the same job after its last checkpoint; starts anew if there is none, see
+    /// [`Writer::resumed`]. Blocks that [`Writer::has`] must not be appended again; the others in the order as ever.
+    pub fn resume(path: &Path, job: &Job) -> Result<Self> {
+        Writer::start(Arc::new(SystemDisk), path, job, Interrupted::Resume)
+    }
+
+    pub(super) fn start(disk: Arc<dyn Disk>, path: &Path, job: &Job, interrupted: Interrupted) -> Result<Self> {
         let Some(name) = path.file_name() else {
             return Err(Error::input(path, None, "cannot be an archive", "name a file, such as site.helio"));
         };
-        let mut name = name.to_os_string();
-        name.push(".partial");
-        let partial = path.with_file_name(name);
-        let file = lock(&partial)?;
+        let beside = |ending: &str| {
+            let mut name = name.to_os_string();
+            name.push(ending);
+            path.with_file_name(name)
+        };
+        let (partial, log) = (beside(".partial"), beside(".partial.log"));
+        let partial = Handle::new(&partial, disk.lock(&partial)?);
+        let found = match interrupted {
+            Interrupted::Discard => None,
+            _ => journal::find(&*disk, &log, &partial)?,
+        };
         let writer = Writer {
             path: path.to_path_buf(),
-            partial: Arc::from(partial),
-            file,
+            log,
+            disk,
+            partial,
+            job: *job,
+            journal: None,
             entries: BTreeMap::new(),
+            pending: Vec::new(),
             end: FIRST_BLOCK,
+            committed: found.as_ref().map(Found::progress),
+            committed_at: Instant::now(),
+            resumed: None,
+            failed: false,
             renamed: false,
         };
-        writer.file.set_len(0).map_err(Error::io(&writer.partial, "empty"))?;
-        writer.write(SLOT_OFFSETS[0], &Slot::building().encode())?;
-        Ok(writer)
+        match found {
+            Some(found) => {
+                found.check(writer.partial.path(), job)?;
+                if interrupted == Interrupted::Refuse {
+                    return Err(lies_there(writer.partial.path(), found.progress()));
+                }
+                writer.go_on(found)
+            }
+            None => writer.begin(),
+        }
+    }
+
+    /// An empty partial file.
+    fn begin(self) -> Result<Self> {
+        match self.disk.remove(&self.log) {
+            // An old journal must not come back after a crash, when the partial file holds other bytes.
+            Ok(()) => self.sync_folder()?,
+            Err(source) if source.kind() == io::ErrorKind::NotFound => {}
+            Err(source) => return Err(Error::io(&self.log, "remove")(source)),
+        }
+        self.partial.set_len(0)?;
+        self.write_building()?;
+        Ok(self)
+    }
+
+    /// The partial file as it was at its last checkpoint.
+    fn go_on(mut self, mut found: Found) -> Result<Self> {
+        let progress = found.progress();
+        self.entries = std::mem::take(&mut found.entries);
+        self.journal = Some(found.into_journal()?);
+        self.sync_folder()?;
+        self.partial.set_len(progress.bytes)?;
+        self.write_building()?;
+        (self.end, self.resumed) = (progress.bytes, Some(progress));
+        Ok(self)
+    }
+
+    /// All bytes before the blocks: slot A only, also if a run before was interrupted between commit and rename.
+    fn write_building(&self) -> Result<()> {
+        let mut bytes = Slot::building().encode();
+        bytes.resize(usize::try_from(FIRST_BLOCK).unwrap_or(0), 0);
+        self.partial.write(0, &bytes)
+    }
+
+    /// What [`Writer::resume`] found done; `None` if this build started anew.
+    pub fn resumed(&self) -> Option<Progress> {
+        self.resumed
+    }
+
+    /// What would be found by [`Writer::resume`] if the power went now.
+    pub fn committed(&self) -> Option<Progress> {
+        self.committed
     }
 
     /// Adds a block.
@@ -63,28 +169,77 @@ impl Writer {
         let EncodedBlock { mut entry, stored } = block;
         if self.entries.contains_key(&entry.key()) {
             let what = format!("block {} was written twice", entry.name());
-            return Err(Error::input(&self.partial, None, what, "this is a fault of the program: please report it"));
+            return Err(Error::input(self.partial.path(), None, what, FAULT));
         }
         if self.entries.len() as u64 >= MAX_ENTRIES {
             let value = MAX_ENTRIES.saturating_add(1);
             return Err(Error::Limit { what: "number of blocks".to_string(), value, max: MAX_ENTRIES });
         }
         entry.offset = self.place(stored.len())?;
-        self.write(entry.offset, &stored)?;
+        self.attempt(|writer| writer.partial.write(entry.offset, &stored))?;
         self.end = entry.offset.saturating_add(u64::from(entry.stored));
         self.entries.insert(entry.key(), entry);
+        self.pending.push(entry);
         Ok(())
+    }
+
+    /// Whether a block was appended, in this run or before a resume.
+    pub fn has(&self, kind: u32, tile: u32) -> bool {
+        self.entry(kind, tile).is_some()
+    }
+
+    /// What the directory will say of a block.
+    pub fn entry(&self, kind: u32, tile: u32) -> Option<&Entry> {
+        self.entries.get(&(kind, tile))
     }
 
     /// A block that was appended, read from the file and checked. Many threads may do so.
     pub fn read_back(&self, kind: u32, tile: u32) -> Result<Block> {
-        let Some(entry) = self.entries.get(&(kind, tile)) else {
+        let Some(entry) = self.entry(kind, tile) else {
             let what = format!("block {} was not written yet", format::block_name(kind, tile));
-            return Err(Error::input(&self.partial, None, what, "this is a fault of the program: please report it"));
+            return Err(Error::input(self.partial.path(), None, what, FAULT));
         };
-        let mut stored = vec![0; usize::try_from(entry.stored).unwrap_or(0)];
-        read_exact_at(&self.file, &mut stored, entry.offset).map_err(Error::io(&self.partial, "read"))?;
-        codec::decode(&self.partial, entry, &stored)
+        let stored = self.partial.read(entry.offset, usize::try_from(entry.stored).unwrap_or(0))?;
+        codec::decode(self.partial.path(), entry, &stored)
+    }
+
+    /// Whether so much was written since the last checkpoint that the next one is worth its syncs.
+    pub fn due(&self) -> bool {
+        let done = self.committed.map_or(FIRST_BLOCK, |progress| progress.bytes);
+        let much = self.end.saturating_sub(done) >= CHECKPOINT_BYTES;
+        !self.pending.is_empty() && (much || self.committed_at.elapsed() >= CHECKPOINT_EVERY)
+    }
+
+    /// Makes everything appended so far survive a crash. Does nothing if there is nothing new.
+    pub fn checkpoint(&mut self) -> Result<()> {
+        if !self.pending.is_empty() {
+            self.attempt(Writer::commit)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the build for now, with a last checkpoint: [`Writer::resume`] goes on with it.
+    pub fn keep(mut self) -> Result<()> {
+        self.checkpoint()
+    }
+
+    /// Blocks, then the journal that names them, then, once, the names of both files.
+    fn commit(&mut self) -> Result<()> {
+        self.partial.sync()?;
+        let first = self.journal.is_none();
+        let mut journal = match self.journal.take() {
+            Some(journal) => journal,
+            None => Journal::create(&*self.disk, &self.log, &self.job)?,
+        };
+        journal.append(&self.pending, self.end)?;
+        if first {
+            self.sync_folder()?;
+        }
+        self.journal = Some(journal);
+        self.pending.clear();
+        self.committed = Some(Progress { blocks: self.entries.len() as u64, bytes: self.end });
+        self.committed_at = Instant::now();
+        Ok(())
     }
 
     /// Number and size of the blocks so far, for [`Manifest::layers`].
@@ -93,7 +248,7 @@ impl Writer {
     }
 
     /// Writes directory and manifest, syncs, commits, and gives the file its name. On an error the name means what it
-    /// did before and the partial file is gone; only if syncing the folder fails, the name may mean either after a crash.
+    /// did before; only if syncing the folder fails, it may mean either after a crash.
     pub fn finish(mut self, manifest: &Manifest) -> Result<Summary> {
         let entries: Vec<Entry> = self.entries.values().copied().collect();
         manifest.check(&entries).map_err(|wrong| Error::Unsupported {
@@ -102,16 +257,19 @@ impl Writer {
             supported: wrong.expected,
         })?;
         let json = manifest.to_json()?;
+        self.attempt(|writer| writer.publish(&entries, &json))
+    }
+
+    fn publish(&mut self, entries: &[Entry], json: &[u8]) -> Result<Summary> {
         let mut directory = Vec::with_capacity(entries.len().saturating_mul(ENTRY_SIZE));
         entries.iter().for_each(|entry| entry.encode(&mut directory));
-
         let directory_offset = self.place(directory.len())?;
-        self.write(directory_offset, &directory)?;
+        self.partial.write(directory_offset, &directory)?;
         self.end = directory_offset.saturating_add(directory.len() as u64);
         let manifest_offset = self.place(json.len())?;
-        self.write(manifest_offset, &json)?;
+        self.partial.write(manifest_offset, json)?;
         self.end = manifest_offset.saturating_add(json.len() as u64);
-        self.sync()?;
+        self.partial.sync()?;
 
         let slot = Slot {
             state: COMPLETE,
@@ -122,17 +280,34 @@ impl Writer {
             directory_count: entries.len() as u64,
             manifest_offset,
             manifest_length: json.len() as u64,
-            root: format::root_hash(&directory, &json),
+            root: format::root_hash(&directory, json),
             ..Slot::building()
         };
         for offset in SLOT_OFFSETS {
-            self.write(offset, &slot.encode())?;
+            self.partial.write(offset, &slot.encode())?;
         }
-        self.sync()?;
-        std::fs::rename(&self.partial, &self.path).map_err(Error::io(&self.path, "rename the partial file to"))?;
+        self.partial.sync()?;
+        let rename = self.disk.rename(self.partial.path(), &self.path);
+        rename.map_err(Error::io(&self.path, "rename the partial file to"))?;
         self.renamed = true;
-        sync_folder(&self.path)?;
+        self.sync_folder()?;
+        if self.journal.is_some() {
+            // The archive is whole and has its name: a journal that stays is dropped by the next build.
+            let _ = self.disk.remove(&self.log);
+        }
         Ok(Summary { root: slot.root, bytes: self.end })
+    }
+
+    /// Does what changes files. After a failure nothing is tried again.
+    fn attempt<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
+        if self.failed {
+            let source = io::Error::other("an earlier write or sync of this build failed");
+            return Err(Error::Io { path: self.partial.path().to_path_buf(), action: "go on writing", source });
+        }
+        self.failed = true;
+        let done = work(self)?;
+        self.failed = false;
+        Ok(done)
     }
 
     /// Where the next `length` bytes go; the file cannot pass 2^64.
@@ -145,78 +320,33 @@ impl Writer {
         })
     }
 
-    fn write(&self, offset: u64, bytes: &[u8]) -> Result<()> {
-        write_all_at(&self.file, bytes, offset).map_err(Error::io(&self.partial, "write"))
+    fn sync_folder(&self) -> Result<()> {
+        self.disk.sync_folder(&self.path).map_err(Error::io(&self.path, "sync the folder of"))
     }
+}
 
-    fn sync(&self) -> Result<()> {
-        self.file.sync_all().map_err(Error::io(&self.partial, "sync"))
-    }
+/// For what only a wrong caller can cause.
+const FAULT: &str = "this is a fault of the program: please report it";
+
+/// The error of a build that would overwrite an interrupted one.
+fn lies_there(partial: &Path, done: Progress) -> Error {
+    let what = format!("is an interrupted build of which {} blocks, {} bytes are done", done.blocks, done.bytes);
+    Error::input(partial, None, what, "add --resume to go on with it, or --fresh to discard it and start again")
 }
 
 impl Drop for Writer {
     fn drop(&mut self) {
-        if !self.renamed {
+        if !self.renamed && self.committed.is_none() {
             // Nothing can be done about a failure here; the next writer overwrites what is left.
-            let _ = std::fs::remove_file(&self.partial);
+            let _ = self.disk.remove(&self.log);
+            let _ = self.disk.remove(self.partial.path());
         }
     }
-}
-
-/// Opens and locks a partial file. Between opening and locking, the process that held the lock may have renamed or removed the
-/// file, so what was locked must still be what the name means; else it is tried again.
-fn lock(partial: &Path) -> Result<File> {
-    for _ in 0..16 {
-        let file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(partial)
-            .map_err(Error::io(partial, "create"))?;
-        match file.try_lock() {
-            Ok(()) if is_named(&file, partial)? => return Ok(file),
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => break,
-            Err(TryLockError::Error(source)) => {
-                return Err(Error::Io { path: partial.to_path_buf(), action: "lock", source });
-            }
-        }
-    }
-    let hint = "wait for it to end, or write to another file";
-    Err(Error::input(partial, None, "is being written by another process", hint))
-}
-
-/// Whether `path` still names this open file.
-#[cfg(unix)]
-fn is_named(file: &File, path: &Path) -> Result<bool> {
-    use std::os::unix::fs::MetadataExt;
-    let ours = file.metadata().map_err(Error::io(path, "look at"))?;
-    match std::fs::metadata(path) {
-        Ok(named) => Ok((named.dev(), named.ino()) == (ours.dev(), ours.ino())),
-        Err(source) if source.kind() == std::io::ErrorKind::NotFound => Ok(false),
-        Err(source) => Err(Error::io(path, "look at")(source)),
-    }
-}
-
-/// Elsewhere a name whose file is gone is told by its absence only.
-#[cfg(not(unix))]
-fn is_named(_: &File, path: &Path) -> Result<bool> {
-    path.try_exists().map_err(Error::io(path, "look at"))
-}
-
-/// Makes a rename in the folder of `path` last.
-fn sync_folder(path: &Path) -> Result<()> {
-    if cfg!(unix) {
-        let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let file = File::open(folder).map_err(Error::io(folder, "open"))?;
-        file.sync_all().map_err(Error::io(folder, "sync"))?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_site::JOB;
     use super::super::{Archive, test_site};
     use super::*;
 
@@ -226,13 +356,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("site.helio");
         std::fs::write(&path, b"old").unwrap();
-        let first = Writer::create(&path).unwrap();
+        let first = Writer::create(&path, &JOB).unwrap();
         for _ in 0..3 {
-            let error = Writer::create(&path).unwrap_err().to_string();
+            let error = Writer::create(&path, &JOB).unwrap_err().to_string();
             assert!(error.contains("is being written by another process"), "{error}");
         }
         drop(first);
-        assert!(Writer::create(&path).is_ok());
+        assert!(Writer::create(&path, &JOB).is_ok());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
@@ -245,7 +375,7 @@ mod tests {
         let (clean, _) = test_site::bytes();
         std::fs::write(folder.path().join("site.helio.partial"), vec![0xAA; 100_000]).unwrap();
         let writers = std::thread::scope(|scope| {
-            let all: Vec<_> = (0..4).map(|_| scope.spawn(|| Writer::create(&path))).collect();
+            let all: Vec<_> = (0..4).map(|_| scope.spawn(|| Writer::create(&path, &JOB))).collect();
             all.into_iter().map(|t| t.join().unwrap()).collect::<Vec<_>>()
         });
         let mut winners: Vec<_> = writers.into_iter().filter_map(|w| w.ok()).collect();
@@ -258,7 +388,7 @@ mod tests {
     #[test]
     fn blocks_read_back() {
         let folder = tempfile::tempdir().unwrap();
-        let mut writer = Writer::create(&folder.path().join("site.helio")).unwrap();
+        let mut writer = Writer::create(&folder.path().join("site.helio"), &JOB).unwrap();
         for tile in 0..5_u8 {
             writer.append(codec::encode(3, tile.into(), 1, 1, &[tile; 900], 9).unwrap()).unwrap();
         }
@@ -276,8 +406,8 @@ mod tests {
     fn unfinished_files_say_so() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("site.helio");
-        let writer = Writer::create(&path).unwrap();
-        writer.file.set_len(10_000).unwrap();
+        let writer = Writer::create(&path, &JOB).unwrap();
+        writer.partial.set_len(10_000).unwrap();
         let error = Archive::open(&folder.path().join("site.helio.partial")).unwrap_err().to_string();
         assert!(error.contains("was not finished"), "{error}");
         let mut wrong = test_site::manifest();

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::progress::bar;
 use super::{Outcome, guard_output, say, warn};
-use crate::archive::{EncodedBlock, Writer, encode, format};
+use crate::archive::{self, EncodedBlock, Writer, encode, format};
 use crate::cli::BuildArgs;
 pub use crate::cli::Share;
 use crate::error::{Error, Result};
@@ -157,7 +157,9 @@ pub fn build(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings, ou
         seconds.push((name, clock.elapsed().as_secs_f64()));
         clock = Instant::now();
     };
-    let mut writer = Writer::create(output)?;
+    // Nothing is checkpointed yet, so nothing is compared with these.
+    let hashes = archive::Job { scene: scene.content_hash(), receivers: [0; 32], settings: [0; 32] };
+    let mut writer = Writer::create(output, &hashes)?;
     let tracer = Tracer::new(&scene.mesh)?;
     let job = Job { scene, tracer: &tracer, settings };
     lap("tree");
