@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::format::{self, Entry, Slot};
-use super::{Archive, EncodedBlock, Writer, manifest, test_site};
+use super::{Archive, EncodedBlock, Writer, journal, manifest, test_site, writer};
 
 fn text(name: &str) -> String {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("schema").join(name);
@@ -37,6 +37,34 @@ fn byte_tables_are_those_of_the_code() {
             table(&text, heading).into_iter().map(|row| [row[0].clone(), row[1].clone(), row[2].clone()]).collect();
         assert_eq!(found, expected, "{heading}");
     }
+}
+
+/// Offset, size and name of the 9 fields of a journal's header with its checksum, and of the 4 parts of a batch, are those of
+/// the text; so are its magic and version, and when a checkpoint is due.
+#[test]
+fn the_journal_is_that_of_the_code() {
+    let text = text("heliotile-1.md");
+    let text = &text[text.find("### 7.1").unwrap()..];
+    let rows = |heading: &str| -> Vec<[String; 3]> {
+        table(text, heading).into_iter().map(|row| [0, 1, 2].map(|i| row[i].clone())).collect()
+    };
+    let mut expected = Vec::new();
+    let mut offset = 0;
+    for (name, size) in [journal::Header::FIELDS, &[("checksum", journal::SUM_SIZE)]].concat() {
+        expected.push([offset.to_string(), size.to_string(), name.to_string()]);
+        offset += size;
+    }
+    assert_eq!((rows("### 7.1"), offset), (expected, journal::HEADER_SIZE));
+    let [count, committed, entries, sum] = rows("Then batches").try_into().unwrap();
+    assert_eq!(journal::Batch::FIELDS, [(&*count[2], 8), (&*committed[2], 8)]);
+    assert_eq!([&*count[0], &*committed[0], &*entries[0]], ["0", "8", &journal::BATCH_SIZE.to_string()]);
+    assert_eq!(entries[1], format!("count x {}", format::ENTRY_SIZE));
+    assert_eq!((&*sum[0], &*sum[1]), (&*format!("{} + {}", entries[0], entries[1]), &*journal::SUM_SIZE.to_string()));
+    let magic: Vec<String> = journal::MAGIC.iter().map(|byte| format!("{byte:02X}")).collect();
+    assert!(text.contains(&format!("`{}`", magic.join(" "))));
+    assert!(text.contains(&format!("layout of the batches: {}", journal::VERSION)));
+    let due = format!("due after {} s or {} MiB", writer::CHECKPOINT_EVERY.as_secs(), writer::CHECKPOINT_BYTES >> 20);
+    assert!(text.contains(&due), "{due}");
 }
 
 /// The 10 limits, 7 kinds and 1 required bit of the text are those of the code.

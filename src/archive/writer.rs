@@ -16,8 +16,8 @@ use super::manifest::{self, LayerSummary, Manifest};
 use crate::error::{Error, Result};
 
 /// A checkpoint is due after this time or this many bytes: what a crash costs at most. One takes two syncs.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
-const CHECKPOINT_BYTES: u64 = 64 << 20;
+pub(super) const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+pub(super) const CHECKPOINT_BYTES: u64 = 64 << 20;
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
