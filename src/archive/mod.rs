@@ -46,6 +46,8 @@ mod memory_disk;
 #[cfg(test)]
 mod power_tests;
 #[cfg(test)]
+mod republish_tests;
+#[cfg(test)]
 mod resume_tests;
 #[cfg(test)]
 mod schema_tests;
