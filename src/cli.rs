@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::archive::Access;
 use crate::outputs::periods::Every;
 use crate::recombine::sky::SkyModel;
 
@@ -71,6 +72,9 @@ pub struct RecombineArgs {
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
     pub bounces: crate::recombine::bounces::Depth,
+    /// How the archive is read
+    #[arg(long, value_enum, default_value_t)]
+    pub io: Access,
 }
 
 #[derive(Args, Debug)]
@@ -101,6 +105,9 @@ pub struct ReplayArgs {
 pub struct ArchiveArg {
     /// Archive to read
     pub archive: PathBuf,
+    /// How the archive is read [default: map, for verify: pread]
+    #[arg(long, value_enum)]
+    pub io: Option<Access>,
 }
 
 fn parse_depth(text: &str) -> Result<crate::recombine::bounces::Depth, String> {

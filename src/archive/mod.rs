@@ -59,5 +59,5 @@ pub use journal::{Job, Progress};
 pub use manifest::Manifest;
 pub use reader::Archive;
 pub use source::Access;
-pub use verify::{Report, verify};
+pub use verify::{Report, verify, verify_with};
 pub use writer::{Summary, Writer};

@@ -12,12 +12,14 @@ use memmap2::Mmap;
 use crate::error::{Error, Result};
 
 /// How an archive is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Access {
-    /// Through a mapping: fastest once the file is in memory.
+    /// Through a mapping: fastest once the file is in memory
     #[default]
+    #[value(name = "map")]
     Mapped,
-    /// By reads at a position: for files that others may shorten, and network file systems.
+    /// By reads at a position: for files that others may shorten, and network file systems
+    #[value(name = "pread")]
     Read,
 }
 

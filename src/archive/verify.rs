@@ -40,8 +40,13 @@ pub struct Problem {
 /// Checks every byte of an archive; goes on after a bad block. An error means that the check could not be made: no such file,
 /// no archive, or a later format. Uses plain reads, so a file that changes meanwhile cannot end the process.
 pub fn verify(path: &Path) -> Result<Report> {
+    verify_with(path, Access::Read)
+}
+
+/// [`verify`] with another way of reading.
+pub fn verify_with(path: &Path, access: Access) -> Result<Report> {
     let mut report = Report::default();
-    let archive = match Archive::open_with(path, Access::Read) {
+    let archive = match Archive::open_with(path, access) {
         Ok(archive) => archive,
         Err(Error::Corrupt { block, offset, got, expected, .. }) => {
             report.problems.push(Problem { part: block, offset, reason: found(&got, &expected) });

@@ -51,7 +51,7 @@ fn run(
     labels: &[String],
     shape: impl Fn(TileValues) -> TileValues + Sync,
 ) -> Result<Outcome> {
-    let archive = Archive::open(&args.archive)?;
+    let archive = Archive::open_with(&args.archive, args.io)?;
     let settings = ReplaySettings { sky: args.sky, patches: args.patches, depth: args.bounces };
     let replay = Replay::new(&archive, conditions, settings)?;
     let mut table = TableWriter::create(&args.output, columns, labels)?;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Outcome, say};
-use crate::archive::{self, Archive, format};
+use crate::archive::{self, Access, Archive, format};
 use crate::cli::ArchiveArg;
 use crate::error::Result;
 
@@ -17,7 +17,7 @@ macro_rules! line {
 
 /// `heliotile info`.
 pub fn info(args: &ArchiveArg) -> Result<Outcome> {
-    let archive = Archive::open(&args.archive)?;
+    let archive = Archive::open_with(&args.archive, args.io.unwrap_or_default())?;
     let manifest = archive.manifest();
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
@@ -87,7 +87,7 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
 pub fn verify(args: &ArchiveArg) -> Result<Outcome> {
-    let report = archive::verify(&args.archive)?;
+    let report = archive::verify_with(&args.archive, args.io.unwrap_or(Access::Read))?;
     let mut out = String::new();
     for problem in &report.problems {
         line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);

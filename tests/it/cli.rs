@@ -103,6 +103,20 @@ fn contract() {
     assert!(fs::metadata(folder.path("hours.parquet")).expect("the table").len() > 1000);
 }
 
+/// `--io map` and `--io pread` print the same bytes from query, replay, info and verify, 4 of 4; another word is refused.
+#[test]
+fn both_ways_of_reading_agree() {
+    let folder = Folder::new();
+    folder.build();
+    let replay = format!("replay site.helio --every day --weather {}", golden().display());
+    for command in ["query site.helio --conditions conditions.csv", &replay, "info site.helio", "verify site.helio"] {
+        let [map, pread] = ["map", "pread"].map(|io| folder.run(&format!("{command} --io {io}")));
+        assert_eq!((map.status.code(), pread.status.code()), (Some(0), Some(0)), "{command}");
+        assert!(!map.stdout.is_empty() && map.stdout == pread.stdout, "{command}");
+    }
+    folder.refused("info site.helio --io mmap", &["mmap", "map", "pread"]);
+}
+
 /// `info` names all 7 layers and the counts, `verify` finds nothing in a good archive and the damaged block in a bad one.
 #[test]
 fn info_and_verify() {
