@@ -1,6 +1,7 @@
 //! The command line: clap types of every subcommand, nothing else.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 
@@ -27,7 +28,7 @@ pub enum Command {
     /// What is inside an archive
     Info(ArchiveArg),
     /// Check every block of an archive; exit code 1 if one is damaged
-    Verify(ArchiveArg),
+    Verify(VerifyArgs),
 }
 
 #[derive(Args, Debug)]
@@ -43,9 +44,46 @@ pub struct BuildArgs {
     /// Archive to write
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: PathBuf,
+    /// Go on with a build of the same inputs that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+    /// Start anew where an interrupted build lies
+    #[arg(long, conflicts_with = "resume")]
+    pub fresh: bool,
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
     #[arg(long, value_enum, default_value_t = Share::Cells)]
     pub share: Share,
+    /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
+    #[arg(long, default_value = "4GiB")]
+    pub memory: Bytes,
+}
+
+/// A number of bytes: `2GiB`, `512MiB`, `800MB`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bytes(pub u64);
+
+/// Less than this leaves no room for a tile.
+const LEAST_MEMORY: u64 = 64 << 20;
+
+impl FromStr for Bytes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+        let unit = match &text[digits.len()..] {
+            "GiB" | "G" => 1 << 30,
+            "MiB" | "M" => 1 << 20,
+            "GB" => 1_000_000_000,
+            "MB" => 1_000_000,
+            _ => return Err("give a number and a unit: MiB, GiB, MB or GB".into()),
+        };
+        let number: f64 = digits.trim().parse().map_err(|_| format!("`{digits}` is not a number"))?;
+        // `as` saturates, and takes what is not a number to 0.
+        match (number * unit as f64) as u64 {
+            bytes @ LEAST_MEMORY.. => Ok(Bytes(bytes)),
+            _ => Err("the least is 64MiB".into()),
+        }
+    }
 }
 
 /// How probes are shared.
@@ -72,6 +110,9 @@ pub struct RecombineArgs {
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
     pub bounces: crate::recombine::bounces::Depth,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB")]
+    pub memory: Bytes,
     /// How the archive is read
     #[arg(long, value_enum, default_value_t)]
     pub io: Access,
@@ -102,12 +143,24 @@ pub struct ReplayArgs {
 }
 
 #[derive(Args, Debug)]
+pub struct VerifyArgs {
+    /// Archive to check
+    pub archive: PathBuf,
+    /// Also decode every layer and follow every reference between blocks
+    #[arg(long)]
+    pub deep: bool,
+    /// How the archive is read
+    #[arg(long, value_enum, default_value_t = Access::Read)]
+    pub io: Access,
+}
+
+#[derive(Args, Debug)]
 pub struct ArchiveArg {
     /// Archive to read
     pub archive: PathBuf,
-    /// How the archive is read [default: map, for verify: pread]
-    #[arg(long, value_enum)]
-    pub io: Option<Access>,
+    /// How the archive is read
+    #[arg(long, value_enum, default_value_t)]
+    pub io: Access,
 }
 
 fn parse_depth(text: &str) -> Result<crate::recombine::bounces::Depth, String> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::tables::{Bounce, Materials, Probes, Receivers};
+use super::tables::{Cells, Index, Materials, Receivers};
 use super::{Access, Archive, format, test_site, verify};
 use crate::error::{Error, Result};
 
@@ -17,8 +17,8 @@ fn ask(path: &Path, access: Access) -> Result<Answers> {
         match entry.kind {
             format::RECEIVERS => drop(Receivers::from_block(&block)?),
             format::MATERIALS => drop(Materials::from_block(&block)?),
-            format::PROBES => drop(Probes::from_block(&block)?),
-            format::BOUNCE => drop(Bounce::from_block(&block)?),
+            format::PROBES | format::BOUNCE => drop(Cells::from_block(&block)?),
+            format::INDEX => drop(Index::from_block(&block)?),
             _ => {}
         }
         blocks.push((entry.name(), block.items(), block.bytes().to_vec()));
@@ -47,7 +47,7 @@ fn no_changed_byte_is_silent() {
             Err(Error::Corrupt { .. }) => errors += 1,
             Err(other) => panic!("byte {place}: {other}"),
         }
-        assert!(!verify(&path).unwrap().problems.is_empty(), "byte {place} was not found");
+        assert!(!verify(&path, Access::Read, false).unwrap().problems.is_empty(), "byte {place} was not found");
     }
     // Both slots save each other, and what is not zero may stand in padding: the rest is blocks, directory, manifest.
     assert_eq!(errors + same, original.len());
@@ -68,7 +68,7 @@ fn no_truncation_is_silent() {
     assert_eq!(refused.count(), original.len());
     std::fs::write(&path, [original, vec![0xAB; 1024]].concat()).unwrap();
     assert_eq!(ask(&path, Access::Mapped).unwrap(), answers);
-    let report = verify(&path).unwrap();
+    let report = verify(&path, Access::Read, false).unwrap();
     assert_eq!((report.problems.len(), report.trailing_bytes), (0, 1024));
 }
 
@@ -90,7 +90,7 @@ fn what_is_no_archive_says_so() {
         std::fs::write(&path, content).unwrap();
         let error = Archive::open(&path).unwrap_err().to_string();
         assert!(error.contains("is not a heliotile archive"), "{error}");
-        assert!(verify(&path).is_err());
+        assert!(verify(&path, Access::Read, false).is_err());
     }
     assert!(Archive::open(folder.path()).is_err());
     let error = Archive::open(&folder.path().join("missing")).unwrap_err();

@@ -44,16 +44,18 @@ pub const HIT: u32 = 3;
 pub const RESPONSE: u32 = 4;
 pub const PROBES: u32 = 5;
 pub const BOUNCE: u32 = 6;
+pub const INDEX: u32 = 7;
 pub const MATERIALS: u32 = 10;
 
 /// Kinds that this release knows: id, name, schema id of their raw bytes.
-pub const KINDS: [(u32, &str, u16); 7] = [
+pub const KINDS: [(u32, &str, u16); 8] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
-    (HIT, "hit", 1),
+    (HIT, "hit", 2),
     (RESPONSE, "response", 1),
-    (PROBES, "probes", 1),
-    (BOUNCE, "bounce", 1),
+    (PROBES, "probes", 2),
+    (BOUNCE, "bounce", 2),
+    (INDEX, "index", 1),
     (MATERIALS, "materials", 1),
 ];
 

@@ -110,8 +110,6 @@ pub struct Settings {
 pub struct Counts {
     pub probes: u64,
     pub bounce_cells: u64,
-    /// Rays by purpose, such as `sky`.
-    pub rays: BTreeMap<String, u64>,
 }
 
 /// Number and size of the blocks of one kind.

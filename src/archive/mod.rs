@@ -25,6 +25,7 @@
     )
 )]
 
+pub mod blocks;
 pub mod codec;
 mod disk;
 pub mod format;
@@ -54,10 +55,11 @@ mod schema_tests;
 #[cfg(test)]
 mod test_site;
 
+pub use blocks::Blocks;
 pub use codec::{Block, EncodedBlock, encode};
 pub use journal::{Job, Progress};
 pub use manifest::Manifest;
 pub use reader::Archive;
 pub use source::Access;
-pub use verify::{Report, verify, verify_with};
+pub use verify::{Report, verify};
 pub use writer::{Summary, Writer};

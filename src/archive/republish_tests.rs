@@ -22,12 +22,12 @@ fn publish(path: &Path, generation: u64) {
     for tile in 0..2 {
         let mut receivers = test_site::receivers(tile, 2 - tile as usize);
         receivers.ids.iter_mut().for_each(|id| *id = generation.to_string());
-        writer.append(receivers.encode(tile, 1).unwrap()).unwrap();
+        writer.append(receivers.encode(format::RECEIVERS, tile, 1).unwrap()).unwrap();
         writer.append(codec::encode(format::SKY, tile, 1, 1, &layer(generation, tile), 1).unwrap()).unwrap();
         writer.checkpoint().unwrap();
     }
     let mut manifest = test_site::manifest();
-    manifest.counts.rays.insert("generation".to_string(), generation);
+    manifest.counts.probes = generation;
     manifest.layers = writer.layers();
     writer.finish(&manifest).unwrap();
 }
@@ -35,7 +35,7 @@ fn publish(path: &Path, generation: u64) {
 /// Reads everything and returns the one generation that all parts are of.
 fn read(path: &Path, access: Access) -> Result<u64> {
     let archive = Archive::open_with(path, access)?;
-    let generation = archive.manifest().counts.rays["generation"];
+    let generation = archive.manifest().counts.probes;
     for tile in 0..archive.tiles() {
         let receivers = Receivers::from_block(&archive.block(format::RECEIVERS, tile)?)?;
         assert!(receivers.ids.iter().all(|id| *id == generation.to_string()), "{:?} in {generation}", receivers.ids);

@@ -67,7 +67,7 @@ fn the_journal_is_that_of_the_code() {
     assert!(text.contains(&due), "{due}");
 }
 
-/// The 10 limits, 7 kinds and 1 required bit of the text are those of the code.
+/// The 10 limits, 8 kinds and 1 required bit of the text are those of the code.
 #[test]
 fn limits_and_kinds_are_those_of_the_code() {
     let text = text("heliotile-1.md");
@@ -109,7 +109,7 @@ fn the_example_is_a_real_file() {
     let mut writer = Writer::create(&path, &test_site::JOB).unwrap();
     // Stored raw, so that the example does not depend on the version of zstd.
     let stored = test_site::materials().to_bytes().unwrap();
-    let mut entry = *test_site::materials().encode(0, 9).unwrap().entry();
+    let mut entry = *test_site::materials().encode(format::MATERIALS, 0, 9).unwrap().entry();
     (entry.codec, entry.stored, entry.checksum) = (format::CODEC_RAW, entry.raw, format::checksum(&stored));
     writer.append(EncodedBlock { entry, stored }).unwrap();
     let mut manifest = manifest::Manifest::new();

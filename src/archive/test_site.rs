@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::disk::Disk;
-use super::tables::{Bounce, Materials, Probes, Receivers, pack_tag};
+use super::tables::{Cells, Index, Materials, Receivers};
 use super::writer::Interrupted;
 use super::{EncodedBlock, Job, Manifest, Summary, Writer, encode, format, manifest};
 use crate::error::Result;
+use crate::layers::cells;
+use crate::scene::cells::CellKey;
 
 /// What the site is built from.
 pub const JOB: Job = Job { scene: [1; 32], receivers: [2; 32], settings: [3; 32] };
@@ -42,36 +44,34 @@ pub fn materials() -> Materials {
     }
 }
 
-pub fn probes() -> Probes {
-    Probes {
-        voxel: vec![[1, -2, 3]],
-        tag: vec![pack_tag(-1, 40)],
-        material: vec![0],
-        normal: vec![[0.0, 0.0, 1.0]],
+/// A table of one cell of this level and facing, which sees one bounce cell.
+pub fn cells(level: i8, facing: u8) -> cells::Cells {
+    let key = |level, facing| CellKey { level, facing, material: 0, voxel: [1, -2, 3] };
+    cells::Cells {
+        keys: vec![key(level, facing)],
+        normals: vec![[0.0, 0.0, 1.0]],
         bits: vec![0xf0; 8],
-        hits: vec![0],
+        seen: vec![key(2, 58)],
+        hits: vec![0, cells::MISS],
     }
-}
-
-pub fn bounce() -> Bounce {
-    let Probes { voxel, material, normal, bits, .. } = probes();
-    Bounce { voxel, tag: vec![pack_tag(2, 58)], material, normal, bits, hits: vec![0, u32::MAX] }
 }
 
 pub fn encoded() -> Vec<EncodedBlock> {
     let layer = |kind, tile, items, byte| {
         let raw: Vec<u8> = (0..300_u32).map(|i| if i % 7 == 0 { (i / 7) as u8 } else { byte }).collect();
-        encode(kind, tile, 1, items, &raw, 9).unwrap()
+        encode(kind, tile, format::schema_of(kind).unwrap(), items, &raw, 9).unwrap()
     };
     vec![
-        receivers(0, 2).encode(0, 9).unwrap(),
+        receivers(0, 2).encode(format::RECEIVERS, 0, 9).unwrap(),
         layer(format::SKY, 0, 2, 1),
         layer(format::HIT, 0, 2, 2),
-        receivers(1, 1).encode(1, 9).unwrap(),
+        receivers(1, 1).encode(format::RECEIVERS, 1, 9).unwrap(),
         layer(format::SKY, 1, 1, 3),
-        probes().encode(0, 9).unwrap(),
-        bounce().encode(0, 9).unwrap(),
-        materials().encode(0, 9).unwrap(),
+        Cells::new(&cells(-1, 40)).encode(format::PROBES, 0, 9).unwrap(),
+        Index::new(&cells(-1, 40).keys).encode(format::INDEX, Index::PROBES, 9).unwrap(),
+        Cells::new(&cells(2, 58)).encode(format::BOUNCE, 0, 9).unwrap(),
+        Index::new(&cells(2, 58).keys).encode(format::INDEX, Index::BOUNCE, 9).unwrap(),
+        materials().encode(format::MATERIALS, 0, 9).unwrap(),
         encode(77, 0, 9, 5, b"of a later release", 9).unwrap(),
     ]
 }
@@ -94,7 +94,6 @@ pub fn manifest() -> Manifest {
     manifest.receivers.tile_size = 2;
     manifest.receivers.tiles = 2;
     manifest.settings.closed_m = 8.0;
-    manifest.counts.rays.insert("sky".to_string(), 123);
     manifest.layers = manifest::summarize(encoded().iter().map(EncodedBlock::entry));
     manifest
 }

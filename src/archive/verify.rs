@@ -5,11 +5,17 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::codec::Block;
-use super::format::{self, BOUNCE, Entry, FIRST_BLOCK, MATERIALS, PROBES, RECEIVERS, SLOT_OFFSETS, SLOT_SIZE};
+use super::format::{
+    self, BOUNCE, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
+};
 use super::reader::{Archive, by_place};
 use super::source::Access;
-use super::tables::{Bounce, Materials, Probes, Receivers};
+use super::tables::{Cells, Index, Materials, Receivers};
 use crate::error::{Error, Result};
+use crate::layers::hit::HitTile;
+use crate::layers::response;
+use crate::layers::sky::SkyTexture;
+use crate::scene::cells::CellKey;
 
 /// What the check found. The archive is good if `problems` is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -38,13 +44,9 @@ pub struct Problem {
 }
 
 /// Checks every byte of an archive; goes on after a bad block. An error means that the check could not be made: no such file,
-/// no archive, or a later format. Uses plain reads, so a file that changes meanwhile cannot end the process.
-pub fn verify(path: &Path) -> Result<Report> {
-    verify_with(path, Access::Read)
-}
-
-/// [`verify`] with another way of reading.
-pub fn verify_with(path: &Path, access: Access) -> Result<Report> {
+/// no archive, or a later format. `deep` also decodes every layer and follows every reference, for which the keys of all cells
+/// are held in memory, 20 bytes each. By plain reads, a file that changes meanwhile cannot end the process.
+pub fn verify(path: &Path, access: Access, deep: bool) -> Result<Report> {
     let mut report = Report::default();
     let archive = match Archive::open_with(path, access) {
         Ok(archive) => archive,
@@ -60,13 +62,8 @@ pub fn verify_with(path: &Path, access: Access) -> Result<Report> {
             report.problems.push(Problem { part: name.to_string(), offset, reason: "wrong checksum".to_string() });
         }
     }
-    let site = Site {
-        materials: archive.entries_of(MATERIALS).iter().map(|entry| u64::from(entry.items)).sum(),
-        cells: archive.entries_of(BOUNCE).iter().map(|entry| u64::from(entry.items)).sum(),
-    };
-    let results: Vec<Result<Option<Ends>>> =
-        archive.entries().par_iter().map(|entry| check(&archive, entry, &site)).collect();
-    let mut before: Option<(u32, Ends)> = None;
+    let site = Site::new(&archive, deep);
+    let results: Vec<Result<()>> = archive.entries().par_iter().map(|entry| check(&archive, entry, &site)).collect();
     for (entry, result) in archive.entries().iter().zip(results) {
         report.blocks = report.blocks.saturating_add(1);
         report.unknown_blocks =
@@ -75,13 +72,7 @@ pub fn verify_with(path: &Path, access: Access) -> Result<Report> {
         report.raw_bytes = report.raw_bytes.saturating_add(u64::from(entry.raw));
         let problem = |reason: String| Problem { part: entry.name(), offset: entry.offset, reason };
         match result {
-            Ok(None) => {}
-            Ok(Some(ends)) => {
-                if before.is_some_and(|(kind, last)| kind == entry.kind && last.last >= ends.first) {
-                    report.problems.push(problem("found keys that do not follow the chunk before".to_string()));
-                }
-                before = Some((entry.kind, ends));
-            }
+            Ok(()) => {}
             Err(Error::Corrupt { got, expected, .. }) => report.problems.push(problem(found(&got, &expected))),
             Err(error) => report.problems.push(problem(error.to_string())),
         }
@@ -94,58 +85,108 @@ pub fn verify_with(path: &Path, access: Access) -> Result<Report> {
 /// What blocks must know of each other.
 struct Site {
     materials: u64,
-    cells: u64,
+    /// First keys of the chunks, as the index says; empty if it cannot be read.
+    probes: Vec<CellKey>,
+    bounces: Vec<CellKey>,
+    /// All keys, for a deep check.
+    keys: Option<Keys>,
 }
 
-/// First and last key of a chunk.
-#[derive(Clone, Copy)]
-struct Ends {
-    first: Option<(u32, u16, [i32; 3])>,
-    last: Option<(u32, u16, [i32; 3])>,
+/// Keys of all cells whose chunks are good, sorted.
+struct Keys {
+    probes: Vec<CellKey>,
+    bounces: Vec<CellKey>,
 }
 
-/// Reads one block and asks everything that can be asked of it.
-fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<Option<Ends>> {
-    let block = match archive.fetch(entry) {
-        // A later release may pack its own kinds in its own way; the checksum was right.
-        Err(Error::Unsupported { .. }) if format::schema_of(entry.kind).is_none() => return Ok(None),
-        block => block?,
-    };
-    block.check_content()?;
-    match entry.kind {
-        RECEIVERS => Receivers::from_block(&block).map(|_| None),
-        MATERIALS if entry.tile > 0 => Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only")),
-        MATERIALS => Materials::from_block(&block).map(|_| None),
-        PROBES => {
-            let table = Probes::from_block(&block)?;
-            check_materials(&block, &table.material, site)?;
-            check_hits(&block, table.highest_hit(), site)?;
-            Ok(Some(Ends { first: table.keys().next(), last: table.keys().last() }))
+impl Site {
+    fn new(archive: &Archive, deep: bool) -> Self {
+        let index = |tile| {
+            let table = archive.block(INDEX, tile).and_then(|block| Index::from_block(&block));
+            table.map(|index| index.firsts()).unwrap_or_default()
+        };
+        let keys_of = |kind| {
+            let chunk = |entry: &Entry| Cells::from_block(&archive.fetch(entry)?).map(|cells| cells.into_cells().keys);
+            let mut keys: Vec<CellKey> =
+                archive.entries_of(kind).par_iter().flat_map_iter(|entry| chunk(entry).unwrap_or_default()).collect();
+            keys.par_sort_unstable();
+            keys
+        };
+        Site {
+            materials: archive.entries_of(MATERIALS).iter().map(|entry| u64::from(entry.items)).sum(),
+            probes: index(Index::PROBES),
+            bounces: index(Index::BOUNCE),
+            keys: deep.then(|| Keys { probes: keys_of(PROBES), bounces: keys_of(BOUNCE) }),
         }
-        BOUNCE => {
-            let table = Bounce::from_block(&block)?;
-            check_materials(&block, &table.material, site)?;
-            check_hits(&block, table.highest_hit(), site)?;
-            Ok(Some(Ends { first: table.keys().next(), last: table.keys().last() }))
-        }
-        kind if format::schema_of(kind).is_some() => block.require(kind).map(|()| None),
-        _ => Ok(None),
     }
 }
 
-/// Hits of probes and of bounce cells alike are rows of the bounce table.
-fn check_hits(block: &Block, highest: Option<u32>, site: &Site) -> Result<()> {
-    match highest {
-        Some(cell) if u64::from(cell) >= site.cells => {
-            Err(block.corrupt(format!("a hit of cell {cell}"), format!("below {}", site.cells)))
+/// Reads one block and asks everything that can be asked of it.
+fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
+    let block = match archive.fetch(entry) {
+        // A later release may pack its own kinds in its own way; the checksum was right.
+        Err(Error::Unsupported { .. }) if format::schema_of(entry.kind).is_none() => return Ok(()),
+        block => block?,
+    };
+    block.check_content()?;
+    let settings = &archive.manifest().settings;
+    let rows = block.items() as usize;
+    let shape =
+        |good: bool| if good { Ok(()) } else { Err(block.corrupt("a layer of another shape", "the manifest's")) };
+    match entry.kind {
+        RECEIVERS => Receivers::from_block(&block).map(|_| ()),
+        MATERIALS if entry.tile > 0 => Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only")),
+        MATERIALS => Materials::from_block(&block).map(|_| ()),
+        INDEX => Index::from_block(&block).map(|_| ()),
+        PROBES => check_cells(&block, &site.probes, site),
+        BOUNCE => check_cells(&block, &site.bounces, site),
+        SKY if site.keys.is_some() => {
+            let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
+            shape(SkyTexture::unpack(block.bytes(), rows, base, fine).is_some())
         }
+        RESPONSE if site.keys.is_some() => {
+            shape(response::unpack(block.bytes(), rows, settings.probe as usize).is_some())
+        }
+        HIT => match &site.keys {
+            Some(keys) => {
+                let texels = (settings.hit as usize).saturating_pow(2).saturating_mul(rows);
+                let Some(hits) = HitTile::unpack(block.bytes(), texels) else { return shape(false) };
+                check_references(&block, &hits.palette, &keys.probes)
+            }
+            None => block.require(HIT),
+        },
+        kind if format::schema_of(kind).is_some() => block.require(kind),
         _ => Ok(()),
     }
 }
 
-fn check_materials(block: &Block, material: &[u16], site: &Site) -> Result<()> {
-    match material.iter().max() {
-        Some(number) if u64::from(*number) >= site.materials => {
+/// One chunk of cells: known materials, in its place among the chunks, and seeing cells that exist.
+fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
+    let cells = Cells::from_block(block)?.into_cells();
+    check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material), site)?;
+    let chunk = block.entry().tile as usize;
+    if cells.keys.first() != firsts.get(chunk) {
+        return Err(block.corrupt("another first cell", "the one of the index"));
+    }
+    if cells.keys.last().zip(firsts.get(chunk.saturating_add(1))).is_some_and(|(last, next)| last >= next) {
+        return Err(block.corrupt("keys that pass the next chunk's", "keys that rise from chunk to chunk"));
+    }
+    match &site.keys {
+        Some(keys) => check_references(block, &cells.seen, &keys.bounces),
+        None => Ok(()),
+    }
+}
+
+/// Whether all keys are among the known ones.
+fn check_references(block: &Block, keys: &[CellKey], known: &[CellKey]) -> Result<()> {
+    match keys.iter().find(|key| known.binary_search(key).is_err()) {
+        Some(key) => Err(block.corrupt(format!("{key:?}, which does not exist"), "cells that exist")),
+        None => Ok(()),
+    }
+}
+
+fn check_materials(block: &Block, materials: impl Iterator<Item = u16>, site: &Site) -> Result<()> {
+    match materials.max() {
+        Some(number) if u64::from(number) >= site.materials => {
             Err(block.corrupt(format!("material {number}"), format!("below {}", site.materials)))
         }
         _ => Ok(()),
@@ -190,18 +231,19 @@ fn found(got: &str, expected: &str) -> String {
 mod tests {
     use super::super::{Writer, test_site};
     use super::*;
+    use crate::layers::cells as layers;
 
-    /// The test site is good: 9 blocks, one of an unknown kind, no problem.
+    /// The test site is good: 11 blocks, one of an unknown kind, no problem.
     #[test]
     fn a_good_archive_has_no_problems() {
         let site = test_site::written();
-        let report = verify(&site.path).unwrap();
+        let report = verify(&site.path, Access::Read, false).unwrap();
         assert_eq!((report.problems.clone(), report.root), (vec![], Some(site.summary.root)));
-        assert_eq!((report.blocks, report.unknown_blocks, report.trailing_bytes), (9, 1, 0));
+        assert_eq!((report.blocks, report.unknown_blocks, report.trailing_bytes), (11, 1, 0));
         assert_eq!(report.raw_bytes, test_site::blocks().iter().map(|(_, _, raw)| raw.len() as u64).sum::<u64>());
     }
 
-    /// Damage of 2 blocks, a slot and a gap gives these 4 names, and all 9 blocks are checked.
+    /// Damage of 2 blocks, a slot and a gap gives these 4 names, and all 11 blocks are checked.
     #[test]
     fn damage_is_named_and_does_not_stop_the_check() {
         let site = test_site::written();
@@ -212,38 +254,49 @@ mod tests {
             bytes[place] ^= 1;
         }
         std::fs::write(&site.path, bytes).unwrap();
-        let report = verify(&site.path).unwrap();
+        let report = verify(&site.path, Access::Read, false).unwrap();
         let names: Vec<&str> = report.problems.iter().map(|problem| problem.part.as_str()).collect();
         assert_eq!(names, ["slot B", "sky/0", "kind-77/0", "padding"]);
-        assert_eq!(report.blocks, 9);
+        assert_eq!(report.blocks, 11);
     }
 
-    /// Values that no single block can refuse are found: a material beyond the table, hits of a probe and of a cell beyond the
-    /// cells, chunks out of order: 4 problems.
+    /// Values that no single block can refuse are found: a material beyond the table, a chunk that the index does not know, and,
+    /// in a deep check, a probe and a cell that see what does not exist: 2 and 4 problems.
     #[test]
     fn blocks_are_checked_against_each_other() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("site.helio");
         let mut writer = Writer::create(&path, &test_site::JOB).unwrap();
-        let mut probes = test_site::probes();
-        writer.append(probes.encode(0, 9).unwrap()).unwrap();
-        writer.append(probes.encode(1, 9).unwrap()).unwrap();
-        probes.voxel[0][0] += 9;
-        probes.material[0] += 9;
-        writer.append(probes.encode(2, 9).unwrap()).unwrap();
-        probes.voxel[0][0] += 9;
-        (probes.material[0], probes.hits[0]) = (0, 7);
-        writer.append(probes.encode(3, 9).unwrap()).unwrap();
-        let mut bounce = test_site::bounce();
-        bounce.hits[0] = 7;
-        writer.append(bounce.encode(0, 9).unwrap()).unwrap();
-        writer.append(test_site::materials().encode(0, 9).unwrap()).unwrap();
+        let good = test_site::cells(-1, 40);
+        let key = |x: i32, material| CellKey { material, voxel: [x, 0, 0], ..good.keys[0] };
+        let chunk = |number: u32, x: i32, material, seen: i32| {
+            let seen = vec![CellKey { level: 2, facing: 58, material: 0, voxel: [seen, 0, 0] }];
+            let cells = layers::Cells { keys: vec![key(x, material)], seen, ..good.clone() };
+            Cells::new(&cells).encode(PROBES, number, 9).unwrap()
+        };
+        for block in [chunk(0, 10, 0, 1), chunk(1, 12, 0, 7), chunk(2, 13, 9, 1), chunk(3, 10, 0, 1)] {
+            writer.append(block).unwrap();
+        }
+        let firsts = [key(10, 0), key(12, 0), key(13, 9)];
+        writer.append(Index::new(&firsts).encode(INDEX, Index::PROBES, 9).unwrap()).unwrap();
+        let bounce = layers::Cells {
+            keys: vec![CellKey { level: 2, facing: 58, material: 0, voxel: [1, 0, 0] }],
+            seen: vec![CellKey { level: 3, facing: 58, material: 0, voxel: [1, 0, 0] }],
+            ..good.clone()
+        };
+        writer.append(Cells::new(&bounce).encode(BOUNCE, 0, 9).unwrap()).unwrap();
+        writer.append(Index::new(&bounce.keys).encode(INDEX, Index::BOUNCE, 9).unwrap()).unwrap();
+        writer.append(test_site::materials().encode(MATERIALS, 0, 9).unwrap()).unwrap();
         let mut manifest = test_site::manifest();
         (manifest.receivers.tiles, manifest.receivers.count) = (0, 0);
         manifest.layers = writer.layers();
         writer.finish(&manifest).unwrap();
-        let report = verify(&path).unwrap();
-        let names: Vec<&str> = report.problems.iter().map(|problem| problem.part.as_str()).collect();
-        assert_eq!(names, ["probes/1", "probes/2", "probes/3", "bounce/0"], "{:?}", report.problems);
+        for (deep, expected) in
+            [(false, vec!["probes/2", "probes/3"]), (true, vec!["probes/1", "probes/2", "probes/3", "bounce/0"])]
+        {
+            let report = verify(&path, Access::Read, deep).unwrap();
+            let names: Vec<&str> = report.problems.iter().map(|problem| problem.part.as_str()).collect();
+            assert_eq!(names, expected, "{:?}", report.problems);
+        }
     }
 }

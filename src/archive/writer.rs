@@ -183,6 +183,11 @@ impl Writer {
         Ok(())
     }
 
+    /// The file that is being written.
+    pub fn partial(&self) -> &Path {
+        self.partial.path()
+    }
+
     /// Whether a block was appended, in this run or before a resume.
     pub fn has(&self, kind: u32, tile: u32) -> bool {
         self.entry(kind, tile).is_some()

@@ -1,7 +1,8 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
 pub mod build;
-pub mod progress;
+mod interrupt;
+mod progress;
 pub mod replay;
 pub mod store;
 

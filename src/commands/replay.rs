@@ -13,7 +13,7 @@ use crate::outputs::periods::{Every, Periods};
 use crate::outputs::table::{Columns, TableWriter};
 use crate::recombine::conditions::{Condition, read_conditions};
 use crate::recombine::epw::read_epw;
-use crate::recombine::replay::{Replay, ReplaySettings};
+use crate::recombine::replay::{Replay, ReplaySettings, TileResult};
 use crate::recombine::values::TileValues;
 
 /// `heliotile query`.
@@ -52,19 +52,17 @@ fn run(
     shape: impl Fn(TileValues) -> TileValues + Sync,
 ) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, args.io)?;
-    let settings = ReplaySettings { sky: args.sky, patches: args.patches, depth: args.bounces };
+    let settings =
+        ReplaySettings { sky: args.sky, patches: args.patches, depth: args.bounces, memory_bytes: args.memory.0 };
     let replay = Replay::new(&archive, conditions, settings)?;
     let mut table = TableWriter::create(&args.output, columns, labels)?;
     let progress = bar("tiles", Some(u64::from(replay.tiles())));
-    let tiles: Vec<u32> = (0..replay.tiles()).collect();
     // As many tiles in memory as there are cores.
-    for batch in tiles.chunks(rayon::current_num_threads()) {
-        let done: Vec<Result<(Vec<String>, TileValues)>> = batch
-            .par_iter()
-            .map(|&tile| replay.tile(tile).map(|(receivers, values)| (receivers, shape(values))))
-            .collect();
-        for tile in done {
-            let (receivers, values) = tile?;
+    let step = rayon::current_num_threads() as u32;
+    for first in (0..replay.tiles()).step_by(step as usize) {
+        let tiles = replay.run(first..replay.tiles().min(first + step))?;
+        let shaped: Vec<TileResult> = tiles.into_par_iter().map(|(ids, values)| (ids, shape(values))).collect();
+        for (receivers, values) in shaped {
             table.write_tile(&receivers, &values)?;
             progress.inc(1);
         }

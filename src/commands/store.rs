@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{Outcome, say};
-use crate::archive::{self, Access, Archive, format};
-use crate::cli::ArchiveArg;
+use crate::archive::{self, Archive, format};
+use crate::cli::{ArchiveArg, VerifyArgs};
 use crate::error::Result;
 
 /// One line of text.
@@ -17,7 +17,7 @@ macro_rules! line {
 
 /// `heliotile info`.
 pub fn info(args: &ArchiveArg) -> Result<Outcome> {
-    let archive = Archive::open_with(&args.archive, args.io.unwrap_or_default())?;
+    let archive = Archive::open_with(&args.archive, args.io)?;
     let manifest = archive.manifest();
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
@@ -62,9 +62,6 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
         s.share
     );
     line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
-    for (name, rays) in &manifest.counts.rays {
-        line!(out, "  rays        {name:<10} {rays:>14}");
-    }
     line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");
     let mut stored = 0;
     for layer in &manifest.layers {
@@ -86,8 +83,8 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
 }
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
-pub fn verify(args: &ArchiveArg) -> Result<Outcome> {
-    let report = archive::verify_with(&args.archive, args.io.unwrap_or(Access::Read))?;
+pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
+    let report = archive::verify(&args.archive, args.io, args.deep)?;
     let mut out = String::new();
     for problem in &report.problems {
         line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);

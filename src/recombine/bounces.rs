@@ -6,10 +6,17 @@
 //! fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
 //! depends on the cells reachable from it, not on which others are in the table.
 
+use std::ops::Range;
+use std::path::Path;
+
 use rayon::prelude::*;
 
+use super::load::CellSource;
+use super::scratch::Scratch;
+use crate::error::Result;
 use crate::hemisphere::{bit, texel_centres};
-use crate::layers::probes::{Bounces, DOWN, MISS};
+use crate::layers::cells::{Cells, DOWN, MISS};
+use crate::scene::cells::CellKey;
 
 /// How many times light may be reflected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,19 +33,194 @@ pub const TOLERANCE: f64 = 1e-3;
 /// Columns of the system solved together: small enough for a core's cache.
 const BLOCK: usize = 32;
 
-/// Solved system.
+/// How the system is made and solved.
 #[derive(Clone, Debug)]
-pub struct Solved {
-    /// [block of columns][cell][column]: radiosity per unit normal irradiance is s . X; a cell's columns are [axis][texel].
-    blocks: Vec<Vec<[f32; BLOCK]>>,
-    /// Values of one cell: 3 x texels.
-    pub width: usize,
+pub struct Rules {
+    /// Side of the cells' sky texture.
+    pub side: usize,
+    /// Cells from this level up see each other in circles.
+    pub closed_level: i8,
+    /// Diffuse reflectance by material.
+    pub reflectance: Vec<f64>,
+    pub depth: Depth,
 }
 
-impl Solved {
-    /// Values of one cell, [axis][texel].
-    pub fn row(&self, cell: usize) -> impl Iterator<Item = f32> + '_ {
-        self.blocks.iter().flat_map(move |block| block[cell]).take(self.width)
+impl Rules {
+    /// Values of one cell: [axis][texel].
+    pub fn width(&self) -> usize {
+        3 * self.side * self.side
+    }
+
+    /// Whether a cell belongs to the closed system; with a bounded number of reflections every cell takes each step.
+    pub fn closes(&self, key: &CellKey) -> bool {
+        match self.depth {
+            Depth::All => key.level >= self.closed_level,
+            Depth::Count(bounces) => bounces > 1,
+        }
+    }
+
+    /// Jacobi steps. The first reflection is the fine probe's, the second is the source term.
+    fn steps(&self) -> usize {
+        match self.depth {
+            Depth::Count(bounces) => (bounces as usize).saturating_sub(2),
+            Depth::All => {
+                let largest = self.reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
+                (TOLERANCE.ln() / largest.ln()).ceil() as usize
+            }
+        }
+    }
+
+    /// Reflectance of a cell.
+    pub fn rho(&self, key: &CellKey) -> f32 {
+        self.reflectance.get(usize::from(key.material)).copied().unwrap_or(0.0) as f32
+    }
+
+    /// What cell `i` of a table sees, as indices into `seen`, with weights that hold its reflectance.
+    pub fn row(&self, cells: &Cells, i: usize, centres: &[[f32; 3]]) -> Weighted {
+        let around = surround(cells.normals[i], cells.bits_of(i), centres);
+        let (above, below) = seen(cells.hits_of(i));
+        let rho = self.rho(&cells.keys[i]);
+        let scaled = |list: Weighted, share: f64| list.into_iter().map(move |(cell, w)| (cell, w * share as f32 * rho));
+        scaled(above, around.up).chain(scaled(below, around.down)).collect()
+    }
+
+    /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky.
+    pub fn source(&self, cells: &Cells, i: usize, columns: Range<usize>, out: &mut [f32]) {
+        let (texels, bits, rho) = (self.side * self.side, cells.bits_of(i), self.rho(&cells.keys[i]));
+        let lit = cells.normals[i].map(|n| rho * n);
+        for (value, column) in out.iter_mut().zip(columns) {
+            *value = if bit(bits, column % texels) { lit[column / texels] } else { 0.0 };
+        }
+    }
+}
+
+/// The solved closed system: each of its cells' radiosity per unit normal irradiance from direction s is s . X.
+pub struct Closed {
+    /// Sorted.
+    keys: Vec<CellKey>,
+    width: usize,
+    values: Values,
+}
+
+/// [block of columns][cell][column].
+enum Values {
+    Memory(Vec<Vec<[f32; BLOCK]>>),
+    Disk(Scratch),
+}
+
+impl Closed {
+    /// Solves the system of an archive's cells. Values beyond `memory` bytes go to a temporary file in `folder`.
+    pub fn solve(source: &CellSource, rules: &Rules, memory: u64, folder: &Path) -> Result<Self> {
+        let width = rules.width();
+        let mut keys = Vec::new();
+        if rules.depth != Depth::Count(1) {
+            for chunk in 0..source.chunks() {
+                keys.extend(source.chunk(chunk)?.keys.into_iter().filter(|k| rules.closes(k)));
+            }
+        }
+        let system = System::load(source, rules, &keys)?;
+        let blocks = width.div_ceil(BLOCK);
+        let bytes = (keys.len() * blocks * size_of::<[f32; BLOCK]>()) as u64;
+        let solved = (0..blocks).into_par_iter().map_init(Default::default, |space, block| system.solve(block, space));
+        let values = if bytes <= memory {
+            Values::Memory(solved.collect())
+        } else {
+            let scratch = Scratch::new(folder)?;
+            let write = |(block, values): (usize, Vec<[f32; BLOCK]>)| {
+                let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+                scratch.write(bytes.len() as u64 * block as u64, &bytes)
+            };
+            solved.enumerate().try_for_each(write)?;
+            Values::Disk(scratch)
+        };
+        Ok(Closed { keys, width, values })
+    }
+
+    /// Place of a cell.
+    pub fn find(&self, key: &CellKey) -> Option<usize> {
+        self.keys.binary_search(key).ok()
+    }
+
+    /// Writes the values of one cell, [axis][texel], to `out`.
+    pub fn read(&self, cell: usize, out: &mut [f32]) -> Result<()> {
+        for (block, part) in out[..self.width].chunks_mut(BLOCK).enumerate() {
+            match &self.values {
+                Values::Memory(blocks) => part.copy_from_slice(&blocks[block][cell][..part.len()]),
+                Values::Disk(scratch) => {
+                    let mut bytes = [0; 4 * BLOCK];
+                    let place = (block * self.keys.len() + cell) * bytes.len();
+                    scratch.read(place as u64, &mut bytes)?;
+                    for (value, bytes) in part.iter_mut().zip(bytes.chunks_exact(4)) {
+                        *value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The closed system in memory: about 0.3 kB a cell.
+struct System<'a> {
+    rules: &'a Rules,
+    /// The cells' keys, normals and sky bits; what they see is in `rows`.
+    cells: Cells,
+    /// Starts of the cells' rows, and all rows: (cell, weight).
+    starts: Vec<usize>,
+    rows: Weighted,
+}
+
+impl<'a> System<'a> {
+    /// Reads the cells of `keys`, which are all closed cells in order.
+    fn load(source: &CellSource, rules: &'a Rules, keys: &[CellKey]) -> Result<Self> {
+        let centres = centres_f32(rules.side);
+        let mut system = System { rules, cells: Cells::default(), starts: vec![0], rows: Vec::new() };
+        if keys.is_empty() {
+            return Ok(system);
+        }
+        for number in 0..source.chunks() {
+            let chunk = source.chunk(number)?;
+            // Cells of the closed system see cells of it only.
+            let place: Vec<Option<u32>> =
+                chunk.seen.iter().map(|key| keys.binary_search(key).ok().map(|i| i as u32)).collect();
+            for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
+                for (cell, weight) in rules.row(&chunk, i, &centres) {
+                    let cell = place[cell as usize].ok_or_else(|| source.missing(&chunk.seen[cell as usize]))?;
+                    system.rows.push((cell, weight));
+                }
+                system.starts.push(system.rows.len());
+                system.cells.keys.push(chunk.keys[i]);
+                system.cells.normals.push(chunk.normals[i]);
+                system.cells.bits.extend(chunk.bits_of(i));
+            }
+        }
+        Ok(system)
+    }
+
+    /// One block of columns. `space`: two buffers that serve block after block.
+    fn solve(&self, block: usize, space: &mut [Vec<[f32; BLOCK]>; 2]) -> Vec<[f32; BLOCK]> {
+        let [source, next] = space;
+        let columns = block * BLOCK..self.rules.width().min((block + 1) * BLOCK);
+        source.clear();
+        source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
+        for (i, source) in source.iter_mut().enumerate() {
+            self.rules.source(&self.cells, i, columns.clone(), source);
+        }
+        let mut now = source.clone();
+        for _ in 0..self.rules.steps() {
+            next.clear();
+            next.extend(source.iter().zip(self.starts.windows(2)).map(|(source, range)| {
+                let mut sum = *source;
+                for &(cell, weight) in &self.rows[range[0]..range[1]] {
+                    for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
+                        *s += weight * x;
+                    }
+                }
+                sum
+            }));
+            std::mem::swap(&mut now, next);
+        }
+        now
     }
 }
 
@@ -91,73 +273,4 @@ pub fn seen(hits: &[u32]) -> (Weighted, Weighted) {
         merged
     };
     (merge(&above), merge(&below))
-}
-
-/// Solves the system for `n` x `n` texels; `reflectance[material]` is the diffuse one.
-pub fn solve(cells: &Bounces, n: usize, closed_level: i8, reflectance: &[f64], depth: Depth) -> Solved {
-    let (texels, width) = (n * n, 3 * n * n);
-    let count = cells.keys.len();
-    // The first reflection is the fine probe's, the second is the source term below.
-    let steps = match depth {
-        Depth::Count(bounces) => (bounces as usize).saturating_sub(2),
-        Depth::All => {
-            let largest = reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
-            (TOLERANCE.ln() / largest.ln()).ceil() as usize
-        }
-    };
-    let rho = |cell: usize| reflectance.get(usize::from(cells.keys[cell].material)).copied().unwrap_or(0.0) as f32;
-    let centres = centres_f32(n);
-    let rays = cells.hits.len().checked_div(count).unwrap_or(0);
-    let row_bytes = cells.bits.len().checked_div(count).unwrap_or(0);
-    let rows: Vec<Weighted> = (0..count)
-        .into_par_iter()
-        .map(|i| {
-            let bits = &cells.bits[i * row_bytes..(i + 1) * row_bytes];
-            let around = surround(cells.normals[i], bits, &centres);
-            let (above, below) = seen(&cells.hits[i * rays..(i + 1) * rays]);
-            let scaled =
-                |list: Weighted, share: f64| list.into_iter().map(move |(cell, w)| (cell, w * share as f32 * rho(i)));
-            scaled(above, around.up).chain(scaled(below, around.down)).collect()
-        })
-        .collect();
-    // Keys are sorted by level: finer cells first.
-    let closed = cells.keys.partition_point(|k| k.level < closed_level);
-    let gather = |i: usize, source: &[f32; BLOCK], now: &[[f32; BLOCK]]| {
-        let mut sum = *source;
-        for &(cell, weight) in &rows[i] {
-            for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
-                *s += weight * x;
-            }
-        }
-        sum
-    };
-    let blocks = (0..width.div_ceil(BLOCK))
-        .into_par_iter()
-        // Two of the three buffers serve block after block.
-        .map_init(Default::default, |(source, next): &mut (Vec<_>, Vec<_>), block| {
-            source.clear();
-            source.resize(count, [0.0_f32; BLOCK]);
-            for (i, source) in source.iter_mut().enumerate() {
-                let bits = &cells.bits[i * row_bytes..(i + 1) * row_bytes];
-                for (slot, column) in (block * BLOCK..width.min((block + 1) * BLOCK)).enumerate() {
-                    if bit(bits, column % texels) {
-                        source[slot] = rho(i) * cells.normals[i][column / texels];
-                    }
-                }
-            }
-            let mut now = source.clone();
-            // With a bounded number of reflections every cell takes each step; else the finer cells wait for the closed ones.
-            let first = if depth == Depth::All { closed } else { 0 };
-            for _ in 0..steps {
-                next.clear();
-                next.extend((first..count).map(|i| gather(i, &source[i], &now)));
-                now[first..].copy_from_slice(next);
-            }
-            for i in (0..first).rev() {
-                now[i] = gather(i, &source[i], &now);
-            }
-            now
-        })
-        .collect();
-    Solved { blocks, width }
 }

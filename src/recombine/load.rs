@@ -2,13 +2,15 @@
 //! tables and layers, checked against each other.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::response::{Reflector, Shape, Viewer};
 use super::tile::{TextureSides, TileLayers};
-use crate::archive::{Archive, Block, Manifest, format, tables};
+use crate::archive::manifest::Settings;
+use crate::archive::{Archive, Block, Blocks, Manifest, format, tables};
 use crate::error::{Error, Result};
+use crate::layers::cells::Cells;
 use crate::layers::hit::HitTile;
-use crate::layers::probes::{Bounces, DOWN, MISS, Probes};
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
@@ -40,8 +42,7 @@ impl TileView {
 }
 
 /// Shape of the response tables of an archive.
-pub fn shape(manifest: &Manifest) -> Shape {
-    let settings = &manifest.settings;
+pub fn shape(settings: &Settings) -> Shape {
     Shape {
         hit: settings.hit as usize,
         probe: settings.probe as usize,
@@ -70,7 +71,7 @@ pub fn tile_view(archive: &Archive, tile: u32) -> Result<TileView> {
     let manifest = archive.manifest();
     let receivers = archive.block(format::RECEIVERS, tile)?;
     let hit = archive.block(format::HIT, tile)?;
-    TileView::new(&receivers, &hit, origin(manifest), shape(manifest).hit)
+    TileView::new(&receivers, &hit, origin(manifest), manifest.settings.hit as usize)
 }
 
 /// Ids, normals and sky bits of a tile, with the responses to use.
@@ -91,99 +92,115 @@ pub fn cached_responses(archive: &Archive, tile: u32) -> Result<Vec<Response>> {
         .ok_or_else(|| block.corrupt("responses of another shape", "responses of the manifest's shape"))
 }
 
-/// All that responses are derived from.
-#[derive(Clone, Debug)]
-pub struct Tables {
+/// Settings, materials and cells: all that responses are derived from. Cells stay in their blocks until they are asked for.
+pub struct Tables<'a> {
     pub shape: Shape,
-    pub probes: Probes,
-    pub bounces: Bounces,
     pub reflectors: Vec<Reflector>,
+    pub probes: CellSource<'a>,
+    pub bounces: CellSource<'a>,
 }
 
-impl Tables {
-    /// Reads probes, bounce cells and materials.
-    pub fn load(archive: &Archive) -> Result<Self> {
-        let materials = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
-        let reflectors = materials
-            .diffuse
-            .iter()
-            .zip(&materials.class)
-            .map(|(&diffuse, &class)| {
-                let class = if class == 1 { Class::Ground } else { Class::Obstruction };
-                Reflector { diffuse, class }
+impl<'a> Tables<'a> {
+    /// The tables of an archive.
+    pub fn load(archive: &'a Archive) -> Result<Self> {
+        Tables::of(archive, archive.manifest().settings.clone())
+    }
+
+    /// The tables among some blocks, made with some settings.
+    pub fn of(blocks: &'a dyn Blocks, settings: Settings) -> Result<Self> {
+        let materials = tables::Materials::from_block(&blocks.block(format::MATERIALS, 0)?)?;
+        let reflector = |(&diffuse, &class): (&f64, &u8)| {
+            let class = if class == 1 { Class::Ground } else { Class::Obstruction };
+            Reflector { diffuse, class }
+        };
+        let reflectors: Vec<Reflector> = materials.diffuse.iter().zip(&materials.class).map(reflector).collect();
+        let shape = shape(&settings);
+        let source = |kind, index, side: usize, rays: u32| {
+            let form = Form { bytes: (side * side).div_ceil(8), rays: rays as usize, materials: reflectors.len() };
+            CellSource::open(blocks, kind, index, form)
+        };
+        let probes = source(format::PROBES, tables::Index::PROBES, shape.probe, settings.probe_hits)?;
+        let bounces = source(format::BOUNCE, tables::Index::BOUNCE, shape.bounce_sky, settings.bounce_hits)?;
+        Ok(Tables { shape, reflectors, probes, bounces })
+    }
+}
+
+/// What all chunks of one kind of cells have in common.
+#[derive(Clone, Copy, Debug)]
+struct Form {
+    /// Bytes of sky bits, and hit rays, of a cell.
+    bytes: usize,
+    rays: usize,
+    materials: usize,
+}
+
+/// Cells of one kind, read chunk by chunk.
+pub struct CellSource<'a> {
+    blocks: &'a dyn Blocks,
+    kind: u32,
+    form: Form,
+    /// First key of every chunk.
+    firsts: Vec<CellKey>,
+}
+
+impl<'a> CellSource<'a> {
+    fn open(blocks: &'a dyn Blocks, kind: u32, index: u32, form: Form) -> Result<Self> {
+        // A site where no ray meets anything has no cells and no index.
+        let firsts = match blocks.has(format::INDEX, index) {
+            true => tables::Index::from_block(&blocks.block(format::INDEX, index)?)?.firsts(),
+            false => Vec::new(),
+        };
+        Ok(CellSource { blocks, kind, form, firsts })
+    }
+
+    /// Number of chunks.
+    pub fn chunks(&self) -> usize {
+        self.firsts.len()
+    }
+
+    /// All cells of a chunk.
+    pub fn chunk(&self, chunk: usize) -> Result<Cells> {
+        let block = self.blocks.block(self.kind, chunk as u32)?;
+        let cells = tables::Cells::from_block(&block)?.into_cells();
+        let (rows, form) = (cells.keys.len(), self.form);
+        if cells.keys.first() != self.firsts.get(chunk) {
+            return Err(block.corrupt("another first cell", "the one of the index"));
+        }
+        if cells.keys.last().zip(self.firsts.get(chunk + 1)).is_some_and(|(last, next)| last >= next) {
+            return Err(block.corrupt("cells of the chunk after it", "keys that rise from chunk to chunk"));
+        }
+        if cells.bits.len() != rows * form.bytes || cells.hits.len() != rows * form.rays {
+            return Err(block.corrupt("cells of another shape", "textures and rays as in the manifest"));
+        }
+        if cells.keys.iter().chain(&cells.seen).any(|k| usize::from(k.material) >= form.materials) {
+            return Err(block.corrupt("an unknown material", "rows of the materials table"));
+        }
+        Ok(cells)
+    }
+
+    /// The cells of these keys, which are sorted; one that does not exist is an error.
+    pub fn fetch(&self, keys: &[CellKey]) -> Result<Cells> {
+        let chunk_of = |key: &CellKey| self.firsts.partition_point(|first| first <= key).checked_sub(1);
+        let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| chunk_of(a) == chunk_of(b)).collect();
+        let found: Vec<Cells> = parts
+            .into_par_iter()
+            .map(|part| {
+                let cells = self.chunk(chunk_of(&part[0]).ok_or_else(|| self.missing(&part[0]))?)?;
+                let row = |key: &CellKey| cells.keys.binary_search(key).map_err(|_| self.missing(key));
+                Ok(cells.select(&part.iter().map(row).collect::<Result<Vec<usize>>>()?))
             })
-            .collect();
-        let mut probes = Probes::default();
-        for block in archive.scan(format::PROBES) {
-            let table = tables::Probes::from_block(&block?)?;
-            probes.keys.extend(table.keys().map(cell_key));
-            probes.normals.extend(table.normal);
-            probes.bits.extend(table.bits);
-            probes.hits.extend(table.hits);
-        }
-        let mut bounces = Bounces::default();
-        for block in archive.scan(format::BOUNCE) {
-            let table = tables::Bounce::from_block(&block?)?;
-            bounces.keys.extend(table.keys().map(cell_key));
-            bounces.normals.extend(table.normal);
-            bounces.bits.extend(table.bits);
-            bounces.hits.extend(table.hits);
-        }
-        let tables = Tables { shape: shape(archive.manifest()), probes, bounces, reflectors };
-        let settings = &archive.manifest().settings;
-        match tables.flaw(settings.probe_hits as usize, settings.bounce_hits as usize) {
-            None => Ok(tables),
-            Some((kind, got, expected)) => Err(Error::Corrupt {
-                path: archive.path().to_path_buf(),
-                block: format::kind_name(kind),
-                offset: archive.entries_of(kind).first().map_or(0, |entry| entry.offset),
-                got: got.into(),
-                expected: expected.into(),
-            }),
-        }
+            .collect::<Result<_>>()?;
+        Ok(Cells::join(&found))
     }
 
-    /// What one block cannot know: how the chunks fit each other and the manifest.
-    fn flaw(&self, probe_rays: usize, rays: usize) -> Option<(u32, &'static str, &'static str)> {
-        let (probes, bounces) = (&self.probes, &self.bounces);
-        let row = |side: usize| (side * side).div_ceil(8);
-        let cells = bounces.keys.len();
-        let sorted = |keys: &[CellKey]| keys.windows(2).all(|pair| pair[0] < pair[1]);
-        let known = |keys: &[CellKey]| keys.iter().all(|k| usize::from(k.material) < self.reflectors.len());
-        let met = |hit: &u32| hit & !DOWN == MISS || ((hit & !DOWN) as usize) < cells;
-        let checks = [
-            (format::PROBES, sorted(&probes.keys), "chunks out of order", "keys that rise from chunk to chunk"),
-            (format::PROBES, known(&probes.keys), "an unknown material", "rows of the materials table"),
-            (
-                format::PROBES,
-                probes.bits.len() == probes.keys.len() * row(self.shape.probe),
-                "other textures",
-                "the manifest's side",
-            ),
-            (format::BOUNCE, sorted(&bounces.keys), "chunks out of order", "keys that rise from chunk to chunk"),
-            (format::BOUNCE, known(&bounces.keys), "an unknown material", "rows of the materials table"),
-            (
-                format::BOUNCE,
-                bounces.bits.len() == cells * row(self.shape.bounce_sky),
-                "other textures",
-                "the manifest's side",
-            ),
-            (format::BOUNCE, bounces.hits.len() == cells * rays, "another number of rays", "the manifest's number"),
-            (format::BOUNCE, bounces.hits.iter().all(met), "a cell that does not exist", "cells of the table"),
-            (
-                format::PROBES,
-                probes.hits.len() == probes.keys.len() * probe_rays,
-                "another number of rays",
-                "the manifest's number",
-            ),
-            (format::PROBES, probes.hits.iter().all(met), "a cell that does not exist", "cells of the bounce table"),
-        ];
-        checks.into_iter().find(|check| !check.1).map(|(kind, _, got, expected)| (kind, got, expected))
+    /// The error of a reference to a cell that does not exist.
+    pub fn missing(&self, key: &CellKey) -> Error {
+        Error::Corrupt {
+            path: self.blocks.path().to_path_buf(),
+            block: format::kind_name(self.kind),
+            offset: 0,
+            got: format!("no cell {key:?}"),
+            expected: "every cell that is referred to".into(),
+        }
     }
-}
-
-/// Facing codes beyond the known ones name nothing that any hit refers to.
-fn cell_key((tag, material, voxel): (u32, u16, [i32; 3])) -> CellKey {
-    let (level, facing) = tables::unpack_tag(tag).unwrap_or_default();
-    CellKey { level, facing, material, voxel }
 }

@@ -1,10 +1,14 @@
 //! A replay: an archive under a series of conditions, tile by tile. It reads and multiplies; it cannot cast a ray.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::bounces::Depth;
 use super::conditions::Condition;
 use super::load::{Tables, cached_responses, sides, tile_layers, tile_view};
 use super::patches::Patches;
-use super::response::Responder;
+use super::responder::Responder;
 use super::sky::SkyModel;
 use super::tile::Forcing;
 use super::values::TileValues;
@@ -19,6 +23,8 @@ pub struct ReplaySettings {
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
     pub depth: Depth,
+    /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
+    pub memory_bytes: u64,
 }
 
 /// An archive with its weather, ready to give tile after tile.
@@ -26,8 +32,11 @@ pub struct Replay<'a> {
     archive: &'a Archive,
     forcing: Forcing,
     /// Only where the archive's own responses do not serve.
-    responder: Option<Responder>,
+    responder: Option<(Tables<'a>, Responder)>,
 }
+
+/// Receiver ids and irradiance of one tile: [component][receiver][condition], W/m2.
+pub type TileResult = (Vec<String>, TileValues);
 
 impl<'a> Replay<'a> {
     pub fn new(archive: &'a Archive, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
@@ -36,8 +45,9 @@ impl<'a> Replay<'a> {
         let responder = match settings.depth {
             Depth::All => None,
             depth @ Depth::Count(_) => {
-                let t = Tables::load(archive)?;
-                Some(Responder::new(t.probes, t.bounces, t.shape, t.reflectors, depth))
+                let tables = Tables::load(archive)?;
+                let responder = Responder::new(&tables, depth, settings.memory_bytes / 2, &std::env::temp_dir())?;
+                Some((tables, responder))
             }
         };
         Ok(Replay { archive, forcing, responder })
@@ -48,16 +58,21 @@ impl<'a> Replay<'a> {
         self.archive.tiles()
     }
 
-    /// Receiver ids and irradiance of one tile: [component][receiver][condition], W/m2.
-    pub fn tile(&self, tile: u32) -> Result<(Vec<String>, TileValues)> {
-        let responses: Vec<Response> = match &self.responder {
-            None => cached_responses(self.archive, tile)?,
-            Some(responder) => {
-                let view = tile_view(self.archive, tile)?;
-                view.viewers.iter().enumerate().map(|(i, viewer)| responder.derive(&view.hits, i, viewer)).collect()
+    /// Results of some tiles, all in memory at once.
+    pub fn run(&self, tiles: Range<u32>) -> Result<Vec<TileResult>> {
+        let responses = match &self.responder {
+            None => {
+                tiles.clone().into_par_iter().map(|tile| cached_responses(self.archive, tile)).collect::<Result<_>>()?
+            }
+            Some((tables, responder)) => {
+                let view = |tile| tile_view(self.archive, tile);
+                responder.derive(tables, &tiles.clone().into_par_iter().map(view).collect::<Result<Vec<_>>>()?)?
             }
         };
-        let (ids, layers) = tile_layers(self.archive, tile, responses)?;
-        Ok((ids, self.forcing.replay(&layers)))
+        let result = |(tile, responses): (u32, Vec<Response>)| {
+            let (ids, layers) = tile_layers(self.archive, tile, responses)?;
+            Ok((ids, self.forcing.replay(&layers)))
+        };
+        tiles.into_par_iter().zip(responses).map(result).collect()
     }
 }

@@ -3,8 +3,11 @@
 //! A key depends on the surface point and a cell size only, never on who asked. Sizes are powers of two and their grids
 //! nest, so the cell of a coarser level holds whole cells of every finer one.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
+use super::morton::{BITS as MORTON_BITS, morton_cmp, spread};
 use crate::hemisphere::mix;
 
 /// The voxel grid is shifted by this much (metres, relative to the scene origin), so that walls and floors on round
@@ -20,7 +23,10 @@ const BACK: u8 = 64;
 
 /// Name of a surface patch: the surfaces of one material that face one way inside one voxel of edge 2^level metres.
 /// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64 for the triangles' back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+///
+/// Keys are ordered by place first: by the Morton code of a region, then by the fields as they stand. So what is near each
+/// other lies near each other in an archive, and a part of a site needs a part of its cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CellKey {
     pub level: i8,
     pub facing: u8,
@@ -28,7 +34,68 @@ pub struct CellKey {
     pub voxel: [i32; 3],
 }
 
+/// Regions that order cells have this level: 64 m.
+const REGION_LEVEL: i8 = 6;
+
+impl Ord for CellKey {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let fields = |k: &Self| (k.level, k.facing, k.material, k.voxel);
+        morton_cmp(self.region_voxel(), other.region_voxel()).then_with(|| fields(self).cmp(&fields(other)))
+    }
+}
+
+impl PartialOrd for CellKey {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
 impl CellKey {
+    /// Bytes of [`CellKey::to_bytes`].
+    pub const BYTES: usize = 24;
+
+    /// Morton code of the region that holds the cell's lowest corner; beyond 2^20 regions from the origin it is clamped.
+    fn region(self) -> u64 {
+        let [x, y, z] = self.region_voxel().map(|v| spread(u64::from(v)));
+        x | y << 1 | z << 2
+    }
+
+    /// Voxel of the region, 21 bits an axis.
+    fn region_voxel(self) -> [u32; 3] {
+        let finer = u32::from(REGION_LEVEL.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
+        let coarser = u32::from(self.level.saturating_sub(REGION_LEVEL).max(0).unsigned_abs()).min(31);
+        let middle = 1_i64 << (MORTON_BITS - 1);
+        self.voxel.map(|v| {
+            let region = ((i64::from(v) << coarser) >> finer).saturating_add(middle);
+            region.clamp(0, 2 * middle - 1) as u32
+        })
+    }
+
+    /// Bytes that sort as keys do, for sorting outside memory.
+    pub fn to_bytes(self) -> [u8; CellKey::BYTES] {
+        let mut bytes = [0; CellKey::BYTES];
+        bytes[..8].copy_from_slice(&self.region().to_be_bytes());
+        // Flipping the sign bit makes signed numbers sort as unsigned ones.
+        bytes[8] = self.level as u8 ^ 0x80;
+        bytes[9] = self.facing;
+        bytes[10..12].copy_from_slice(&self.material.to_be_bytes());
+        for (part, v) in bytes[12..].chunks_exact_mut(4).zip(self.voxel) {
+            part.copy_from_slice(&(v as u32 ^ 1 << 31).to_be_bytes());
+        }
+        bytes
+    }
+
+    /// Inverse of [`CellKey::to_bytes`].
+    pub fn from_bytes(bytes: &[u8; CellKey::BYTES]) -> Self {
+        let word = |at: usize| u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        CellKey {
+            level: (bytes[8] ^ 0x80) as i8,
+            facing: bytes[9],
+            material: u16::from_be_bytes([bytes[10], bytes[11]]),
+            voxel: [12, 16, 20].map(|at| (word(at) ^ 1 << 31) as i32),
+        }
+    }
+
     /// Cell of edge 2^level metres that holds a surface point; `outward` is the triangle's normal, `back` says that its other
     /// side is seen.
     pub fn new(point: DVec3, outward: DVec3, back: bool, material: u16, level: i8) -> Self {
@@ -152,6 +219,29 @@ mod tests {
             let (low, high) = fine.bounds();
             assert!(p.cmpge(low - 1e-9).all() && p.cmple(high + 1e-9).all());
         }
+    }
+
+    /// Bytes come back as the key and sort as keys do, and 4,000 keys of 8 levels lie region by region: each of the 418
+    /// regions of 64 m is met once.
+    #[test]
+    fn order_is_by_place() {
+        let mut keys = Vec::new();
+        for i in 0..4000_u64 {
+            let part = |k: u64| (mix(i, k) % 4001) as f64 * 0.1 - 200.0;
+            let level = (mix(i, 9) % 8) as i8 - 2;
+            keys.push(CellKey::new(DVec3::new(part(1), part(2), part(3)), DVec3::Z, i % 3 == 0, (i % 5) as u16, level));
+        }
+        let mut by_bytes = keys.clone();
+        keys.sort();
+        by_bytes.sort_by_key(|k| k.to_bytes());
+        assert_eq!(keys, by_bytes);
+        assert!(keys.iter().all(|k| CellKey::from_bytes(&k.to_bytes()) == *k));
+        let corner = |k: &CellKey| k.voxel.map(|v| v >> (6 - k.level));
+        keys.dedup_by_key(|k| corner(k));
+        let regions: std::collections::BTreeSet<[i32; 3]> = keys.iter().map(corner).collect();
+        assert_eq!((keys.len(), regions.len()), (418, 418));
+        let far = CellKey { level: 24, facing: 0, material: 0, voxel: [i32::MAX, i32::MIN, 0] };
+        assert_eq!(CellKey::from_bytes(&far.to_bytes()), far);
     }
 
     /// All 54 facing bins are reached, and opposite normals never share one.

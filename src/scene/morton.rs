@@ -10,7 +10,8 @@ use crate::spill::{from_ordered_f64, ordered_f64};
 
 /// Edge of the curve's cells; with 21 bits an axis it spans 524 km around the origin.
 const CELL_M: f64 = 0.25;
-const BITS: u32 = 21;
+/// Bits an axis of a code of 63.
+pub(super) const BITS: u32 = 21;
 
 /// Indices of the receivers by 63-bit Morton code of `position - origin`, then by exact position, normal and id, so that
 /// the order of the file does not matter. Beyond 262 km from the origin the code is clamped, the order stays total.
@@ -60,8 +61,22 @@ fn morton_code(relative: DVec3) -> u64 {
     x | y << 1 | z << 2
 }
 
+/// Order of the codes of two voxels, x in the lowest bit, without making them: the axis whose highest differing bit is the
+/// highest decides (Chan 2002).
+pub(super) fn morton_cmp(a: [u32; 3], b: [u32; 3]) -> Ordering {
+    let (mut axis, mut highest) = (2, a[2] ^ b[2]);
+    for lower in [1, 0] {
+        let differing = a[lower] ^ b[lower];
+        // The highest bit of `differing` is above that of `highest`.
+        if highest < differing && highest < highest ^ differing {
+            (axis, highest) = (lower, differing);
+        }
+    }
+    a[axis].cmp(&b[axis])
+}
+
 /// Puts two zero bits after each of the lowest 21 bits.
-fn spread(bits: u64) -> u64 {
+pub(super) fn spread(bits: u64) -> u64 {
     let mut bits = bits & 0x1f_ffff;
     for (shift, mask) in [
         (32, 0x001f_0000_0000_ffff),

@@ -1,10 +1,7 @@
-//! Bounce cells: the coarse cells that carry second and later bounces. In: the cells that probes see. Out: those cells and every
-//! cell reachable from them, each with sky bits and a list of what it sees.
-
-use std::collections::BTreeSet;
+//! Bounce cells: the coarse cells that carry second and later bounces. In: a cell that a probe or another such cell sees. Out: its
+//! sky bits and a list of what it sees.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::probe::{Directions, trace_probe};
 use super::rays::Tracer;
@@ -43,30 +40,4 @@ pub fn trace_bounce(
     let seen = surroundings(key, &probe, texture, settings.hits, settings.closed_level, mesh, tracer);
     let cast = probe.rays + settings.hits as u64;
     BounceTrace { key, normal: probe.normal, bits: probe.bits, seen, cast }
-}
-
-/// The closed system: all cells reachable from `start`, sorted by key. `texture`: the cells' sky texture. `progress` is told how many were traced.
-pub fn close(
-    start: BTreeSet<CellKey>,
-    texture: &Directions,
-    settings: BounceSettings,
-    mesh: &Mesh,
-    tracer: &Tracer,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Vec<BounceTrace> {
-    let mut wave: Vec<CellKey> = start.iter().copied().collect();
-    let mut known = start;
-    let mut cells = Vec::new();
-    while !wave.is_empty() {
-        let traced: Vec<BounceTrace> =
-            wave.par_iter().map(|&key| trace_bounce(key, texture, settings, mesh, tracer)).collect();
-        progress(traced.len() as u64);
-        let seen = traced.iter().flat_map(|c| &c.seen).filter_map(|s| s.cell);
-        let next: BTreeSet<CellKey> = seen.filter(|key| !known.contains(key)).collect();
-        known.extend(&next);
-        wave = next.into_iter().collect();
-        cells.extend(traced);
-    }
-    cells.sort_unstable_by_key(|c| c.key);
-    cells
 }

@@ -7,7 +7,7 @@ use heliotile::commands::build::{BuildSettings, build};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::load::cached_responses;
 use heliotile::recombine::load::{Tables, tile_view};
-use heliotile::recombine::response::Responder;
+use heliotile::recombine::responder::Responder;
 use heliotile::scene::receivers::Receiver;
 
 use crate::scenes::*;
@@ -49,7 +49,8 @@ fn bytes_depend_on_content_only() {
         }
         let scene = scene(&triangles, &[0.2, 0.4]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let report = pool.install(|| build(&scene, &receivers, &settings, &path)).expect("a build");
+        let report =
+            pool.install(|| build(&scene, &mut tiles(&receivers, &scene), &plan(&settings, &path))).expect("a build");
         (report.root, fs::read(path).expect("the archive"))
     };
     let first = with("a.helio", 1, false);
@@ -65,13 +66,12 @@ fn bytes_depend_on_content_only() {
 fn cached_response_is_the_derived_one() {
     let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &BuildSettings::default());
     let archive = Archive::open(&site.path).expect("an archive");
-    let t = Tables::load(&archive).expect("tables");
-    let responder = Responder::new(t.probes, t.bounces, t.shape, t.reflectors, Depth::All);
+    let tables = Tables::load(&archive).expect("tables");
+    let responder = Responder::new(&tables, Depth::All, 1 << 30, &std::env::temp_dir()).expect("a responder");
+    let views: Vec<_> = (0..archive.tiles()).map(|tile| tile_view(&archive, tile).expect("a tile")).collect();
     let mut compared = 0;
-    for tile in 0..archive.tiles() {
-        let view = tile_view(&archive, tile).expect("a tile");
-        for (i, cached) in cached_responses(&archive, tile).expect("responses").iter().enumerate() {
-            let derived = responder.derive(&view.hits, i, &view.viewers[i]);
+    for (tile, derived) in responder.derive(&tables, &views).expect("responses").iter().enumerate() {
+        for (derived, cached) in derived.iter().zip(&cached_responses(&archive, tile as u32).expect("responses")) {
             for (a, b) in derived.values.iter().zip(&cached.values) {
                 assert!((a - b).abs() <= 5e-4 * a.abs() + 1e-7, "{a} {b}");
                 compared += 1;

@@ -5,10 +5,11 @@ use heliotile::archive::Archive;
 use heliotile::commands::build::{BuildSettings, Share};
 use heliotile::hemisphere::bit;
 use heliotile::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
-use heliotile::layers::probes::Bounces;
+use heliotile::layers::cells::Cells;
 use heliotile::recombine::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
-use heliotile::recombine::load::{Tables, TileView, tile_view};
-use heliotile::recombine::response::{Responder, hit_weights, respond};
+use heliotile::recombine::load::{CellSource, Tables, TileView, tile_view};
+use heliotile::recombine::responder::Responder;
+use heliotile::recombine::response::{hit_weights, respond};
 use heliotile::recombine::sky::SkyModel;
 use heliotile::scene::Scene;
 use heliotile::scene::receivers::Receiver;
@@ -48,22 +49,23 @@ fn suns() -> Vec<DVec3> {
 
 /// Radiosity of every coarse cell for one source whose visibility and cosine `lit(cell)` gives: the plain scalar system.
 fn radiosities(
-    cells: &Bounces,
+    cells: &Cells,
     sky: usize,
     rho: &dyn Fn(usize) -> f64,
     lit: &dyn Fn(&[u8], [f32; 3]) -> f64,
 ) -> Vec<f64> {
-    let (row, rays) = (sky * sky / 8, cells.hits.len() / cells.keys.len());
     let centres = centres_f32(sky);
-    let bits = |i: usize| &cells.bits[i * row..(i + 1) * row];
+    let bits = |i: usize| cells.bits_of(i);
+    let row_of: Vec<usize> = cells.seen.iter().map(|k| cells.keys.binary_search(k).expect("a closed system")).collect();
     let source: Vec<f64> = (0..cells.keys.len()).map(|i| rho(i) * lit(bits(i), cells.normals[i])).collect();
     let mut now = source.clone();
     for _ in 0..200 {
         let next: Vec<f64> = (0..now.len())
             .map(|i| {
                 let around = surround(cells.normals[i], bits(i), &centres);
-                let (above, below) = seen(&cells.hits[i * rays..(i + 1) * rays]);
-                let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * now[c as usize]).sum::<f64>();
+                let (above, below) = seen(cells.hits_of(i));
+                let gather =
+                    |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * now[row_of[c as usize]]).sum::<f64>();
                 source[i] + rho(i) * (around.up * gather(&above) + around.down * gather(&below))
             })
             .collect();
@@ -76,24 +78,42 @@ fn radiosities(
     now
 }
 
+/// All cells of an archive.
+struct All<'a> {
+    tables: Tables<'a>,
+    probes: Cells,
+    bounces: Cells,
+}
+
+impl<'a> All<'a> {
+    fn load(archive: &'a Archive) -> Self {
+        let tables = Tables::load(archive).expect("tables");
+        let all = |source: &CellSource| {
+            let chunk = |chunk| source.chunk(chunk).expect("a chunk");
+            Cells::join(&(0..source.chunks()).map(chunk).collect::<Vec<_>>())
+        };
+        let (probes, bounces) = (all(&tables.probes), all(&tables.bounces));
+        All { tables, probes, bounces }
+    }
+}
+
 /// What a source sends to a receiver by a plain loop over the cells it sees.
-fn plain(tables: &Tables, view: &TileView, index: usize, sky: &Source, cells: &[f64]) -> f64 {
-    let (shape, hits) = (tables.shape, &view.hits);
-    let probes = &tables.probes;
+fn plain(all: &All, view: &TileView, index: usize, sky: &Source, cells: &[f64]) -> f64 {
+    let (shape, hits, probes) = (all.tables.shape, &view.hits, &all.probes);
     let per = shape.hit * shape.hit;
     let texels = &hits.texels[index * per..(index + 1) * per];
-    let (row, rays) = (shape.probe * shape.probe / 8, probes.hits.len() / probes.keys.len());
     let centres = centres_f32(shape.probe);
+    let row_of = |c: u32| all.bounces.keys.binary_search(&probes.seen[c as usize]).expect("a bounce cell");
     let mut sum = 0.0;
     for (cell, weight) in hit_weights(texels, &view.viewers[index]).cells {
         let key = hits.palette[cell];
-        let probe = probes.find(&key).expect("every hit has its probe");
-        let bits = &probes.bits[probe * row..(probe + 1) * row];
+        let probe = probes.keys.binary_search(&key).expect("every hit has its probe");
+        let bits = probes.bits_of(probe);
         let around = surround(probes.normals[probe], bits, &centres);
-        let (above, below) = seen(&probes.hits[probe * rays..(probe + 1) * rays]);
-        let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * cells[c as usize]).sum::<f64>();
+        let (above, below) = seen(probes.hits_of(probe));
+        let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * cells[row_of(c)]).sum::<f64>();
         let indirect = around.up * gather(&above) + around.down * gather(&below);
-        let rho = tables.reflectors[usize::from(key.material)].diffuse;
+        let rho = all.tables.reflectors[usize::from(key.material)].diffuse;
         sum += weight * rho * (sky(shape.probe, bits, probes.normals[probe]) + indirect);
     }
     sum
@@ -116,13 +136,14 @@ fn cosine(normal: [f32; 3], d: DVec3) -> f64 {
 fn response_equals_plain_loop() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
     let archive = Archive::open(&site.path).expect("an archive");
-    let tables = Tables::load(&archive).expect("tables");
+    let all = All::load(&archive);
+    let (tables, bounces) = (&all.tables, &all.bounces);
     let view = tile_view(&archive, 0).expect("a tile");
-    let bounces = &tables.bounces;
-    let responder =
-        Responder::new(tables.probes.clone(), bounces.clone(), tables.shape, tables.reflectors.clone(), Depth::All);
+    let folder = tempfile::tempdir().expect("a folder");
+    let responder = Responder::new(tables, Depth::All, 1 << 30, folder.path()).expect("a responder");
     let rho = |i: usize| tables.reflectors[usize::from(bounces.keys[i].material)].diffuse;
-    let responses: Vec<Vec<f32>> = (0..20).map(|r| responder.derive(&view.hits, r, &view.viewers[r]).total()).collect();
+    let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
+    let responses: Vec<Vec<f32>> = tiles[0].iter().map(|response| response.total()).collect();
 
     let mut worst = 0.0_f64;
     let mut largest = 0.0_f64;
@@ -141,7 +162,7 @@ fn response_equals_plain_loop() {
             sun(tables.shape.bounce_sky, bits, normal)
         });
         for (r, response) in responses.iter().enumerate() {
-            let expected = plain(&tables, &view, r, &sun, &cells);
+            let expected = plain(&all, &view, r, &sun, &cells);
             worst = worst.max((respond(response, s, &corners) - expected).abs());
             largest = largest.max(expected);
         }
@@ -175,7 +196,7 @@ fn response_equals_plain_loop() {
             .sum::<f64>()
             * HEMISPHERE_SR
             / texels as f64;
-        let expected = plain(&tables, &view, r, &sky, &cells);
+        let expected = plain(&all, &view, r, &sky, &cells);
         assert!(
             (got - expected).abs() < 1e-5 * std::f64::consts::PI + TOLERANCE * expected,
             "sky at {r}: {got} for {expected}"

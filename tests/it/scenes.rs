@@ -1,17 +1,18 @@
 //! Small scenes with known answers, and the shortest way from a scene to irradiance: through a real archive.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use heliotile::archive::Archive;
-use heliotile::commands::build::{BuildSettings, build};
+use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::conditions::Condition;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
 use heliotile::scene::Scene;
 use heliotile::scene::materials::{Class, Material};
+use heliotile::scene::receiver_tiles::ReceiverTiles;
 use heliotile::scene::receivers::Receiver;
 use heliotile::units::direction_from_degrees;
 
@@ -108,10 +109,20 @@ pub struct Site {
     pub path: PathBuf,
 }
 
+/// Receivers in tiles, as a build takes them.
+pub fn tiles(receivers: &[Receiver], scene: &Scene) -> ReceiverTiles {
+    ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &std::env::temp_dir(), 1 << 20).expect("receivers")
+}
+
+/// A build of an archive with some settings.
+pub fn plan(settings: &BuildSettings, path: &Path) -> BuildPlan {
+    BuildPlan { settings: *settings, output: path.to_path_buf(), memory_bytes: 1 << 30, start: Start::New }
+}
+
 pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> Site {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("site.helio");
-    build(scene, receivers, settings, &path).expect("a build");
+    build(scene, &mut tiles(receivers, scene), &plan(settings, &path)).expect("a build");
     Site { _folder: folder, path }
 }
 
@@ -130,11 +141,10 @@ impl Site {
         patches: usize,
     ) -> BTreeMap<String, Vec<Row>> {
         let archive = Archive::open(&self.path).expect("an archive");
-        let settings = ReplaySettings { sky, patches, depth };
+        let settings = ReplaySettings { sky, patches, depth, memory_bytes: 1 << 30 };
         let replay = Replay::new(&archive, conditions, settings).expect("a replay");
         let mut rows = BTreeMap::new();
-        for tile in 0..replay.tiles() {
-            let (ids, values) = replay.tile(tile).expect("a tile");
+        for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
             for (r, id) in ids.into_iter().enumerate() {
                 let at = |component: usize, c: usize| f64::from(values.row(component, r)[c]);
                 let row = |c: usize| Row {

@@ -22,7 +22,7 @@ pub struct Materials {
     pub group: Vec<String>,
 }
 
-table!(Materials, MATERIALS);
+table!(Materials, [MATERIALS]);
 
 impl Materials {
     /// Number of materials.
@@ -71,7 +71,7 @@ mod tests {
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (124, "8c7a94486fea70db".to_string()));
-        assert_eq!(Materials::from_block(&block(&known().encode(0, 9).unwrap())).unwrap(), known());
+        assert_eq!(Materials::from_block(&block(&known().encode(MATERIALS, 0, 9).unwrap())).unwrap(), known());
     }
 
     /// A value out of range in any of 7 ways is refused on writing and, under right checksums, on reading.

@@ -1,19 +1,18 @@
 //! Tables: rkyv columns inside blocks, by kind and schema id. In: a block, or columns. Out: columns that hold only checked
 //! values, or a block's raw bytes. A layout that was released never changes: a test of each table holds its bytes.
 
-mod bounce;
+mod cells;
+mod index;
 mod materials;
-mod probes;
 mod receivers;
 
 use std::fmt::Debug;
 
-use super::format;
 use crate::error::Error;
 
-pub use bounce::Bounce;
+pub use cells::{Cells, pack_tag, unpack_tag};
+pub use index::Index;
 pub use materials::Materials;
-pub use probes::{Probes, pack_tag, unpack_tag};
 pub use receivers::Receivers;
 
 /// What is wrong with a table's values.
@@ -29,8 +28,7 @@ impl Flaw {
     }
 
     /// The error of a table that cannot be written.
-    fn refuse(self, kind: u32) -> Error {
-        let what = format!("writing the table of {}", format::kind_name(kind));
+    fn refuse(self, what: String) -> Error {
         Error::Unsupported { what, found: self.got, supported: self.expected }
     }
 }
@@ -57,11 +55,6 @@ fn flat_column(name: &str, length: usize, rows: usize) -> Result<(), Flaw> {
     }
 }
 
-/// Values per row of a flat column.
-fn per_row(length: usize, rows: usize) -> usize {
-    length.checked_div(rows).unwrap_or(0)
-}
-
 /// Whether a vector's length lies in a range that is widened by 1e-6; false for NaN.
 fn length_in(vector: [f64; 3], low: f64, high: f64) -> bool {
     let [x, y, z] = vector;
@@ -73,35 +66,49 @@ fn is_share(value: f64) -> bool {
     (0.0..=1.0).contains(&value)
 }
 
-/// The way between a table and its block, for a type with `rows` and `check`.
+/// The way between a table and blocks of its kinds, for a type with `rows` and `check`.
 macro_rules! table {
-    ($name:ident, $kind:expr) => {
+    ($name:ident, $kinds:expr) => {
         impl $name {
-            /// Kind of the table's blocks.
-            pub const KIND: u32 = $kind;
+            /// Kinds of the table's blocks.
+            pub const KINDS: &'static [u32] = &$kinds;
 
             /// Raw bytes of a block, if all values are in range.
             pub fn to_bytes(&self) -> crate::error::Result<Vec<u8>> {
-                self.check().map_err(|flaw| flaw.refuse(Self::KIND))?;
+                let what = format!("writing a table of {}", stringify!($name).to_lowercase());
+                let refuse = |flaw: super::Flaw| flaw.refuse(what);
+                if let Err(flaw) = self.check() {
+                    return Err(refuse(flaw));
+                }
                 match rkyv::to_bytes::<rkyv::rancor::Error>(self) {
                     Ok(bytes) => Ok(bytes.to_vec()),
-                    Err(e) => Err(super::Flaw::new(e.to_string(), "a table that fits a block").refuse(Self::KIND)),
+                    Err(e) => Err(refuse(super::Flaw::new(e.to_string(), "a table that fits a block"))),
                 }
             }
 
-            /// A block that is ready to be written.
-            pub fn encode(&self, tile: u32, level: i32) -> crate::error::Result<crate::archive::EncodedBlock> {
+            /// A block of one of the table's kinds that is ready to be written.
+            pub fn encode(
+                &self,
+                kind: u32,
+                tile: u32,
+                level: i32,
+            ) -> crate::error::Result<crate::archive::EncodedBlock> {
+                if !Self::KINDS.contains(&kind) {
+                    let (got, expected) = (crate::archive::format::kind_name(kind), "the table's own kind");
+                    return Err(super::Flaw::new(got, expected).refuse("writing a table".to_string()));
+                }
                 let raw = self.to_bytes()?;
-                let schema = crate::archive::format::schema_of(Self::KIND).unwrap_or(0);
+                let schema = crate::archive::format::schema_of(kind).unwrap_or(0);
                 // Columns of 2^32 rows do not fit a block: `encode` refuses the raw bytes.
                 let items = u32::try_from(self.rows()).unwrap_or(u32::MAX);
-                crate::archive::encode(Self::KIND, tile, schema, items, &raw, level)
+                crate::archive::encode(kind, tile, schema, items, &raw, level)
             }
 
             /// The table of a block, all values checked.
             pub fn from_block(block: &crate::archive::Block) -> crate::error::Result<Self> {
-                block.require(Self::KIND)?;
-                let name = || format!("a table of {}", crate::archive::format::kind_name(Self::KIND));
+                let kind = Self::KINDS.iter().copied().find(|kind| *kind == block.entry().kind);
+                block.require(kind.or(Self::KINDS.first().copied()).unwrap_or(0))?;
+                let name = || format!("a table of {}", crate::archive::format::kind_name(block.entry().kind));
                 let no_table = |_: rkyv::rancor::Error| block.corrupt("bytes that are no table", name());
                 let archived =
                     rkyv::access::<rkyv::Archived<Self>, rkyv::rancor::Error>(block.bytes()).map_err(no_table)?;
@@ -123,7 +130,7 @@ use table;
 mod tests {
     use std::path::Path;
 
-    use crate::archive::{Block, EncodedBlock, codec};
+    use crate::archive::{Block, EncodedBlock, codec, format};
     use crate::error::Result;
 
     /// A block as a reader gets it.
@@ -133,6 +140,7 @@ mod tests {
 
     /// Reads every single-bit change of raw bytes, with right checksums, and a cut of every length: (refused, accepted).
     pub fn hostile<T>(kind: u32, items: u32, raw: &[u8], read: impl Fn(&Block) -> Result<T>) -> (usize, usize) {
+        let schema = format::schema_of(kind).unwrap();
         let flips = (0..raw.len() * 8).map(|bit| {
             let mut bytes = raw.to_vec();
             bytes[bit / 8] ^= 1 << (bit % 8);
@@ -141,7 +149,7 @@ mod tests {
         let cuts = (1..raw.len()).map(|length| raw[..length].to_vec());
         let (mut refused, mut accepted) = (0, 0);
         for bytes in flips.chain(cuts) {
-            match read(&block(&codec::encode(kind, 0, 1, items, &bytes, 1).unwrap())) {
+            match read(&block(&codec::encode(kind, 0, schema, items, &bytes, 1).unwrap())) {
                 Ok(_) => accepted += 1,
                 Err(_) => refused += 1,
             }

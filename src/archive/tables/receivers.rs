@@ -26,7 +26,7 @@ pub struct Receivers {
     pub obstruction_view: Vec<f32>,
 }
 
-table!(Receivers, RECEIVERS);
+table!(Receivers, [RECEIVERS]);
 
 impl Receivers {
     /// Number of receivers.
@@ -80,7 +80,7 @@ mod tests {
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (256, "1f1296ef4af86e64".to_string()));
-        let back = Receivers::from_block(&block(&known().encode(0, 9).unwrap())).unwrap();
+        let back = Receivers::from_block(&block(&known().encode(RECEIVERS, 0, 9).unwrap())).unwrap();
         assert_eq!(back, known());
     }
 

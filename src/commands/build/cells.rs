@@ -1,126 +1,186 @@
-//! The cells of a build: fine probes and coarse bounce cells traced, put in tables, packed and compressed.
+//! The cells of a build: fine probes and coarse bounce cells, traced a batch at a time, sorted, packed, compressed and written.
+//! Nothing but their keys stays in memory.
 
-use std::collections::BTreeSet;
+use std::collections::HashSet;
 
 use rayon::prelude::*;
 
 use super::{COMPRESSION, Job, Rays};
-use crate::archive::{EncodedBlock, tables};
+use crate::archive::{Blocks, Writer, format, tables};
 use crate::commands::progress::bar;
 use crate::error::Result;
-use crate::layers::probes::{Bounces, DOWN, MISS, Probes};
+use crate::layers::cells::{Cell, Cells, cells_per_chunk};
 use crate::scene::cells::{CellKey, level_of};
-use crate::trace::bounce::{BounceSettings, close};
+use crate::spill::Sorter;
+use crate::trace::bounce::{BounceSettings, trace_bounce};
 use crate::trace::probe::{Directions, trace_probe};
 use crate::trace::surroundings::{Seen, surroundings};
 
-/// Probes, or bounce cells, in a block.
-const PROBES_PER_BLOCK: usize = 16_384;
-const BOUNCES_PER_BLOCK: usize = 8_192;
+/// Bounce cells traced at a time.
+const WAVE: usize = 8192;
 
-/// A traced probe: all but its key.
-struct TracedProbe {
-    normal: [f32; 3],
-    bits: Vec<u8>,
-    seen: Vec<Seen>,
-    rays: u64,
+/// Cells that have been written, and what the next stage needs of them.
+pub(super) struct Written {
+    pub count: u64,
+    pub seen: HashSet<CellKey>,
 }
 
 impl Job<'_> {
-    /// Probes of all keys, which are sorted, and the coarse cells that they see, directly or by further bounces.
-    pub fn trace_cells(&self, keys: &[CellKey], rays: &mut Rays) -> (Probes, Bounces) {
+    /// Traces and writes the probes of all keys, which are sorted.
+    pub fn write_probes(
+        &self,
+        keys: impl Iterator<Item = Result<CellKey>>,
+        writer: &mut Writer,
+        rays: &mut Rays,
+    ) -> Result<Written> {
+        let texture = Directions::new(self.settings.probe);
+        let progress = bar("probes", None);
+        let mut chunks = Chunks::new(self, format::PROBES, tables::Index::PROBES, self.settings.probe_hits);
+        let mut seen = HashSet::new();
+        let mut keys = keys.peekable();
+        while keys.peek().is_some() {
+            let batch: Vec<CellKey> = keys.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
+            progress.inc(batch.len() as u64);
+            let trace = |keys: &[CellKey]| {
+                let traced: Vec<(Cell, u64)> = keys.par_iter().map(|&key| self.trace_probe(key, &texture)).collect();
+                let cast = traced.iter().map(|t| t.1).sum();
+                (traced.into_iter().map(|t| t.0).collect(), cast)
+            };
+            rays.probe += chunks.write(&batch, trace, writer, |chunk| seen.extend(&chunk.seen))?;
+        }
+        progress.finish_and_clear();
+        let count = chunks.finish(writer)?;
+        Ok(Written { count, seen })
+    }
+
+    fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, u64) {
         let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
-        let closed_level = level_of(s.closed_m);
-        let texture = Directions::new(s.probe);
-        let progress = bar("probes", Some(keys.len() as u64));
-        let traced: Vec<TracedProbe> = keys
-            .par_iter()
-            .map(|&key| {
-                let probe = trace_probe(key, &texture, mesh, tracer);
-                let seen = surroundings(key, &probe, &texture, s.probe_hits, closed_level, mesh, tracer);
-                progress.inc(1);
-                let (normal, rays) = (probe.normal.as_vec3().to_array(), probe.rays + s.probe_hits as u64);
-                TracedProbe { normal, bits: probe.bits, seen, rays }
+        let probe = trace_probe(key, texture, mesh, tracer);
+        let seen = surroundings(key, &probe, texture, s.probe_hits, level_of(s.closed_m), mesh, tracer);
+        let normal = probe.normal.as_vec3().to_array();
+        (Cell { key, normal, bits: probe.bits, seen: pairs(seen) }, probe.rays + s.probe_hits as u64)
+    }
+
+    /// Traces and writes all bounce cells that can be reached from some: the closed system.
+    pub fn write_bounces(&self, start: HashSet<CellKey>, writer: &mut Writer, rays: &mut Rays) -> Result<u64> {
+        let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
+        if writer.has(format::INDEX, tables::Index::BOUNCE) {
+            let index = tables::Index::from_block(&writer.block(format::INDEX, tables::Index::BOUNCE)?)?;
+            let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, chunk)?.items()));
+            return (0..index.rows() as u32).map(items).sum();
+        }
+        let settings = BounceSettings { closed_level: level_of(s.closed_m), hits: s.bounce_hits };
+        let texture = Directions::new(s.bounce_sky);
+        let progress = bar("bounces", None);
+        let mut sorter = Sorter::new(&self.folder, self.memory / 8);
+        let mut wave: Vec<CellKey> = start.iter().copied().collect();
+        wave.sort_unstable();
+        let mut known = start;
+        while !wave.is_empty() {
+            let mut next = Vec::new();
+            for part in wave.chunks(WAVE) {
+                let traced: Vec<_> =
+                    part.par_iter().map(|&key| trace_bounce(key, &texture, settings, mesh, tracer)).collect();
+                for cell in traced {
+                    rays.bounce += cell.cast;
+                    next.extend(cell.seen.iter().filter_map(|seen| seen.cell).filter(|key| known.insert(*key)));
+                    let normal = cell.normal.as_vec3().to_array();
+                    let cell = Cell { key: cell.key, normal, bits: cell.bits, seen: pairs(cell.seen) };
+                    sorter.push(&cell.key.to_bytes(), &cell.to_bytes())?;
+                }
+                progress.inc(part.len() as u64);
+                self.checkpoint(writer)?;
+            }
+            next.sort_unstable();
+            wave = next;
+        }
+        progress.finish_and_clear();
+        drop(known);
+        let mut chunks = Chunks::new(self, format::BOUNCE, tables::Index::BOUNCE, s.bounce_hits);
+        let bytes = (s.bounce_sky * s.bounce_sky).div_ceil(8);
+        let mut sorted = sorter.finish()?.peekable();
+        while sorted.peek().is_some() {
+            let cell =
+                |record: Result<(Vec<u8>, Vec<u8>)>| record.map(|(key, cell)| Cell::from_bytes(&key, &cell, bytes));
+            let batch: Vec<Cell> = sorted.by_ref().take(chunks.batch()).map(cell).collect::<Result<_>>()?;
+            let keys: Vec<CellKey> = batch.iter().map(|c| c.key).collect();
+            let traced = |keys: &[CellKey]| {
+                let start = batch.partition_point(|c| c.key < keys[0]);
+                (batch[start..start + keys.len()].to_vec(), 0)
+            };
+            chunks.write(&keys, traced, writer, |_| {})?;
+        }
+        chunks.finish(writer)
+    }
+}
+
+/// Chunks of one kind of cells on their way into an archive.
+struct Chunks<'a> {
+    job: &'a Job<'a>,
+    kind: u32,
+    index: u32,
+    size: usize,
+    firsts: Vec<CellKey>,
+    count: u64,
+}
+
+impl<'a> Chunks<'a> {
+    fn new(job: &'a Job<'a>, kind: u32, index: u32, rays: usize) -> Self {
+        Chunks { job, kind, index, size: cells_per_chunk(rays), firsts: Vec::new(), count: 0 }
+    }
+
+    /// Cells to be given at a time: some chunks for every core.
+    fn batch(&self) -> usize {
+        self.size * rayon::current_num_threads() * 2
+    }
+
+    /// Writes the chunks of some keys: sorted, a batch at a time but for the last ones. A chunk that the file holds already is
+    /// read instead of traced. Returns the rays cast.
+    fn write(
+        &mut self,
+        keys: &[CellKey],
+        trace: impl Fn(&[CellKey]) -> (Vec<Cell>, u64) + Sync,
+        writer: &mut Writer,
+        mut see: impl FnMut(&Cells),
+    ) -> Result<u64> {
+        let first = self.firsts.len();
+        let done: Vec<Result<_>> = keys
+            .par_chunks(self.size)
+            .enumerate()
+            .map(|(i, keys)| {
+                let number = (first + i) as u32;
+                if writer.has(self.kind, number) {
+                    let chunk = tables::Cells::from_block(&writer.block(self.kind, number)?)?.into_cells();
+                    return Ok((chunk, None, 0));
+                }
+                let (traced, cast) = trace(keys);
+                let chunk = Cells::new(&traced);
+                let block = tables::Cells::new(&chunk).encode(self.kind, number, COMPRESSION)?;
+                Ok((chunk, Some(block), cast))
             })
             .collect();
-        progress.finish_and_clear();
-        let progress = bar("bounces", None);
-        let start: BTreeSet<CellKey> = traced.iter().flat_map(|p| &p.seen).filter_map(|seen| seen.cell).collect();
-        let settings = BounceSettings { closed_level, hits: s.bounce_hits };
-        let cells = close(start, &Directions::new(s.bounce_sky), settings, mesh, tracer, &|n| progress.inc(n));
-        progress.finish_and_clear();
-        rays.probe = traced.iter().map(|t| t.rays).sum();
-        rays.bounce = cells.iter().map(|c| c.cast).sum();
-
-        let rows: Vec<CellKey> = cells.iter().map(|c| c.key).collect();
-        let probes = Probes {
-            keys: keys.to_vec(),
-            normals: traced.iter().map(|t| t.normal).collect(),
-            hits: traced.par_iter().flat_map_iter(|t| row_numbers(&t.seen, &rows)).collect(),
-            bits: traced.into_iter().flat_map(|t| t.bits).collect(),
-        };
-        let bounces = Bounces {
-            normals: cells.iter().map(|c| c.normal.as_vec3().to_array()).collect(),
-            hits: cells.par_iter().flat_map_iter(|c| row_numbers(&c.seen, &rows)).collect(),
-            bits: cells.into_iter().flat_map(|c| c.bits).collect(),
-            keys: rows,
-        };
-        (probes, bounces)
+        let mut rays = 0;
+        for (keys, part) in keys.chunks(self.size).zip(done) {
+            let (chunk, block, cast) = part?;
+            block.map_or(Ok(()), |block| writer.append(block))?;
+            see(&chunk);
+            rays += cast;
+            self.firsts.push(keys[0]);
+            self.count += keys.len() as u64;
+        }
+        self.job.checkpoint(writer)?;
+        Ok(rays)
     }
 
-    pub fn probe_blocks(&self, probes: &Probes) -> Result<Vec<EncodedBlock>> {
-        let row = probes.bits.len().checked_div(probes.keys.len()).unwrap_or(0);
-        let starts: Vec<usize> = (0..probes.keys.len()).step_by(PROBES_PER_BLOCK).collect();
-        let block = |start: &usize| {
-            let part = *start..(start + PROBES_PER_BLOCK).min(probes.keys.len());
-            let keys = &probes.keys[part.clone()];
-            let table = tables::Probes {
-                voxel: keys.iter().map(|k| k.voxel).collect(),
-                tag: keys.iter().map(tag).collect(),
-                material: keys.iter().map(|k| k.material).collect(),
-                normal: probes.normals[part.clone()].to_vec(),
-                bits: probes.bits[part.start * row..part.end * row].to_vec(),
-                hits: probes.hits[part.start * self.settings.probe_hits..part.end * self.settings.probe_hits].to_vec(),
-            };
-            table.encode((start / PROBES_PER_BLOCK) as u32, COMPRESSION)
-        };
-        starts.par_iter().map(block).collect()
-    }
-
-    pub fn bounce_blocks(&self, bounces: &Bounces) -> Result<Vec<EncodedBlock>> {
-        let count = bounces.keys.len();
-        let row = bounces.bits.len().checked_div(count).unwrap_or(0);
-        let rays = bounces.hits.len().checked_div(count).unwrap_or(0);
-        let starts: Vec<usize> = (0..count).step_by(BOUNCES_PER_BLOCK).collect();
-        let block = |start: &usize| {
-            let part = *start..(start + BOUNCES_PER_BLOCK).min(count);
-            let keys = &bounces.keys[part.clone()];
-            let table = tables::Bounce {
-                voxel: keys.iter().map(|k| k.voxel).collect(),
-                tag: keys.iter().map(tag).collect(),
-                material: keys.iter().map(|k| k.material).collect(),
-                normal: bounces.normals[part.clone()].to_vec(),
-                bits: bounces.bits[part.start * row..part.end * row].to_vec(),
-                hits: bounces.hits[part.start * rays..part.end * rays].to_vec(),
-            };
-            table.encode((start / BOUNCES_PER_BLOCK) as u32, COMPRESSION)
-        };
-        starts.par_iter().map(block).collect()
+    /// Writes the index, and returns the number of cells.
+    fn finish(self, writer: &mut Writer) -> Result<u64> {
+        if !self.firsts.is_empty() && !writer.has(format::INDEX, self.index) {
+            writer.append(tables::Index::new(&self.firsts).encode(format::INDEX, self.index, COMPRESSION)?)?;
+        }
+        Ok(self.count)
     }
 }
 
-/// What a cell sees as row numbers. Rays count alike, so their order means nothing: sorted, they compress.
-fn row_numbers(seen: &[Seen], rows: &[CellKey]) -> Vec<u32> {
-    let number = |s: &Seen| {
-        // The system is closed: every cell that is seen has a row.
-        let row = s.cell.and_then(|key| rows.binary_search(&key).ok()).map_or(MISS, |i| i as u32);
-        if s.up { row } else { row | DOWN }
-    };
-    let mut numbers: Vec<u32> = seen.iter().map(number).collect();
-    numbers.sort_unstable();
-    numbers
-}
-
-fn tag(key: &CellKey) -> u32 {
-    tables::pack_tag(key.level, key.facing)
+fn pairs(seen: Vec<Seen>) -> Vec<(bool, Option<CellKey>)> {
+    seen.into_iter().map(|s| (s.up, s.cell)).collect()
 }

@@ -1,8 +1,6 @@
 //! The manifest of a build: where the archive comes from and what is in it.
 
-use std::collections::BTreeMap;
-
-use super::{COMPRESSION, Job, Rays, Share};
+use super::{BuildSettings, COMPRESSION, Job, Share};
 use crate::archive::manifest::{self, Creator, Manifest, ReceiverSummary, SceneSummary, Settings};
 use crate::archive::{EncodedBlock, format, tables};
 use crate::error::Result;
@@ -12,11 +10,10 @@ use crate::scene::receivers::TILE;
 /// What a build counted.
 #[derive(Clone, Copy, Debug)]
 pub struct Counts {
-    pub receivers: usize,
-    pub tiles: usize,
-    pub probes: usize,
-    pub bounce_cells: usize,
-    pub rays: Rays,
+    pub receivers: u64,
+    pub tiles: u32,
+    pub probes: u64,
+    pub bounce_cells: u64,
 }
 
 impl Job<'_> {
@@ -29,17 +26,12 @@ impl Job<'_> {
             class: materials.iter().map(|m| u8::from(m.class == Class::Ground)).collect(),
             group: materials.iter().map(|m| m.group.clone().unwrap_or_default()).collect(),
         };
-        table.encode(0, COMPRESSION)
+        table.encode(format::MATERIALS, 0, COMPRESSION)
     }
 
     pub(super) fn manifest(&self, counts: &Counts, layers: Vec<manifest::LayerSummary>) -> Manifest {
-        let (mesh, s) = (&self.scene.mesh, self.settings);
+        let mesh = &self.scene.mesh;
         let (low, high) = mesh.bounds();
-        let rays = [("sky", counts.rays.sky), ("hit", counts.rays.hit)]
-            .into_iter()
-            .chain([("probe", counts.rays.probe), ("bounce", counts.rays.bounce)])
-            .map(|(name, count)| (name.to_string(), count))
-            .collect::<BTreeMap<String, u64>>();
         Manifest {
             format: "heliotile".into(),
             creator: Creator { name: "heliotile".into(), version: env!("CARGO_PKG_VERSION").into() },
@@ -55,30 +47,42 @@ impl Job<'_> {
                 ..SceneSummary::default()
             },
             receivers: ReceiverSummary {
-                count: counts.receivers as u64,
+                count: counts.receivers,
                 tile_size: TILE as u32,
-                tiles: counts.tiles as u32,
+                tiles: counts.tiles,
                 ..ReceiverSummary::default()
             },
-            settings: Settings {
-                quality: String::new(),
-                sky_base: s.sky_base as u32,
-                sky_fine: s.sky_fine as u32,
-                hit: s.hit as u32,
-                cell_factor: s.cell_factor,
-                cell_floor_m: s.cell_floor_m,
-                probe: s.probe as u32,
-                probe_hits: s.probe_hits as u32,
-                closed_m: s.closed_m,
-                bounce_sky: s.bounce_sky as u32,
-                bounce_hits: s.bounce_hits as u32,
-                share: if s.share == Share::None { "none" } else { "cells" }.into(),
-                bounces: "all".into(),
-                ..Settings::default()
-            },
-            counts: manifest::Counts { probes: counts.probes as u64, bounce_cells: counts.bounce_cells as u64, rays },
+            settings: self.settings.stated(),
+            counts: manifest::Counts { probes: counts.probes, bounce_cells: counts.bounce_cells },
             layers,
             ..Manifest::default()
         }
+    }
+}
+
+impl BuildSettings {
+    /// The settings as the archive states them.
+    pub fn stated(&self) -> Settings {
+        let s = self;
+        Settings {
+            quality: String::new(),
+            sky_base: s.sky_base as u32,
+            sky_fine: s.sky_fine as u32,
+            hit: s.hit as u32,
+            cell_factor: s.cell_factor,
+            cell_floor_m: s.cell_floor_m,
+            probe: s.probe as u32,
+            probe_hits: s.probe_hits as u32,
+            closed_m: s.closed_m,
+            bounce_sky: s.bounce_sky as u32,
+            bounce_hits: s.bounce_hits as u32,
+            share: if s.share == Share::None { "none" } else { "cells" }.into(),
+            bounces: "all".into(),
+            ..Settings::default()
+        }
+    }
+    /// Names the settings: builds with other ones have other hashes.
+    pub(super) fn hash(&self) -> [u8; 32] {
+        *blake3::hash(format!("{:?}", self.stated()).as_bytes()).as_bytes()
     }
 }

@@ -4,30 +4,22 @@ mod cells;
 mod manifest;
 mod tiles;
 
-use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rayon::prelude::*;
-
-use super::progress::bar;
-use super::{Outcome, guard_output, say, warn};
+use super::{Outcome, guard_output, interrupt, say, warn};
 use crate::archive::{self, EncodedBlock, Writer, encode, format};
 use crate::cli::BuildArgs;
 pub use crate::cli::Share;
 use crate::error::{Error, Result};
-use crate::hemisphere::texel_centres;
-use crate::recombine::bounces::Depth;
-use crate::recombine::load::TileView;
-use crate::recombine::response::{Reflector, Responder, Shape};
+use crate::recombine::response::Reflector;
 use crate::scene::Scene;
-use crate::scene::cells::{CellKey, level_of};
-use crate::scene::receivers::{Receiver, TILE, morton_order, read_receivers_with_warnings};
+use crate::scene::receiver_tiles::ReceiverTiles;
+use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
 pub use manifest::Counts;
-use tiles::TracedTile;
 
 /// Everything that decides what an archive of a scene holds. The defaults are the row "1 %" of the accuracy ladder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,10 +62,42 @@ impl Default for BuildSettings {
     }
 }
 
+/// What to build.
+#[derive(Clone, Debug)]
+pub struct BuildPlan {
+    pub settings: BuildSettings,
+    pub output: PathBuf,
+    /// Bytes to work in, besides the scene and its tree.
+    pub memory_bytes: u64,
+    pub start: Start,
+}
+
+/// What to do where an interrupted build lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Start {
+    /// Refuse, and say what can be done.
+    #[default]
+    New,
+    Resume,
+    Fresh,
+}
+
+impl BuildPlan {
+    fn writer(&self, job: &archive::Job) -> Result<Writer> {
+        match self.start {
+            Start::New => Writer::create(&self.output, job),
+            Start::Resume => Writer::resume(&self.output, job),
+            Start::Fresh => Writer::create_fresh(&self.output, job),
+        }
+    }
+}
+
 /// What a build did.
 #[derive(Clone, Debug)]
 pub struct BuildReport {
     pub counts: Counts,
+    /// Cast by this run: a build that was resumed cast others before.
+    pub rays: Rays,
     /// Seconds by stage.
     pub seconds: Vec<(&'static str, f64)>,
     pub bytes: u64,
@@ -91,11 +115,6 @@ pub struct Rays {
 }
 
 impl BuildSettings {
-    /// Shape of the tables that responses are derived from.
-    fn shape(&self) -> Shape {
-        Shape { hit: self.hit, probe: self.probe, bounce_sky: self.bounce_sky, closed_level: level_of(self.closed_m) }
-    }
-
     /// Edge of a fine cell in footprints; 0 when every hit has a probe of its own.
     fn cell_factor(&self) -> f64 {
         if self.share == Share::None { 0.0 } else { self.cell_factor }
@@ -110,11 +129,31 @@ struct Job<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer,
     settings: &'a BuildSettings,
+    /// Where temporary files go.
+    folder: PathBuf,
+    /// Bytes to work in, besides the scene.
+    memory: usize,
 }
 
 impl Job<'_> {
     fn reflectors(&self) -> Vec<Reflector> {
         self.scene.materials.iter().map(|m| Reflector { diffuse: m.diffuse, class: m.class }).collect()
+    }
+
+    /// Makes what was written survive a crash, every now and then; and ends the build if the user wants it to end.
+    fn checkpoint(&self, writer: &mut Writer) -> Result<()> {
+        if !interrupt::requested() {
+            return if writer.due() { writer.checkpoint() } else { Ok(()) };
+        }
+        writer.checkpoint()?;
+        let (what, hint) = match writer.committed() {
+            Some(done) => (
+                format!("the build was stopped after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6),
+                "give the same command with --resume to go on",
+            ),
+            None => ("the build was stopped before anything was written".into(), "start it again"),
+        };
+        Err(Error::input(writer.partial(), None, what, hint))
     }
 
     fn encode(&self, kind: u32, tile: u32, items: usize, raw: &[u8]) -> Result<EncodedBlock> {
@@ -123,7 +162,7 @@ impl Job<'_> {
             value: items as u64,
             max: u64::from(u32::MAX),
         })?;
-        encode(kind, tile, 1, items, raw, COMPRESSION)
+        encode(kind, tile, format::schema_of(kind).unwrap_or(0), items, raw, COMPRESSION)
     }
 }
 
@@ -139,99 +178,95 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let scene = Scene::load(&args.scene, args.materials.as_deref())?;
     scene.report.warnings.iter().for_each(|w| warn(w));
     let mut warnings = Vec::new();
-    let receivers = read_receivers_with_warnings(&args.receivers, &mut warnings)?;
+    let folder = args.output.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let budget = args.memory.0 as usize / 8;
+    let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
     let settings = BuildSettings { share: args.share, ..BuildSettings::default() };
-    let report = build(&scene, &receivers, &settings, &args.output)?;
+    let start = match (args.resume, args.fresh) {
+        (true, _) => Start::Resume,
+        (_, true) => Start::Fresh,
+        _ => Start::New,
+    };
+    interrupt::watch();
+    let plan = BuildPlan { settings, output: args.output.clone(), memory_bytes: args.memory.0, start };
+    let report = build(&scene, &mut receivers, &plan)?;
     report.warnings.iter().for_each(|w| warn(w));
     say(&summary(&report, &scene, &args.output))?;
     Ok(Outcome::Fine)
 }
 
-/// Traces a scene for its receivers and writes the archive; equal inputs give equal bytes, whatever the order of receivers
-/// or the number of threads.
-pub fn build(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings, output: &Path) -> Result<BuildReport> {
-    let mut seconds = Vec::new();
-    let mut clock = Instant::now();
-    let mut lap = |name| {
-        seconds.push((name, clock.elapsed().as_secs_f64()));
-        clock = Instant::now();
-    };
-    // Nothing is checkpointed yet, so nothing is compared with these.
-    let hashes = archive::Job { scene: scene.content_hash(), receivers: [0; 32], settings: [0; 32] };
-    let mut writer = Writer::create(output, &hashes)?;
+/// Traces a scene for its receivers and writes the archive; equal inputs give equal bytes, whatever the order of receivers,
+/// the number of threads or the memory.
+pub fn build(scene: &Scene, receivers: &mut ReceiverTiles, plan: &BuildPlan) -> Result<BuildReport> {
+    let mut clock = Clock::default();
+    let folder = plan.output.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut writer = plan.writer(&archive::Job {
+        scene: scene.content_hash(),
+        receivers: receivers.content_hash(),
+        settings: plan.settings.hash(),
+    })?;
     let tracer = Tracer::new(&scene.mesh)?;
-    let job = Job { scene, tracer: &tracer, settings };
-    lap("tree");
-    let mut warnings: Vec<String> = far_away(&tracer, scene, receivers).into_iter().collect();
-
-    let order = morton_order(receivers, scene.mesh.origin);
-    let tiles: Vec<Vec<&Receiver>> =
-        order.chunks(TILE).map(|tile| tile.iter().map(|&i| &receivers[i]).collect()).collect();
-    let mut rays = Rays::default();
-    let mut misplaced = Vec::new();
-    let mut keys: BTreeSet<CellKey> = BTreeSet::new();
-    let progress = bar("receivers", Some(receivers.len() as u64));
-    let directions = texel_centres(settings.sky_base);
-    for (batch, chunk) in tiles.chunks(rayon::current_num_threads() * 2).enumerate() {
-        let first = batch * rayon::current_num_threads() * 2;
-        let traced: Vec<Result<TracedTile>> = chunk
-            .par_iter()
-            .enumerate()
-            .map(|(i, tile)| job.trace_tile((first + i) as u32, tile, &directions))
-            .collect();
-        for tile in traced {
-            let tile = tile?;
-            tile.blocks.into_iter().try_for_each(|block| writer.append(block))?;
-            keys.extend(tile.cells);
-            rays.sky += tile.rays.sky;
-            rays.hit += tile.rays.hit;
-            misplaced.extend(tile.misplaced);
-        }
-        progress.inc(chunk.iter().map(|t| t.len() as u64).sum());
-    }
-    progress.finish_and_clear();
-    lap("receivers");
-
-    let keys: Vec<CellKey> = keys.into_iter().collect();
-    let (probes, bounces) = job.trace_cells(&keys, &mut rays);
-    lap("cells");
-    for block in job.probe_blocks(&probes)?.into_iter().chain(job.bounce_blocks(&bounces)?) {
-        writer.append(block)?;
-    }
-
-    writer.append(job.materials_block()?)?;
-    let counts = Counts {
-        receivers: receivers.len(),
-        tiles: tiles.len(),
-        probes: probes.keys.len(),
-        bounce_cells: bounces.keys.len(),
-        rays,
+    let job = Job {
+        scene,
+        tracer: &tracer,
+        settings: &plan.settings,
+        folder: folder.to_path_buf(),
+        memory: plan.memory_bytes as usize,
     };
-    let responder = Responder::new(probes, bounces, settings.shape(), job.reflectors(), Depth::All);
-    lap("solve");
-    for number in 0..tiles.len() as u32 {
-        let receivers = writer.read_back(format::RECEIVERS, number)?;
-        let hits = writer.read_back(format::HIT, number)?;
-        let view = TileView::new(&receivers, &hits, scene.mesh.origin, settings.hit)?;
-        writer.append(job.response_block(number, &view, &responder)?)?;
+    clock.lap("tree");
+    let farthest = receivers.farthest().and_then(|receiver| far_away(&tracer, scene, receiver));
+    let mut warnings: Vec<String> = farthest.into_iter().collect();
+    if let Some(done) = writer.resumed() {
+        warn(&format!("going on after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6));
     }
-    lap("response");
+    let mut rays = Rays::default();
+
+    let mut misplaced = Vec::new();
+    let keys = job.write_receivers(receivers, &mut writer, &mut rays, &mut misplaced)?;
+    clock.lap("receivers");
+    let probes = job.write_probes(keys, &mut writer, &mut rays)?;
+    let bounce_cells = job.write_bounces(probes.seen, &mut writer, &mut rays)?;
+    clock.lap("cells");
+
+    if !writer.has(format::MATERIALS, 0) {
+        writer.append(job.materials_block()?)?;
+    }
+    let tiles = receivers.tile_count() as u32;
+    let counts = Counts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
+    job.write_responses(tiles, &mut writer, &mut clock)?;
     let manifest = job.manifest(&counts, writer.layers());
     warnings.extend(tiles::warnings(&misplaced));
     let summary = writer.finish(&manifest)?;
-    lap("finish");
-    Ok(BuildReport { counts, seconds, bytes: summary.bytes, root: summary.root, warnings })
+    clock.lap("finish");
+    Ok(BuildReport { counts, rays, seconds: clock.laps, bytes: summary.bytes, root: summary.root, warnings })
+}
+
+/// Seconds by stage.
+struct Clock {
+    start: Instant,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Clock { start: Instant::now(), laps: Vec::new() }
+    }
+}
+
+impl Clock {
+    fn lap(&mut self, name: &'static str) {
+        self.laps.push((name, self.start.elapsed().as_secs_f64()));
+        self.start = Instant::now();
+    }
 }
 
 /// Rays start this far off surfaces (metres) before it is worth a warning.
 const LARGE_OFFSET_M: f64 = 0.01;
 
 /// A warning if some receiver lies so far from the scene's origin that details near it are lost.
-fn far_away(tracer: &Tracer, scene: &Scene, receivers: &[Receiver]) -> Option<String> {
-    let offset_m = |r: &Receiver| tracer.offset_m(r.position - scene.mesh.origin);
-    let worst = receivers.iter().max_by(|a, b| offset_m(a).total_cmp(&offset_m(b)))?;
-    let (offset_m, o) = (offset_m(worst), scene.mesh.origin);
+fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> {
+    let (offset_m, o) = (tracer.offset_m(worst.position - scene.mesh.origin), scene.mesh.origin);
     (offset_m > LARGE_OFFSET_M).then(|| {
         format!(
             "receiver {} lies far from the scene's centre ({:.0}, {:.0}, {:.0}): rays start {:.1} mm off its surface and finer \
@@ -261,7 +296,7 @@ fn guard_archive(output: &Path) -> Result<()> {
 fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
     let counts = &report.counts;
     let total: f64 = report.seconds.iter().map(|s| s.1).sum();
-    let rays = counts.rays.sky + counts.rays.hit + counts.rays.probe + counts.rays.bounce;
+    let rays = report.rays.sky + report.rays.hit + report.rays.probe + report.rays.bounce;
     let each = |x: f64| x / counts.receivers.max(1) as f64;
     let stages: Vec<String> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
     format!(

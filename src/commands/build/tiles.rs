@@ -3,24 +3,34 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{COMPRESSION, Job, Rays};
+use super::{COMPRESSION, Clock, Job, Rays};
 use crate::archive::tables::Receivers;
-use crate::archive::{EncodedBlock, format};
+use crate::archive::{Blocks, EncodedBlock, Writer, format};
+use crate::commands::progress::bar;
 use crate::error::Result;
+use crate::hemisphere::texel_centres;
 use crate::layers::hit::HitTile;
-use crate::layers::response;
+use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
-use crate::recombine::load::TileView;
-use crate::recombine::response::{Responder, Viewer, view_factors};
+use crate::recombine::bounces::Depth;
+use crate::recombine::load::{Tables, TileView};
+use crate::recombine::responder::Responder;
+use crate::recombine::response::{Viewer, view_factors};
 use crate::recombine::tile::sky_view_factor;
 use crate::scene::cells::CellKey;
+use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
+use crate::spill::Sorter;
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 
 /// A receiver that sees less sky than this and is enclosed lies inside a solid.
 const BLIND: f64 = 1e-4;
 
+/// Tiles whose responses are derived together: they share much of what they see.
+const GROUP: usize = 16;
+
 /// A traced tile: its blocks in the order they are written, and what the rest of the build needs of it.
+#[derive(Default)]
 pub(super) struct TracedTile {
     pub blocks: Vec<EncodedBlock>,
     pub cells: Vec<CellKey>,
@@ -68,8 +78,93 @@ struct Traced {
 }
 
 impl Job<'_> {
+    /// Traces and writes the receivers' tiles. Returns the keys of all cells that they see, sorted, each once.
+    pub fn write_receivers(
+        &self,
+        receivers: &mut ReceiverTiles,
+        writer: &mut Writer,
+        rays: &mut Rays,
+        misplaced: &mut Vec<Misplaced>,
+    ) -> Result<impl Iterator<Item = Result<CellKey>> + use<>> {
+        let progress = bar("receivers", Some(receivers.count() as u64));
+        let directions = texel_centres(self.settings.sky_base);
+        let mut keys = Sorter::new(&self.folder, self.memory / 8).unique();
+        let mut tiles = receivers.tiles()?.peekable();
+        let mut first = 0;
+        while tiles.peek().is_some() {
+            let batch: Vec<Vec<Receiver>> =
+                tiles.by_ref().take(rayon::current_num_threads() * 2).collect::<Result<_>>()?;
+            let traced: Vec<Result<TracedTile>> = batch
+                .par_iter()
+                .enumerate()
+                .map(|(i, tile)| self.tile(first + i as u32, tile, &directions, writer))
+                .collect();
+            for tile in traced {
+                let tile = tile?;
+                tile.blocks.into_iter().try_for_each(|block| writer.append(block))?;
+                tile.cells.iter().try_for_each(|key| keys.push(&key.to_bytes(), &[]))?;
+                rays.sky += tile.rays.sky;
+                rays.hit += tile.rays.hit;
+                misplaced.extend(tile.misplaced);
+            }
+            first += batch.len() as u32;
+            progress.inc(batch.iter().map(|t| t.len() as u64).sum());
+            self.checkpoint(writer)?;
+        }
+        progress.finish_and_clear();
+        let key = |record: Result<(Vec<u8>, Vec<u8>)>| {
+            let mut bytes = [0; CellKey::BYTES];
+            bytes.copy_from_slice(&record?.0);
+            Ok(CellKey::from_bytes(&bytes))
+        };
+        Ok(keys.finish()?.map(key))
+    }
+
+    /// A tile that the file holds already, or a traced one.
+    fn tile(&self, number: u32, receivers: &[Receiver], directions: &[DVec3], writer: &Writer) -> Result<TracedTile> {
+        if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, number)) {
+            let hit = writer.block(format::HIT, number)?;
+            let texels = receivers.len() * self.settings.hit * self.settings.hit;
+            let hits = HitTile::unpack(hit.bytes(), texels)
+                .ok_or_else(|| hit.corrupt("hits of another shape", "hits of the settings' shape"))?;
+            return Ok(TracedTile { cells: hits.palette, ..TracedTile::default() });
+        }
+        self.trace_tile(number, receivers, directions)
+    }
+
+    /// Derives and writes the responses of all tiles.
+    pub fn write_responses(&self, tiles: u32, writer: &mut Writer, clock: &mut Clock) -> Result<()> {
+        let missing: Vec<u32> = (0..tiles).filter(|&tile| !writer.has(format::RESPONSE, tile)).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let settings = self.settings.stated();
+        let tables = Tables::of(writer, settings.clone())?;
+        let responder = Responder::new(&tables, Depth::All, self.memory as u64 / 2, &self.folder)?;
+        clock.lap("solve");
+        let progress = bar("responses", Some(u64::from(tiles)));
+        for group in missing.chunks(GROUP) {
+            let view = |&tile: &u32| {
+                let (receivers, hits) = (writer.block(format::RECEIVERS, tile)?, writer.block(format::HIT, tile)?);
+                TileView::new(&receivers, &hits, self.scene.mesh.origin, self.settings.hit)
+            };
+            let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
+            let responses = responder.derive(&Tables::of(writer, settings.clone())?, &views)?;
+            let encode = |(&tile, of_tile): (&u32, &Vec<Response>)| {
+                self.encode(format::RESPONSE, tile, of_tile.len(), &response::pack(of_tile))
+            };
+            let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
+            blocks.into_iter().try_for_each(|block| writer.append(block))?;
+            progress.inc(group.len() as u64);
+            self.checkpoint(writer)?;
+        }
+        progress.finish_and_clear();
+        clock.lap("response");
+        Ok(())
+    }
+
     /// Traces and packs one tile. `directions`: mean directions of the base texels.
-    pub fn trace_tile(&self, number: u32, receivers: &[&Receiver], directions: &[DVec3]) -> Result<TracedTile> {
+    fn trace_tile(&self, number: u32, receivers: &[Receiver], directions: &[DVec3]) -> Result<TracedTile> {
         let traced: Vec<Traced> = receivers.par_iter().map(|r| self.trace_receiver(r, directions)).collect();
         let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
         let mut rays = Rays::default();
@@ -119,7 +214,7 @@ impl Job<'_> {
     fn receivers_block(
         &self,
         number: u32,
-        receivers: &[&Receiver],
+        receivers: &[Receiver],
         hits: &HitTile,
         viewers: &[Viewer],
     ) -> Result<EncodedBlock> {
@@ -140,13 +235,6 @@ impl Job<'_> {
             ground_view: factors.iter().map(|f| f[0] as f32).collect(),
             obstruction_view: factors.iter().map(|f| f[1] as f32).collect(),
         };
-        table.encode(number, COMPRESSION)
-    }
-
-    /// The response layer of a tile, for the reflectances of the build and all bounces.
-    pub fn response_block(&self, number: u32, view: &TileView, responder: &Responder) -> Result<EncodedBlock> {
-        let responses: Vec<_> =
-            view.viewers.par_iter().enumerate().map(|(i, v)| responder.derive(&view.hits, i, v)).collect();
-        self.encode(format::RESPONSE, number, responses.len(), &response::pack(&responses))
+        table.encode(format::RECEIVERS, number, COMPRESSION)
     }
 }
