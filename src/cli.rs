@@ -53,6 +53,9 @@ pub struct BuildArgs {
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
     #[arg(long, value_enum, default_value_t = Share::Cells)]
     pub share: Share,
+    /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
     /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
     #[arg(long, default_value = "4GiB")]
     pub memory: Bytes,

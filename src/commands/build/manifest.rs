@@ -1,7 +1,7 @@
 //! The manifest of a build: where the archive comes from and what is in it.
 
-use super::{BuildSettings, COMPRESSION, Job, Share};
-use crate::archive::manifest::{self, Creator, Manifest, ReceiverSummary, SceneSummary, Settings};
+use super::{COMPRESSION, Job};
+use crate::archive::manifest::{self, Creator, Manifest, ReceiverSummary, SceneSummary};
 use crate::archive::{EncodedBlock, format, tables};
 use crate::error::Result;
 use crate::scene::materials::Class;
@@ -57,32 +57,5 @@ impl Job<'_> {
             layers,
             ..Manifest::default()
         }
-    }
-}
-
-impl BuildSettings {
-    /// The settings as the archive states them.
-    pub fn stated(&self) -> Settings {
-        let s = self;
-        Settings {
-            quality: String::new(),
-            sky_base: s.sky_base as u32,
-            sky_fine: s.sky_fine as u32,
-            hit: s.hit as u32,
-            cell_factor: s.cell_factor,
-            cell_floor_m: s.cell_floor_m,
-            probe: s.probe as u32,
-            probe_hits: s.probe_hits as u32,
-            closed_m: s.closed_m,
-            bounce_sky: s.bounce_sky as u32,
-            bounce_hits: s.bounce_hits as u32,
-            share: if s.share == Share::None { "none" } else { "cells" }.into(),
-            bounces: "all".into(),
-            ..Settings::default()
-        }
-    }
-    /// Names the settings: builds with other ones have other hashes.
-    pub(super) fn hash(&self) -> [u8; 32] {
-        *blake3::hash(format!("{:?}", self.stated()).as_bytes()).as_bytes()
     }
 }

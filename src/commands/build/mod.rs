@@ -2,6 +2,7 @@
 
 mod cells;
 mod manifest;
+mod settings;
 mod tiles;
 
 use std::fs::File;
@@ -20,47 +21,7 @@ use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
 pub use manifest::Counts;
-
-/// Everything that decides what an archive of a scene holds. The defaults are the row "1 %" of the accuracy ladder.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BuildSettings {
-    /// Side of the receivers' sky texture before and after refinement.
-    pub sky_base: usize,
-    pub sky_fine: usize,
-    /// Side of the hit texture.
-    pub hit: usize,
-    /// Edge of a fine cell in units of the hit texel's footprint, and its smallest value.
-    pub cell_factor: f64,
-    pub cell_floor_m: f64,
-    /// Side of the probes' sky texture and of the response.
-    pub probe: usize,
-    /// Rays of a probe to the surfaces around it.
-    pub probe_hits: usize,
-    /// Edge of the bounce cells at middle distance: the closed system.
-    pub closed_m: f64,
-    /// Side of the bounce cells' sky texture, and their rays to the surfaces around them.
-    pub bounce_sky: usize,
-    pub bounce_hits: usize,
-    pub share: Share,
-}
-
-impl Default for BuildSettings {
-    fn default() -> Self {
-        BuildSettings {
-            sky_base: 128,
-            sky_fine: 1024,
-            hit: 32,
-            cell_factor: 4.0,
-            cell_floor_m: 0.5,
-            probe: 32,
-            probe_hits: 16,
-            closed_m: 8.0,
-            bounce_sky: 16,
-            bounce_hits: 32,
-            share: Share::Cells,
-        }
-    }
-}
+pub use settings::BuildSettings;
 
 /// What to build.
 #[derive(Clone, Debug)]
@@ -112,13 +73,6 @@ pub struct Rays {
     pub hit: u64,
     pub probe: u64,
     pub bounce: u64,
-}
-
-impl BuildSettings {
-    /// Edge of a fine cell in footprints; 0 when every hit has a probe of its own.
-    fn cell_factor(&self) -> f64 {
-        if self.share == Share::None { 0.0 } else { self.cell_factor }
-    }
 }
 
 /// Level of the block compressor: textures are written once and read for years.
@@ -182,7 +136,9 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
-    let settings = BuildSettings { share: args.share, ..BuildSettings::default() };
+    let mut settings = BuildSettings { share: args.share, ..BuildSettings::default() };
+    args.set.iter().try_for_each(|text| settings.set(text))?;
+    settings.check()?;
     let start = match (args.resume, args.fresh) {
         (true, _) => Start::Resume,
         (_, true) => Start::Fresh,

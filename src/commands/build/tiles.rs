@@ -47,7 +47,10 @@ pub(super) enum Misplaced {
     Touching(String, f64),
 }
 
-/// One warning for each way of being misplaced, naming every receiver.
+/// Receivers named in one warning.
+const MOST_NAMES: usize = 200;
+
+/// One warning for each way of being misplaced, naming the receivers.
 pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
     let mut inside = Vec::new();
     let mut touching = Vec::new();
@@ -58,7 +61,9 @@ pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
         }
     }
     let say = |list: Vec<String>, what: &str| {
-        (!list.is_empty()).then(|| format!("{} of the receivers {what}: {}", list.len(), list.join(", ")))
+        let shown = list.len().min(MOST_NAMES);
+        let rest = if list.len() > shown { format!(" and {} more", list.len() - shown) } else { String::new() };
+        (shown > 0).then(|| format!("{} of the receivers {what}: {}{rest}", list.len(), list[..shown].join(", ")))
     };
     [
         say(inside, "lie inside a solid or below the terrain and see no sky"),

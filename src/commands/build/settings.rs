@@ -1,0 +1,187 @@
+//! Settings of a build. In: defaults, and what the user sets by name. Out: numbers in range.
+
+use std::path::Path;
+
+use crate::archive::manifest::Settings;
+use crate::cli::Share;
+use crate::error::{Error, Result};
+
+/// Everything that decides what an archive of a scene holds. The defaults are the row "1 %" of the accuracy ladder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuildSettings {
+    /// Side of the receivers' sky texture before and after refinement.
+    pub sky_base: usize,
+    pub sky_fine: usize,
+    /// Side of the hit texture.
+    pub hit: usize,
+    /// Edge of a fine cell in units of the hit texel's footprint, and its smallest value.
+    pub cell_factor: f64,
+    pub cell_floor_m: f64,
+    /// Side of the probes' sky texture and of the response.
+    pub probe: usize,
+    /// Rays of a probe to the surfaces around it.
+    pub probe_hits: usize,
+    /// Edge of the bounce cells at middle distance: the closed system.
+    pub closed_m: f64,
+    /// Side of the bounce cells' sky texture, and their rays to the surfaces around them.
+    pub bounce_sky: usize,
+    pub bounce_hits: usize,
+    pub share: Share,
+}
+
+impl Default for BuildSettings {
+    fn default() -> Self {
+        BuildSettings {
+            sky_base: 128,
+            sky_fine: 1024,
+            hit: 32,
+            cell_factor: 4.0,
+            cell_floor_m: 0.5,
+            probe: 32,
+            probe_hits: 16,
+            closed_m: 8.0,
+            bounce_sky: 16,
+            bounce_hits: 32,
+            share: Share::Cells,
+        }
+    }
+}
+
+impl BuildSettings {
+    /// Sets one number by `name=value`, named as in the manifest.
+    pub fn set(&mut self, text: &str) -> Result<()> {
+        let wrong = |what: String, hint: &str| Error::input(Path::new("--set"), None, what, hint);
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(wrong(format!("`{text}` is not NAME=VALUE"), "write it as in --set hit=16"));
+        };
+        let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v >= 0.0);
+        let Some(number) = number else {
+            return Err(wrong(format!("`{value}` is not a number for {name}"), "give a number above zero"));
+        };
+        // `as` saturates; `check` refuses what is out of range.
+        let whole = number as usize;
+        let sizes = [
+            ("sky_base", &mut self.sky_base),
+            ("sky_fine", &mut self.sky_fine),
+            ("hit", &mut self.hit),
+            ("probe", &mut self.probe),
+            ("probe_hits", &mut self.probe_hits),
+            ("bounce_sky", &mut self.bounce_sky),
+            ("bounce_hits", &mut self.bounce_hits),
+        ];
+        let metres = [
+            ("cell_factor", &mut self.cell_factor),
+            ("cell_floor_m", &mut self.cell_floor_m),
+            ("closed_m", &mut self.closed_m),
+        ];
+        let mut names: Vec<&str> = sizes.iter().map(|s| s.0).chain(metres.iter().map(|s| s.0)).collect();
+        if let Some((_, slot)) = sizes.into_iter().find(|s| s.0 == name.trim()) {
+            if whole as f64 != number {
+                return Err(wrong(format!("{name} is {value}, not a whole number"), "give a whole number"));
+            }
+            *slot = whole;
+        } else if let Some((_, slot)) = metres.into_iter().find(|s| s.0 == name.trim()) {
+            *slot = number;
+        } else {
+            names.sort_unstable();
+            return Err(wrong(format!("there is no setting `{name}`"), &format!("set one of {}", names.join(", "))));
+        }
+        Ok(())
+    }
+
+    /// Refuses numbers that cannot work.
+    pub fn check(&self) -> Result<()> {
+        let wrong = |name: &str, value: f64, right: &str| {
+            Err(Error::input(Path::new("--set"), None, format!("{name} is {value}"), format!("give {right}")))
+        };
+        for (name, side, largest) in [
+            ("sky_base", self.sky_base, 1024),
+            ("sky_fine", self.sky_fine, 4096),
+            ("hit", self.hit, 256),
+            ("probe", self.probe, 128),
+            ("bounce_sky", self.bounce_sky, 64),
+        ] {
+            if !side.is_power_of_two() || !(8..=largest).contains(&side) {
+                return wrong(name, side as f64, &format!("a power of two from 8 to {largest}"));
+            }
+        }
+        if self.sky_fine < self.sky_base {
+            return wrong("sky_fine", self.sky_fine as f64, "at least sky_base");
+        }
+        if self.bounce_sky > self.probe {
+            return wrong("bounce_sky", self.bounce_sky as f64, "at most probe");
+        }
+        for (name, rays) in [("probe_hits", self.probe_hits), ("bounce_hits", self.bounce_hits)] {
+            if !(1..=4096).contains(&rays) {
+                return wrong(name, rays as f64, "1 to 4096");
+            }
+        }
+        for (name, size, low, high) in [
+            ("cell_factor", self.cell_factor, 0.25, 64.0),
+            ("cell_floor_m", self.cell_floor_m, 0.01, 256.0),
+            ("closed_m", self.closed_m, 0.5, 1024.0),
+        ] {
+            if !(low..=high).contains(&size) {
+                return wrong(name, size, &format!("{low} to {high}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Edge of a fine cell in footprints; 0 when every hit has a probe of its own.
+    pub(super) fn cell_factor(&self) -> f64 {
+        if self.share == Share::None { 0.0 } else { self.cell_factor }
+    }
+
+    /// The settings as the archive states them.
+    pub fn stated(&self) -> Settings {
+        let s = self;
+        Settings {
+            quality: String::new(),
+            sky_base: s.sky_base as u32,
+            sky_fine: s.sky_fine as u32,
+            hit: s.hit as u32,
+            cell_factor: s.cell_factor,
+            cell_floor_m: s.cell_floor_m,
+            probe: s.probe as u32,
+            probe_hits: s.probe_hits as u32,
+            closed_m: s.closed_m,
+            bounce_sky: s.bounce_sky as u32,
+            bounce_hits: s.bounce_hits as u32,
+            share: if s.share == Share::None { "none" } else { "cells" }.into(),
+            bounces: "all".into(),
+            ..Settings::default()
+        }
+    }
+    /// Names the settings: builds with other ones have other hashes.
+    pub(super) fn hash(&self) -> [u8; 32] {
+        *blake3::hash(format!("{:?}", self.stated()).as_bytes()).as_bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten settings can be set by name; 9 wrong texts are refused by name, and the defaults are in range.
+    #[test]
+    fn settings_by_name() {
+        let mut settings = BuildSettings::default();
+        settings.check().expect("the defaults");
+        for text in
+            ["sky_base=64", "sky_fine=512", "hit=16", "probe=16", "probe_hits=8", "bounce_sky=8", "bounce_hits=9"]
+        {
+            settings.set(text).expect(text);
+        }
+        for text in ["cell_factor=2", "cell_floor_m = 0.25", "closed_m=16"] {
+            settings.set(text).expect(text);
+        }
+        settings.check().expect("good ones");
+        assert_eq!((settings.hit, settings.bounce_hits, settings.cell_floor_m), (16, 9, 0.25));
+        for text in ["hit", "hit=x", "hit=1.5", "hit=-8", "hit=inf", "sky=3", "hit=12", "bounce_sky=32", "closed_m=0"] {
+            let mut wrong = settings;
+            let error = wrong.set(text).and_then(|()| wrong.check()).expect_err(text).to_string();
+            assert!(error.starts_with("--set: "), "{text}: {error}");
+        }
+    }
+}
