@@ -1,11 +1,12 @@
 //! Each operation of a build fails once, on the real disk.
 
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
+use super::Writer;
 use super::disk::{Disk, DiskFile, SystemDisk};
-use super::test_site::Build;
+use super::test_site::{Build, JOB};
 use super::writer::Interrupted;
 use crate::error::{Error, Result};
 
@@ -175,15 +176,17 @@ fn fail_everywhere(build: &Build, interrupted: Interrupted, prepare: impl Fn(&Pa
     runs
 }
 
-/// Interrupts a build after its second checkpoint, with a block more.
+/// Leaves a build that was interrupted a block after its second checkpoint, in the middle of a third.
 fn interrupt(build: &Build, path: &Path) {
-    let disk = FaultyDisk::default();
-    // 12 operations lead to the second checkpoint, two blocks follow it.
-    *disk.0.lock().unwrap() = Plan { at: 17, failure: Some(Failure::Full), ..Plan::default() };
-    let shared: Arc<dyn Disk> = Arc::new(disk);
-    let mut acknowledged = 0;
-    assert!(build.run(&shared, path, Interrupted::Refuse, CHECKPOINTS, &mut acknowledged).is_err());
-    assert!(acknowledged > 0);
+    let mut writer = Writer::create(path, &JOB).unwrap();
+    for (row, block) in build.blocks.iter().take(6).enumerate() {
+        writer.append(block.clone()).unwrap();
+        if row == 1 || row == 4 {
+            writer.checkpoint().unwrap();
+        }
+    }
+    let log = path.with_file_name("site.helio.partial.log");
+    std::fs::OpenOptions::new().append(true).open(log).unwrap().write_all(&[1; 50]).unwrap();
 }
 
 /// Each operation of a build with three checkpoints fails with EIO, ENOSPC or half a write, over 90 runs: the old file is

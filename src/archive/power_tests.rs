@@ -6,9 +6,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::disk::Disk;
+use super::format::{COMPLETE, SLOT_OFFSETS, Slot};
 use super::memory_disk::{Event, MemoryDisk, Random};
-use super::test_site::Build;
+use super::test_site::{Build, JOB};
 use super::writer::Interrupted;
+use super::{Job, Writer};
 
 const OLD: &[u8] = b"an older archive";
 
@@ -21,15 +23,24 @@ fn operations(build: &Build) -> u64 {
     disk.operations()
 }
 
+/// Whether a slot of the partial file says "complete"; then it must be the whole archive.
+fn says_complete(disk: &MemoryDisk, build: &Build) -> bool {
+    let Some(bytes) = disk.get(Path::new("site.helio.partial")) else { return false };
+    let slots = SLOT_OFFSETS.map(|offset| bytes.get(offset as usize..).and_then(Slot::decode));
+    let complete = slots.into_iter().flatten().any(|slot| slot.state == COMPLETE);
+    assert!(!complete || bytes[8192..] == build.bytes[8192..], "complete, but not whole");
+    complete
+}
+
 /// 20 000 builds, disturbed up to four times each by loss of power, a kill or a failed operation: `NAME` is the old or the whole
 /// new file after every one, a resume finds the blocks of the last acknowledged checkpoint, and the end has the bytes of
-/// an undisturbed build. Every operation is hit first at least 100 times, and over 10 000 losses of power come out of it.
+/// an undisturbed build. A partial file that says "complete" is so. Every operation is hit first at least 100 times, and over 10 000 losses of power come out of it.
 #[test]
 fn no_crash_loses_a_checkpoint() {
     let build = Build::new();
     let path = Path::new("site.helio");
     let most = operations(&build);
-    let (mut losses, mut resumed, mut firsts) = (0, 0, BTreeSet::new());
+    let (mut losses, mut resumed, mut complete, mut firsts) = (0, 0, 0, BTreeSet::new());
     for case in 0..20_000 {
         let mut random = Random(case);
         let mut disk = MemoryDisk::with(path, OLD);
@@ -54,6 +65,7 @@ fn no_crash_loses_a_checkpoint() {
             if kind > 1 {
                 disk = disk.lose_power(&mut random);
                 losses += 1;
+                complete += u64::from(says_complete(&disk, &build));
             }
             let found = disk.get(path).unwrap();
             let whole = found == build.bytes;
@@ -66,6 +78,28 @@ fn no_crash_loses_a_checkpoint() {
         assert_eq!(disk.get(path).unwrap(), build.bytes, "case {case}");
     }
     assert!(losses > 10_000 && resumed > 10_000, "{losses} losses of power, {resumed} resumes");
+    assert!(complete > 100, "{complete} partial files were complete");
     assert!(firsts.len() as u64 >= most - 1, "{} of {most} operations were hit first", firsts.len());
     assert!(20_000 / 2 / most > 100, "{most} operations");
+}
+
+/// A build that was discarded does not come back: power lost 1000 times after another job with the same first blocks was
+/// started with `--fresh`, and that job always starts anew, never refused for the journal of the old one.
+#[test]
+fn discarded_builds_stay_so() {
+    let build = Build::new();
+    let path = Path::new("site.helio");
+    let other = Job { settings: [9; 32], ..JOB };
+    for case in 0..1000 {
+        let mut random = Random(case);
+        let disk = MemoryDisk::default();
+        let start = |disk: &MemoryDisk, job, how| Writer::start(Arc::new(disk.clone()), path, job, how);
+        let mut old = start(&disk, &JOB, Interrupted::Refuse).unwrap();
+        build.blocks[..4].iter().for_each(|block| old.append(block.clone()).unwrap());
+        old.keep().unwrap();
+        let mut new = start(&disk, &other, Interrupted::Discard).unwrap();
+        build.blocks[..4].iter().for_each(|block| new.append(block.clone()).unwrap());
+        let disk = disk.lose_power(&mut random);
+        assert_eq!(start(&disk, &other, Interrupted::Resume).unwrap().resumed(), None, "case {case}");
+    }
 }

@@ -130,8 +130,7 @@ impl Writer {
             Err(source) if source.kind() == io::ErrorKind::NotFound => {}
             Err(source) => return Err(Error::io(&self.log, "remove")(source)),
         }
-        self.partial.set_len(0)?;
-        self.write_building()?;
+        self.reset(FIRST_BLOCK)?;
         Ok(self)
     }
 
@@ -141,17 +140,22 @@ impl Writer {
         self.entries = std::mem::take(&mut found.entries);
         self.journal = Some(found.into_journal()?);
         self.sync_folder()?;
-        self.partial.set_len(progress.bytes)?;
-        self.write_building()?;
+        self.reset(progress.bytes)?;
         (self.end, self.resumed) = (progress.bytes, Some(progress));
         Ok(self)
     }
 
-    /// All bytes before the blocks: slot A only, also if a run before was interrupted between commit and rename.
-    fn write_building(&self) -> Result<()> {
-        let mut bytes = Slot::building().encode();
-        bytes.resize(usize::try_from(FIRST_BLOCK).unwrap_or(0), 0);
-        self.partial.write(0, &bytes)
+    /// Makes the partial file say "building", and cuts it. A run before may have ended between commit and rename, so it must
+    /// say so on the disk before a block is cut or overwritten.
+    fn reset(&self, length: u64) -> Result<()> {
+        let left_over = self.partial.length()? > 0;
+        let mut header = Slot::building().encode();
+        header.resize(usize::try_from(FIRST_BLOCK).unwrap_or(0), 0);
+        self.partial.write(0, &header)?;
+        if left_over {
+            self.partial.sync()?;
+        }
+        self.partial.set_len(length)
     }
 
     /// What [`Writer::resume`] found done; `None` if this build started anew.
