@@ -410,6 +410,22 @@ mod tests {
         assert_eq!(writer.layers()[0].raw_bytes, 4500);
     }
 
+    /// 30 s after the last checkpoint the next one is due if there is a block for it: 1 of 3 times here.
+    #[test]
+    fn checkpoints_fall_due_in_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut writer = Writer::create(&folder.path().join("site.helio"), &JOB).unwrap();
+        let due = |writer: &mut Writer| {
+            writer.committed_at = Instant::now().checked_sub(CHECKPOINT_EVERY).unwrap();
+            writer.due()
+        };
+        assert!(!due(&mut writer));
+        writer.append(codec::encode(3, 0, 1, 1, &[0; 900], 9).unwrap()).unwrap();
+        assert!(due(&mut writer));
+        writer.checkpoint().unwrap();
+        assert!(!due(&mut writer));
+    }
+
     /// A file that was not finished says so, and a manifest that does not fit leaves no file at all: 0 names in the folder.
     #[test]
     fn unfinished_files_say_so() {
