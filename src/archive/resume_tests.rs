@@ -106,7 +106,7 @@ fn interrupted_work_is_not_overwritten() {
     }
 }
 
-/// Each of 4 differences, and all at once, is refused by its name and no other, by `resume` and by `create`, and leaves both
+/// Each of 4 differences, the program's in two ways, and all at once, is refused by its name and no other, by `resume` and by `create`, and leaves both
 /// files; the job that fits goes on afterwards.
 #[test]
 fn another_job_is_refused_by_name() {
@@ -116,21 +116,23 @@ fn another_job_is_refused_by_name() {
     drop(started(&build, &path, 3, 0b100));
     let log = beside(&path, ".partial.log");
     let ours = std::fs::read(&log).unwrap();
-    let mut later = ours.clone();
-    // `heliotile 0.1.0` to 1.1.0; and a journal of version 2.
+    // A journal of heliotile 1.1.0, its one batch too, and one whose batches have another layout.
+    let [mut later, mut newer] = [ours.clone(), ours.clone()];
     later[122] = b'1';
-    let mut newer = ours.clone();
     newer[8] = 2;
     for bytes in [&mut later, &mut newer] {
-        let sum = *blake3::hash(&bytes[..HEADER_SIZE - SUM_SIZE]).as_bytes();
-        bytes[HEADER_SIZE - SUM_SIZE..HEADER_SIZE].copy_from_slice(&sum);
+        let header = *blake3::hash(&bytes[..HEADER_SIZE - SUM_SIZE]).as_bytes();
+        bytes[HEADER_SIZE - SUM_SIZE..HEADER_SIZE].copy_from_slice(&header);
+        let end = bytes.len() - SUM_SIZE;
+        let batch = *blake3::hash(&[&header, &bytes[HEADER_SIZE..end]].concat()).as_bytes();
+        bytes[end..].copy_from_slice(&batch);
     }
-    // With another header the batches do not follow, so that only a header of a later version counts without them.
     let names = ["scene", "receivers", "settings", "program version"];
     let cases = [
         (Job { scene: [9; 32], ..JOB }, &ours, vec!["scene"]),
         (Job { receivers: [9; 32], ..JOB }, &ours, vec!["receivers"]),
         (Job { settings: [9; 32], ..JOB }, &ours, vec!["settings"]),
+        (JOB, &later, vec!["program version (it is of heliotile 1.1.0, "]),
         (JOB, &newer, vec!["program version"]),
         (Job { scene: [9; 32], receivers: [9; 32], settings: [9; 32] }, &newer, names.to_vec()),
     ];
