@@ -47,6 +47,9 @@ pub struct BuildArgs {
     /// Go on with a build of the same inputs that was interrupted
     #[arg(long)]
     pub resume: bool,
+    /// Seconds between checkpoints: what a crash costs at most
+    #[arg(long, value_name = "SECONDS", default_value_t = 30)]
+    pub checkpoint: u32,
     /// Start anew where an interrupted build lies
     #[arg(long, conflicts_with = "resume")]
     pub fresh: bool,

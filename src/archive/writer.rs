@@ -55,6 +55,7 @@ pub struct Writer {
     end: u64,
     committed: Option<Progress>,
     committed_at: Instant,
+    checkpoint_every: Duration,
     resumed: Option<Progress>,
     /// A write or sync failed. What is on the disk is then unknown, and a sync that is tried again may lie.
     failed: bool,
@@ -106,6 +107,7 @@ impl Writer {
             end: FIRST_BLOCK,
             committed: found.as_ref().map(Found::progress),
             committed_at: Instant::now(),
+            checkpoint_every: CHECKPOINT_EVERY,
             resumed: None,
             failed: false,
             renamed: false,
@@ -216,7 +218,12 @@ impl Writer {
     pub fn due(&self) -> bool {
         let done = self.committed.map_or(FIRST_BLOCK, |progress| progress.bytes);
         let much = self.end.saturating_sub(done) >= CHECKPOINT_BYTES;
-        !self.pending.is_empty() && (much || self.committed_at.elapsed() >= CHECKPOINT_EVERY)
+        !self.pending.is_empty() && (much || self.committed_at.elapsed() >= self.checkpoint_every)
+    }
+
+    /// Makes checkpoints due after another time than 30 seconds.
+    pub fn set_checkpoint_every(&mut self, every: Duration) {
+        self.checkpoint_every = every;
     }
 
     /// Makes everything appended so far survive a crash. Does nothing if there is nothing new.

@@ -2,6 +2,7 @@
 
 mod archive;
 mod cli;
+mod interrupt;
 mod numerics;
 mod physics;
 mod response;

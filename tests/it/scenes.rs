@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use glam::DVec3;
 use heliotile::archive::Archive;
@@ -116,7 +117,13 @@ pub fn tiles(receivers: &[Receiver], scene: &Scene) -> ReceiverTiles {
 
 /// A build of an archive with some settings.
 pub fn plan(settings: &BuildSettings, path: &Path) -> BuildPlan {
-    BuildPlan { settings: *settings, output: path.to_path_buf(), memory_bytes: 1 << 30, start: Start::New }
+    BuildPlan {
+        settings: *settings,
+        output: path.to_path_buf(),
+        memory_bytes: 1 << 30,
+        start: Start::New,
+        checkpoint_every: Duration::from_secs(30),
+    }
 }
 
 pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> Site {

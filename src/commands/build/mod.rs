@@ -8,7 +8,7 @@ mod tiles;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::{Outcome, guard_output, interrupt, say, warn};
 use crate::archive::{self, EncodedBlock, Writer, encode, format};
@@ -31,6 +31,7 @@ pub struct BuildPlan {
     /// Bytes to work in, besides the scene and its tree.
     pub memory_bytes: u64,
     pub start: Start,
+    pub checkpoint_every: Duration,
 }
 
 /// What to do where an interrupted build lies.
@@ -45,11 +46,13 @@ pub enum Start {
 
 impl BuildPlan {
     fn writer(&self, job: &archive::Job) -> Result<Writer> {
-        match self.start {
+        let mut writer = match self.start {
             Start::New => Writer::create(&self.output, job),
             Start::Resume => Writer::resume(&self.output, job),
             Start::Fresh => Writer::create_fresh(&self.output, job),
-        }
+        }?;
+        writer.set_checkpoint_every(self.checkpoint_every);
+        Ok(writer)
     }
 }
 
@@ -145,7 +148,13 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
         _ => Start::New,
     };
     interrupt::watch();
-    let plan = BuildPlan { settings, output: args.output.clone(), memory_bytes: args.memory.0, start };
+    let plan = BuildPlan {
+        settings,
+        output: args.output.clone(),
+        memory_bytes: args.memory.0,
+        start,
+        checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
+    };
     let report = build(&scene, &mut receivers, &plan)?;
     report.warnings.iter().for_each(|w| warn(w));
     say(&summary(&report, &scene, &args.output))?;

@@ -1,0 +1,85 @@
+//! Builds that are killed or stopped, and go on.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use heliotile::hemisphere::{mix, unit};
+
+/// A build of the cut of The Hague with a checkpoint after every batch of blocks.
+fn build(output: &Path, more: &[&str]) -> Command {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hague");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
+    command.arg("build").arg(data.join("scene.obj")).arg("-r").arg(data.join("receivers.csv"));
+    command.arg("-m").arg(data.join("materials.toml")).arg("-o").arg(output);
+    command.args(["--checkpoint", "0", "--set", "sky_fine=256", "--set", "hit=16", "--set", "probe=16"]);
+    command.args(more).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+fn message(output: Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").arg(name).arg(child.id().to_string()).status().expect("the command `kill`");
+    assert!(status.success());
+}
+
+/// A build killed at 12 random times and resumed each time ends with the very bytes of an undisturbed one, and while it is not
+/// finished no archive has its name. (`tools/kill-loop` does it 200 times.)
+#[test]
+fn killed_builds_go_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (whole, site) = (folder.path().join("whole.helio"), folder.path().join("site.helio"));
+    let start = Instant::now();
+    assert!(build(&whole, &[]).output().expect("a build").status.success());
+    let length = start.elapsed();
+    let expected = fs::read(&whole).expect("an archive");
+    for round in 0..12_u64 {
+        let mut child = build(&site, &["--resume"]).spawn().expect("a build");
+        sleep(length.mul_f64(unit(mix(round, 7))));
+        child.kill().expect("a kill");
+        child.wait().expect("its end");
+        if let Ok(bytes) = fs::read(&site) {
+            assert!(bytes == expected, "round {round} published something else");
+            fs::remove_file(&site).expect("removed");
+        }
+    }
+    let last = build(&site, &["--resume"]).output().expect("a build");
+    assert!(last.status.success(), "{}", message(last));
+    assert!(fs::read(&site).expect("an archive") == expected);
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 2, "left-overs");
+}
+
+/// SIGINT ends a build with exit code 2, and the message says how to go on; without --resume the build that lies there is not
+/// overwritten; other settings are refused by name; --fresh starts anew.
+#[test]
+fn stopped_builds_say_how_to_go_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (site, log) = (folder.path().join("site.helio"), folder.path().join("site.helio.partial.log"));
+    let child = build(&site, &[]).spawn().expect("a build");
+    let start = Instant::now();
+    while !log.exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint");
+        sleep(Duration::from_millis(2));
+    }
+    signal(&child, "-INT");
+    let stopped = child.wait_with_output().expect("its end");
+    assert_eq!(stopped.status.code(), Some(2));
+    let said = message(stopped);
+    assert!(said.contains("the build was stopped after") && said.contains("with --resume to go on"), "{said}");
+    let refused = |more: &[&str], parts: &[&str]| {
+        let output = build(&site, more).output().expect("a build");
+        assert_eq!(output.status.code(), Some(2));
+        let said = message(output);
+        assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+    };
+    refused(&[], &["--resume", "--fresh"]);
+    refused(&["--resume", "--set", "hit=32"], &["settings"]);
+    assert!(!site.exists());
+    let fresh = build(&site, &["--fresh"]).output().expect("a build");
+    assert!(fresh.status.success() && site.exists() && !log.exists(), "{}", message(fresh));
+}
