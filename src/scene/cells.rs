@@ -73,26 +73,25 @@ impl CellKey {
 
     /// Bytes that sort as keys do, for sorting outside memory.
     pub fn to_bytes(self) -> [u8; CellKey::BYTES] {
-        let mut bytes = [0; CellKey::BYTES];
-        bytes[..8].copy_from_slice(&self.region().to_be_bytes());
         // Flipping the sign bit makes signed numbers sort as unsigned ones.
-        bytes[8] = self.level as u8 ^ 0x80;
-        bytes[9] = self.facing;
-        bytes[10..12].copy_from_slice(&self.material.to_be_bytes());
-        for (part, v) in bytes[12..].chunks_exact_mut(4).zip(self.voxel) {
-            part.copy_from_slice(&(v as u32 ^ 1 << 31).to_be_bytes());
-        }
+        let [level] = self.level.to_be_bytes();
+        let [x, y, z] = self.voxel.map(|v| (v ^ i32::MIN).to_be_bytes());
+        let mut bytes = [0; CellKey::BYTES];
+        let parts = self.region().to_be_bytes().into_iter().chain([level ^ 0x80, self.facing]);
+        let parts = parts.chain(self.material.to_be_bytes()).chain(x).chain(y).chain(z);
+        bytes.iter_mut().zip(parts).for_each(|(byte, part)| *byte = part);
         bytes
     }
 
     /// Inverse of [`CellKey::to_bytes`].
     pub fn from_bytes(bytes: &[u8; CellKey::BYTES]) -> Self {
-        let word = |at: usize| u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        let &[_, _, _, _, _, _, _, _, level, facing, m0, m1, x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3] = bytes;
+        let words = [[x0, x1, x2, x3], [y0, y1, y2, y3], [z0, z1, z2, z3]];
         CellKey {
-            level: (bytes[8] ^ 0x80) as i8,
-            facing: bytes[9],
-            material: u16::from_be_bytes([bytes[10], bytes[11]]),
-            voxel: [12, 16, 20].map(|at| (word(at) ^ 1 << 31) as i32),
+            level: i8::from_be_bytes([level ^ 0x80]),
+            facing,
+            material: u16::from_be_bytes([m0, m1]),
+            voxel: words.map(|word| i32::from_be_bytes(word) ^ i32::MIN),
         }
     }
 

@@ -64,15 +64,16 @@ fn morton_code(relative: DVec3) -> u64 {
 /// Order of the codes of two voxels, x in the lowest bit, without making them: the axis whose highest differing bit is the
 /// highest decides (Chan 2002).
 pub(super) fn morton_cmp(a: [u32; 3], b: [u32; 3]) -> Ordering {
-    let (mut axis, mut highest) = (2, a[2] ^ b[2]);
-    for lower in [1, 0] {
-        let differing = a[lower] ^ b[lower];
+    let ([ax, ay, az], [bx, by, bz]) = (a, b);
+    let mut decides = (az, bz);
+    for (p, q) in [(ay, by), (ax, bx)] {
+        let (highest, differing) = (decides.0 ^ decides.1, p ^ q);
         // The highest bit of `differing` is above that of `highest`.
         if highest < differing && highest < highest ^ differing {
-            (axis, highest) = (lower, differing);
+            decides = (p, q);
         }
     }
-    a[axis].cmp(&b[axis])
+    decides.0.cmp(&decides.1)
 }
 
 /// Puts two zero bits after each of the lowest 21 bits.
