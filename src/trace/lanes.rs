@@ -11,6 +11,9 @@ pub const LANES: usize = 16;
 #[repr(align(64))]
 pub struct Sixteen(pub [f32; LANES]);
 
+/// Half of the lanes in memory.
+pub type Half = [f32; LANES / 2];
+
 /// Arithmetic on sixteen lanes. A mask is a `u16`, lane 0 the lowest bit. NaN must not occur.
 pub trait Lanes: Copy {
     type F: Copy;
@@ -30,6 +33,14 @@ pub trait Lanes: Copy {
     fn not_above(self, a: Self::F, b: Self::F) -> u16;
     /// `a` where the mask is set, `b` elsewhere.
     fn select(self, mask: u16, a: Self::F, b: Self::F) -> Self::F;
+    /// Lanes 0 to 7 and 8 to 15.
+    fn halves(self, low: &Half, high: &Half) -> Self::F;
+    /// Lanes 8 to 15 first.
+    fn swap(self, a: Self::F) -> Self::F;
+    /// The smallest lane.
+    fn lowest(self, a: Self::F) -> f32;
+    /// The largest lane.
+    fn highest(self, a: Self::F) -> f32;
 }
 
 /// A level of processor that kernels are compiled for.
@@ -155,6 +166,22 @@ impl Lanes for Baseline {
     fn select(self, mask: u16, a: Self::F, b: Self::F) -> Self::F {
         std::array::from_fn(|i| if mask >> i & 1 == 1 { a[i] } else { b[i] })
     }
+    #[inline(always)]
+    fn halves(self, low: &Half, high: &Half) -> Self::F {
+        std::array::from_fn(|i| if i < LANES / 2 { low[i] } else { high[i - LANES / 2] })
+    }
+    #[inline(always)]
+    fn swap(self, a: Self::F) -> Self::F {
+        std::array::from_fn(|i| a[i ^ (LANES / 2)])
+    }
+    #[inline(always)]
+    fn lowest(self, a: Self::F) -> f32 {
+        a.iter().fold(a[0], |m, &x| if x < m { x } else { m })
+    }
+    #[inline(always)]
+    fn highest(self, a: Self::F) -> f32 {
+        a.iter().fold(a[0], |m, &x| if x > m { x } else { m })
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -164,7 +191,7 @@ mod x86 {
     use pulp::x86::{V3, V4};
     use pulp::{NullaryFnOnce, cast};
 
-    use super::{Kernel, LANES, Lanes, Sixteen};
+    use super::{Half, Kernel, LANES, Lanes, Sixteen};
 
     /// A kernel with the level it is compiled for.
     pub(super) struct Run<L, K>(pub L, pub K);
@@ -230,6 +257,23 @@ mod x86 {
         #[inline(always)]
         fn select(self, mask: u16, a: __m512, b: __m512) -> __m512 {
             self.avx512f._mm512_mask_blend_ps(mask, b, a)
+        }
+        #[inline(always)]
+        fn halves(self, low: &Half, high: &Half) -> __m512 {
+            let low = self.avx512f._mm512_castps256_ps512(cast(*low));
+            self.avx512dq._mm512_insertf32x8::<1>(low, cast(*high))
+        }
+        #[inline(always)]
+        fn swap(self, a: __m512) -> __m512 {
+            self.avx512f._mm512_shuffle_f32x4::<0b01_00_11_10>(a, a)
+        }
+        #[inline(always)]
+        fn lowest(self, a: __m512) -> f32 {
+            self.avx512f._mm512_reduce_min_ps(a)
+        }
+        #[inline(always)]
+        fn highest(self, a: __m512) -> f32 {
+            self.avx512f._mm512_reduce_max_ps(a)
         }
     }
 
@@ -299,6 +343,24 @@ mod x86 {
             let half = |shift: u16, a, b| self.avx._mm256_blendv_ps(b, a, lanes_of(self, mask >> shift));
             (half(0, a.0, b.0), half(8, a.1, b.1))
         }
+        #[inline(always)]
+        fn halves(self, low: &Half, high: &Half) -> Pair {
+            (cast(*low), cast(*high))
+        }
+        #[inline(always)]
+        fn swap(self, a: Pair) -> Pair {
+            (a.1, a.0)
+        }
+        #[inline(always)]
+        fn lowest(self, a: Pair) -> f32 {
+            let eight: Half = cast(self.avx._mm256_min_ps(a.0, a.1));
+            eight.iter().fold(eight[0], |m, &x| if x < m { x } else { m })
+        }
+        #[inline(always)]
+        fn highest(self, a: Pair) -> f32 {
+            let eight: Half = cast(self.avx._mm256_max_ps(a.0, a.1));
+            eight.iter().fold(eight[0], |m, &x| if x > m { x } else { m })
+        }
     }
 
     #[inline(always)]
@@ -337,6 +399,10 @@ mod tests {
                 l.abs(a),
                 l.select(0x9b35, a, b),
                 l.splat(0.1),
+                l.splat(l.lowest(a)),
+                l.splat(l.highest(a)),
+                l.swap(a),
+                l.halves(&[0.1; LANES / 2], &[0.2; LANES / 2]),
                 // A fused product would differ here.
                 l.add(l.mul(a, b), l.mul(b, b)),
             ];

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::lanes::Level;
 use super::packet::{self, Packet};
-use super::tree::{Child, MAX_DEPTH, Pair, Tree};
+use super::tree::{Child, Node, Tree, WIDTH};
 use super::triangle::intersect;
 use crate::error::Result;
 use crate::scene::mesh::Mesh;
@@ -41,7 +41,7 @@ impl Tracer {
 
     /// As [`Tracer::new`], with packets compiled for a given level; results are the same.
     pub fn at_level(mesh: &Mesh, level: Level) -> Result<Self> {
-        Ok(Tracer { tree: Tree::new(mesh)?, level })
+        Ok(Tracer { tree: Tree::new(mesh), level })
     }
 
     /// Distance by which a ray's origin leaves its surface, metres: far above the rounding of f32 coordinates at that
@@ -81,7 +81,7 @@ impl Tracer {
         self.walk(ray, |limit, first, count| {
             for k in first..first + count {
                 let Some(t) = intersect(ray.origin, ray.direction, &self.tree.triangles[k]) else { continue };
-                let triangle = self.tree.mesh_triangle[k];
+                let triangle = self.tree.triangles[k].id;
                 if best.is_none_or(|b| (t, triangle) < (b.t, b.triangle)) {
                     best = Some(Hit { t, triangle });
                     *limit = t;
@@ -108,7 +108,7 @@ impl Tracer {
         let mut met: Vec<u32> = Vec::new();
         self.walk(ray, |_, first, count| {
             let hit = |k: &usize| intersect(ray.origin, ray.direction, &self.tree.triangles[*k]).is_some();
-            met.extend((first..first + count).filter(hit).map(|k| self.tree.mesh_triangle[k]));
+            met.extend((first..first + count).filter(hit).map(|k| self.tree.triangles[k].id));
             true
         });
         met.sort_unstable();
@@ -121,57 +121,38 @@ impl Tracer {
     fn walk(&self, ray: Ray, mut leaf: impl FnMut(&mut f32, usize, usize) -> bool) {
         let inverse = ray.direction.map(packet::inverse);
         let mut limit = f32::INFINITY;
-        let mut stack = [(Child::default(), 0.0_f32); MAX_DEPTH + 2];
-        let mut top = 0;
-        let mut child = self.tree.root;
-        loop {
-            if child.count > 0 {
-                if !leaf(&mut limit, child.first as usize, child.count as usize) {
+        let mut stack = vec![(Child::default(), 0.0_f32)];
+        while let Some((next, entry)) = stack.pop() {
+            if entry > limit {
+                continue;
+            }
+            if next.count > 0 {
+                if !leaf(&mut limit, next.first as usize, next.count as usize) {
                     return;
                 }
-            } else if let Some(pair) = self.tree.pairs.get(child.first as usize) {
-                let [left, right] = [0, 1].map(|side| slab(pair, side, ray.origin, inverse, limit));
-                let ordered = match (left, right) {
-                    (Some(l), Some(r)) if l <= r => Some((0, Some((1, r)))),
-                    (Some(l), Some(_)) => Some((1, Some((0, l)))),
-                    (Some(_), None) => Some((0, None)),
-                    (None, Some(_)) => Some((1, None)),
-                    (None, None) => None,
-                };
-                if let Some((near, far)) = ordered {
-                    if let Some((side, t)) = far {
-                        stack[top] = (pair.child[side], t);
-                        top += 1;
-                    }
-                    child = pair.child[near];
-                    continue;
-                }
+                continue;
             }
-            loop {
-                if top == 0 {
-                    return;
-                }
-                top -= 1;
-                if stack[top].1 <= limit {
-                    child = stack[top].0;
-                    break;
-                }
+            let node = &self.tree.nodes[next.first as usize];
+            let first = stack.len();
+            for k in 0..WIDTH {
+                stack.extend(slab(node, k, ray.origin, inverse, limit).map(|entry| (node.child[k], entry)));
             }
+            stack[first..].sort_by(|a, b| b.1.total_cmp(&a.1));
         }
     }
 }
 
-/// Entry distance of a ray into one box of a pair, if it meets it before `limit`. The far distance is widened by two
+/// Entry distance of a ray into the box of a child, if it meets it before `limit`. The far distance is widened by two
 /// roundings (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
-#[inline]
-fn slab(pair: &Pair, side: usize, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
+fn slab(node: &Node, child: usize, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
     let mut near = 0.0_f32;
     let mut far = limit;
     for i in 0..3 {
-        let a = (pair.low[side][i] - origin[i]) * inverse[i];
-        let b = (pair.high[side][i] - origin[i]) * inverse[i];
-        near = near.max(a.min(b));
-        far = far.min(a.max(b) * packet::FAR_PAD);
+        let (low, high) = (node.planes[i][0][child], -node.planes[i][1][child]);
+        // Not by the smaller of both distances: a box inside out, of a child that is not there, must not be met.
+        let (enter, leave) = if inverse[i] < 0.0 { (high, low) } else { (low, high) };
+        near = near.max((enter - origin[i]) * inverse[i]);
+        far = far.min((leave - origin[i]) * inverse[i] * packet::FAR_PAD);
     }
     (near <= far).then_some(near)
 }

@@ -6,14 +6,17 @@
 //! only: a fused multiply-add would make results differ between processors. Volumes too close to zero to be trusted are
 //! decided in f64.
 
+use std::cmp::Ordering;
+
 /// Corners of a triangle, f32, relative to the scene origin.
 pub type Corners = [[f32; 3]; 3];
 
-/// A triangle ready for rays: its corners, and for each edge (1-2, 2-0, 0-1) whether it is taken backwards.
+/// A triangle ready for rays: corners in ascending order, so that each edge goes from the lower to the higher of its ends
+/// whichever triangle asks, and which triangle of the mesh it is.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeTriangle {
     pub corners: Corners,
-    pub backwards: [bool; 3],
+    pub id: u32,
 }
 
 /// Share of (largest distance to a corner) x (longest edge) below which a volume's sign is not trusted: eight roundings of
@@ -48,9 +51,9 @@ pub struct Fixed {
 }
 
 impl EdgeTriangle {
-    pub fn new(corners: Corners) -> Self {
-        let backwards = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| corners[j] < corners[i]);
-        EdgeTriangle { corners, backwards }
+    pub fn new(mut corners: Corners, id: u32) -> Self {
+        corners.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+        EdgeTriangle { corners, id }
     }
 
     /// Edges from the corners themselves, so that both triangles of an edge have the same one.
@@ -67,9 +70,8 @@ impl EdgeTriangle {
     pub fn seen_from(&self, origin: [f32; 3]) -> Seen {
         let fixed = self.fixed();
         let [a, b, c] = [0, 1, 2].map(|i| sub(self.corners[i], origin));
-        // b x (c - b) = -(c x (b - c)): the lower end is used, whichever triangle asks.
-        let lower = |edge: usize, from: [f32; 3], to: [f32; 3]| if self.backwards[edge] { to } else { from };
-        let edges = [cross(lower(0, b, c), fixed.bc), cross(lower(1, c, a), fixed.ca), cross(lower(2, a, b), fixed.ab)];
+        // The lower end of each edge, whichever triangle asks.
+        let edges = [cross(b, fixed.bc), cross(a, fixed.ca), cross(a, fixed.ab)];
         let reach = max_abs(a).max(max_abs(b)).max(max_abs(c));
         let height = dot(a, fixed.normal);
         // An origin in the plane of the triangle sees it edge-on from everywhere.
@@ -173,7 +175,7 @@ mod tests {
             let aim = random(size);
             let toward = glam::Vec3::from_array([0, 1, 2].map(|k| place[k] + aim[k] - origin[k]));
             let direction = toward.normalize().to_array();
-            let fast = intersect(origin, direction, &EdgeTriangle::new(corners));
+            let fast = intersect(origin, direction, &EdgeTriangle::new(corners, 0));
             let exact = intersect_f64(origin, direction, &corners);
             assert_eq!(fast.is_some(), exact.is_some(), "{corners:?} {origin:?} {direction:?}");
             if let (Some(a), Some(b)) = (fast, exact) {
