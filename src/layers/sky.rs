@@ -222,6 +222,10 @@ impl SkyTexture {
     /// Inverse of [`SkyTexture::pack`]: the `fine` x `fine` bits of each receiver; `None` if the bytes do not describe
     /// `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<BitSquare>> {
+        // Zero doubled stays zero.
+        if base == 0 {
+            return None;
+        }
         let plane = base.div_ceil(8) * base;
         let (planes, mut rest) = raw.split_at_checked(plane.checked_mul(count)?.checked_mul(2)?)?;
         let squares: Vec<BitSquare> = planes.chunks(plane.max(1)).map(|p| BitSquare::from_bytes(base, p)).collect();

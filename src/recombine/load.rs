@@ -41,6 +41,37 @@ impl TileView {
     }
 }
 
+/// Largest sides of textures: of a receiver's sky before refinement and its hits, of the refined sky, of cells' skies.
+const MAX_SIDES: [u32; 3] = [1024, 4096, 256];
+/// Most bytes of a tile's sky once it is refined: a small block can stand for large textures.
+const MAX_SKY: usize = 256 << 20;
+
+/// The settings of an archive, if textures can have their sides.
+fn settings(archive: &Archive) -> Result<&Settings> {
+    let settings = &archive.manifest().settings;
+    let [plain, fine, cell] = MAX_SIDES;
+    let refuse = |found: String, supported: String| {
+        let what = format!("{}: settings in the manifest", archive.path().display());
+        Err(Error::Unsupported { what, found, supported })
+    };
+    for (name, side, most) in [
+        ("sky_base", settings.sky_base, plain),
+        ("sky_fine", settings.sky_fine, fine),
+        ("hit", settings.hit, plain),
+        ("probe", settings.probe, cell),
+        ("bounce_sky", settings.bounce_sky, cell),
+    ] {
+        if side == 0 || side > most {
+            return refuse(format!("{name} {side}"), format!("1 to {most}"));
+        }
+    }
+    let (base, fine) = (settings.sky_base, settings.sky_fine);
+    if fine % base != 0 || !(fine / base).is_power_of_two() {
+        return refuse(format!("sky_fine {fine}"), format!("sky_base {base} doubled some times"));
+    }
+    Ok(settings)
+}
+
 /// Shape of the response tables of an archive.
 pub fn shape(settings: &Settings) -> Shape {
     Shape {
@@ -52,13 +83,13 @@ pub fn shape(settings: &Settings) -> Shape {
 }
 
 /// Sides of the textures that weather is looked up in.
-pub fn sides(manifest: &Manifest) -> TextureSides {
-    let settings = &manifest.settings;
-    TextureSides {
+pub fn sides(archive: &Archive) -> Result<TextureSides> {
+    let settings = settings(archive)?;
+    Ok(TextureSides {
         sky_base: settings.sky_base as usize,
         sky_fine: settings.sky_fine as usize,
         response: settings.probe as usize,
-    }
+    })
 }
 
 /// Scene origin of an archive.
@@ -68,18 +99,26 @@ pub fn origin(manifest: &Manifest) -> DVec3 {
 
 /// Receivers and hits of a tile.
 pub fn tile_view(archive: &Archive, tile: u32) -> Result<TileView> {
-    let manifest = archive.manifest();
     let receivers = archive.block(format::RECEIVERS, tile)?;
     let hit = archive.block(format::HIT, tile)?;
-    TileView::new(&receivers, &hit, origin(manifest), manifest.settings.hit as usize)
+    TileView::new(&receivers, &hit, origin(archive.manifest()), settings(archive)?.hit as usize)
 }
 
 /// Ids, normals and sky bits of a tile, with the responses to use.
 pub fn tile_layers(archive: &Archive, tile: u32, responses: Vec<Response>) -> Result<(Vec<String>, TileLayers)> {
-    let table = tables::Receivers::from_block(&archive.block(format::RECEIVERS, tile)?)?;
-    let sides = sides(archive.manifest());
+    let receivers = archive.block(format::RECEIVERS, tile)?;
+    let table = tables::Receivers::from_block(&receivers)?;
+    let rows = table.ids.len();
+    if responses.len() != rows {
+        return Err(receivers.corrupt(format!("{rows} receivers"), format!("{}, one per response", responses.len())));
+    }
+    let sides = sides(archive)?;
     let block = archive.block(format::SKY, tile)?;
-    let sky = SkyTexture::unpack(block.bytes(), table.ids.len(), sides.sky_base, sides.sky_fine)
+    let bytes = rows.saturating_mul(sides.sky_fine * sides.sky_fine / 8);
+    if bytes > MAX_SKY {
+        return Err(block.corrupt(format!("sky of {bytes} bytes"), format!("at most {MAX_SKY}")));
+    }
+    let sky = SkyTexture::unpack(block.bytes(), rows, sides.sky_base, sides.sky_fine)
         .ok_or_else(|| block.corrupt("sky bits of another shape", "sky bits of the manifest's shape"))?;
     let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
     Ok((table.ids, TileLayers { normals, sky, responses }))
@@ -88,7 +127,7 @@ pub fn tile_layers(archive: &Archive, tile: u32, responses: Vec<Response>) -> Re
 /// The responses that the build derived: its reflectances, all bounces.
 pub fn cached_responses(archive: &Archive, tile: u32) -> Result<Vec<Response>> {
     let block = archive.block(format::RESPONSE, tile)?;
-    response::unpack(block.bytes(), block.items() as usize, sides(archive.manifest()).response)
+    response::unpack(block.bytes(), block.items() as usize, sides(archive)?.response)
         .ok_or_else(|| block.corrupt("responses of another shape", "responses of the manifest's shape"))
 }
 
@@ -103,7 +142,7 @@ pub struct Tables<'a> {
 impl<'a> Tables<'a> {
     /// The tables of an archive.
     pub fn load(archive: &'a Archive) -> Result<Self> {
-        Tables::of(archive, archive.manifest().settings.clone())
+        Tables::of(archive, settings(archive)?.clone())
     }
 
     /// The tables among some blocks, made with some settings.

@@ -41,7 +41,7 @@ pub type TileResult = (Vec<String>, TileValues);
 impl<'a> Replay<'a> {
     pub fn new(archive: &'a Archive, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
         let patches = Patches::new(settings.patches)?;
-        let forcing = Forcing::new(conditions, settings.sky, &patches, sides(archive.manifest()));
+        let forcing = Forcing::new(conditions, settings.sky, &patches, sides(archive)?);
         let responder = match settings.depth {
             Depth::All => None,
             depth @ Depth::Count(_) => {

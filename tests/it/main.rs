@@ -2,6 +2,7 @@
 
 mod archive;
 mod cli;
+mod hostile;
 mod interrupt;
 mod numerics;
 mod physics;
