@@ -1,0 +1,274 @@
+//! What is fuzzed: readers of foreign bytes, by name. Each takes any bytes and must come back, with an error or without, from
+//! bounded time and memory. The fuzzer calls them, and a test with the corpus that is kept.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use heliotile::archive::format::{self, CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
+use heliotile::archive::tables::{Bounce, Materials, Probes, Receivers};
+use heliotile::archive::{Access, Archive, Block, Manifest, Writer, encode, manifest, verify};
+use heliotile::layers::{hit::HitTile, response, sky::SkyTexture};
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::conditions::read_conditions;
+use heliotile::recombine::epw::read_epw;
+use heliotile::recombine::replay::{Replay, ReplaySettings};
+use heliotile::recombine::sky::SkyModel;
+use heliotile::scene::Scene;
+use heliotile::scene::receiver_tiles::ReceiverTiles;
+use heliotile::scene::receivers::read_receivers_with_warnings;
+
+/// A reader of foreign bytes.
+pub type Target = fn(&[u8]);
+
+/// All targets by name, which is that of their folder in tests/data/corpus.
+pub const TARGETS: [(&str, Target); 17] = [
+    ("archive", archive),
+    ("sealed", sealed),
+    ("block", block),
+    ("receivers_table", receivers_table),
+    ("probes_table", probes_table),
+    ("bounce_table", bounce_table),
+    ("materials_table", materials_table),
+    ("sky", sky),
+    ("hit", hit),
+    ("response", response),
+    ("obj", obj),
+    ("mtl", mtl),
+    ("materials", materials),
+    ("receivers", receivers),
+    ("conditions", conditions),
+    ("epw", epw),
+    ("weather", weather),
+];
+
+thread_local! {
+    static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a scratch folder");
+}
+
+/// A file of this thread that holds the bytes.
+fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = FOLDER.with(|folder| folder.path().join(name));
+    fs::write(&path, bytes).expect("written");
+    path
+}
+
+/// A whole file as it is: most changes end at a checksum.
+fn archive(data: &[u8]) {
+    read_all(&file("site.helio", data));
+}
+
+/// Bytes of a slot and of a file from its first block on, with all checksums mended: changes reach what is behind them.
+fn sealed(data: &[u8]) {
+    read_all(&file("site.helio", &seal(data)));
+}
+
+/// The file that `sealed` reads.
+pub fn seal(data: &[u8]) -> Vec<u8> {
+    let (slot, rest) = data.split_at(data.len().min(SLOT_SIZE));
+    let mut bytes = slot.to_vec();
+    bytes.resize(FIRST_BLOCK as usize, 0);
+    bytes.extend_from_slice(rest);
+    let sum = format::checksum(&bytes[..SLOT_SIZE - 8]);
+    bytes[SLOT_SIZE - 8..SLOT_SIZE].copy_from_slice(&sum);
+    let Some(mut slot) = Slot::decode(&bytes) else { return bytes };
+    let range = |offset: u64, length: u64| {
+        let end = offset.checked_add(length).filter(|end| *end <= bytes.len() as u64)?;
+        (offset >= FIRST_BLOCK).then_some(offset as usize..end as usize)
+    };
+    let (Some(directory), Some(json)) =
+        (range(slot.directory_offset, slot.directory_length), range(slot.manifest_offset, slot.manifest_length))
+    else {
+        return bytes;
+    };
+    let mut entries = Vec::new();
+    for chunk in bytes[directory.clone()].chunks(ENTRY_SIZE) {
+        match Entry::decode(chunk) {
+            Some(mut entry) => {
+                if let Some(stored) = range(entry.offset, u64::from(entry.stored)) {
+                    entry.checksum = format::checksum(&bytes[stored]);
+                }
+                entry.encode(&mut entries);
+            }
+            None => entries.extend_from_slice(chunk),
+        }
+    }
+    bytes[directory.clone()].copy_from_slice(&entries);
+    slot.root = format::root_hash(&bytes[directory], &bytes[json]);
+    bytes[..SLOT_SIZE].copy_from_slice(&slot.encode());
+    bytes
+}
+
+/// Checks an archive, reads its blocks and replays two tiles, from the stored responses and from what they derive from.
+fn read_all(path: &Path) {
+    let report = verify(path);
+    let Ok(archive) = Archive::open_with(path, Access::Read) else { return };
+    report.expect("what can be opened can be verified");
+    for entry in archive.entries() {
+        if let Ok(block) = archive.block(entry.kind, entry.tile) {
+            assert_eq!(block.bytes().len(), entry.raw as usize);
+        }
+    }
+    let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
+    let conditions = read_conditions(&file("conditions.csv", sunny)).expect("a condition").conditions;
+    for depth in [Depth::All, Depth::Count(1)] {
+        let settings = ReplaySettings { sky: SkyModel::Perez, patches: 145, depth };
+        let Ok(replay) = Replay::new(&archive, &conditions, settings) else { continue };
+        for tile in 0..replay.tiles().min(2) {
+            let _ = replay.tile(tile);
+        }
+    }
+}
+
+/// Stored bytes of one block, behind five bytes that give its codec and its raw length.
+fn block(data: &[u8]) {
+    let Some((&[codec, a, b, c, d], stored)) = data.split_first_chunk() else { return };
+    let entry = Entry {
+        kind: 77,
+        tile: 0,
+        offset: FIRST_BLOCK,
+        stored: stored.len() as u32,
+        raw: u32::from_le_bytes([a, b, c, d]),
+        codec: if codec & 1 == 0 { CODEC_ZSTD } else { CODEC_RAW },
+        schema: 1,
+        items: 1,
+        checksum: format::checksum(stored),
+        content: [0; 32],
+        reserved: [0; 8],
+    };
+    let mut manifest = Manifest::new();
+    manifest.receivers.tile_size = 1;
+    manifest.layers = manifest::summarize([&entry]);
+    let json = manifest.to_json().expect("a manifest");
+    let mut directory = Vec::new();
+    entry.encode(&mut directory);
+    let mut bytes = vec![0; FIRST_BLOCK as usize];
+    let mut put = |part: &[u8]| {
+        bytes.resize(format::align(bytes.len() as u64).expect("small") as usize, 0);
+        bytes.extend_from_slice(part);
+        (bytes.len() - part.len()) as u64
+    };
+    put(stored);
+    let (directory_offset, manifest_offset) = (put(&directory), put(&json));
+    let slot = Slot {
+        state: format::COMPLETE,
+        generation: 1,
+        committed: bytes.len() as u64,
+        directory_offset,
+        directory_length: directory.len() as u64,
+        directory_count: 1,
+        manifest_offset,
+        manifest_length: json.len() as u64,
+        root: format::root_hash(&directory, &json),
+        ..Slot::building()
+    };
+    bytes[..SLOT_SIZE].copy_from_slice(&slot.encode());
+    read_all(&file("site.helio", &bytes));
+}
+
+/// A block of a kind that holds the bytes behind the first one, which is its number of rows.
+fn with_block<T>(kind: u32, data: &[u8], read: impl Fn(&Block) -> T) {
+    let Some((&items, raw)) = data.split_first() else { return };
+    let schema = format::schema_of(kind).expect("a known kind");
+    let Ok(encoded) = encode(kind, 0, schema, u32::from(items), raw, 1) else { return };
+    let path = FOLDER.with(|folder| folder.path().join("table.helio"));
+    let mut writer = Writer::create(&path).expect("created");
+    writer.append(encoded).expect("written");
+    read(&writer.read_back(kind, 0).expect("read"));
+}
+
+fn receivers_table(data: &[u8]) {
+    with_block(format::RECEIVERS, data, |block| {
+        Receivers::from_block(block).map(|table| table.to_bytes().expect("checked"))
+    });
+}
+
+fn probes_table(data: &[u8]) {
+    with_block(format::PROBES, data, |block| Probes::from_block(block).map(|table| table.to_bytes().expect("checked")));
+}
+
+fn bounce_table(data: &[u8]) {
+    with_block(format::BOUNCE, data, |block| Bounce::from_block(block).map(|table| table.to_bytes().expect("checked")));
+}
+
+fn materials_table(data: &[u8]) {
+    with_block(format::MATERIALS, data, |block| {
+        Materials::from_block(block).map(|table| table.to_bytes().expect("checked"))
+    });
+}
+
+/// Two bytes that say how many receivers and how many texels: 0 to 255 receivers, sides of 0 to 64 and thrice doubled.
+fn shape(data: &[u8]) -> Option<(usize, usize, usize, &[u8])> {
+    let (&[count, sides], raw) = data.split_first_chunk()?;
+    let base = usize::from(sides & 63) + usize::from(sides & 63 == 63);
+    Some((usize::from(count), base, base << (sides >> 6), raw))
+}
+
+fn sky(data: &[u8]) {
+    let Some((count, base, fine, raw)) = shape(data) else { return };
+    let squares = SkyTexture::unpack(raw, count, base, fine);
+    assert!(squares.is_none_or(|squares| squares.len() == count));
+}
+
+fn hit(data: &[u8]) {
+    let Some((count, side, _, raw)) = shape(data) else { return };
+    if let Some(tile) = HitTile::unpack(raw, count * side * side) {
+        assert_eq!(tile.pack(), raw);
+    }
+}
+
+fn response(data: &[u8]) {
+    let Some((count, side, _, raw)) = shape(data) else { return };
+    let tile = response::unpack(raw, count, side);
+    assert!(tile.is_none_or(|tile| tile.iter().all(|r| r.values.iter().all(|v| v.is_finite()))));
+}
+
+const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nusemtl wall\nf 1 2 3\nusemtl roof\nf 1 2 4\n";
+const MATERIALS: &[u8] = b"[default]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\n[roof]\ndiffuse = 0.4\n";
+
+fn obj(data: &[u8]) {
+    let _ = Scene::load(&file("town.obj", data), Some(&file("materials.toml", MATERIALS)));
+}
+
+fn mtl(data: &[u8]) {
+    file("a.mtl", data);
+    let _ = Scene::load(&file("town.obj", OBJ), None);
+}
+
+fn materials(data: &[u8]) {
+    let _ = Scene::load(&file("town.obj", OBJ), Some(&file("materials.toml", data)));
+}
+
+/// Both ways of reading give the same.
+fn receivers(data: &[u8]) {
+    let path = file("receivers.csv", data);
+    let (mut warnings, mut others) = (Vec::new(), Vec::new());
+    let plain = read_receivers_with_warnings(&path, &mut warnings);
+    let folder = path.parent().expect("a folder");
+    let tiles = ReceiverTiles::open(&path, [1.0, 2.0, 3.0].into(), folder, 0, &mut others);
+    assert_eq!(warnings, others);
+    match (plain, tiles) {
+        (Ok(plain), Ok(mut tiles)) => {
+            let count: usize = tiles.tiles().expect("rewound").map(|tile| tile.expect("read").len()).sum();
+            assert_eq!((plain.len(), plain.len()), (count, tiles.count()));
+        }
+        (plain, tiles) => {
+            let (plain, tiles) = (plain.err().map(|e| e.to_string()), tiles.err().map(|e| e.to_string()));
+            assert_eq!(plain, tiles);
+        }
+    }
+}
+
+fn conditions(data: &[u8]) {
+    let _ = read_conditions(&file("conditions.csv", data));
+}
+
+fn epw(data: &[u8]) {
+    let _ = read_epw(&file("year.epw", data));
+}
+
+/// Weather as it is replayed: with the sun's places within each interval.
+fn weather(data: &[u8]) {
+    if let Ok(weather) = read_epw(&file("year.epw", data)) {
+        assert_eq!(weather.conditions(2).len(), weather.rows.len());
+    }
+}
