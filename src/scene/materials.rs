@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::receivers::MAX_NAME_BYTES;
 use super::text::excerpt;
 use crate::error::{Error, Result};
 
@@ -92,7 +93,15 @@ pub(super) fn select(mut table: Table, used: &[MaterialUse], source: &Path) -> R
         }
         return Err(Error::input(source, None, what, hint));
     }
-    let materials = used.iter().filter_map(|entry| table.remove(&entry.name)).collect();
+    let materials: Vec<Material> = used.iter().filter_map(|entry| table.remove(&entry.name)).collect();
+    for material in &materials {
+        let longest = material.name.len().max(material.group.as_ref().map_or(0, String::len));
+        if longest > MAX_NAME_BYTES {
+            let what =
+                format!("material `{}` has a name or a group of {longest} bytes", excerpt(material.name.as_bytes()));
+            return Err(Error::input(source, None, what, "names have at most 1024 bytes"));
+        }
+    }
     Ok((materials, table))
 }
 
@@ -143,5 +152,17 @@ mod tests {
         let (materials, left) = select(table, &used(&[("a", 1), ("c", 1)]), Path::new("m")).expect("all there");
         assert_eq!(materials.iter().map(|material| material.diffuse).collect::<Vec<_>>(), [0.1, 0.3]);
         assert_eq!(left.keys().collect::<Vec<_>>(), ["b"]);
+    }
+
+    /// A name or a group of 1025 bytes is refused before anything is traced, of 1024 it is not.
+    #[test]
+    fn long_names() {
+        for (name, group, fits) in [(1024, 1024, true), (1025, 1, false), (1, 1025, false)] {
+            let (name, group) = ("n".repeat(name), "g".repeat(group));
+            let table = parse(&format!("[{name}]\ndiffuse = 0.3\ngroup = \"{group}\"")).expect("readable");
+            let message = select(table, &used(&[(&name, 1)]), Path::new("materials.toml")).err().map(|e| e.to_string());
+            assert_eq!(message.is_none(), fits);
+            assert!(message.is_none_or(|message| message.contains("a name or a group of 1025 bytes")));
+        }
     }
 }

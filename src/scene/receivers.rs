@@ -32,8 +32,8 @@ pub struct Receiver {
     pub surface: Option<String>,
 }
 
-/// Longest name of a receiver that an archive holds.
-const MAX_NAME_BYTES: usize = 1024;
+/// Longest name that an archive holds.
+pub(super) const MAX_NAME_BYTES: usize = 1024;
 
 /// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row. Holds
 /// all of them in memory; [`ReceiverTiles`](super::receiver_tiles::ReceiverTiles) does not.
@@ -161,11 +161,7 @@ impl Row<'_> {
         if id.is_empty() {
             return Err(self.rows.cell_error("receiver", id, "an empty name", "give every receiver a name"));
         }
-        if id.len() > MAX_NAME_BYTES {
-            let start: String = id.chars().take(40).collect();
-            let what = format!("a name of {} bytes", id.len());
-            return Err(self.rows.cell_error("receiver", &start, &what, "names have at most 1024 bytes"));
-        }
+        self.short("receiver", id)?;
         let position = DVec3::new(self.coordinate("x", x)?, self.coordinate("y", y)?, self.coordinate("z", z)?);
         let normal = DVec3::new(self.number("nx", nx)?, self.number("ny", ny)?, self.number("nz", nz)?);
         // Divided by its largest part first, so that no square under- or overflows.
@@ -177,6 +173,7 @@ impl Row<'_> {
         }
         let [area, surface] =
             self.columns.optional.map(|column| column.map(|column| self.cell(column)).filter(|text| !text.is_empty()));
+        self.short("surface", surface.unwrap_or_default())?;
         Ok(Receiver {
             id: id.to_owned(),
             position,
@@ -188,6 +185,15 @@ impl Row<'_> {
 
     fn cell(&self, column: usize) -> &str {
         self.rows.record.get(column).unwrap_or_default()
+    }
+
+    fn short(&self, column: &str, name: &str) -> Result<()> {
+        if name.len() <= MAX_NAME_BYTES {
+            return Ok(());
+        }
+        let start: String = name.chars().take(40).collect();
+        let what = format!("a name of {} bytes", name.len());
+        Err(self.rows.cell_error(column, &start, &what, "names have at most 1024 bytes"))
     }
 
     fn number(&self, column: &str, text: &str) -> Result<f64> {
@@ -306,6 +312,21 @@ mod tests {
         let broken = [HEADER.as_bytes(), b"a,0,0,0,0,0,1\n\xff,0,0,0,0,0,1\n"].concat();
         let message = read_bytes(&broken).expect_err("not UTF-8").to_string();
         assert!(message.starts_with("receivers.csv, line 3: the row is not UTF-8"), "{message}");
+    }
+
+    /// Names of 1024 bytes are read, longer ones of receivers and of surfaces refused in their line: 2 of 2.
+    #[test]
+    fn long_names() {
+        let file = |id: usize, surface: usize| {
+            let (id, surface) = ("i".repeat(id), "s".repeat(surface));
+            read(&format!("receiver,x,y,z,nx,ny,nz,surface\n{id},0,0,0,0,0,1,{surface}"))
+        };
+        assert_eq!(file(1024, 1024).expect("readable").0.len(), 1);
+        for (refused, column) in [(file(1025, 9), "receiver"), (file(9, 1025), "surface")] {
+            let message = refused.expect_err(column).to_string();
+            assert!(message.starts_with(&format!("receivers.csv, line 2: column `{column}` is `")), "{message}");
+            assert!(message.contains("a name of 1025 bytes"), "{message}");
+        }
     }
 
     /// A row of more than 16 MiB, as behind a quote that is never closed, is refused with the line it begins in.
