@@ -77,8 +77,8 @@ fn seeds_are_valid() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("site.helio");
     fs::write(&path, archive).expect("written");
-    let report = heliotile::archive::verify(&path).expect("an archive");
-    assert_eq!((report.problems.len(), report.blocks), (0, 7));
+    let report = heliotile::archive::verify(&path, heliotile::archive::Access::Read, true).expect("an archive");
+    assert_eq!((report.problems.len(), report.blocks), (0, 9));
 }
 
 /// Eight manifests that lie about the sides of textures, and a tile with fewer responses than receivers, are refused by both
@@ -94,7 +94,8 @@ fn lying_settings_are_refused() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("copy.helio");
     let refusal = |change: &dyn Fn(&mut Settings), rows: usize, depth: Depth| {
-        let mut writer = Writer::create(&path, &Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] }).expect("created");
+        let mut writer =
+            Writer::create(&path, &Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] }).expect("created");
         for entry in archive.entries() {
             let block = archive.block(entry.kind, entry.tile).expect("a block");
             let (mut items, mut raw) = (entry.items as usize, block.bytes().to_vec());

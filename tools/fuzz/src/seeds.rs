@@ -2,11 +2,13 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 use heliotile::archive::format::{self, FIRST_BLOCK, SLOT_SIZE};
 use heliotile::archive::{Access, Archive};
-use heliotile::commands::build::{BuildSettings, build};
+use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
 use heliotile::scene::Scene;
+use heliotile::scene::receiver_tiles::ReceiverTiles;
 use heliotile::scene::receivers::read_receivers;
 
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 5 5 0\nv 9 5 0\nv 9 5 6\nv 5 5 6\n\
@@ -42,7 +44,16 @@ pub fn write() {
         ..BuildSettings::default()
     };
     let site = folder.path().join("site.helio");
-    build(&scene, &receivers, &settings, &site).expect("an archive");
+    let origin = scene.mesh.origin;
+    let mut tiles = ReceiverTiles::from_receivers(&receivers, origin, folder.path(), 1 << 20).expect("receivers");
+    let plan = BuildPlan {
+        settings,
+        output: site.clone(),
+        memory_bytes: 1 << 27,
+        start: Start::New,
+        checkpoint_every: Duration::from_secs(30),
+    };
+    build(&scene, &mut tiles, &plan).expect("an archive");
     let bytes = fs::read(&site).expect("read");
     seed("archive", &bytes);
     seed("sealed", &[&bytes[..SLOT_SIZE], &bytes[FIRST_BLOCK as usize..]].concat());
@@ -51,8 +62,8 @@ pub fn write() {
     let raw = |kind| archive.block(kind, 0).expect("a block");
     for (target, kind) in [
         ("receivers_table", format::RECEIVERS),
-        ("probes_table", format::PROBES),
-        ("bounce_table", format::BOUNCE),
+        ("cells_table", format::PROBES),
+        ("index_table", format::INDEX),
         ("materials_table", format::MATERIALS),
     ] {
         seed(target, &[&[raw(kind).items() as u8], raw(kind).bytes()].concat());

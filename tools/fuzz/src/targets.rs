@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use heliotile::archive::format::{self, CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
-use heliotile::archive::tables::{Bounce, Materials, Probes, Receivers};
-use heliotile::archive::{Access, Archive, Block, Manifest, Writer, encode, manifest, verify};
+use heliotile::archive::tables::{Cells, Index, Materials, Receivers};
+use heliotile::archive::{Access, Archive, Block, Job, Manifest, Writer, encode, manifest, verify};
 use heliotile::layers::{hit::HitTile, response, sky::SkyTexture};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::conditions::read_conditions;
@@ -26,8 +26,8 @@ pub const TARGETS: [(&str, Target); 17] = [
     ("sealed", sealed),
     ("block", block),
     ("receivers_table", receivers_table),
-    ("probes_table", probes_table),
-    ("bounce_table", bounce_table),
+    ("cells_table", cells_table),
+    ("index_table", index_table),
     ("materials_table", materials_table),
     ("sky", sky),
     ("hit", hit),
@@ -100,7 +100,7 @@ pub fn seal(data: &[u8]) -> Vec<u8> {
 
 /// Checks an archive, reads its blocks and replays two tiles, from the stored responses and from what they derive from.
 fn read_all(path: &Path) {
-    let report = verify(path);
+    let report = verify(path, Access::Read, true);
     let Ok(archive) = Archive::open_with(path, Access::Read) else { return };
     report.expect("what can be opened can be verified");
     for entry in archive.entries() {
@@ -111,11 +111,9 @@ fn read_all(path: &Path) {
     let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
     let conditions = read_conditions(&file("conditions.csv", sunny)).expect("a condition").conditions;
     for depth in [Depth::All, Depth::Count(1)] {
-        let settings = ReplaySettings { sky: SkyModel::Perez, patches: 145, depth };
+        let settings = ReplaySettings { sky: SkyModel::Perez, patches: 145, depth, memory_bytes: 1 << 27 };
         let Ok(replay) = Replay::new(&archive, &conditions, settings) else { continue };
-        for tile in 0..replay.tiles().min(2) {
-            let _ = replay.tile(tile);
-        }
+        let _ = replay.run(0..replay.tiles().min(2));
     }
 }
 
@@ -171,7 +169,8 @@ fn with_block<T>(kind: u32, data: &[u8], read: impl Fn(&Block) -> T) {
     let schema = format::schema_of(kind).expect("a known kind");
     let Ok(encoded) = encode(kind, 0, schema, u32::from(items), raw, 1) else { return };
     let path = FOLDER.with(|folder| folder.path().join("table.helio"));
-    let mut writer = Writer::create(&path).expect("created");
+    let mut writer =
+        Writer::create(&path, &Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] }).expect("created");
     writer.append(encoded).expect("written");
     read(&writer.read_back(kind, 0).expect("read"));
 }
@@ -182,12 +181,17 @@ fn receivers_table(data: &[u8]) {
     });
 }
 
-fn probes_table(data: &[u8]) {
-    with_block(format::PROBES, data, |block| Probes::from_block(block).map(|table| table.to_bytes().expect("checked")));
+fn cells_table(data: &[u8]) {
+    with_block(format::PROBES, data, |block| {
+        Cells::from_block(block).map(|table| {
+            let bytes = table.to_bytes().expect("checked");
+            assert!(Cells::new(&table.into_cells()).to_bytes().expect("checked") == bytes);
+        })
+    });
 }
 
-fn bounce_table(data: &[u8]) {
-    with_block(format::BOUNCE, data, |block| Bounce::from_block(block).map(|table| table.to_bytes().expect("checked")));
+fn index_table(data: &[u8]) {
+    with_block(format::INDEX, data, |block| Index::from_block(block).map(|table| table.to_bytes().expect("checked")));
 }
 
 fn materials_table(data: &[u8]) {
