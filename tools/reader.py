@@ -1,0 +1,459 @@
+#!/usr/bin/env python3
+"""Second reader of heliotile archives, written from schema/ alone (heliotile-1.md, layers.md, manifest.schema.json).
+
+    reader.py SITE.helio                 check everything, print a summary
+    reader.py SITE.helio --digests       ... print one line an array: kind tile array BLAKE3(canonical bytes)
+    reader.py SITE.helio --dump FOLDER   ... write the canonical bytes to FOLDER/kind-tile.array
+
+Exit code 0: whole; 1: opened, but blocks are damaged, each is named; 2: cannot be opened. Needs Python 3.9, `blake3`
+and, before Python 3.14, `zstandard`.
+
+Canonical bytes of an array are its values without gaps, little-endian, strings as u32 length and UTF-8 bytes. Arrays are
+  tables     the columns under their names, as the tables of heliotile-1.md list them
+  sky        front: R planes of sky_base^2 bits; sky: R planes of sky_fine^2 bits; each plane packed and filled up to a byte
+  hit        level i8, facing u8, material u16, voxel 3 x i32, one a key; texels u32 [receiver][texel], 0 or key + 1
+  response   g: f32 [receiver][class][axis][texel]
+"""
+import json
+import math
+import mmap
+import re
+import struct
+import sys
+from pathlib import Path
+
+from blake3 import blake3
+
+MAGIC = bytes.fromhex("89484c4f0d0a1a0a")
+FIRST_BLOCK, ALIGN, ENTRY, MAX_RAW, MAX_ENTRIES, MAX_MANIFEST = 8192, 64, 80, 8388608, 67108864, 1048576
+MAX_ROWS, MAX_STRING, MAX_MATERIALS, MAX_SEEN, NOTHING = 4096, 1024, 65536, 32767, 0x7FFF
+KNOWN_REQUIRED = 1
+KEY = [("voxel", "3i"), ("tag", "1I"), ("material", "1H")]
+CELLS = KEY + [("normal", "3f"), ("bits", "1B")] + [("seen_" + n, t) for n, t in KEY] + [("hits", "1H")]
+# kind: (name, schema, columns of a table); a type is values in a row and their struct letter, s is a string.
+KINDS = {
+    1: ("receivers", 1, [("ids", "s"), ("position", "3d"), ("normal", "3d"), ("area", "1d"), ("surface", "s"),
+                         ("sky_view", "1f"), ("ground_view", "1f"), ("obstruction_view", "1f")]),
+    2: ("sky", 1, None), 3: ("hit", 2, None), 4: ("response", 1, None),
+    5: ("probes", 2, CELLS), 6: ("bounce", 2, CELLS), 7: ("index", 1, KEY),
+    10: ("materials", 1, [("name", "s"), ("diffuse", "1d"), ("specular", "1d"), ("class", "1B"), ("group", "s")]),
+}
+
+
+class Damage(Exception):
+    """What is wrong with a file or block."""
+
+
+def need(holds, message):
+    if not holds:
+        raise Damage(message)
+
+
+def up(offset):
+    return -(-offset // ALIGN) * ALIGN
+
+
+def unzstd(stored, raw):
+    """Exactly one zstd frame (RFC 8878) that states `raw`, without dictionary and checksum."""
+    need(stored[:4] == b"\x28\xb5\x2f\xfd" and len(stored) > 6, "no zstd frame")
+    descriptor, single = stored[4], stored[4] >> 5 & 1
+    need(descriptor & 7 == 0, "zstd frame with dictionary or checksum")
+    at, width = 6 - single, (single, 2, 4, 8)[descriptor >> 6]
+    need(width, "zstd frame without content size")
+    size = int.from_bytes(stored[at:at + width], "little") + (256 if width == 2 else 0)
+    need(size == raw, f"zstd frame of {size} bytes, the entry says {raw}")
+    try:
+        if sys.version_info >= (3, 14):
+            from compression.zstd import ZstdDecompressor
+            frame = ZstdDecompressor()
+            out = frame.decompress(stored, max_length=raw)
+            need(frame.eof and not frame.unused_data, "zstd frame does not end with the block")
+        else:
+            from zstandard import ZstdDecompressor
+            out = ZstdDecompressor().decompress(stored, allow_extra_data=False)
+    except ImportError:
+        raise
+    except Exception as error:
+        raise Damage(f"zstd: {error}") from error
+    need(len(out) == raw, f"{len(out)} bytes decoded, the entry says {raw}")
+    return out
+
+
+def conforms(value, schema, at="manifest"):
+    """The part of JSON Schema that manifest.schema.json uses."""
+    kinds = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
+    kind = schema.get("type", "object")
+    need(isinstance(value, kinds[kind]) and (kind == "boolean" or not isinstance(value, bool)), f"{at} is no {kind}")
+    need(value == schema.get("const", value), f"{at} is {value!r}, not {schema.get('const')!r}")
+    if kind in ("integer", "number"):
+        need(schema.get("minimum", value) <= value <= schema.get("maximum", value), f"{at} is {value}")
+    if kind == "array":
+        need(schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)), f"{at}: {len(value)} items")
+        for i, item in enumerate(value):
+            conforms(item, schema["items"], f"{at}[{i}]")
+    if kind == "object":
+        for name in schema.get("required", []):
+            need(name in value, f"{at} has no {name}")
+        for name in value.keys() & schema.get("properties", {}).keys():
+            conforms(value[name], schema["properties"][name], f"{at}.{name}")
+
+
+def table(raw, columns, rows=None):
+    """Section 3.1: name -> (canonical bytes, values)."""
+    found, at = {}, len(raw) - 8 * len(columns)
+    need(at >= 0, "table shorter than its root")
+    for name, kind in columns:
+        distance, count = struct.unpack_from("<iI", raw, at)
+        start, letter = at + distance, kind[-1]
+        size = 8 if letter == "s" else int(kind[0]) * struct.calcsize("<" + letter)
+        need(0 <= start and start + count * size <= len(raw), f"column {name} leaves the block")
+        need(start % (4 if letter == "s" else struct.calcsize("<" + letter)) == 0, f"column {name} is not aligned")
+        if letter == "s":
+            values = [string(raw, start + 8 * i, name) for i in range(count)]
+            packed = b"".join(struct.pack("<I", len(s)) + s for s in values)
+        else:
+            packed = raw[start:start + count * size]
+            values = struct.unpack(f"<{count * int(kind[0])}{letter}", packed)
+            if kind[0] == "3":
+                values = list(zip(values[::3], values[1::3], values[2::3]))
+        found[name] = (packed, values)
+        at += 8
+    return found
+
+
+def string(raw, at, name):
+    if raw[at] & 0xC0 != 0x80:
+        text = bytes(raw[at:at + 8]).split(b"\xff")[0]
+    else:
+        word, distance = struct.unpack_from("<Ii", raw, at)
+        length, start = word & 0x3F | (word & 0xFFFFFF00) >> 2, at + distance
+        need(length <= MAX_STRING and 0 <= start and start + length <= len(raw), f"a string of {name} leaves the block")
+        text = bytes(raw[start:start + length])
+    try:
+        text.decode()
+    except UnicodeDecodeError as error:
+        raise Damage(f"a string of {name} is not UTF-8") from error
+    return text
+
+
+def order(voxel, tag, material):
+    """Section 3.6: what keys are compared by."""
+    level, code = (tag >> 8) - 128, 0
+    for axis, v in enumerate(voxel):
+        r = v << level - 6 if level >= 6 else v >> 6 - level
+        r = min(max(r, -1 << 20), (1 << 20) - 1) + (1 << 20)
+        code |= int(f"{r:b}", 8) << axis  # Binary digits read as octal: bit i moves to bit 3i.
+    return (code, level, tag & 255, material, *voxel)
+
+
+def texels(bits, side):
+    return f"{bits:0{side * side}b}"[::-1]
+
+
+def doubled(bits, side):
+    """Every texel passed on to its four children; one character a texel, in order."""
+    line = texels(bits, side).replace("0", "x").replace("1", "11").replace("x", "00")
+    return "".join(line[i:i + 2 * side] * 2 for i in range(0, len(line), 2 * side))
+
+
+def refined(bits, front, side):
+    first = ((1 << side * side) - 1) // ((1 << side) - 1)  # Column 0 of every row.
+    whole = (1 << side * side) - 1
+
+    def spread(x):
+        x |= x << 1 & whole & ~first | x >> 1 & ~(first << side - 1)
+        return (x | x << side | x >> side) & whole
+
+    return front & spread(front & bits) & spread(front & ~bits)
+
+
+def sky(raw, rows, base, fine):
+    plane, at = -(-base * base // 8), 0
+    need(len(raw) >= 2 * rows * plane, "sky shorter than its planes")
+    planes = [int.from_bytes(raw[i * plane:(i + 1) * plane], "little") for i in range(2 * rows)]
+    need(all(p >> base * base == 0 for p in planes), "bits after a plane")
+    fronts, bits, side, at = planes[:rows], planes[rows:], base, 2 * rows * plane
+    front_bytes = raw[:rows * plane]
+    need(all(b & ~f == 0 for f, b in zip(fronts, bits)), "sky behind a surface")
+    pair = [b"00", b"10", b"01", b"11"]
+    while side < fine:
+        for r in range(rows):
+            mixed = refined(bits[r], fronts[r], side)
+            places = [m.start() for m in re.finditer("1", texels(mixed, side))]
+            halves = raw[at:at + (len(places) + 1) // 2]
+            need(len(halves) == (len(places) + 1) // 2, "half bytes of the sky are missing")
+            need(len(places) % 2 == 0 or halves[-1] >> 4 == 0, "a half byte left over is not 0")
+            at += len(halves)
+            line = bytearray(doubled(bits[r] & ~mixed, side), "ascii")
+            for k, place in enumerate(places):
+                half = halves[k >> 1] >> 4 * (k & 1) & 15
+                to = place // side * 4 * side + place % side * 2
+                line[to:to + 2], line[to + 2 * side:to + 2 * side + 2] = pair[half & 3], pair[half >> 2]
+            bits[r] = int(line[::-1], 2)
+            fronts[r] = int(doubled(fronts[r], side)[::-1], 2)
+        side *= 2
+    need(at == len(raw), f"{len(raw) - at} bytes after the sky")
+    return {"front": front_bytes, "sky": b"".join(b.to_bytes(-(-side * side // 8), "little") for b in bits)}
+
+
+def hit(raw, rows, side, materials):
+    need(len(raw) >= 4, "hit shorter than its head")
+    keys, = struct.unpack_from("<I", raw)
+    texel_count, at, found = rows * side * side, 4, {}
+    need(len(raw) == 4 + 16 * keys + 4 * texel_count, f"hit of {len(raw)} bytes with {keys} keys")
+    for name, size in [("level", 1), ("facing", 1), ("material", 2), ("x", 4), ("y", 4), ("z", 4)]:
+        found[name] = raw[at:at + size * keys]
+        at += size * keys
+    voxels = zip(*(struct.unpack(f"<{keys}i", found.pop(axis)) for axis in "xyz"))
+    found["voxel"] = b"".join(struct.pack("<3i", *v) for v in voxels)
+    need(all(m < materials for m in struct.unpack(f"<{keys}H", found["material"])), "a material that does not exist")
+    planes = bytearray(4 * texel_count)
+    for i in range(4):
+        planes[i::4] = raw[at + i * texel_count:at + (i + 1) * texel_count]
+    need(max(struct.unpack(f"<{texel_count}I", planes), default=0) <= keys, "a texel names a key that does not exist")
+    found["texels"] = bytes(planes)
+    return found
+
+
+def response(raw, rows, side):
+    count = rows * 2 * 3 * side * side
+    need(len(raw) == 2 * count, f"response of {len(raw)} bytes, not {2 * count}")
+    halves = bytearray(2 * count)
+    halves[0::2], halves[1::2] = raw[:count], raw[count:]
+    values = struct.unpack(f"<{count}e", halves)
+    need(all(map(math.isfinite, values)), "a response that is not finite")
+    return {"g": struct.pack(f"<{count}f", *values)}
+
+
+class Slot:
+    """A header slot; `why` says why it does not count."""
+
+    def __init__(self, data):
+        self.magic = data[:8] == MAGIC
+        (self.major, self.minor, self.state, self.required, self.optional, self.generation, self.committed,
+         self.directory, self.directory_length, self.count, self.manifest, self.manifest_length,
+         self.root) = struct.unpack_from("<HHIQQQQQQQQQ32s", data, 8)
+        right = blake3(data[:504]).digest(8) == data[504:512]
+        self.why = "" if right and self.magic else "its checksum is wrong" if self.magic else "it has no magic"
+
+
+class Entry:
+    """A directory entry."""
+
+    def __init__(self, data):
+        (self.kind, self.tile, self.offset, self.stored, self.raw, self.codec, self.schema, self.items, self.checksum,
+         self.content) = struct.unpack_from("<IIQIIHHI8s32s", data)
+        self.end = self.offset + self.stored
+        self.name = f"{KINDS[self.kind][0] if self.kind in KINDS else self.kind}/{self.tile}"
+
+
+class Archive:
+    """Section 4, steps 1 to 8."""
+
+    def __init__(self, path):
+        with open(path, "rb") as file:
+            need(file.seek(0, 2) >= FIRST_BLOCK, "not an archive: shorter than 8192 bytes")
+            self.bytes = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        slots = self.slots = [Slot(self.bytes[at:at + 512]) for at in (0, 4096)]
+        need(any(s.magic for s in slots), "not an archive: no magic")
+        slots = [s for s in slots if not s.why]
+        need(slots, "the header is damaged: both slots")
+        for s in slots:
+            need(s.major == 1, f"format {s.major}.{s.minor}, this program reads 1")
+            need(s.required & ~KNOWN_REQUIRED == 0, f"unknown required features {s.required & ~KNOWN_REQUIRED:#x}")
+        slots = [s for s in slots if s.state == 1]
+        need(slots, "the archive was not finished")
+        s = self.slot = max(slots, key=lambda s: s.generation)  # The first of equal ones: slot A.
+        need(s.committed <= len(self.bytes), f"truncated: {len(self.bytes)} of {s.committed} bytes")
+        end = s.directory + s.directory_length
+        need(s.count <= MAX_ENTRIES and s.directory_length == s.count * ENTRY and s.directory % ALIGN == 0
+             and s.directory >= FIRST_BLOCK and end <= s.committed, "the directory's place is impossible")
+        need(s.manifest_length <= MAX_MANIFEST and s.manifest == up(end)
+             and s.manifest + s.manifest_length == s.committed, "the manifest's place is impossible")
+        directory, manifest = self.bytes[s.directory:end], self.bytes[s.manifest:s.committed]
+        need(blake3(directory + manifest).digest() == s.root, "directory or manifest are damaged: root differs")
+        self.entries = [Entry(directory[i:i + ENTRY]) for i in range(0, len(directory), ENTRY)]
+        self.check_entries()
+        try:
+            self.manifest = json.loads(manifest.decode(), parse_constant=lambda c: need(False, f"manifest holds {c}"))
+        except (ValueError, RecursionError) as error:
+            raise Damage(f"manifest: {error}") from error
+        self.check_manifest()
+
+    def check_entries(self):
+        keys = [(e.kind, e.tile) for e in self.entries]
+        need(all(a < b for a, b in zip(keys, keys[1:])), "directory entries are not sorted")
+        for e in self.entries:
+            need(e.offset % ALIGN == 0 and FIRST_BLOCK <= e.offset and e.end <= self.slot.directory,
+                 f"{e.name} has no place between header and directory")
+            need(1 <= e.stored <= e.raw <= MAX_RAW, f"{e.name} has lengths {e.stored}, {e.raw}")
+            if e.codec in (0, 1):
+                need((e.stored == e.raw) == (e.codec == 0), f"{e.name}: {e.stored} of {e.raw} bytes with codec {e.codec}")
+        self.places = sorted(self.entries, key=lambda e: (e.offset, e.end))
+        for a, b in zip(self.places, self.places[1:]):
+            equal = (a.offset, a.end, a.content) == (b.offset, b.end, b.content)
+            need(equal or a.end <= b.offset, f"{a.name} and {b.name} overlap")
+
+    def check_manifest(self):
+        conforms(self.manifest, json.loads((Path(__file__).parent.parent / "schema/manifest.schema.json").read_text()))
+        rows = {}
+        for e in self.entries:
+            blocks, raw, stored = rows.get(e.kind, (0, 0, 0))
+            rows[e.kind] = (blocks + 1, raw + e.raw, stored + e.stored)
+        said = [(r["kind"], (r["blocks"], r["raw_bytes"], r["stored_bytes"])) for r in self.manifest["layers"]]
+        need(said == sorted(rows.items()), "layers of manifest and directory differ")
+        receivers, tiles = self.manifest["receivers"], self.of("receivers")
+        need([e.tile for e in tiles] == list(range(receivers["tiles"])), "receiver tiles are missing")
+        need(sum(e.items for e in tiles) == receivers["count"], "number of receivers in manifest and directory differ")
+        need(all(e.items <= receivers["tile_size"] for e in tiles), "a receiver tile is too large")
+
+    def of(self, name):
+        return [e for e in self.entries if KINDS.get(e.kind, ("",))[0] == name]
+
+    def block(self, e):
+        """Raw bytes of a block, section 4, last paragraphs."""
+        need(e.schema == KINDS[e.kind][1], f"unknown schema {e.schema}")
+        stored = self.bytes[e.offset:e.end]
+        need(blake3(stored).digest(8) == e.checksum, "checksum of the stored bytes differs")
+        need(e.codec in (0, 1), f"unknown codec {e.codec}")
+        raw = stored if e.codec == 0 else unzstd(stored, e.raw)
+        need(blake3(struct.pack("<IH", e.kind, e.schema) + raw).digest() == e.content, "content id differs")
+        return raw
+
+
+class Checker:
+    """Decodes every block and checks what section 3 states."""
+
+    def __init__(self, archive):
+        self.archive, self.keys, self.seen, self.first, self.last = archive, {}, [], {}, {}
+        self.settings, self.rows, self.problems = archive.manifest["settings"], {}, []
+        self.materials = sum(e.items for e in archive.of("materials"))
+
+    def run(self, take):
+        archive = self.archive
+        for e in archive.entries:
+            if e.kind in KINDS:
+                self.guard(e.name, lambda e=e: take(e, self.decode(e, archive.block(e))))
+        for name, at in [(f"slot {'AB'[i]}", s) for i, s in enumerate(archive.slots)]:
+            self.guard(name, lambda s=at: need(not s.why, f"does not count: {s.why}"))
+        self.guard("cells", self.cells)
+        self.guard("padding", self.padding)
+
+    def guard(self, name, work):
+        try:
+            work()
+        except Damage as error:
+            self.problems.append(f"{name}: {error}")
+
+    def padding(self):
+        s, spans = self.archive.slot, [(0, 512), (4096, 4608), (FIRST_BLOCK, FIRST_BLOCK)]
+        spans += [(e.offset, e.end) for e in self.archive.places]
+        spans += [(s.directory, s.directory + s.directory_length), (s.manifest, s.committed)]
+        for (_, end), (start, _) in zip(spans, spans[1:]):
+            need(s.generation > 1 or not any(self.archive.bytes[end:start]), f"not zero between {end} and {start}")
+
+    def cells(self):
+        """What chunks say together: seen keys, number of cells, index."""
+        chunks, counts = self.archive.of, self.archive.manifest["counts"]
+        for tile, (name, count) in enumerate([("probes", "probes"), ("bounce", "bounce_cells")]):
+            need([e.tile for e in chunks(name)] == list(range(len(chunks(name)))), f"chunks of {name} are missing")
+            need(sum(e.items for e in chunks(name)) == counts[count], f"{count} of the manifest differ")
+            if tile in self.first or chunks(name):
+                need(self.first.get(tile) == self.first.get(name), f"index of {name} differs")
+        known = set(self.keys.get("bounce", []))
+        for name, seen in self.seen:
+            need(known.issuperset(seen), f"{name} sees a cell that is not there")
+
+    def decode(self, e, raw):
+        kind, _, columns = KINDS[e.kind]
+        s = self.settings
+        if kind == "sky":
+            return sky(raw, e.items, s["sky_base"], s["sky_fine"])
+        if kind == "hit":
+            return hit(raw, e.items, s["hit"], self.materials)
+        if kind == "response":
+            return response(raw, e.items, s["probe"])
+        found = table(raw, columns)
+        values = {name: v for name, (_, v) in found.items()}
+        per_row = {"bits": 1, "hits": 1}
+        if columns is CELLS:
+            rays, side = (s["probe_hits"], s["probe"]) if kind == "probes" else (s["bounce_hits"], s["bounce_sky"])
+            per_row = {"bits": -(-side * side // 8), "hits": rays}
+        for name, v in values.items():
+            if not name.startswith("seen_"):
+                need(len(v) == e.items * per_row.get(name, 1), f"{len(v)} values of {name}, {e.items} rows")
+        {"receivers": self.receivers, "materials": self.materials_table, "index": self.index}.get(kind, self.chunk)(e, values)
+        return {name: packed for name, (packed, _) in found.items()}
+
+    def receivers(self, e, v):
+        need(1 <= e.items <= MAX_ROWS, f"{e.items} rows")
+        need(all(1 <= len(i) <= MAX_STRING for i in v["ids"]), "length of an id")
+        need(all(len(i) <= MAX_STRING for i in v["surface"]), "length of a surface")
+        need(all(math.isfinite(x) for p in v["position"] for x in p), "a position that is not finite")
+        need(all(abs(math.hypot(*n) - 1) <= 1e-6 for n in v["normal"]), "a normal that is not of length 1")
+        need(all(math.isfinite(a) and a >= 0 for a in v["area"]), "an area")
+        need(all(0 <= x <= 1 for n in ("sky_view", "ground_view", "obstruction_view") for x in v[n]), "a view")
+
+    def materials_table(self, e, v):
+        need(e.tile == 0 and e.items <= MAX_MATERIALS, f"{e.items} materials in tile {e.tile}")
+        need(all(1 <= len(n) <= MAX_STRING for n in v["name"]) and len(set(v["name"])) == e.items, "a name")
+        need(all(0 <= d and 0 <= s and d + s <= 1 + 1e-9 for d, s in zip(v["diffuse"], v["specular"])), "a reflectance")
+        need(all(c in (0, 1) for c in v["class"]) and all(len(g) <= MAX_STRING for g in v["group"]), "a class or group")
+
+    def key_column(self, v, prefix=""):
+        need(len(v[prefix + "voxel"]) == len(v[prefix + "tag"]) == len(v[prefix + "material"]), "lengths of a key")
+        keys = list(map(order, v[prefix + "voxel"], v[prefix + "tag"], v[prefix + "material"]))
+        need(all(a < b for a, b in zip(keys, keys[1:])), f"{prefix}keys do not ascend")
+        need(all(t < 65536 for t in v[prefix + "tag"]), "a tag")
+        need(all(m < self.materials for m in v[prefix + "material"]), "a material that does not exist")
+        return keys
+
+    def index(self, e, v):
+        need(e.tile in (0, 1), f"index {e.tile}")
+        self.first[e.tile] = self.key_column(v)
+
+    def chunk(self, e, v):
+        kind = KINDS[e.kind][0]
+        keys, seen = self.key_column(v), self.key_column(v, "seen_")
+        need(keys and len(seen) <= MAX_SEEN, f"{len(keys)} cells, {len(seen)} seen")
+        need(kind not in self.last or self.last[kind] < keys[0], "keys do not ascend from chunk to chunk")
+        need(all(math.hypot(*n) <= 1 + 1e-6 for n in v["normal"]), "a normal longer than 1")
+        need(all(h & NOTHING < len(seen) or h & NOTHING == NOTHING for h in set(v["hits"])), "a hit outside of seen")
+        self.last[kind] = keys[-1]
+        self.keys.setdefault(kind, []).extend(keys)
+        self.first.setdefault(kind, []).append(keys[0])
+        self.seen.append((e.name, seen))
+
+
+def main(path, mode="", folder="."):
+    try:
+        archive = Archive(path)
+    except (Damage, OSError) as error:
+        print(f"{path}: {error}", file=sys.stderr)
+        return 2
+
+    def take(e, arrays):
+        for name, data in arrays.items():
+            if mode == "--digests":
+                print(KINDS[e.kind][0], e.tile, name, blake3(data).hexdigest())
+            elif mode == "--dump":
+                Path(folder, f"{KINDS[e.kind][0]}-{e.tile}.{name}").write_bytes(data)
+
+    if mode == "--dump":
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    checker = Checker(archive)
+    checker.run(take)
+    if not mode:
+        print(f"{path}\n  root       {archive.slot.root.hex()}")
+        for row in archive.manifest["layers"]:
+            print(f"  {row['name']:10} {row['blocks']:6} blocks {row['raw_bytes']:12} raw {row['stored_bytes']:12} stored")
+        print(f"  receivers  {archive.manifest['receivers']['count']}, {len(checker.problems)} problems")
+    for problem in checker.problems:
+        print(f"{path}: {problem}", file=sys.stderr)
+    return 1 if checker.problems else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 2 or sys.argv[2:] == ["--digests"] or (len(sys.argv) == 4 and sys.argv[2] == "--dump"):
+        sys.exit(main(*sys.argv[1:]))
+    sys.exit(__doc__.strip())
