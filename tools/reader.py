@@ -3,14 +3,13 @@
 
     reader.py SITE.helio                 check everything, print a summary
     reader.py SITE.helio --digests       ... print one line an array: kind tile array BLAKE3(canonical bytes)
-    reader.py SITE.helio --dump FOLDER   ... write the canonical bytes to FOLDER/kind-tile.array
 
 Exit code 0: whole; 1: opened, but blocks are damaged, each is named; 2: cannot be opened. Needs Python 3.9, `blake3`
 and, before Python 3.14, `zstandard`.
 
 Canonical bytes of an array are its values without gaps, little-endian, strings as u32 length and UTF-8 bytes. Arrays are
   tables     the columns under their names, as the tables of heliotile-1.md list them
-  sky        front: R planes of sky_base^2 bits; sky: R planes of sky_fine^2 bits; each plane packed and filled up to a byte
+  sky        sky: R planes of sky_fine^2 bits, each packed row-major, lowest bit first, and filled up to a byte
   hit        level i8, facing u8, material u16, voxel 3 x i32, one a key; texels u32 [receiver][texel], 0 or key + 1
   response   g: f32 [receiver][class][axis][texel]
 """
@@ -57,8 +56,7 @@ def unzstd(stored, raw):
     """Exactly one zstd frame (RFC 8878) that states `raw`, without dictionary and checksum."""
     need(stored[:4] == b"\x28\xb5\x2f\xfd" and len(stored) > 6, "no zstd frame")
     descriptor, single = stored[4], stored[4] >> 5 & 1
-    need(descriptor & 7 == 0, "zstd frame with dictionary or checksum")
-    at, width = 6 - single, (single, 2, 4, 8)[descriptor >> 6]
+    at, width = 6 - single + (0, 1, 2, 4)[descriptor & 3], (single, 2, 4, 8)[descriptor >> 6]
     need(width, "zstd frame without content size")
     size = int.from_bytes(stored[at:at + width], "little") + (256 if width == 2 else 0)
     need(size == raw, f"zstd frame of {size} bytes, the entry says {raw}")
@@ -168,12 +166,12 @@ def refined(bits, front, side):
 
 
 def sky(raw, rows, base, fine):
-    plane, at = -(-base * base // 8), 0
-    need(len(raw) >= 2 * rows * plane, "sky shorter than its planes")
-    planes = [int.from_bytes(raw[i * plane:(i + 1) * plane], "little") for i in range(2 * rows)]
-    need(all(p >> base * base == 0 for p in planes), "bits after a plane")
-    fronts, bits, side, at = planes[:rows], planes[rows:], base, 2 * rows * plane
-    front_bytes = raw[:rows * plane]
+    wide = -(-base // 8)  # Bytes of a row: each starts on a byte.
+    need(len(raw) >= 2 * rows * wide * base, "sky shorter than its planes")
+    lines = [int.from_bytes(raw[i:i + wide], "little") for i in range(0, 2 * rows * wide * base, wide)]
+    need(all(line >> base == 0 for line in lines), "bits after a row")
+    planes = [sum(line << base * i for i, line in enumerate(lines[p:p + base])) for p in range(0, len(lines), base)]
+    fronts, bits, side, at = planes[:rows], planes[rows:], base, 2 * rows * wide * base
     need(all(b & ~f == 0 for f, b in zip(fronts, bits)), "sky behind a surface")
     pair = [b"00", b"10", b"01", b"11"]
     while side < fine:
@@ -193,10 +191,11 @@ def sky(raw, rows, base, fine):
             fronts[r] = int(doubled(fronts[r], side)[::-1], 2)
         side *= 2
     need(at == len(raw), f"{len(raw) - at} bytes after the sky")
-    return {"front": front_bytes, "sky": b"".join(b.to_bytes(-(-side * side // 8), "little") for b in bits)}
+    need(side == fine, "sky_fine is not sky_base times a power of 2")
+    return {"sky": b"".join(b.to_bytes(-(-side * side // 8), "little") for b in bits)}
 
 
-def hit(raw, rows, side, materials):
+def hit(raw, rows, side):
     need(len(raw) >= 4, "hit shorter than its head")
     keys, = struct.unpack_from("<I", raw)
     texel_count, at, found = rows * side * side, 4, {}
@@ -204,15 +203,17 @@ def hit(raw, rows, side, materials):
     for name, size in [("level", 1), ("facing", 1), ("material", 2), ("x", 4), ("y", 4), ("z", 4)]:
         found[name] = raw[at:at + size * keys]
         at += size * keys
-    voxels = zip(*(struct.unpack(f"<{keys}i", found.pop(axis)) for axis in "xyz"))
+    voxels = list(zip(*(struct.unpack(f"<{keys}i", found.pop(axis)) for axis in "xyz")))
     found["voxel"] = b"".join(struct.pack("<3i", *v) for v in voxels)
-    need(all(m < materials for m in struct.unpack(f"<{keys}H", found["material"])), "a material that does not exist")
+    tags = [(level ^ 128) << 8 | facing for level, facing in zip(found["level"], found["facing"])]
+    palette = list(map(order, voxels, tags, struct.unpack(f"<{keys}H", found["material"])))
+    need(all(a < b for a, b in zip(palette, palette[1:])), "keys do not ascend")
     planes = bytearray(4 * texel_count)
     for i in range(4):
         planes[i::4] = raw[at + i * texel_count:at + (i + 1) * texel_count]
     need(max(struct.unpack(f"<{texel_count}I", planes), default=0) <= keys, "a texel names a key that does not exist")
     found["texels"] = bytes(planes)
-    return found
+    return found, palette
 
 
 def response(raw, rows, side):
@@ -287,8 +288,7 @@ class Archive:
             need(e.offset % ALIGN == 0 and FIRST_BLOCK <= e.offset and e.end <= self.slot.directory,
                  f"{e.name} has no place between header and directory")
             need(1 <= e.stored <= e.raw <= MAX_RAW, f"{e.name} has lengths {e.stored}, {e.raw}")
-            if e.codec in (0, 1):
-                need((e.stored == e.raw) == (e.codec == 0), f"{e.name}: {e.stored} of {e.raw} bytes with codec {e.codec}")
+            need(e.stored == e.raw or e.codec != 0, f"{e.name}: {e.stored} of {e.raw} bytes without codec")
         self.places = sorted(self.entries, key=lambda e: (e.offset, e.end))
         for a, b in zip(self.places, self.places[1:]):
             equal = (a.offset, a.end, a.content) == (b.offset, b.end, b.content)
@@ -360,17 +360,21 @@ class Checker:
             need(sum(e.items for e in chunks(name)) == counts[count], f"{count} of the manifest differ")
             if tile in self.first or chunks(name):
                 need(self.first.get(tile) == self.first.get(name), f"index of {name} differs")
-        known = set(self.keys.get("bounce", []))
-        for name, seen in self.seen:
-            need(known.issuperset(seen), f"{name} sees a cell that is not there")
+        known = {of: set(self.keys.get(of, [])) for of in ("probes", "bounce")}
+        for name, of, seen in self.seen:
+            need(known[of].issuperset(seen), f"{name} sees a cell that is not there")
 
     def decode(self, e, raw):
         kind, _, columns = KINDS[e.kind]
         s = self.settings
+        if kind in ("sky", "hit", "response"):
+            need(self.rows.get(e.tile, e.items) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")
         if kind == "sky":
             return sky(raw, e.items, s["sky_base"], s["sky_fine"])
         if kind == "hit":
-            return hit(raw, e.items, s["hit"], self.materials)
+            found, palette = hit(raw, e.items, s["hit"])
+            self.seen.append((e.name, "probes", palette))
+            return found
         if kind == "response":
             return response(raw, e.items, s["probe"])
         found = table(raw, columns)
@@ -387,6 +391,7 @@ class Checker:
 
     def receivers(self, e, v):
         need(1 <= e.items <= MAX_ROWS, f"{e.items} rows")
+        self.rows[e.tile] = e.items
         need(all(1 <= len(i) <= MAX_STRING for i in v["ids"]), "length of an id")
         need(all(len(i) <= MAX_STRING for i in v["surface"]), "length of a surface")
         need(all(math.isfinite(x) for p in v["position"] for x in p), "a position that is not finite")
@@ -395,7 +400,7 @@ class Checker:
         need(all(0 <= x <= 1 for n in ("sky_view", "ground_view", "obstruction_view") for x in v[n]), "a view")
 
     def materials_table(self, e, v):
-        need(e.tile == 0 and e.items <= MAX_MATERIALS, f"{e.items} materials in tile {e.tile}")
+        need(e.tile == 0 and 1 <= e.items <= MAX_MATERIALS, f"{e.items} materials in tile {e.tile}")
         need(all(1 <= len(n) <= MAX_STRING for n in v["name"]) and len(set(v["name"])) == e.items, "a name")
         need(all(0 <= d and 0 <= s and d + s <= 1 + 1e-9 for d, s in zip(v["diffuse"], v["specular"])), "a reflectance")
         need(all(c in (0, 1) for c in v["class"]) and all(len(g) <= MAX_STRING for g in v["group"]), "a class or group")
@@ -422,10 +427,10 @@ class Checker:
         self.last[kind] = keys[-1]
         self.keys.setdefault(kind, []).extend(keys)
         self.first.setdefault(kind, []).append(keys[0])
-        self.seen.append((e.name, seen))
+        self.seen.append((e.name, "bounce", seen))
 
 
-def main(path, mode="", folder="."):
+def main(path, mode=""):
     try:
         archive = Archive(path)
     except (Damage, OSError) as error:
@@ -436,11 +441,7 @@ def main(path, mode="", folder="."):
         for name, data in arrays.items():
             if mode == "--digests":
                 print(KINDS[e.kind][0], e.tile, name, blake3(data).hexdigest())
-            elif mode == "--dump":
-                Path(folder, f"{KINDS[e.kind][0]}-{e.tile}.{name}").write_bytes(data)
 
-    if mode == "--dump":
-        Path(folder).mkdir(parents=True, exist_ok=True)
     checker = Checker(archive)
     checker.run(take)
     if not mode:
@@ -454,6 +455,6 @@ def main(path, mode="", folder="."):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 2 or sys.argv[2:] == ["--digests"] or (len(sys.argv) == 4 and sys.argv[2] == "--dump"):
+    if len(sys.argv) == 2 or sys.argv[2:] == ["--digests"]:
         sys.exit(main(*sys.argv[1:]))
     sys.exit(__doc__.strip())
