@@ -4,6 +4,7 @@ mod archive;
 mod cli;
 mod hostile;
 mod interrupt;
+mod kaitai;
 mod numerics;
 mod physics;
 mod response;
