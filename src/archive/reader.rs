@@ -106,7 +106,9 @@ impl Archive {
 
     pub(super) fn fetch(&self, entry: &Entry) -> Result<Block> {
         let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
-        codec::decode(self.source.path(), entry, &stored)
+        let block = codec::decode(self.source.path(), entry, &stored)?;
+        // A layout that this release does not know must not be read as the one it knows.
+        if format::schema_of(entry.kind).is_some() { block.require(entry.kind).map(|()| block) } else { Ok(block) }
     }
 
     pub(super) fn source(&self) -> &Source {

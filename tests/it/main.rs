@@ -7,6 +7,7 @@ mod interrupt;
 mod kaitai;
 mod numerics;
 mod physics;
+mod reader;
 mod response;
 mod scenes;
 mod tidy;

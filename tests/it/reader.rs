@@ -1,0 +1,255 @@
+//! Two readers, one text: `tools/reader.py`, written from `schema/` alone, and this library decode the same values, of a
+//! golden archive that stays and of one that is built here.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use heliotile::archive::manifest::Settings;
+use heliotile::archive::tables::{Cells, Index, Materials, Receivers};
+use heliotile::archive::{Archive, Block, format};
+use heliotile::commands::build::{BuildSettings, build};
+use heliotile::layers::hit::HitTile;
+use heliotile::layers::response;
+use heliotile::layers::sky::{BitSquare, SkyTexture};
+use heliotile::scene::Scene;
+use heliotile::scene::materials::{Class, Material};
+use heliotile::scene::receivers::Receiver;
+
+use crate::scenes::*;
+
+/// Canonical bytes of the arrays of a block, under their names: see `tools/reader.py`.
+type Arrays = Vec<(&'static str, Vec<u8>)>;
+
+/// A file of the golden archive: `.helio`, what was made from it by `reader.py` and by `query`, and the conditions.
+fn golden(extension: &str) -> PathBuf {
+    let name = format!("tests/data/archives/v1.0-experimental.{extension}");
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).expect("a readable file")
+}
+
+/// Numbers without gaps, little-endian.
+fn le<T: Copy, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N]) -> Vec<u8> {
+    values.iter().flat_map(|&value| bytes(value)).collect()
+}
+
+/// Each string after its length as u32.
+fn strings(values: &[String]) -> Vec<u8> {
+    values.iter().flat_map(|s| [&(s.len() as u32).to_le_bytes(), s.as_bytes()].concat()).collect()
+}
+
+/// Bits row-major, lowest first, filled up to a byte.
+fn bits(square: &BitSquare) -> Vec<u8> {
+    let n = square.side();
+    let texels: Vec<bool> = (0..n * n).map(|i| square.get(i % n, i / n)).collect();
+    texels.chunks(8).map(|eight| eight.iter().rev().fold(0, |byte, &bit| byte << 1 | u8::from(bit))).collect()
+}
+
+fn receivers(t: &Receivers) -> Arrays {
+    vec![
+        ("ids", strings(&t.ids)),
+        ("position", le(&t.position.concat(), f64::to_le_bytes)),
+        ("normal", le(&t.normal.concat(), f64::to_le_bytes)),
+        ("area", le(&t.area, f64::to_le_bytes)),
+        ("surface", strings(&t.surface)),
+        ("sky_view", le(&t.sky_view, f32::to_le_bytes)),
+        ("ground_view", le(&t.ground_view, f32::to_le_bytes)),
+        ("obstruction_view", le(&t.obstruction_view, f32::to_le_bytes)),
+    ]
+}
+
+fn materials(t: &Materials) -> Arrays {
+    vec![
+        ("name", strings(&t.name)),
+        ("diffuse", le(&t.diffuse, f64::to_le_bytes)),
+        ("specular", le(&t.specular, f64::to_le_bytes)),
+        ("class", t.class.clone()),
+        ("group", strings(&t.group)),
+    ]
+}
+
+fn index(t: &Index) -> Arrays {
+    vec![
+        ("voxel", le(&t.voxel.concat(), i32::to_le_bytes)),
+        ("tag", le(&t.tag, u32::to_le_bytes)),
+        ("material", le(&t.material, u16::to_le_bytes)),
+    ]
+}
+
+fn cells(t: &Cells) -> Arrays {
+    vec![
+        ("voxel", le(&t.voxel.concat(), i32::to_le_bytes)),
+        ("tag", le(&t.tag, u32::to_le_bytes)),
+        ("material", le(&t.material, u16::to_le_bytes)),
+        ("normal", le(&t.normal.concat(), f32::to_le_bytes)),
+        ("bits", t.bits.clone()),
+        ("seen_voxel", le(&t.seen_voxel.concat(), i32::to_le_bytes)),
+        ("seen_tag", le(&t.seen_tag, u32::to_le_bytes)),
+        ("seen_material", le(&t.seen_material, u16::to_le_bytes)),
+        ("hits", le(&t.hits, u16::to_le_bytes)),
+    ]
+}
+
+fn hit(t: &HitTile) -> Arrays {
+    vec![
+        ("level", t.palette.iter().flat_map(|k| k.level.to_le_bytes()).collect()),
+        ("facing", t.palette.iter().map(|k| k.facing).collect()),
+        ("material", t.palette.iter().flat_map(|k| k.material.to_le_bytes()).collect()),
+        ("voxel", t.palette.iter().flat_map(|k| le(&k.voxel, i32::to_le_bytes)).collect()),
+        ("texels", le(&t.texels, u32::to_le_bytes)),
+    ]
+}
+
+/// Arrays of a block of any kind that this release knows, decoded by the library.
+fn arrays(block: &Block, s: &Settings) -> Arrays {
+    let rows = block.items() as usize;
+    let raw = block.bytes();
+    match block.entry().kind {
+        format::RECEIVERS => receivers(&Receivers::from_block(block).expect("receivers")),
+        format::SKY => {
+            let squares = SkyTexture::unpack(raw, rows, s.sky_base as usize, s.sky_fine as usize).expect("sky");
+            vec![("sky", squares.iter().flat_map(bits).collect())]
+        }
+        format::HIT => hit(&HitTile::unpack(raw, rows * (s.hit * s.hit) as usize).expect("hits")),
+        format::RESPONSE => {
+            let tile = response::unpack(raw, rows, s.probe as usize).expect("responses");
+            vec![("g", tile.iter().flat_map(|r| le(&r.values, f32::to_le_bytes)).collect())]
+        }
+        format::PROBES | format::BOUNCE => cells(&Cells::from_block(block).expect("cells")),
+        format::INDEX => index(&Index::from_block(block).expect("an index")),
+        format::MATERIALS => materials(&Materials::from_block(block).expect("materials")),
+        other => panic!("kind {other} has no canonical bytes"),
+    }
+}
+
+/// The lines of `reader.py --digests`, by the library: kind, tile, array, BLAKE3 of its canonical bytes.
+fn digests(path: &Path) -> String {
+    let archive = Archive::open(path).expect("an archive");
+    let mut lines = String::new();
+    for entry in archive.entries() {
+        let block = archive.block(entry.kind, entry.tile).expect("a block");
+        block.check_content().expect("its content");
+        for (name, bytes) in arrays(&block, &archive.manifest().settings) {
+            let kind = format::kind_name(entry.kind);
+            writeln!(lines, "{kind} {} {name} {}", entry.tile, blake3::hash(&bytes).to_hex()).expect("a line");
+        }
+    }
+    lines
+}
+
+/// Exit code, output and messages of `reader.py`.
+fn python(program: &str, path: &Path) -> (Option<i32>, String, String) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/reader.py");
+    let output = Command::new(program).arg(script).arg(path).arg("--digests").output().expect("HELIOTILE_PYTHON");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+/// Two tiles, several chunks of each kind of cells, long and short names, groups and areas; small textures.
+fn small_site(path: &Path) {
+    let mut triangles = ground(40.0, 0.0, 0);
+    triangles.extend(block(v(0.0, 0.0, 0.0), v(10.0, 10.0, 10.0), 1));
+    triangles.extend(block(v(18.0, 2.0, 0.0), v(26.0, 14.0, 6.0), 2));
+    let material = |name: &str, diffuse, class, group: Option<&str>| Material {
+        name: name.into(),
+        diffuse,
+        specular: 0.1,
+        class,
+        group: group.map(Into::into),
+    };
+    let materials = vec![
+        material("grass", 0.25, Class::Ground, Some("snow cover")),
+        material("wall", 0.4, Class::Obstruction, None),
+        material("curtain wall", 0.1, Class::Obstruction, Some("glass")),
+    ];
+    let scene = Scene::from_triangles(&triangles, materials).expect("a valid scene");
+    let receivers: Vec<Receiver> = (0..70)
+        .map(|i| Receiver {
+            area: (i % 2 == 0).then_some(1.5),
+            surface: (i % 3 == 0).then(|| format!("surface number {i}")),
+            ..receiver(
+                &if i % 5 == 0 { format!("a receiver with a long name {i}") } else { format!("r{i}") },
+                v(f64::from(i % 10) * 3.1 - 8.05, f64::from(i / 10) * 3.7 - 8.03, 10.5),
+                tilted(f64::from(i % 7) * 25.0, f64::from(i) * 11.0),
+            )
+        })
+        .collect();
+    let settings = BuildSettings {
+        sky_base: 32,
+        sky_fine: 256,
+        hit: 16,
+        probe: 16,
+        probe_hits: 300,
+        bounce_sky: 8,
+        bounce_hits: 300,
+        ..BuildSettings::default()
+    };
+    build(&scene, &mut tiles(&receivers, &scene), &plan(&settings, path)).expect("a build");
+}
+
+/// All 44 arrays of the golden archive's 9 blocks have the digests that `reader.py` printed.
+#[test]
+fn golden_values_are_those_of_the_second_reader() {
+    let found = digests(&golden("helio"));
+    assert_eq!(found.lines().count(), 44);
+    assert_eq!(found, text(&golden("digests")));
+}
+
+/// With `HELIOTILE_PYTHON` (.ci/run sets it) the second reader itself prints these 44 lines, agrees on every array of a new
+/// site of 2 tiles and more than 2 chunks of each kind of cells, names the one block whose byte was changed (exit code 1)
+/// and refuses a cut file (2). Without it only the golden digests are compared, by the test above.
+#[test]
+fn the_second_reader_agrees() {
+    let Some(program) = std::env::var("HELIOTILE_PYTHON").ok().filter(|p| !p.is_empty()) else {
+        eprintln!(
+            "HELIOTILE_PYTHON is not set: tools/reader.py was NOT run, only its digests in tests/data/archives are used"
+        );
+        assert_eq!(text(&golden("digests")).lines().count(), 44);
+        return;
+    };
+    assert_eq!(python(&program, &golden("helio")), (Some(0), text(&golden("digests")), String::new()));
+
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let path = folder.path().join("site.helio");
+    small_site(&path);
+    let archive = Archive::open(&path).expect("an archive");
+    let blocks = |kind| archive.entries_of(kind).len();
+    assert_eq!([format::RECEIVERS, format::SKY, format::HIT, format::RESPONSE].map(blocks), [2; 4]);
+    assert!([format::PROBES, format::BOUNCE].iter().all(|&kind| blocks(kind) > 2));
+    let found = digests(&path);
+    assert!(found.lines().count() > 44 + 4 * 9);
+    assert_eq!(python(&program, &path), (Some(0), found, String::new()));
+
+    let whole = fs::read(&path).expect("the archive");
+    let mut bytes = whole.clone();
+    let entry = archive.entries_of(format::HIT)[1];
+    bytes[entry.offset as usize] ^= 1;
+    let bad = folder.path().join("bad.helio");
+    fs::write(&bad, &bytes).expect("a writable folder");
+    let (code, _, message) = python(&program, &bad);
+    assert!(code == Some(1) && message.contains("hit/1") && message.lines().count() == 1, "{code:?} {message}");
+    fs::write(&bad, &whole[..whole.len() - 1]).expect("a writable folder");
+    let (code, _, message) = python(&program, &bad);
+    assert!(code == Some(2) && message.contains("truncated"), "{code:?} {message}");
+}
+
+/// The golden archive gives the rows that it gave when it was made, 6 receivers x 3 conditions: with the stored responses
+/// (all bounces) and with responses derived from hits and cells (1 bounce).
+#[test]
+fn golden_rows_stay() {
+    for (bounces, extension) in [("all", "csv"), ("1", "bounces-1.csv")] {
+        let output = Command::new(env!("CARGO_BIN_EXE_heliotile"))
+            .args(["query", "--bounces", bounces, "--conditions"])
+            .args([golden("conditions.csv"), golden("helio")])
+            .output()
+            .expect("the program");
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let rows = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(rows.lines().count(), 1 + 3 * 6);
+        assert_eq!(rows, text(&golden(extension)), "--bounces {bounces}");
+    }
+}
