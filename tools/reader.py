@@ -312,7 +312,7 @@ class Archive:
 
     def block(self, e):
         """Raw bytes of a block, section 4, last paragraphs."""
-        need(e.schema == KINDS[e.kind][1], f"unknown schema {e.schema}")
+        need(e.kind not in KINDS or e.schema == KINDS[e.kind][1], f"unknown schema {e.schema}")
         stored = self.bytes[e.offset:e.end]
         need(blake3(stored).digest(8) == e.checksum, "checksum of the stored bytes differs")
         need(e.codec in (0, 1), f"unknown codec {e.codec}")
@@ -334,6 +334,8 @@ class Checker:
         for e in archive.entries:
             if e.kind in KINDS:
                 self.guard(e.name, lambda e=e: take(e, self.decode(e, archive.block(e))))
+            elif e.codec in (0, 1):
+                self.guard(e.name, lambda e=e: archive.block(e))
         for name, at in [(f"slot {'AB'[i]}", s) for i, s in enumerate(archive.slots)]:
             self.guard(name, lambda s=at: need(not s.why, f"does not count: {s.why}"))
         self.guard("cells", self.cells)
