@@ -7,7 +7,7 @@
 Exit code 0: whole; 1: opened, but blocks are damaged, each is named; 2: cannot be opened. Needs Python 3.9, `blake3`
 and, before Python 3.14, `zstandard`.
 
-Canonical bytes of an array are its values without gaps, little-endian, strings as u32 length and UTF-8 bytes. Arrays are
+Canonical bytes of an array are its values without gaps, little-endian; strings: u32 length, UTF-8 bytes. Arrays:
   tables     the columns under their names, as the tables of heliotile-1.md list them
   sky        sky: R planes of sky_fine^2 bits, each packed row-major, lowest bit first, and filled up to a byte
   hit        level i8, facing u8, material u16, voxel 3 x i32, one a key; texels u32 [receiver][texel], 0 or key + 1
@@ -19,24 +19,43 @@ import mmap
 import re
 import struct
 import sys
+from collections import namedtuple
 from pathlib import Path
 
 from blake3 import blake3
 
 MAGIC = bytes.fromhex("89484c4f0d0a1a0a")
-FIRST_BLOCK, ALIGN, ENTRY, MAX_RAW, MAX_ENTRIES, MAX_MANIFEST = 8192, 64, 80, 8388608, 67108864, 1048576
+FIRST_BLOCK, ALIGN, ENTRY_SIZE, MAX_RAW, MAX_ENTRIES, MAX_MANIFEST = 8192, 64, 80, 8388608, 67108864, 1048576
 MAX_ROWS, MAX_STRING, MAX_MATERIALS, MAX_SEEN, NOTHING = 4096, 1024, 65536, 32767, 0x7FFF
 KNOWN_REQUIRED = 1
-KEY = [("voxel", "3i"), ("tag", "1I"), ("material", "1H")]
-CELLS = KEY + [("normal", "3f"), ("bits", "1B")] + [("seen_" + n, t) for n, t in KEY] + [("hits", "1H")]
-# kind: (name, schema, columns of a table); a type is values in a row and their struct letter, s is a string.
-KINDS = {
-    1: ("receivers", 1, [("ids", "s"), ("position", "3d"), ("normal", "3d"), ("area", "1d"), ("surface", "s"),
-                         ("sky_view", "1f"), ("ground_view", "1f"), ("obstruction_view", "1f")]),
-    2: ("sky", 1, None), 3: ("hit", 2, None), 4: ("response", 1, None),
-    5: ("probes", 2, CELLS), 6: ("bounce", 2, CELLS), 7: ("index", 1, KEY),
-    10: ("materials", 1, [("name", "s"), ("diffuse", "1d"), ("specular", "1d"), ("class", "1B"), ("group", "s")]),
-}
+MAX_SIDE = 8192  # Not of the format, which states no limit: what this program holds.
+SLOT = namedtuple("Slot", "magic major minor state required optional generation committed directory_offset "
+                          "directory_length directory_count manifest_offset manifest_length root reserved checksum")
+ENTRY = namedtuple("Entry", "kind tile offset stored raw codec schema items checksum content reserved")
+
+
+def share(x):
+    return 0 <= x <= 1
+
+
+def text(least):
+    return lambda s: least <= len(s) <= MAX_STRING
+
+
+# Columns: name, values in a row and their struct letter (s is a string), range of a value.
+KEY = [("voxel", "3i", None), ("tag", "1I", lambda t: t < 65536), ("material", "1H", None)]
+CELLS = KEY + [("normal", "3f", lambda n: math.hypot(*n) <= 1 + 1e-6), ("bits", "1B", None)]
+CELLS += [("seen_" + name, kind, good) for name, kind, good in KEY] + [("hits", "1H", None)]
+RECEIVERS = [
+    ("ids", "s", text(1)), ("position", "3d", lambda p: all(map(math.isfinite, p))),
+    ("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("area", "1d", lambda a: 0 <= a < math.inf),
+    ("surface", "s", text(0)), ("sky_view", "1f", share), ("ground_view", "1f", share),
+    ("obstruction_view", "1f", share)]
+MATERIALS = [("name", "s", text(1)), ("diffuse", "1d", share), ("specular", "1d", share), ("class", "1B", share),
+             ("group", "s", text(0))]
+# kind: name, schema, columns of a table.
+KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 2, None), 4: ("response", 1, None),
+         5: ("probes", 2, CELLS), 6: ("bounce", 2, CELLS), 7: ("index", 1, KEY), 10: ("materials", 1, MATERIALS)}
 
 
 class Damage(Exception):
@@ -53,7 +72,7 @@ def up(offset):
 
 
 def unzstd(stored, raw):
-    """Exactly one zstd frame (RFC 8878) that states `raw`, without dictionary and checksum."""
+    """Exactly one zstd frame (RFC 8878) that states `raw`."""
     need(stored[:4] == b"\x28\xb5\x2f\xfd" and len(stored) > 6, "no zstd frame")
     descriptor, single = stored[4], stored[4] >> 5 & 1
     at, width = 6 - single + (0, 1, 2, 4)[descriptor & 3], (single, 2, 4, 8)[descriptor >> 6]
@@ -96,11 +115,11 @@ def conforms(value, schema, at="manifest"):
             conforms(value[name], schema["properties"][name], f"{at}.{name}")
 
 
-def table(raw, columns, rows=None):
+def table(raw, columns):
     """Section 3.1: name -> (canonical bytes, values)."""
     found, at = {}, len(raw) - 8 * len(columns)
     need(at >= 0, "table shorter than its root")
-    for name, kind in columns:
+    for name, kind, good in columns:
         distance, count = struct.unpack_from("<iI", raw, at)
         start, letter = at + distance, kind[-1]
         size = 8 if letter == "s" else int(kind[0]) * struct.calcsize("<" + letter)
@@ -114,6 +133,8 @@ def table(raw, columns, rows=None):
             values = struct.unpack(f"<{count * int(kind[0])}{letter}", packed)
             if kind[0] == "3":
                 values = list(zip(values[::3], values[1::3], values[2::3]))
+        wrong = next((i for i, value in enumerate(values) if good and not good(value)), None)
+        need(wrong is None, f"{name} in row {wrong} is out of range")
         found[name] = (packed, values)
         at += 8
     return found
@@ -166,6 +187,7 @@ def refined(bits, front, side):
 
 
 def sky(raw, rows, base, fine):
+    need(1 <= base <= fine <= MAX_SIDE, f"sides {base} to {fine}, this program reads 1 to {MAX_SIDE}")
     wide = -(-base // 8)  # Bytes of a row: each starts on a byte.
     need(len(raw) >= 2 * rows * wide * base, "sky shorter than its planes")
     lines = [int.from_bytes(raw[i:i + wide], "little") for i in range(0, 2 * rows * wide * base, wide)]
@@ -226,26 +248,12 @@ def response(raw, rows, side):
     return {"g": struct.pack(f"<{count}f", *values)}
 
 
-class Slot:
-    """A header slot; `why` says why it does not count."""
-
-    def __init__(self, data):
-        self.magic = data[:8] == MAGIC
-        (self.major, self.minor, self.state, self.required, self.optional, self.generation, self.committed,
-         self.directory, self.directory_length, self.count, self.manifest, self.manifest_length,
-         self.root) = struct.unpack_from("<HHIQQQQQQQQQ32s", data, 8)
-        right = blake3(data[:504]).digest(8) == data[504:512]
-        self.why = "" if right and self.magic else "its checksum is wrong" if self.magic else "it has no magic"
+def name_of(e):
+    return f"{KINDS[e.kind][0] if e.kind in KINDS else e.kind}/{e.tile}"
 
 
-class Entry:
-    """A directory entry."""
-
-    def __init__(self, data):
-        (self.kind, self.tile, self.offset, self.stored, self.raw, self.codec, self.schema, self.items, self.checksum,
-         self.content) = struct.unpack_from("<IIQIIHHI8s32s", data)
-        self.end = self.offset + self.stored
-        self.name = f"{KINDS[self.kind][0] if self.kind in KINDS else self.kind}/{self.tile}"
+def end_of(e):
+    return e.offset + e.stored
 
 
 class Archive:
@@ -255,9 +263,10 @@ class Archive:
         with open(path, "rb") as file:
             need(file.seek(0, 2) >= FIRST_BLOCK, "not an archive: shorter than 8192 bytes")
             self.bytes = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        slots = self.slots = [Slot(self.bytes[at:at + 512]) for at in (0, 4096)]
-        need(any(s.magic for s in slots), "not an archive: no magic")
-        slots = [s for s in slots if not s.why]
+        slots = [self.bytes[at:at + 512] for at in (0, 4096)]
+        need(any(s[:8] == MAGIC for s in slots), "not an archive: no magic")
+        self.counts = [s[:8] == MAGIC and blake3(s[:504]).digest(8) == s[504:] for s in slots]
+        slots = [SLOT(*struct.unpack("<8sHHI9Q32s384s8s", s)) for s, counts in zip(slots, self.counts) if counts]
         need(slots, "the header is damaged: both slots")
         for s in slots:
             need(s.major == 1, f"format {s.major}.{s.minor}, this program reads 1")
@@ -266,14 +275,15 @@ class Archive:
         need(slots, "the archive was not finished")
         s = self.slot = max(slots, key=lambda s: s.generation)  # The first of equal ones: slot A.
         need(s.committed <= len(self.bytes), f"truncated: {len(self.bytes)} of {s.committed} bytes")
-        end = s.directory + s.directory_length
-        need(s.count <= MAX_ENTRIES and s.directory_length == s.count * ENTRY and s.directory % ALIGN == 0
-             and s.directory >= FIRST_BLOCK and end <= s.committed, "the directory's place is impossible")
-        need(s.manifest_length <= MAX_MANIFEST and s.manifest == up(end)
-             and s.manifest + s.manifest_length == s.committed, "the manifest's place is impossible")
-        directory, manifest = self.bytes[s.directory:end], self.bytes[s.manifest:s.committed]
+        end = s.directory_offset + s.directory_length
+        need(s.directory_count <= MAX_ENTRIES and s.directory_length == s.directory_count * ENTRY_SIZE
+             and s.directory_offset % ALIGN == 0 and FIRST_BLOCK <= s.directory_offset and end <= s.committed,
+             "the directory's place is impossible")
+        need(s.manifest_length <= MAX_MANIFEST and s.manifest_offset == up(end)
+             and s.manifest_offset + s.manifest_length == s.committed, "the manifest's place is impossible")
+        directory, manifest = self.bytes[s.directory_offset:end], self.bytes[s.manifest_offset:s.committed]
         need(blake3(directory + manifest).digest() == s.root, "directory or manifest are damaged: root differs")
-        self.entries = [Entry(directory[i:i + ENTRY]) for i in range(0, len(directory), ENTRY)]
+        self.entries = [ENTRY(*e) for e in struct.iter_unpack("<IIQIIHHI8s32s8s", directory)]
         self.check_entries()
         try:
             self.manifest = json.loads(manifest.decode(), parse_constant=lambda c: need(False, f"manifest holds {c}"))
@@ -285,14 +295,14 @@ class Archive:
         keys = [(e.kind, e.tile) for e in self.entries]
         need(all(a < b for a, b in zip(keys, keys[1:])), "directory entries are not sorted")
         for e in self.entries:
-            need(e.offset % ALIGN == 0 and FIRST_BLOCK <= e.offset and e.end <= self.slot.directory,
-                 f"{e.name} has no place between header and directory")
-            need(1 <= e.stored <= e.raw <= MAX_RAW, f"{e.name} has lengths {e.stored}, {e.raw}")
-            need(e.stored == e.raw or e.codec != 0, f"{e.name}: {e.stored} of {e.raw} bytes without codec")
-        self.places = sorted(self.entries, key=lambda e: (e.offset, e.end))
+            need(e.offset % ALIGN == 0 and FIRST_BLOCK <= e.offset and end_of(e) <= self.slot.directory_offset,
+                 f"{name_of(e)} has no place between header and directory")
+            need(1 <= e.stored <= e.raw <= MAX_RAW, f"{name_of(e)} has lengths {e.stored}, {e.raw}")
+            need(e.stored == e.raw or e.codec != 0, f"{name_of(e)}: {e.stored} of {e.raw} bytes without codec")
+        self.places = sorted(self.entries, key=lambda e: (e.offset, end_of(e)))
         for a, b in zip(self.places, self.places[1:]):
-            equal = (a.offset, a.end, a.content) == (b.offset, b.end, b.content)
-            need(equal or a.end <= b.offset, f"{a.name} and {b.name} overlap")
+            equal = (a.offset, a.stored, a.content) == (b.offset, b.stored, b.content)
+            need(equal or end_of(a) <= b.offset, f"{name_of(a)} and {name_of(b)} overlap")
 
     def check_manifest(self):
         conforms(self.manifest, json.loads((Path(__file__).parent.parent / "schema/manifest.schema.json").read_text()))
@@ -313,7 +323,7 @@ class Archive:
     def block(self, e):
         """Raw bytes of a block, section 4, last paragraphs."""
         need(e.kind not in KINDS or e.schema == KINDS[e.kind][1], f"unknown schema {e.schema}")
-        stored = self.bytes[e.offset:e.end]
+        stored = self.bytes[e.offset:end_of(e)]
         need(blake3(stored).digest(8) == e.checksum, "checksum of the stored bytes differs")
         need(e.codec in (0, 1), f"unknown codec {e.codec}")
         raw = stored if e.codec == 0 else unzstd(stored, e.raw)
@@ -333,11 +343,11 @@ class Checker:
         archive = self.archive
         for e in archive.entries:
             if e.kind in KINDS:
-                self.guard(e.name, lambda e=e: take(e, self.decode(e, archive.block(e))))
+                self.guard(name_of(e), lambda e=e: take(e, self.decode(e, archive.block(e))))
             elif e.codec in (0, 1):
-                self.guard(e.name, lambda e=e: archive.block(e))
-        for name, at in [(f"slot {'AB'[i]}", s) for i, s in enumerate(archive.slots)]:
-            self.guard(name, lambda s=at: need(not s.why, f"does not count: {s.why}"))
+                self.guard(name_of(e), lambda e=e: archive.block(e))
+        for name, counts in zip(("slot A", "slot B"), archive.counts):
+            self.guard(name, lambda c=counts: need(c, "no magic or wrong checksum: it does not count"))
         self.guard("cells", self.cells)
         self.guard("padding", self.padding)
 
@@ -349,8 +359,8 @@ class Checker:
 
     def padding(self):
         s, spans = self.archive.slot, [(0, 512), (4096, 4608), (FIRST_BLOCK, FIRST_BLOCK)]
-        spans += [(e.offset, e.end) for e in self.archive.places]
-        spans += [(s.directory, s.directory + s.directory_length), (s.manifest, s.committed)]
+        spans += [(e.offset, end_of(e)) for e in self.archive.places]
+        spans += [(s.directory_offset, s.directory_offset + s.directory_length), (s.manifest_offset, s.committed)]
         for (_, end), (start, _) in zip(spans, spans[1:]):
             need(s.generation > 1 or not any(self.archive.bytes[end:start]), f"not zero between {end} and {start}")
 
@@ -375,7 +385,7 @@ class Checker:
             return sky(raw, e.items, s["sky_base"], s["sky_fine"])
         if kind == "hit":
             found, palette = hit(raw, e.items, s["hit"])
-            self.seen.append((e.name, "probes", palette))
+            self.seen.append((name_of(e), "probes", palette))
             return found
         if kind == "response":
             return response(raw, e.items, s["probe"])
@@ -388,48 +398,37 @@ class Checker:
         for name, v in values.items():
             if not name.startswith("seen_"):
                 need(len(v) == e.items * per_row.get(name, 1), f"{len(v)} values of {name}, {e.items} rows")
-        {"receivers": self.receivers, "materials": self.materials_table, "index": self.index}.get(kind, self.chunk)(e, values)
+        if kind == "receivers":
+            need(1 <= e.items <= MAX_ROWS, f"{e.items} rows")
+            self.rows[e.tile] = e.items
+        elif kind == "materials":
+            need(e.tile == 0 and 1 <= e.items <= MAX_MATERIALS, f"{e.items} materials in tile {e.tile}")
+            need(len(set(values["name"])) == e.items, "two materials of one name")
+            need(all(d + s <= 1 + 1e-9 for d, s in zip(values["diffuse"], values["specular"])), "reflectances above 1")
+        elif kind == "index":
+            need(e.tile in (0, 1), f"index {e.tile}")
+            self.first[e.tile] = self.key_column(values)
+        else:
+            self.chunk(e, values)
         return {name: packed for name, (packed, _) in found.items()}
-
-    def receivers(self, e, v):
-        need(1 <= e.items <= MAX_ROWS, f"{e.items} rows")
-        self.rows[e.tile] = e.items
-        need(all(1 <= len(i) <= MAX_STRING for i in v["ids"]), "length of an id")
-        need(all(len(i) <= MAX_STRING for i in v["surface"]), "length of a surface")
-        need(all(math.isfinite(x) for p in v["position"] for x in p), "a position that is not finite")
-        need(all(abs(math.hypot(*n) - 1) <= 1e-6 for n in v["normal"]), "a normal that is not of length 1")
-        need(all(math.isfinite(a) and a >= 0 for a in v["area"]), "an area")
-        need(all(0 <= x <= 1 for n in ("sky_view", "ground_view", "obstruction_view") for x in v[n]), "a view")
-
-    def materials_table(self, e, v):
-        need(e.tile == 0 and 1 <= e.items <= MAX_MATERIALS, f"{e.items} materials in tile {e.tile}")
-        need(all(1 <= len(n) <= MAX_STRING for n in v["name"]) and len(set(v["name"])) == e.items, "a name")
-        need(all(0 <= d and 0 <= s and d + s <= 1 + 1e-9 for d, s in zip(v["diffuse"], v["specular"])), "a reflectance")
-        need(all(c in (0, 1) for c in v["class"]) and all(len(g) <= MAX_STRING for g in v["group"]), "a class or group")
 
     def key_column(self, v, prefix=""):
         need(len(v[prefix + "voxel"]) == len(v[prefix + "tag"]) == len(v[prefix + "material"]), "lengths of a key")
         keys = list(map(order, v[prefix + "voxel"], v[prefix + "tag"], v[prefix + "material"]))
         need(all(a < b for a, b in zip(keys, keys[1:])), f"{prefix}keys do not ascend")
-        need(all(t < 65536 for t in v[prefix + "tag"]), "a tag")
         need(all(m < self.materials for m in v[prefix + "material"]), "a material that does not exist")
         return keys
-
-    def index(self, e, v):
-        need(e.tile in (0, 1), f"index {e.tile}")
-        self.first[e.tile] = self.key_column(v)
 
     def chunk(self, e, v):
         kind = KINDS[e.kind][0]
         keys, seen = self.key_column(v), self.key_column(v, "seen_")
         need(keys and len(seen) <= MAX_SEEN, f"{len(keys)} cells, {len(seen)} seen")
         need(kind not in self.last or self.last[kind] < keys[0], "keys do not ascend from chunk to chunk")
-        need(all(math.hypot(*n) <= 1 + 1e-6 for n in v["normal"]), "a normal longer than 1")
         need(all(h & NOTHING < len(seen) or h & NOTHING == NOTHING for h in set(v["hits"])), "a hit outside of seen")
         self.last[kind] = keys[-1]
         self.keys.setdefault(kind, []).extend(keys)
         self.first.setdefault(kind, []).append(keys[0])
-        self.seen.append((e.name, "bounce", seen))
+        self.seen.append((name_of(e), "bounce", seen))
 
 
 def main(path, mode=""):
@@ -449,7 +448,7 @@ def main(path, mode=""):
     if not mode:
         print(f"{path}\n  root       {archive.slot.root.hex()}")
         for row in archive.manifest["layers"]:
-            print(f"  {row['name']:10} {row['blocks']:6} blocks {row['raw_bytes']:12} raw {row['stored_bytes']:12} stored")
+            print(f"  {row['name']:10} {row['blocks']:6} blocks {row['raw_bytes']:12} B raw {row['stored_bytes']:12} B")
         print(f"  receivers  {archive.manifest['receivers']['count']}, {len(checker.problems)} problems")
     for problem in checker.problems:
         print(f"{path}: {problem}", file=sys.stderr)
