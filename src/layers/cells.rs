@@ -1,6 +1,8 @@
 //! Cells as plain tables, sorted by key: fine probes and the coarse cells of the bounce system alike. In: traced cells, or tables
 //! of an archive. Out: columns that recombination reads.
 
+use std::collections::HashMap;
+
 use crate::scene::cells::CellKey;
 
 /// Some cells: what each sees of the sky and which coarse cells.
@@ -76,12 +78,17 @@ impl Cell {
 impl Cells {
     /// A table of traced cells, which are sorted by key and have equal numbers of texels and rays.
     pub fn new(cells: &[Cell]) -> Self {
-        let mut seen: Vec<CellKey> = cells.iter().flat_map(|c| &c.seen).filter_map(|s| s.1).collect();
+        // Some thousand cells are seen ten times each: sorting comes after.
+        let mut numbers: HashMap<CellKey, u32> =
+            cells.iter().flat_map(|c| &c.seen).filter_map(|s| s.1).map(|key| (key, 0)).collect();
+        let mut seen: Vec<CellKey> = numbers.keys().copied().collect();
         seen.sort_unstable();
-        seen.dedup();
+        for (key, number) in seen.iter().zip(0..) {
+            numbers.insert(*key, number);
+        }
         let number = |&(up, key): &(bool, Option<CellKey>)| {
             // Every cell that is seen was listed above.
-            let index = key.and_then(|key| seen.binary_search(&key).ok()).map_or(MISS, |i| i as u32);
+            let index = key.and_then(|key| numbers.get(&key).copied()).unwrap_or(MISS);
             if up { index } else { index | DOWN }
         };
         let mut hits = Vec::with_capacity(cells.iter().map(|c| c.seen.len()).sum());
