@@ -2,14 +2,16 @@
 
 pub mod build;
 mod interrupt;
+mod pack;
 mod progress;
 pub mod replay;
 pub mod store;
 
-use std::fs;
-use std::io::{ErrorKind, Write};
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
+use crate::archive::format;
 use crate::cli::Command;
 use crate::error::{Error, Result};
 
@@ -43,6 +45,23 @@ fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses to replace a file that is not an archive.
+fn guard_archive(output: &Path) -> Result<()> {
+    let mut head = [0; format::MAGIC.len()];
+    match File::open(output).and_then(|mut file| file.read_exact(&mut head)) {
+        Ok(()) if head != format::MAGIC => {
+            let hint = "give the archive a name of its own, or remove the file";
+            Err(Error::input(output, None, "exists and is not an archive, it would be replaced", hint))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Where temporary files of a command go: beside its output.
+fn temporary_folder(output: &Path) -> &Path {
+    output.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

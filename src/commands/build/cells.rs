@@ -5,11 +5,12 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::{COMPRESSION, Job, Rays};
+use super::{Job, Rays};
 use crate::archive::{Blocks, Writer, format, tables};
+use crate::commands::pack::Chunks;
 use crate::commands::progress::bar;
 use crate::error::Result;
-use crate::layers::cells::{Cell, Cells, cells_per_chunk};
+use crate::layers::cells::{Cell, Cells};
 use crate::scene::cells::{CellKey, level_of};
 use crate::spill::Sorter;
 use crate::trace::bounce::{BounceSettings, trace_bounce};
@@ -35,7 +36,7 @@ impl Job<'_> {
     ) -> Result<Written> {
         let texture = Directions::new(self.settings.probe);
         let progress = bar("probes", None);
-        let mut chunks = Chunks::new(self, format::PROBES, tables::Index::PROBES, self.settings.probe_hits);
+        let mut chunks = Chunks::probes(self.settings.probe_hits);
         let mut seen = HashSet::new();
         let mut keys = keys.peekable();
         while keys.peek().is_some() {
@@ -46,7 +47,7 @@ impl Job<'_> {
                 let cast = traced.iter().map(|t| t.1).sum();
                 (traced.into_iter().map(|t| t.0).collect(), cast)
             };
-            rays.probe += chunks.write(&batch, trace, writer, |chunk| seen.extend(&chunk.seen))?;
+            rays.probe += self.write_chunks(&mut chunks, &batch, trace, writer, |chunk| seen.extend(&chunk.seen))?;
         }
         progress.finish_and_clear();
         let count = chunks.finish(writer)?;
@@ -96,7 +97,7 @@ impl Job<'_> {
         }
         progress.finish_and_clear();
         drop(known);
-        let mut chunks = Chunks::new(self, format::BOUNCE, tables::Index::BOUNCE, s.bounce_hits);
+        let mut chunks = Chunks::bounces(s.bounce_hits);
         let bytes = (s.bounce_sky * s.bounce_sky).div_ceil(8);
         let mut sorted = sorter.finish()?.peekable();
         while sorted.peek().is_some() {
@@ -108,76 +109,48 @@ impl Job<'_> {
                 let start = batch.partition_point(|c| c.key < keys[0]);
                 (batch[start..start + keys.len()].to_vec(), 0)
             };
-            chunks.write(&keys, traced, writer, |_| {})?;
+            self.write_chunks(&mut chunks, &keys, traced, writer, |_| {})?;
         }
         chunks.finish(writer)
     }
 }
 
-/// Chunks of one kind of cells on their way into an archive.
-struct Chunks<'a> {
-    job: &'a Job<'a>,
-    kind: u32,
-    index: u32,
-    size: usize,
-    firsts: Vec<CellKey>,
-    count: u64,
-}
-
-impl<'a> Chunks<'a> {
-    fn new(job: &'a Job<'a>, kind: u32, index: u32, rays: usize) -> Self {
-        Chunks { job, kind, index, size: cells_per_chunk(rays), firsts: Vec::new(), count: 0 }
-    }
-
-    /// Cells to be given at a time: some chunks for every core.
-    fn batch(&self) -> usize {
-        self.size * rayon::current_num_threads() * 2
-    }
-
+impl Job<'_> {
     /// Writes the chunks of some keys: sorted, a batch at a time but for the last ones. A chunk that the file holds already is
     /// read instead of traced. Returns the rays cast.
-    fn write(
-        &mut self,
+    fn write_chunks(
+        &self,
+        chunks: &mut Chunks,
         keys: &[CellKey],
         trace: impl Fn(&[CellKey]) -> (Vec<Cell>, u64) + Sync,
         writer: &mut Writer,
         mut see: impl FnMut(&Cells),
     ) -> Result<u64> {
-        let first = self.firsts.len();
+        let first = chunks.next();
         let done: Vec<Result<_>> = keys
-            .par_chunks(self.size)
+            .par_chunks(chunks.size())
             .enumerate()
             .map(|(i, keys)| {
-                let number = (first + i) as u32;
-                if writer.has(self.kind, number) {
-                    let chunk = tables::Cells::from_block(&writer.block(self.kind, number)?)?.into_cells();
+                let number = first + i as u32;
+                if writer.has(chunks.kind(), number) {
+                    let chunk = tables::Cells::from_block(&writer.block(chunks.kind(), number)?)?.into_cells();
                     return Ok((chunk, None, 0));
                 }
                 let (traced, cast) = trace(keys);
                 let chunk = Cells::new(&traced);
-                let block = tables::Cells::new(&chunk).encode(self.kind, number, COMPRESSION)?;
+                let block = chunks.encode(number, &chunk)?;
                 Ok((chunk, Some(block), cast))
             })
             .collect();
         let mut rays = 0;
-        for (keys, part) in keys.chunks(self.size).zip(done) {
+        for part in done {
             let (chunk, block, cast) = part?;
-            block.map_or(Ok(()), |block| writer.append(block))?;
+            chunks.add(&chunk, block, writer)?;
             see(&chunk);
             rays += cast;
-            self.firsts.push(keys[0]);
-            self.count += keys.len() as u64;
         }
-        self.job.checkpoint(writer)?;
+        self.checkpoint(writer)?;
         Ok(rays)
-    }
-
-    /// Writes the index, and returns the number of cells.
-    fn finish(self, writer: &mut Writer) -> Result<u64> {
-        if !self.firsts.is_empty() && !writer.has(format::INDEX, self.index) {
-            writer.append(tables::Index::new(&self.firsts).encode(format::INDEX, self.index, COMPRESSION)?)?;
-        }
-        Ok(self.count)
     }
 }
 

@@ -1,8 +1,9 @@
 //! The manifest of a build: where the archive comes from and what is in it.
 
-use super::{COMPRESSION, Job};
+use super::Job;
 use crate::archive::manifest::{self, Creator, Manifest, ReceiverSummary, SceneSummary};
 use crate::archive::{EncodedBlock, format, tables};
+use crate::commands::pack::COMPRESSION;
 use crate::error::Result;
 use crate::scene::materials::Class;
 use crate::scene::receivers::TILE;

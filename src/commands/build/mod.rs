@@ -5,13 +5,11 @@ mod manifest;
 mod settings;
 mod tiles;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::{Outcome, guard_output, interrupt, say, warn};
-use crate::archive::{self, EncodedBlock, Writer, encode, format};
+use super::{Outcome, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
+use crate::archive::{self, Writer, format};
 use crate::cli::BuildArgs;
 pub use crate::cli::Share;
 use crate::error::{Error, Result};
@@ -78,9 +76,6 @@ pub struct Rays {
     pub bounce: u64,
 }
 
-/// Level of the block compressor: textures are written once and read for years.
-const COMPRESSION: i32 = 9;
-
 /// What every part of a build works on.
 struct Job<'a> {
     scene: &'a Scene,
@@ -112,15 +107,6 @@ impl Job<'_> {
         };
         Err(Error::input(writer.partial(), None, what, hint))
     }
-
-    fn encode(&self, kind: u32, tile: u32, items: usize, raw: &[u8]) -> Result<EncodedBlock> {
-        let items = u32::try_from(items).map_err(|_| Error::Limit {
-            what: "items of one block".into(),
-            value: items as u64,
-            max: u64::from(u32::MAX),
-        })?;
-        encode(kind, tile, format::schema_of(kind).unwrap_or(0), items, raw, COMPRESSION)
-    }
 }
 
 /// `heliotile build`.
@@ -135,7 +121,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let scene = Scene::load(&args.scene, args.materials.as_deref())?;
     scene.report.warnings.iter().for_each(|w| warn(w));
     let mut warnings = Vec::new();
-    let folder = args.output.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = temporary_folder(&args.output);
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
@@ -165,7 +151,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
 /// the number of threads or the memory.
 pub fn build(scene: &Scene, receivers: &mut ReceiverTiles, plan: &BuildPlan) -> Result<BuildReport> {
     let mut clock = Clock::default();
-    let folder = plan.output.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = temporary_folder(&plan.output);
     let mut writer = plan.writer(&archive::Job {
         scene: scene.content_hash(),
         receivers: receivers.content_hash(),
@@ -243,18 +229,6 @@ fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> 
             offset_m * 1e3
         )
     })
-}
-
-/// Refuses to replace a file that is not an archive.
-fn guard_archive(output: &Path) -> Result<()> {
-    let mut head = [0; format::MAGIC.len()];
-    match File::open(output).and_then(|mut file| file.read_exact(&mut head)) {
-        Ok(()) if head != format::MAGIC => {
-            let hint = "give the archive a name of its own, or remove the file";
-            Err(Error::input(output, None, "exists and is not an archive, it would be replaced", hint))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// The summary that a build ends with.

@@ -3,14 +3,15 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{COMPRESSION, Clock, Job, Rays};
+use super::{Clock, Job, Rays};
 use crate::archive::tables::Receivers;
 use crate::archive::{Blocks, EncodedBlock, Writer, format};
+use crate::commands::pack;
 use crate::commands::progress::bar;
 use crate::error::Result;
 use crate::hemisphere::texel_centres;
 use crate::layers::hit::HitTile;
-use crate::layers::response::{self, Response};
+use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
 use crate::recombine::bounces::Depth;
 use crate::recombine::load::{Tables, TileView};
@@ -155,9 +156,7 @@ impl Job<'_> {
             };
             let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
             let responses = responder.derive(&Tables::of(writer, settings.clone())?, &views)?;
-            let encode = |(&tile, of_tile): (&u32, &Vec<Response>)| {
-                self.encode(format::RESPONSE, tile, of_tile.len(), &response::pack(of_tile))
-            };
+            let encode = |(&tile, of_tile): (&u32, &Vec<Response>)| pack::responses(tile, of_tile);
             let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
             blocks.into_iter().try_for_each(|block| writer.append(block))?;
             progress.inc(group.len() as u64);
@@ -182,11 +181,7 @@ impl Job<'_> {
             viewers.push(t.viewer);
         }
         let hits = HitTile::new(&cells);
-        let blocks = vec![
-            self.receivers_block(number, receivers, &hits, &viewers)?,
-            self.encode(format::SKY, number, receivers.len(), &SkyTexture::pack(&sky))?,
-            self.encode(format::HIT, number, receivers.len(), &hits.pack())?,
-        ];
+        let blocks = pack::tile(number, &self.receivers_table(receivers, &hits, &viewers), &sky, &hits)?.into();
         Ok(TracedTile { blocks, cells: hits.palette, rays, misplaced })
     }
 
@@ -216,13 +211,7 @@ impl Job<'_> {
         (nearest_m < 2.0 * offset_m).then(|| Misplaced::Touching(receiver.id.clone(), nearest_m + offset_m))
     }
 
-    fn receivers_block(
-        &self,
-        number: u32,
-        receivers: &[Receiver],
-        hits: &HitTile,
-        viewers: &[Viewer],
-    ) -> Result<EncodedBlock> {
+    fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> Receivers {
         let reflectors = self.reflectors();
         let texels = self.settings.hit * self.settings.hit;
         let factors: Vec<[f64; 2]> = viewers
@@ -230,7 +219,7 @@ impl Job<'_> {
             .zip(hits.texels.chunks(texels))
             .map(|(viewer, texels)| view_factors(texels, hits, &reflectors, viewer))
             .collect();
-        let table = Receivers {
+        Receivers {
             ids: receivers.iter().map(|r| r.id.clone()).collect(),
             position: receivers.iter().map(|r| r.position.to_array()).collect(),
             normal: receivers.iter().map(|r| r.normal.to_array()).collect(),
@@ -239,7 +228,6 @@ impl Job<'_> {
             sky_view: viewers.iter().map(|v| v.sky_view as f32).collect(),
             ground_view: factors.iter().map(|f| f[0] as f32).collect(),
             obstruction_view: factors.iter().map(|f| f[1] as f32).collect(),
-        };
-        table.encode(format::RECEIVERS, number, COMPRESSION)
+        }
     }
 }

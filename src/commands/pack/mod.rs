@@ -1,0 +1,11 @@
+//! From tables and textures to blocks, cut and compressed in one way. In: receivers of a tile, sorted cells. Out: the blocks of
+//! an archive. The build packs what it traced and the transfer commands what they read, so equal contents give equal bytes.
+
+mod chunks;
+mod tile;
+
+pub use chunks::Chunks;
+pub use tile::{responses, tile};
+
+/// Level of the block compressor: textures are written once and read for years.
+pub const COMPRESSION: i32 = 9;

@@ -1,0 +1,36 @@
+//! The blocks of one tile of receivers.
+
+use super::COMPRESSION;
+use crate::archive::{EncodedBlock, encode, format, tables};
+use crate::error::{Error, Result};
+use crate::layers::hit::HitTile;
+use crate::layers::response::{self, Response};
+use crate::layers::sky::SkyTexture;
+
+/// What is known of a tile before its cells are, in the order of writing.
+pub fn tile(
+    number: u32,
+    receivers: &tables::Receivers,
+    sky: &[SkyTexture],
+    hits: &HitTile,
+) -> Result<[EncodedBlock; 3]> {
+    Ok([
+        receivers.encode(format::RECEIVERS, number, COMPRESSION)?,
+        layer(format::SKY, number, receivers.rows(), &SkyTexture::pack(sky))?,
+        layer(format::HIT, number, receivers.rows(), &hits.pack())?,
+    ])
+}
+
+/// The responses of a tile.
+pub fn responses(number: u32, responses: &[Response]) -> Result<EncodedBlock> {
+    layer(format::RESPONSE, number, responses.len(), &response::pack(responses))
+}
+
+fn layer(kind: u32, number: u32, items: usize, raw: &[u8]) -> Result<EncodedBlock> {
+    let items = u32::try_from(items).map_err(|_| Error::Limit {
+        what: "items of one block".into(),
+        value: items as u64,
+        max: u64::from(u32::MAX),
+    })?;
+    encode(kind, number, format::schema_of(kind).unwrap_or(0), items, raw, COMPRESSION)
+}
