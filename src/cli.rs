@@ -29,6 +29,10 @@ pub enum Command {
     Info(ArchiveArg),
     /// Check every block of an archive; exit code 1 if one is damaged
     Verify(VerifyArgs),
+    /// Trace the damaged parts of an archive again
+    Repair(RepairArgs),
+    /// The trace cache that `build --store` fills
+    Store(StoreArgs),
 }
 
 #[derive(Args, Debug)]
@@ -56,6 +60,9 @@ pub struct BuildArgs {
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
     #[arg(long, value_enum, default_value_t = Share::Cells)]
     pub share: Share,
+    /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
+    #[arg(long, value_name = "FOLDER")]
+    pub store: Option<PathBuf>,
     /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
@@ -158,6 +165,54 @@ pub struct VerifyArgs {
     /// How the archive is read
     #[arg(long, value_enum, default_value_t = Access::Read)]
     pub io: Access,
+}
+
+#[derive(Args, Debug)]
+pub struct RepairArgs {
+    /// Archive to repair
+    pub archive: PathBuf,
+    /// Scene that it was built from
+    pub scene: PathBuf,
+    /// Materials that it was built from
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
+    /// Receivers that it was built from; needed where the archive's own are damaged
+    #[arg(long, short)]
+    pub receivers: Option<PathBuf>,
+    /// Where the repaired archive goes; without it the damaged one is replaced
+    #[arg(long, short, value_name = "SITE.helio")]
+    pub output: Option<PathBuf>,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB")]
+    pub memory: Bytes,
+}
+
+#[derive(Args, Debug)]
+pub struct StoreArgs {
+    #[command(subcommand)]
+    pub command: StoreCommand,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum StoreCommand {
+    /// List the archives of a store, least recently used first
+    Ls {
+        /// Folder of the store
+        folder: PathBuf,
+    },
+    /// Remove the least recently used archives of a store
+    Gc {
+        /// Folder of the store
+        folder: PathBuf,
+        /// What may stay, such as 10GiB
+        #[arg(long)]
+        keep: Bytes,
+    },
+    /// Check every archive of a store; exit code 1 if one is damaged
+    Verify {
+        /// Folder of the store
+        folder: PathBuf,
+    },
 }
 
 #[derive(Args, Debug)]

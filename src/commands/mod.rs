@@ -1,9 +1,11 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
 pub mod build;
+pub mod inspect;
 mod interrupt;
 mod pack;
 mod progress;
+pub mod repair;
 pub mod replay;
 pub mod store;
 
@@ -30,8 +32,10 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Build(args) => build::run(args),
         Command::Query(args) => replay::query(args),
         Command::Replay(args) => replay::replay(args),
-        Command::Info(args) => store::info(args),
-        Command::Verify(args) => store::verify(args),
+        Command::Info(args) => inspect::info(args),
+        Command::Verify(args) => inspect::verify(args),
+        Command::Repair(args) => repair::run(args),
+        Command::Store(args) => store::run(args),
     }
 }
 

@@ -17,8 +17,9 @@ const KEY_BYTES: usize = 16;
 
 impl HitTile {
     /// Gathers the receivers' textures, each of the same number of texels.
-    pub fn new(receivers: &[Vec<Option<CellKey>>]) -> Self {
-        let mut palette: Vec<CellKey> = receivers.iter().flatten().flatten().copied().collect();
+    pub fn new(receivers: &[impl AsRef<[Option<CellKey>]>]) -> Self {
+        let textures = || receivers.iter().flat_map(AsRef::as_ref);
+        let mut palette: Vec<CellKey> = textures().flatten().copied().collect();
         palette.sort_unstable();
         palette.dedup();
         let index = |key: &Option<CellKey>| match key {
@@ -26,8 +27,16 @@ impl HitTile {
             Some(key) => palette.binary_search(key).map_or(0, |i| i as u32 + 1),
             None => 0,
         };
-        let texels = receivers.iter().flatten().map(index).collect();
+        let texels = textures().map(index).collect();
         HitTile { palette, texels }
+    }
+
+    /// The textures of a number of receivers, as they were given to [`HitTile::new`].
+    pub fn split(&self, receivers: usize) -> Vec<Vec<Option<CellKey>>> {
+        let texels = self.texels.len().checked_div(receivers).unwrap_or(0);
+        // An index of 0 is nothing.
+        let key = |&texel: &u32| (texel as usize).checked_sub(1).and_then(|i| self.palette.get(i).copied());
+        (0..receivers).map(|r| self.texels[r * texels..(r + 1) * texels].iter().map(key).collect()).collect()
     }
 
     /// Raw block: palette length (u32), key columns (level i8, facing u8, material u16, voxel x, y, z as i32), then the
@@ -80,11 +89,13 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Two receivers' hits with shared and missing cells survive packing, and each of the truncations is refused.
+    /// Two receivers' hits with shared and missing cells survive packing and splitting, and each of the truncations is refused.
     #[test]
     fn round_trip() {
         let key = |x: f64| Some(CellKey::new(DVec3::new(x, -3.0, 7.5), DVec3::X, false, 2, 1));
-        let tile = HitTile::new(&[vec![key(0.0), None, key(50.0), key(0.0)], vec![key(50.0), None, None, key(-90.0)]]);
+        let receivers = [vec![key(0.0), None, key(50.0), key(0.0)], vec![key(50.0), None, None, key(-90.0)]];
+        let tile = HitTile::new(&receivers);
+        assert_eq!(tile.split(2), receivers);
         assert_eq!(tile.palette.len(), 3);
         let raw = tile.pack();
         assert_eq!(HitTile::unpack(&raw, 8), Some(tile));

@@ -222,6 +222,11 @@ impl SkyTexture {
     /// Inverse of [`SkyTexture::pack`]: the `fine` x `fine` bits of each receiver; `None` if the bytes do not describe
     /// `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<BitSquare>> {
+        Some(SkyTexture::split(raw, count, base, fine)?.into_iter().map(|t| t.1).collect())
+    }
+
+    /// The textures that were packed, each with the bits that it describes; `None` as for [`SkyTexture::unpack`].
+    pub fn split(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<(SkyTexture, BitSquare)>> {
         // Zero doubled stays zero.
         if base == 0 {
             return None;
@@ -230,9 +235,13 @@ impl SkyTexture {
         let (planes, mut rest) = raw.split_at_checked(plane.checked_mul(count)?.checked_mul(2)?)?;
         let squares: Vec<BitSquare> = planes.chunks(plane.max(1)).map(|p| BitSquare::from_bytes(base, p)).collect();
         let (masks, bits) = squares.split_at_checked(count)?;
-        let (mut masks, mut dense) = (masks.to_vec(), bits.to_vec());
+        let mut masks = masks.to_vec();
+        let texture = |(front, base): (&BitSquare, &BitSquare)| {
+            (SkyTexture { front: front.clone(), base: base.clone(), levels: Vec::new() }, base.clone())
+        };
+        let mut textures: Vec<(SkyTexture, BitSquare)> = masks.iter().zip(bits).map(texture).collect();
         for _ in sides(base, fine) {
-            for (bits, mask) in dense.iter_mut().zip(&mut masks) {
+            for ((texture, bits), mask) in textures.iter_mut().zip(&mut masks) {
                 let refined = mixed(bits, mask);
                 let (level, tail) = rest.split_at_checked(refined.ones().count().div_ceil(2))?;
                 rest = tail;
@@ -243,10 +252,11 @@ impl SkyTexture {
                         bits.set(c as usize, r as usize, nibble >> k & 1 == 1);
                     }
                 }
+                texture.levels.push(level.to_vec());
                 *mask = mask.double();
             }
         }
-        rest.is_empty().then_some(dense)
+        rest.is_empty().then_some(textures)
     }
 }
 
@@ -320,7 +330,7 @@ mod tests {
         assert!(rays < 84_000, "{rays} rays");
     }
 
-    /// Packing 5 textures of different normals and unpacking gives them back, and every truncation is refused.
+    /// Packing 5 textures of different normals, unpacking and splitting give them back, and every truncation is refused.
     #[test]
     fn pack_round_trip() {
         let normals = [DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y];
@@ -328,7 +338,8 @@ mod tests {
         let raw = SkyTexture::pack(&traces.clone().map(|t| t.0));
         let back = SkyTexture::unpack(&raw, 5, 64, 256);
         assert_eq!(back.as_ref().map(Vec::len), Some(5));
-        assert_eq!(back, Some(traces.map(|t| t.1).to_vec()));
+        assert_eq!(back, Some(traces.clone().map(|t| t.1).to_vec()));
+        assert_eq!(SkyTexture::split(&raw, 5, 64, 256), Some(traces.map(|t| (t.0, t.1)).to_vec()));
         let refused = (0..raw.len()).filter(|&cut| SkyTexture::unpack(&raw[..cut], 5, 64, 256).is_none()).count();
         assert_eq!(refused, raw.len());
     }

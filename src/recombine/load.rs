@@ -9,7 +9,7 @@ use super::tile::{TextureSides, TileLayers};
 use crate::archive::manifest::Settings;
 use crate::archive::{Archive, Block, Blocks, Manifest, format, tables};
 use crate::error::{Error, Result};
-use crate::layers::cells::Cells;
+use crate::layers::cells::{Cell, Cells};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
@@ -154,12 +154,8 @@ impl<'a> Tables<'a> {
         };
         let reflectors: Vec<Reflector> = materials.diffuse.iter().zip(&materials.class).map(reflector).collect();
         let shape = shape(&settings);
-        let source = |kind, index, side: usize, rays: u32| {
-            let form = Form { bytes: (side * side).div_ceil(8), rays: rays as usize, materials: reflectors.len() };
-            CellSource::open(blocks, kind, index, form)
-        };
-        let probes = source(format::PROBES, tables::Index::PROBES, shape.probe, settings.probe_hits)?;
-        let bounces = source(format::BOUNCE, tables::Index::BOUNCE, shape.bounce_sky, settings.bounce_hits)?;
+        let probes = CellSource::probes(blocks, &settings, reflectors.len())?;
+        let bounces = CellSource::bounces(blocks, &settings, reflectors.len())?;
         Ok(Tables { shape, reflectors, probes, bounces })
     }
 }
@@ -183,6 +179,20 @@ pub struct CellSource<'a> {
 }
 
 impl<'a> CellSource<'a> {
+    /// The probes among some blocks, for a number of materials.
+    pub fn probes(blocks: &'a dyn Blocks, settings: &Settings, materials: usize) -> Result<Self> {
+        let (side, rays) = (settings.probe as usize, settings.probe_hits as usize);
+        let form = Form { bytes: (side * side).div_ceil(8), rays, materials };
+        CellSource::open(blocks, format::PROBES, tables::Index::PROBES, form)
+    }
+
+    /// The bounce cells among some blocks.
+    pub fn bounces(blocks: &'a dyn Blocks, settings: &Settings, materials: usize) -> Result<Self> {
+        let (side, rays) = (settings.bounce_sky as usize, settings.bounce_hits as usize);
+        let form = Form { bytes: (side * side).div_ceil(8), rays, materials };
+        CellSource::open(blocks, format::BOUNCE, tables::Index::BOUNCE, form)
+    }
+
     fn open(blocks: &'a dyn Blocks, kind: u32, index: u32, form: Form) -> Result<Self> {
         // A site where no ray meets anything has no cells and no index.
         let firsts = match blocks.has(format::INDEX, index) {
@@ -230,6 +240,19 @@ impl<'a> CellSource<'a> {
             })
             .collect::<Result<_>>()?;
         Ok(Cells::join(&found))
+    }
+
+    /// Those of some cells, sorted by key, that are there and whole.
+    pub fn find(&self, keys: &[CellKey]) -> Vec<Cell> {
+        let chunk_of = |key: &CellKey| self.firsts.partition_point(|first| first <= key).checked_sub(1);
+        let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| chunk_of(a) == chunk_of(b)).collect();
+        let found = |part: &[CellKey]| -> Vec<Cell> {
+            let Some(Ok(cells)) = part.first().and_then(chunk_of).map(|chunk| self.chunk(chunk)) else {
+                return Vec::new();
+            };
+            part.iter().filter_map(|key| cells.keys.binary_search(key).ok()).map(|row| cells.cell(row)).collect()
+        };
+        parts.into_par_iter().flat_map_iter(found).collect()
     }
 
     /// The error of a reference to a cell that does not exist.

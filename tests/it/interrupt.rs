@@ -2,20 +2,18 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Output};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use heliotile::hemisphere::{mix, unit};
 
-/// A build of the cut of The Hague with a checkpoint after every batch of blocks.
+use crate::scenes::{data, hague};
+
+/// A quick build of the cut of The Hague with a checkpoint after every batch of blocks.
 fn build(output: &Path, more: &[&str]) -> Command {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hague");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
-    command.arg("build").arg(data.join("scene.obj")).arg("-r").arg(data.join("receivers.csv"));
-    command.arg("-m").arg(data.join("materials.toml")).arg("-o").arg(output);
-    command.args(["--checkpoint", "0", "--set", "sky_fine=256", "--set", "hit=16", "--set", "probe=16"]);
-    command.args(more).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut command = hague(output, &data("receivers.csv"));
+    command.args(more);
     command
 }
 

@@ -10,4 +10,5 @@ mod physics;
 mod reader;
 mod response;
 mod scenes;
+mod store;
 mod tidy;

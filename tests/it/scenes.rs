@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use glam::DVec3;
@@ -172,4 +173,19 @@ impl Site {
         let rows = self.replay(&[sky_only()], SkyModel::Uniform, Depth::All);
         rows.into_iter().map(|(id, rows)| (id, rows[0])).collect()
     }
+}
+
+/// A file of the cut of The Hague.
+pub fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hague").join(name)
+}
+
+/// The program on its way to build the cut of The Hague for some receivers, coarsely, in less than a second.
+pub fn hague(output: &Path, receivers: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
+    command.arg("build").arg(data("scene.obj")).arg("-m").arg(data("materials.toml"));
+    command.arg("-r").arg(receivers).arg("-o").arg(output);
+    command.args(["--checkpoint", "0", "--set", "sky_fine=256", "--set", "hit=16", "--set", "probe=16"]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
 }

@@ -42,11 +42,8 @@ impl Job<'_> {
         while keys.peek().is_some() {
             let batch: Vec<CellKey> = keys.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
             progress.inc(batch.len() as u64);
-            let trace = |keys: &[CellKey]| {
-                let traced: Vec<(Cell, u64)> = keys.par_iter().map(|&key| self.trace_probe(key, &texture)).collect();
-                let cast = traced.iter().map(|t| t.1).sum();
-                (traced.into_iter().map(|t| t.0).collect(), cast)
-            };
+            let trace =
+                |keys: &[CellKey]| trace_missing(keys, self.known.probes(keys), |key| self.trace_probe(key, &texture));
             rays.probe += self.write_chunks(&mut chunks, &batch, trace, writer, |chunk| seen.extend(&chunk.seen))?;
         }
         progress.finish_and_clear();
@@ -76,17 +73,19 @@ impl Job<'_> {
         let mut sorter = Sorter::new(&self.folder, self.memory / 8);
         let mut wave: Vec<CellKey> = start.iter().copied().collect();
         wave.sort_unstable();
-        let mut known = start;
+        let mut met = start;
         while !wave.is_empty() {
             let mut next = Vec::new();
             for part in wave.chunks(WAVE) {
-                let traced: Vec<_> =
-                    part.par_iter().map(|&key| trace_bounce(key, &texture, settings, mesh, tracer)).collect();
-                for cell in traced {
-                    rays.bounce += cell.cast;
-                    next.extend(cell.seen.iter().filter_map(|seen| seen.cell).filter(|key| known.insert(*key)));
+                let trace = |key| {
+                    let cell = trace_bounce(key, &texture, settings, mesh, tracer);
                     let normal = cell.normal.as_vec3().to_array();
-                    let cell = Cell { key: cell.key, normal, bits: cell.bits, seen: pairs(cell.seen) };
+                    (Cell { key, normal, bits: cell.bits, seen: pairs(cell.seen) }, cell.cast)
+                };
+                let (cells, cast) = trace_missing(part, self.known.bounces(part), trace);
+                rays.bounce += cast;
+                for cell in cells {
+                    next.extend(cell.seen.iter().filter_map(|seen| seen.1).filter(|key| met.insert(*key)));
                     sorter.push(&cell.key.to_bytes(), &cell.to_bytes())?;
                 }
                 progress.inc(part.len() as u64);
@@ -96,7 +95,7 @@ impl Job<'_> {
             wave = next;
         }
         progress.finish_and_clear();
-        drop(known);
+        drop(met);
         let mut chunks = Chunks::bounces(s.bounce_hits);
         let bytes = (s.bounce_sky * s.bounce_sky).div_ceil(8);
         let mut sorted = sorter.finish()?.peekable();
@@ -152,6 +151,24 @@ impl Job<'_> {
         self.checkpoint(writer)?;
         Ok(rays)
     }
+}
+
+/// Known cells and, traced, the missing ones; sorted by key. Returns the rays cast too.
+fn trace_missing(
+    keys: &[CellKey],
+    mut known: Vec<Cell>,
+    trace: impl Fn(CellKey) -> (Cell, u64) + Sync,
+) -> (Vec<Cell>, u64) {
+    let is_known = |key: &CellKey| known.binary_search_by_key(key, |cell| cell.key).is_ok();
+    let missing: Vec<CellKey> = keys.iter().filter(|key| !is_known(key)).copied().collect();
+    let traced: Vec<(Cell, u64)> = missing.par_iter().map(|&key| trace(key)).collect();
+    let cast = traced.iter().map(|t| t.1).sum();
+    let all_new = known.is_empty();
+    known.extend(traced.into_iter().map(|t| t.0));
+    if !all_new {
+        known.sort_unstable_by_key(|cell| cell.key);
+    }
+    (known, cast)
 }
 
 fn pairs(seen: Vec<Seen>) -> Vec<(bool, Option<CellKey>)> {

@@ -1,6 +1,7 @@
 //! Story one: scene -> trace -> layers -> archive.
 
 mod cells;
+mod known;
 mod manifest;
 mod settings;
 mod tiles;
@@ -8,8 +9,9 @@ mod tiles;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::store::{Folder, Store, StoreKey, open_all};
 use super::{Outcome, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
-use crate::archive::{self, Writer, format};
+use crate::archive::{self, Archive, Writer, format};
 use crate::cli::BuildArgs;
 pub use crate::cli::Share;
 use crate::error::{Error, Result};
@@ -18,6 +20,7 @@ use crate::scene::Scene;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
+use known::Known;
 pub use manifest::Counts;
 pub use settings::BuildSettings;
 
@@ -85,6 +88,7 @@ struct Job<'a> {
     folder: PathBuf,
     /// Bytes to work in, besides the scene.
     memory: usize,
+    known: Known<'a>,
 }
 
 impl Job<'_> {
@@ -141,7 +145,13 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
         start,
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
     };
-    let report = build(&scene, &mut receivers, &plan)?;
+    let store = args.store.as_deref().map(Folder::create).transpose()?;
+    let key = StoreKey { scene: scene.content_hash(), settings: settings.hash() };
+    let earlier = store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key))?;
+    let report = build_with(&scene, &mut receivers, &plan, &earlier)?;
+    if let Some(store) = &store {
+        store.add(&key, &args.output, &report.root)?;
+    }
     report.warnings.iter().for_each(|w| warn(w));
     say(&summary(&report, &scene, &args.output))?;
     Ok(Outcome::Fine)
@@ -150,6 +160,16 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
 /// Traces a scene for its receivers and writes the archive; equal inputs give equal bytes, whatever the order of receivers,
 /// the number of threads or the memory.
 pub fn build(scene: &Scene, receivers: &mut ReceiverTiles, plan: &BuildPlan) -> Result<BuildReport> {
+    build_with(scene, receivers, plan, &[])
+}
+
+/// [`build`] that traces nothing that earlier archives of the same scene and settings hold.
+pub fn build_with(
+    scene: &Scene,
+    receivers: &mut ReceiverTiles,
+    plan: &BuildPlan,
+    earlier: &[Archive],
+) -> Result<BuildReport> {
     let mut clock = Clock::default();
     let folder = temporary_folder(&plan.output);
     let mut writer = plan.writer(&archive::Job {
@@ -164,6 +184,7 @@ pub fn build(scene: &Scene, receivers: &mut ReceiverTiles, plan: &BuildPlan) -> 
         settings: &plan.settings,
         folder: folder.to_path_buf(),
         memory: plan.memory_bytes as usize,
+        known: Known::new(earlier, scene.materials.len()),
     };
     clock.lap("tree");
     let farthest = receivers.farthest().and_then(|receiver| far_away(&tracer, scene, receiver));

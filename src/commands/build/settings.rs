@@ -153,6 +153,23 @@ impl BuildSettings {
             ..Settings::default()
         }
     }
+    /// The settings that an archive states.
+    pub fn of(stated: &Settings) -> Self {
+        BuildSettings {
+            sky_base: stated.sky_base as usize,
+            sky_fine: stated.sky_fine as usize,
+            hit: stated.hit as usize,
+            cell_factor: stated.cell_factor,
+            cell_floor_m: stated.cell_floor_m,
+            probe: stated.probe as usize,
+            probe_hits: stated.probe_hits as usize,
+            closed_m: stated.closed_m,
+            bounce_sky: stated.bounce_sky as usize,
+            bounce_hits: stated.bounce_hits as usize,
+            share: if stated.share == "none" { Share::None } else { Share::Cells },
+        }
+    }
+
     /// Names the settings: builds with other ones have other hashes.
     pub(super) fn hash(&self) -> [u8; 32] {
         *blake3::hash(format!("{:?}", self.stated()).as_bytes()).as_bytes()
@@ -168,6 +185,7 @@ mod tests {
     fn settings_by_name() {
         let mut settings = BuildSettings::default();
         settings.check().expect("the defaults");
+        assert_eq!(BuildSettings::of(&settings.stated()), settings);
         for text in
             ["sky_base=64", "sky_fine=512", "hit=16", "probe=16", "probe_hits=8", "bounce_sky=8", "bounce_hits=9"]
         {

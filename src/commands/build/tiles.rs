@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::known::KnownReceiver;
 use super::{Clock, Job, Rays};
 use crate::archive::tables::Receivers;
 use crate::archive::{Blocks, EncodedBlock, Writer, format};
@@ -12,7 +13,7 @@ use crate::error::Result;
 use crate::hemisphere::texel_centres;
 use crate::layers::hit::HitTile;
 use crate::layers::response::Response;
-use crate::layers::sky::SkyTexture;
+use crate::layers::sky::{BitSquare, SkyTexture};
 use crate::recombine::bounces::Depth;
 use crate::recombine::load::{Tables, TileView};
 use crate::recombine::responder::Responder;
@@ -169,7 +170,15 @@ impl Job<'_> {
 
     /// Traces and packs one tile. `directions`: mean directions of the base texels.
     fn trace_tile(&self, number: u32, receivers: &[Receiver], directions: &[DVec3]) -> Result<TracedTile> {
-        let traced: Vec<Traced> = receivers.par_iter().map(|r| self.trace_receiver(r, directions)).collect();
+        let known = self.known.receivers(receivers);
+        let traced: Vec<Traced> = receivers
+            .par_iter()
+            .zip(known)
+            .map(|(receiver, known)| match known {
+                Some(known) => self.known_receiver(receiver, known, directions),
+                None => self.trace_receiver(receiver, directions),
+            })
+            .collect();
         let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
         let mut rays = Rays::default();
         let (mut sky, mut cells, mut viewers) = (Vec::new(), Vec::new(), Vec::new());
@@ -185,9 +194,20 @@ impl Job<'_> {
         Ok(TracedTile { blocks, cells: hits.palette, rays, misplaced })
     }
 
+    /// A receiver that an earlier build traced, as if it had been traced now.
+    fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, directions: &[DVec3]) -> Traced {
+        let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY, enclosed: false };
+        let viewer = viewer(&self.viewpoint(receiver), &known.dense, directions);
+        Traced { sky: known.sky, hits, viewer, rays: Rays::default() }
+    }
+
+    fn viewpoint(&self, receiver: &Receiver) -> Viewpoint {
+        Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal }
+    }
+
     fn trace_receiver(&self, receiver: &Receiver, directions: &[DVec3]) -> Traced {
         let (settings, tracer) = (self.settings, self.tracer);
-        let view = Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal };
+        let view = self.viewpoint(receiver);
         let mut rays = Rays::default();
         let (sky, dense) = SkyTexture::trace(settings.sky_base, settings.sky_fine, view.normal, |n, texels| {
             rays.sky += texels.len() as u64;
@@ -196,8 +216,7 @@ impl Job<'_> {
         rays.hit = (settings.hit * settings.hit) as u64;
         let cells = CellSettings { factor: settings.cell_factor(), floor_m: settings.cell_floor_m };
         let hits = view.hits(settings.hit, cells, &self.scene.mesh, tracer);
-        let sky_view = sky_view_factor(view.normal, &dense, directions).min((1.0 + view.normal.z) / 2.0);
-        let viewer = Viewer { normal: view.normal, seed: view.seed(), sky_view };
+        let viewer = viewer(&view, &dense, directions);
         Traced { sky, hits, viewer, rays }
     }
 
@@ -230,4 +249,10 @@ impl Job<'_> {
             obstruction_view: factors.iter().map(|f| f[1] as f32).collect(),
         }
     }
+}
+
+/// What is needed of a receiver with these sky bits besides its hits.
+fn viewer(view: &Viewpoint, sky: &BitSquare, directions: &[DVec3]) -> Viewer {
+    let sky_view = sky_view_factor(view.normal, sky, directions).min((1.0 + view.normal.z) / 2.0);
+    Viewer { normal: view.normal, seed: view.seed(), sky_view }
 }

@@ -1,0 +1,134 @@
+//! What earlier builds of the same scene with the same settings have traced. In: their archives, whole or damaged. Out: layers of
+//! receivers and cells, so that nothing is traced twice. Every block is checked before it is used; what is damaged is not there.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use crate::archive::manifest::Settings;
+use crate::archive::{Archive, format, tables};
+use crate::layers::cells::Cell;
+use crate::layers::hit::HitTile;
+use crate::layers::sky::{BitSquare, SkyTexture};
+use crate::recombine::load::CellSource;
+use crate::scene::cells::CellKey;
+use crate::scene::receivers::Receiver;
+
+/// Layers of one receiver.
+pub(super) struct KnownReceiver {
+    pub sky: SkyTexture,
+    /// The bits that `sky` describes.
+    pub dense: BitSquare,
+    pub hits: Vec<Option<CellKey>>,
+}
+
+/// Archives to look things up in.
+#[derive(Default)]
+pub(super) struct Known<'a> {
+    earlier: Vec<Earlier<'a>>,
+}
+
+struct Earlier<'a> {
+    archive: &'a Archive,
+    settings: &'a Settings,
+    /// Tile and row by [`place_hash`].
+    receivers: HashMap<u128, (u32, u32)>,
+    probes: Option<CellSource<'a>>,
+    bounces: Option<CellSource<'a>>,
+}
+
+impl<'a> Known<'a> {
+    /// All archives must be of one scene, with a number of materials, and have the same settings.
+    pub fn new(archives: &'a [Archive], materials: usize) -> Self {
+        let earlier = |archive: &'a Archive| {
+            let settings = &archive.manifest().settings;
+            let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
+                let block = archive.block(format::RECEIVERS, tile);
+                let Ok(table) = block.and_then(|block| tables::Receivers::from_block(&block)) else {
+                    return Vec::new();
+                };
+                let hashes = table.position.iter().zip(&table.normal).map(|(p, n)| place_hash(p, n));
+                hashes.zip(0..).map(|(hash, row)| (hash, (tile, row))).collect()
+            };
+            Earlier {
+                archive,
+                settings,
+                receivers: (0..archive.tiles()).into_par_iter().flat_map_iter(places).collect(),
+                probes: CellSource::probes(archive, settings, materials).ok(),
+                bounces: CellSource::bounces(archive, settings, materials).ok(),
+            }
+        };
+        Known { earlier: archives.iter().map(earlier).collect() }
+    }
+
+    /// Layers of those receivers of a tile that are known, in their order.
+    pub fn receivers(&self, tile: &[Receiver]) -> Vec<Option<KnownReceiver>> {
+        let mut found: Vec<Option<KnownReceiver>> = tile.iter().map(|_| None).collect();
+        for earlier in &self.earlier {
+            // By tile of the archive, since a tile is decoded as a whole.
+            let mut wanted: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
+            for (i, receiver) in tile.iter().enumerate().filter(|(i, _)| found[*i].is_none()) {
+                let hash = place_hash(&receiver.position.to_array(), &receiver.normal.to_array());
+                if let Some(&(from, row)) = earlier.receivers.get(&hash) {
+                    wanted.entry(from).or_default().push((i, row));
+                }
+            }
+            for (from, rows) in wanted {
+                let Some(mut layers) = earlier.tile(from) else { continue };
+                for (i, row) in rows {
+                    found[i] = layers.get_mut(row as usize).and_then(Option::take);
+                }
+            }
+        }
+        found
+    }
+
+    /// Those of some probes, sorted by key, that are known.
+    pub fn probes(&self, keys: &[CellKey]) -> Vec<Cell> {
+        self.cells(keys, |earlier| earlier.probes.as_ref())
+    }
+
+    /// Those of some bounce cells, sorted by key, that are known.
+    pub fn bounces(&self, keys: &[CellKey]) -> Vec<Cell> {
+        self.cells(keys, |earlier| earlier.bounces.as_ref())
+    }
+
+    fn cells<'s>(
+        &'s self,
+        keys: &[CellKey],
+        source: impl Fn(&'s Earlier<'a>) -> Option<&'s CellSource<'a>>,
+    ) -> Vec<Cell> {
+        let mut found: Vec<Cell> = Vec::new();
+        let mut missing = keys.to_vec();
+        for source in self.earlier.iter().filter_map(source) {
+            found.extend(source.find(&missing));
+            found.sort_unstable_by_key(|cell| cell.key);
+            missing.retain(|key| found.binary_search_by_key(key, |cell| cell.key).is_err());
+        }
+        found
+    }
+}
+
+impl Earlier<'_> {
+    /// Layers of a tile; `None` if they are damaged.
+    fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
+        let (sky, hit) = (self.archive.block(format::SKY, tile).ok()?, self.archive.block(format::HIT, tile).ok()?);
+        let count = sky.items() as usize;
+        let (base, fine) = (self.settings.sky_base as usize, self.settings.sky_fine as usize);
+        let textures = SkyTexture::split(sky.bytes(), count, base, fine)?;
+        let hits = HitTile::unpack(hit.bytes(), count * (self.settings.hit as usize).pow(2))?;
+        let layers = textures.into_iter().zip(hits.split(count));
+        Some(layers.map(|((sky, dense), hits)| Some(KnownReceiver { sky, dense, hits })).collect())
+    }
+}
+
+/// What a receiver's layers depend on besides scene and settings: its place and normal, bit by bit.
+fn place_hash(position: &[f64; 3], normal: &[f64; 3]) -> u128 {
+    let mut hasher = blake3::Hasher::new();
+    for x in position.iter().chain(normal) {
+        hasher.update(&x.to_le_bytes());
+    }
+    let mut head = [0; 16];
+    head.copy_from_slice(&hasher.finalize().as_bytes()[..16]);
+    u128::from_le_bytes(head)
+}

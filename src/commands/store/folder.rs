@@ -1,0 +1,109 @@
+//! A store in a folder: `FOLDER/SCENE/SETTINGS/ROOT.helio`, each name 32 digits of a hash.
+
+use std::fs::{self, File, FileTimes};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use super::{Store, StoreKey, Stored, short};
+use crate::error::{Error, Result};
+
+/// A store in a folder.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// A folder that exists.
+    pub fn open(path: &Path) -> Result<Self> {
+        if !path.is_dir() {
+            let hint = "name a folder that `build --store` made";
+            return Err(Error::input(path, None, "is not a folder", hint));
+        }
+        Ok(Folder { path: path.to_path_buf() })
+    }
+
+    /// A folder that is made if it is not there.
+    pub fn create(path: &Path) -> Result<Self> {
+        fs::create_dir_all(path).map_err(Error::io(path, "create the folder"))?;
+        Folder::open(path)
+    }
+
+    fn of(&self, key: &StoreKey) -> PathBuf {
+        self.path.join(short(&key.scene)).join(short(&key.settings))
+    }
+}
+
+impl Store for Folder {
+    fn find(&self, key: &StoreKey) -> Result<Vec<Stored>> {
+        let mut found = archives(&self.of(key))?;
+        found.sort_by_key(|stored| std::cmp::Reverse(stored.used));
+        for stored in &found {
+            // Only says when it was used last; a store that cannot be written can still be read.
+            let touched = File::options().append(true).open(&stored.path);
+            let _ = touched.and_then(|file| file.set_times(FileTimes::new().set_modified(SystemTime::now())));
+        }
+        Ok(found)
+    }
+
+    fn add(&self, key: &StoreKey, archive: &Path, root: &[u8; 32]) -> Result<()> {
+        let folder = self.of(key);
+        fs::create_dir_all(&folder).map_err(Error::io(&folder, "create the folder"))?;
+        let place = folder.join(short(root)).with_extension("helio");
+        if place.exists() {
+            return Ok(());
+        }
+        // A link costs nothing; the archive is replaced by its owner, never changed, so the link stays what it is.
+        if fs::hard_link(archive, &place).is_ok() {
+            return Ok(());
+        }
+        // Whole or not at all, whoever else adds the same: a name of its own, then the right one.
+        let partial = tempfile::NamedTempFile::new_in(&folder).map_err(Error::io(&folder, "create a file in"))?;
+        let mut from = File::open(archive).map_err(Error::io(archive, "open"))?;
+        io::copy(&mut from, &mut partial.as_file()).map_err(Error::io(&folder, "write a file in"))?;
+        partial.as_file().sync_all().map_err(Error::io(&folder, "sync a file in"))?;
+        partial.persist(&place).map_err(|e| Error::io(&place, "rename a file to")(e.error))?;
+        Ok(())
+    }
+
+    fn list(&self) -> Result<Vec<Stored>> {
+        let mut all = Vec::new();
+        for scene in folders(&self.path)? {
+            for settings in folders(&scene)? {
+                all.extend(archives(&settings)?);
+            }
+        }
+        all.sort_by_key(|stored| (stored.used, stored.path.clone()));
+        Ok(all)
+    }
+
+    fn remove(&self, stored: &Stored) -> Result<()> {
+        fs::remove_file(&stored.path).map_err(Error::io(&stored.path, "remove"))
+    }
+}
+
+/// Entries of a folder; none if it is not there.
+fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>> {
+    match fs::read_dir(folder) {
+        Ok(entries) => entries.collect::<io::Result<_>>().map_err(Error::io(folder, "list")),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        Err(error) => Err(Error::io(folder, "list")(error)),
+    }
+}
+
+fn folders(folder: &Path) -> Result<Vec<PathBuf>> {
+    Ok(entries(folder)?.into_iter().map(|entry| entry.path()).filter(|path| path.is_dir()).collect())
+}
+
+fn archives(folder: &Path) -> Result<Vec<Stored>> {
+    let mut found = Vec::new();
+    for entry in entries(folder)?.into_iter().filter(|entry| entry.path().extension().is_some_and(|e| e == "helio")) {
+        // One that another process removed meanwhile is not there.
+        if let Ok(about) = entry.metadata() {
+            let used = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+            found.push(Stored { path: entry.path(), bytes: about.len(), used });
+        }
+    }
+    Ok(found)
+}

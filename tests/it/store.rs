@@ -1,0 +1,157 @@
+//! What was traced once: the store that builds share, and repair.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use heliotile::archive::{Archive, format};
+
+use crate::scenes::{data, hague};
+
+/// A scratch folder with the receivers of The Hague in two halves that share a third of them.
+struct Halves(tempfile::TempDir);
+
+impl Halves {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = fs::read_to_string(data("receivers.csv")).expect("receivers");
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(rows.len(), 78);
+        for (name, part) in [("a.csv", &rows[..52]), ("b.csv", &rows[26..])] {
+            let header = text.lines().next().expect("a header");
+            fs::write(folder.path().join(name), format!("{header}\n{}\n", part.join("\n"))).expect("written");
+        }
+        Halves(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Builds `name.helio` for `name.csv`, and gives its bytes and the millions of rays that were cast.
+    fn build(&self, csv: &str, output: &str, store: Option<&str>) -> (Vec<u8>, f64) {
+        let mut command = hague(&self.path(output), &self.path(csv));
+        store.map(|store| command.arg("--store").arg(self.path(store)));
+        let output_of = good(&mut command);
+        let said = String::from_utf8_lossy(&output_of.stdout).into_owned();
+        let before = said.split(" Mray").next().and_then(|s| s.rsplit(' ').next()).expect("rays");
+        (fs::read(self.path(output)).expect("an archive"), before.parse().expect("a number"))
+    }
+}
+
+fn good(command: &mut Command) -> Output {
+    let output = command.output().expect("the program");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+fn heliotile(arguments: &[&str], paths: &[&Path]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
+    command.args(arguments).args(paths);
+    command
+}
+
+fn archives(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() { found.extend(archives(&path)) } else { found.push(path) }
+    }
+    found
+}
+
+/// A second project that shares half of its 52 receivers with the first casts at most 70 % of the rays, one with the same receivers
+/// none, and both have the bytes of builds without a store; so has one from a store whose archive is damaged in 40 places.
+#[test]
+fn nothing_is_traced_twice() {
+    let site = Halves::new();
+    let (alone, all_rays) = site.build("b.csv", "alone.helio", None);
+    site.build("a.csv", "a.helio", Some("store"));
+    let (shared, rays) = site.build("b.csv", "b.helio", Some("store"));
+    assert!(shared == alone && rays < 0.7 * all_rays, "{rays} of {all_rays} Mray");
+    let (again, rays) = site.build("b.csv", "again.helio", Some("store"));
+    assert!(again == alone && rays == 0.0, "{rays} Mray");
+
+    let stored = archives(&site.path("store"));
+    assert_eq!(stored.len(), 2);
+    for path in &stored {
+        // Copies first: the store holds links to the archives of this test.
+        let mut bytes = fs::read(path).expect("an archive");
+        let length = bytes.len();
+        (0..40).for_each(|i| bytes[8192 + i * (length - 40_000) / 40] ^= 1);
+        fs::remove_file(path).expect("removed");
+        fs::write(path, bytes).expect("written");
+    }
+    let (mended, rays) = site.build("b.csv", "mended.helio", Some("store"));
+    assert!(mended == alone && rays > 0.0, "{rays} Mray");
+    let found = heliotile(&["store", "verify"], &[&site.path("store")]).output().expect("the program");
+    assert_eq!(found.status.code(), Some(1));
+}
+
+/// Four builds that fill one store at once all succeed with the bytes of a build alone, and leave one archive each content: 2.
+/// `gc` then keeps what fits: 0 bytes of 2 archives.
+#[test]
+fn builds_share_a_store_at_once() {
+    let site = Halves::new();
+    let (alone, _) = site.build("b.csv", "alone.helio", None);
+    let children: Vec<_> = [("a.csv", "a0.helio"), ("b.csv", "b0.helio"), ("a.csv", "a1.helio"), ("b.csv", "b1.helio")]
+        .map(|(csv, output)| {
+            let mut command = hague(&site.path(output), &site.path(csv));
+            command.arg("--store").arg(site.path("store")).spawn().expect("the program")
+        })
+        .into();
+    for child in children {
+        let output = child.wait_with_output().expect("its end");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert!(
+        fs::read(site.path("b0.helio")).expect("b0") == alone && fs::read(site.path("b1.helio")).expect("b1") == alone
+    );
+    let stored = archives(&site.path("store"));
+    assert_eq!(stored.len(), 2, "{stored:?}");
+    let listed = good(&mut heliotile(&["store", "ls"], &[&site.path("store")]));
+    assert_eq!(String::from_utf8_lossy(&listed.stdout).lines().count(), 3);
+    good(&mut heliotile(&["store", "verify"], &[&site.path("store")]));
+    good(&mut heliotile(&["store", "gc", "--keep", "1GiB"], &[&site.path("store")]));
+    assert_eq!(archives(&site.path("store")).len(), 2);
+    let refused = heliotile(&["store", "ls"], &[&site.path("nowhere")]).output().expect("the program");
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+/// One damaged block of each of the 8 kinds, one kind at a time, is repaired to the very bytes that were; where receivers are damaged the
+/// receivers file is asked for; another scene is refused; a good archive is left alone.
+#[test]
+fn repair_gives_the_same_bytes() {
+    let site = Halves::new();
+    let (whole, _) = site.build("a.csv", "a.helio", None);
+    let path = site.path("a.helio");
+    let entries: Vec<_> = Archive::open(&path).expect("an archive").entries().to_vec();
+    let repair = |more: &[&str]| {
+        let mut command =
+            heliotile(&["repair"], &[&path, &data("scene.obj"), Path::new("-m"), &data("materials.toml")]);
+        command.args(more).output().expect("the program")
+    };
+    for (kind, name, _) in format::KINDS {
+        let entry = entries.iter().find(|entry| entry.kind == kind).expect("a block of each kind");
+        let mut bytes = whole.clone();
+        bytes[entry.offset as usize + entry.stored as usize / 2] ^= 4;
+        fs::write(&path, &bytes).expect("written");
+        if kind == format::RECEIVERS {
+            let refused = repair(&[]);
+            assert_eq!(refused.status.code(), Some(2));
+            assert!(String::from_utf8_lossy(&refused.stderr).contains("--receivers"));
+        }
+        let csv = site.path("a.csv");
+        let output = repair(&["-r", &csv.to_string_lossy()]);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success() && said.contains("root as before"), "{name}: {said}");
+        assert!(fs::read(&path).expect("an archive") == whole, "{name} has other bytes");
+    }
+    assert!(String::from_utf8_lossy(&repair(&[]).stdout).contains("nothing to repair"));
+    let mut bytes = whole.clone();
+    bytes[8192] ^= 1;
+    fs::write(&path, &bytes).expect("written");
+    let other = heliotile(&["repair"], &[&path, &data("scene.obj")]).output().expect("the program");
+    assert_eq!(other.status.code(), Some(2));
+    assert!(fs::read(&path).expect("an archive") == bytes, "a refused repair changed the archive");
+}
