@@ -2,6 +2,7 @@
 
 mod archive;
 mod cli;
+mod damage;
 mod hostile;
 mod interrupt;
 mod kaitai;

@@ -1,0 +1,171 @@
+//! Damage to a whole archive that was really built: an error that names the part, or the same answers; never other answers.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use heliotile::archive::format::{self, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSETS, SLOT_SIZE, Slot};
+use heliotile::archive::{Access, Archive};
+use heliotile::commands::build::BuildSettings;
+use heliotile::error::Error;
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::replay::{Replay, ReplaySettings};
+use heliotile::recombine::sky::SkyModel;
+use rayon::prelude::*;
+
+use crate::scenes::{Site, canyon, receiver, scene, site, sun, tilted, v};
+
+/// Two receivers in a street, with the coarsest textures.
+fn small() -> Site {
+    let settings = BuildSettings {
+        sky_base: 8,
+        sky_fine: 16,
+        hit: 8,
+        cell_floor_m: 8.0,
+        probe: 8,
+        probe_hits: 2,
+        closed_m: 32.0,
+        bounce_sky: 8,
+        bounce_hits: 2,
+        ..BuildSettings::default()
+    };
+    let receivers =
+        [receiver("a", v(0.1, 0.2, 0.0), tilted(0.0, 0.0)), receiver("b", v(4.9, 3.0, 4.0), tilted(90.0, 90.0))];
+    site(&scene(&canyon(10.0, 14.0, 60.0), &[0.5, 0.5]), &receivers, &settings)
+}
+
+/// Everything that can be asked: all blocks, and both ways of replay; as bits.
+fn ask(path: &Path) -> Result<Vec<u32>, Error> {
+    let archive = Archive::open_with(path, Access::Read)?;
+    for entry in archive.entries() {
+        archive.block(entry.kind, entry.tile)?;
+    }
+    let mut answers = Vec::new();
+    for depth in [Depth::All, Depth::Count(2)] {
+        let settings = ReplaySettings { sky: SkyModel::Uniform, patches: 145, depth, memory_bytes: 1 << 26 };
+        let replay = Replay::new(&archive, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
+        for (ids, values) in replay.run(0..replay.tiles())? {
+            for row in 0..ids.len() {
+                answers.extend((0..7).map(|component| values.row(component, row)[0].to_bits()));
+            }
+        }
+    }
+    Ok(answers)
+}
+
+/// Asks many changed copies of a file: (errors, same answers). Panics on another answer, or on an error that names no part.
+fn ask_all(
+    site: &Site,
+    changes: &[(usize, u8)],
+    change: impl Fn(&[u8], (usize, u8)) -> Vec<u8> + Sync,
+) -> (usize, usize) {
+    let original = fs::read(&site.path).expect("an archive");
+    let expected = ask(&site.path).expect("answers");
+    let folder = tempfile::tempdir().expect("a folder");
+    let (errors, same) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    changes.par_iter().for_each_init(
+        || folder.path().join(format!("{:?}.helio", std::thread::current().id())),
+        |path: &mut PathBuf, &case| {
+            fs::write(&*path, change(&original, case)).expect("written");
+            match ask(path) {
+                Ok(answers) => {
+                    assert!(answers == expected, "{case:?} changed the answers");
+                    same.fetch_add(1, Ordering::Relaxed);
+                }
+                Err(Error::Corrupt { .. } | Error::Input { .. } | Error::Unsupported { .. }) => {
+                    errors.fetch_add(1, Ordering::Relaxed);
+                }
+                Err(other) => panic!("{case:?}: {other}"),
+            }
+        },
+    );
+    (errors.into_inner(), same.into_inner())
+}
+
+/// Every single bit of the slots and of everything behind the header is flipped, and one bit of every unused byte of the header:
+/// 0 other answers, 0 panics; all flips outside slots and padding are errors.
+#[test]
+fn no_flipped_bit_is_silent() {
+    let site = small();
+    let length = fs::read(&site.path).expect("an archive").len();
+    let used = |byte: usize| {
+        byte >= FIRST_BLOCK as usize
+            || SLOT_OFFSETS.iter().any(|&slot| (slot as usize..slot as usize + SLOT_SIZE).contains(&byte))
+    };
+    let bits = |byte: usize| if used(byte) { 0..8 } else { byte as u8 % 8..byte as u8 % 8 + 1 };
+    let changes: Vec<(usize, u8)> = (0..length).flat_map(|byte| bits(byte).map(move |bit| (byte, bit))).collect();
+    let (errors, same) = ask_all(&site, &changes, |original, (byte, bit)| {
+        let mut bytes = original.to_vec();
+        bytes[byte] ^= 1 << bit;
+        bytes
+    });
+    println!("{length} bytes, {} flips: {errors} errors, {same} same answers", changes.len());
+    assert_eq!(errors + same, changes.len());
+    let padding: usize = 63 * 8 * 20;
+    assert!(errors > (length - FIRST_BLOCK as usize) * 8 - padding, "{errors} errors");
+}
+
+/// The file cut at every length is an error each time.
+#[test]
+fn no_cut_is_silent() {
+    let site = small();
+    let length = fs::read(&site.path).expect("an archive").len();
+    let cuts: Vec<(usize, u8)> = (0..length).map(|cut| (cut, 0)).collect();
+    let (errors, same) = ask_all(&site, &cuts, |original, (cut, _)| original[..cut].to_vec());
+    assert_eq!((errors, same), (length, 0));
+}
+
+/// Six files that promise too much under right checksums (2^60 entries, a directory and a manifest beyond the file, a block of 4 GiB, a
+/// frame of 1 GiB, overlapping blocks) are refused; `HELIOTILE_BOMBS=folder` keeps them for measuring time and memory.
+#[test]
+fn bombs_are_refused() {
+    let site = small();
+    let original = fs::read(&site.path).expect("an archive");
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = std::env::var_os("HELIOTILE_BOMBS").map_or(scratch.path().to_path_buf(), PathBuf::from);
+    let slot = Slot::decode(&original).expect("a slot");
+    let with_slot = |change: &dyn Fn(&mut Slot)| {
+        let (mut bytes, mut slot) = (original.clone(), slot);
+        change(&mut slot);
+        SLOT_OFFSETS.iter().for_each(|&at| bytes[at as usize..][..SLOT_SIZE].copy_from_slice(&slot.encode()));
+        bytes
+    };
+    let with_entry = |number: usize, change: &dyn Fn(&mut Entry, &mut Vec<u8>)| {
+        let mut bytes = original.clone();
+        let at = slot.directory_offset as usize + number * ENTRY_SIZE;
+        let mut entry = Entry::decode(&original[at..]).expect("an entry");
+        change(&mut entry, &mut bytes);
+        let mut encoded = Vec::new();
+        entry.encode(&mut encoded);
+        bytes[at..at + ENTRY_SIZE].copy_from_slice(&encoded);
+        let directory = &bytes[slot.directory_offset as usize..][..slot.directory_length as usize];
+        let manifest = &bytes[slot.manifest_offset as usize..][..slot.manifest_length as usize];
+        let sealed = Slot { root: format::root_hash(directory, manifest), ..slot };
+        SLOT_OFFSETS.iter().for_each(|&at| bytes[at as usize..][..SLOT_SIZE].copy_from_slice(&sealed.encode()));
+        bytes
+    };
+    let bombs = [
+        ("count", with_slot(&|s| (s.directory_count, s.directory_length) = (1 << 60, 80 << 56))),
+        ("directory", with_slot(&|s| (s.directory_count, s.directory_length) = (1 << 26, (1 << 26) * 80))),
+        ("manifest", with_slot(&|s| s.manifest_length = 1 << 40)),
+        ("raw", with_entry(0, &|e, _| e.raw = u32::MAX)),
+        (
+            "frame",
+            with_entry(0, &|e, bytes| {
+                // The header of a zstd frame that holds 2^30 bytes; the largest raw length that is allowed.
+                let head = [0x28, 0xb5, 0x2f, 0xfd, 0xa0, 0, 0, 0, 0x40];
+                bytes[e.offset as usize..][..head.len()].copy_from_slice(&head);
+                e.raw = format::MAX_RAW as u32;
+                e.codec = format::CODEC_ZSTD;
+                e.checksum = format::checksum(&bytes[e.offset as usize..][..e.stored as usize]);
+            }),
+        ),
+        ("overlap", with_entry(1, &|e, _| e.offset -= 64)),
+    ];
+    for (name, bytes) in bombs {
+        let path = folder.join(format!("{name}.helio"));
+        fs::write(&path, bytes).expect("written");
+        let error = ask(&path).expect_err(name).to_string();
+        assert!(error.contains(".helio: "), "{name}: {error}");
+    }
+}
