@@ -143,13 +143,7 @@ thread_local! {
 /// Checks and decodes stored bytes, which the caller owns: nobody else can change them meanwhile.
 pub(super) fn decode(path: &Arc<Path>, entry: &Entry, stored: &[u8]) -> Result<Block> {
     let wrong = |got: String, expected: String| corrupt(path, entry, got, expected);
-    let found = format::checksum(stored);
-    if found != entry.checksum {
-        return Err(wrong(
-            format!("checksum {}", format::hex(&found)),
-            format!("checksum {}", format::hex(&entry.checksum)),
-        ));
-    }
+    check_stored(path, entry, stored)?;
     // The reader asked this when it opened the directory; it stands here too because here it is allocated.
     let length = usize::try_from(entry.raw).unwrap_or(usize::MAX);
     if length == 0 || length > MAX_RAW {
@@ -179,6 +173,16 @@ pub(super) fn decode(path: &Arc<Path>, entry: &Entry, stored: &[u8]) -> Result<B
         }
     }
     Ok(Block { path: Arc::clone(path), entry: *entry, bytes })
+}
+
+/// Whether stored bytes are those that were written.
+pub(super) fn check_stored(path: &Path, entry: &Entry, stored: &[u8]) -> Result<()> {
+    let found = format::checksum(stored);
+    if found == entry.checksum {
+        return Ok(());
+    }
+    let [got, expected] = [found, entry.checksum].map(|sum| format!("checksum {}", format::hex(&sum)));
+    Err(corrupt(path, entry, got, expected))
 }
 
 /// One whole frame that says it holds `length` bytes: a bomb is refused before anything is decoded.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::codec::{self, Block};
+use super::codec::{self, Block, EncodedBlock};
 use super::format::{self, ALIGNMENT, CODEC_RAW, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_RAW, Slot};
 use super::header::{self, Header};
 use super::manifest::Manifest;
@@ -102,6 +102,13 @@ impl Archive {
     /// All blocks of one kind, by tile; a bad one is an error in its place and the rest follow.
     pub fn scan(&self, kind: u32) -> impl Iterator<Item = Result<Block>> + '_ {
         self.entries_of(kind).iter().map(|entry| self.fetch(entry))
+    }
+
+    /// A block as it is stored, for another archive: of any kind, packed in any way.
+    pub fn copy(&self, entry: &Entry) -> Result<EncodedBlock> {
+        let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
+        codec::check_stored(self.path(), entry, &stored)?;
+        Ok(EncodedBlock { entry: *entry, stored })
     }
 
     pub(super) fn fetch(&self, entry: &Entry) -> Result<Block> {

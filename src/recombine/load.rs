@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::layers::cells::{Cell, Cells};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{self, Response};
-use crate::layers::sky::SkyTexture;
+use crate::layers::sky::{BitSquare, SkyTexture};
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
 use crate::scene::materials::Class;
 
@@ -47,7 +47,7 @@ const MAX_SIDES: [u32; 3] = [1024, 4096, 256];
 const MAX_SKY: usize = 256 << 20;
 
 /// The settings of an archive, if textures can have their sides.
-fn settings(archive: &Archive) -> Result<&Settings> {
+pub fn settings(archive: &Archive) -> Result<&Settings> {
     let settings = &archive.manifest().settings;
     let [plain, fine, cell] = MAX_SIDES;
     let refuse = |found: String, supported: String| {
@@ -112,16 +112,21 @@ pub fn tile_layers(archive: &Archive, tile: u32, responses: Vec<Response>) -> Re
     if responses.len() != rows {
         return Err(receivers.corrupt(format!("{rows} receivers"), format!("{}, one per response", responses.len())));
     }
+    let sky = tile_sky(archive, tile, rows)?.into_iter().map(|texture| texture.1).collect();
+    let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
+    Ok((table.ids, TileLayers { normals, sky, responses }))
+}
+
+/// Sky textures of a tile of so many receivers, each with the bits that it describes.
+pub fn tile_sky(archive: &Archive, tile: u32, rows: usize) -> Result<Vec<(SkyTexture, BitSquare)>> {
     let sides = sides(archive)?;
     let block = archive.block(format::SKY, tile)?;
     let bytes = rows.saturating_mul(sides.sky_fine * sides.sky_fine / 8);
     if bytes > MAX_SKY {
         return Err(block.corrupt(format!("sky of {bytes} bytes"), format!("at most {MAX_SKY}")));
     }
-    let sky = SkyTexture::unpack(block.bytes(), rows, sides.sky_base, sides.sky_fine)
-        .ok_or_else(|| block.corrupt("sky bits of another shape", "sky bits of the manifest's shape"))?;
-    let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
-    Ok((table.ids, TileLayers { normals, sky, responses }))
+    SkyTexture::split(block.bytes(), rows, sides.sky_base, sides.sky_fine)
+        .ok_or_else(|| block.corrupt("sky bits of another shape", "sky bits of the manifest's shape"))
 }
 
 /// The responses that the build derived: its reflectances, all bounces.
@@ -207,6 +212,11 @@ impl<'a> CellSource<'a> {
         self.firsts.len()
     }
 
+    /// The only chunk that can hold a cell.
+    pub fn chunk_of(&self, key: &CellKey) -> Option<usize> {
+        self.firsts.partition_point(|first| first <= key).checked_sub(1)
+    }
+
     /// All cells of a chunk.
     pub fn chunk(&self, chunk: usize) -> Result<Cells> {
         let block = self.blocks.block(self.kind, chunk as u32)?;
@@ -229,12 +239,11 @@ impl<'a> CellSource<'a> {
 
     /// The cells of these keys, which are sorted; one that does not exist is an error.
     pub fn fetch(&self, keys: &[CellKey]) -> Result<Cells> {
-        let chunk_of = |key: &CellKey| self.firsts.partition_point(|first| first <= key).checked_sub(1);
-        let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| chunk_of(a) == chunk_of(b)).collect();
+        let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| self.chunk_of(a) == self.chunk_of(b)).collect();
         let found: Vec<Cells> = parts
             .into_par_iter()
             .map(|part| {
-                let cells = self.chunk(chunk_of(&part[0]).ok_or_else(|| self.missing(&part[0]))?)?;
+                let cells = self.chunk(self.chunk_of(&part[0]).ok_or_else(|| self.missing(&part[0]))?)?;
                 let row = |key: &CellKey| cells.keys.binary_search(key).map_err(|_| self.missing(key));
                 Ok(cells.select(&part.iter().map(row).collect::<Result<Vec<usize>>>()?))
             })

@@ -26,7 +26,7 @@ pub fn morton_order(receivers: &[Receiver], origin: DVec3) -> Vec<usize> {
 }
 
 /// Bytes that sort receivers as [`morton_order`] does: the code, the exact position and normal, the id.
-pub(super) fn morton_key(receiver: &Receiver, origin: DVec3) -> Vec<u8> {
+pub fn morton_key(receiver: &Receiver, origin: DVec3) -> Vec<u8> {
     let mut key = morton_code(receiver.position - origin).to_be_bytes().to_vec();
     for part in [receiver.position, receiver.normal] {
         key.extend(part.to_array().into_iter().flat_map(ordered_f64));

@@ -11,7 +11,7 @@ use super::rows::{Rows, cell_error};
 use super::text::excerpt;
 use crate::error::{Error, Result};
 
-pub use super::morton::morton_order;
+pub use super::morton::{morton_key, morton_order};
 
 /// Receivers of one tile: neighbours along the Morton curve that share compressed blocks.
 pub const TILE: usize = 64;
