@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgGroup, Args, Parser, Subcommand};
+use glam::DVec3;
 
 use crate::archive::Access;
 use crate::outputs::periods::Every;
@@ -33,6 +34,12 @@ pub enum Command {
     Repair(RepairArgs),
     /// The trace cache that `build --store` fills
     Store(StoreArgs),
+    /// Write an archive of some receivers of another one
+    Extract(ExtractArgs),
+    /// Write the union of two archives of one scene
+    Merge(MergeArgs),
+    /// What two archives do not share; exit code 1 if they differ
+    Diff(DiffArgs),
 }
 
 #[derive(Args, Debug)]
@@ -222,6 +229,88 @@ pub struct ArchiveArg {
     /// How the archive is read
     #[arg(long, value_enum, default_value_t)]
     pub io: Access,
+}
+
+#[derive(Args, Debug)]
+#[command(group(ArgGroup::new("selection").required(true).args(["receivers", "bbox", "surface"])))]
+pub struct ExtractArgs {
+    /// Archive to read
+    pub archive: PathBuf,
+    /// Archive to write
+    #[arg(long, short, value_name = "PART.helio")]
+    pub output: PathBuf,
+    /// Keep the receivers of a CSV file: ids in a column `receiver`
+    #[arg(long, short, value_name = "FILE")]
+    pub receivers: Option<PathBuf>,
+    /// Keep the receivers in a box, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax
+    #[arg(long, value_name = "BOX", allow_hyphen_values = true)]
+    pub bbox: Option<Bounds>,
+    /// Keep the receivers of these surfaces
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub surface: Vec<String>,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB")]
+    pub memory: Bytes,
+    /// How the archive is read
+    #[arg(long, value_enum, default_value_t)]
+    pub io: Access,
+}
+
+#[derive(Args, Debug)]
+pub struct MergeArgs {
+    /// Archives to read
+    pub first: PathBuf,
+    pub second: PathBuf,
+    /// Archive to write
+    #[arg(long, short, value_name = "SITE.helio")]
+    pub output: PathBuf,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB")]
+    pub memory: Bytes,
+    /// How the archives are read
+    #[arg(long, value_enum, default_value_t)]
+    pub io: Access,
+}
+
+#[derive(Args, Debug)]
+pub struct DiffArgs {
+    /// Archives to compare, A and B
+    pub first: PathBuf,
+    pub second: PathBuf,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB")]
+    pub memory: Bytes,
+    /// How the archives are read
+    #[arg(long, value_enum, default_value_t)]
+    pub io: Access,
+}
+
+/// A box of positions: `xmin,ymin,xmax,ymax` of any height, or with `zmin,zmax` behind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    pub low: DVec3,
+    pub high: DVec3,
+}
+
+impl FromStr for Bounds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |part: &str| match part.trim().parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(format!("`{part}` is not a number")),
+        };
+        let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+        let (low, high) = match numbers[..] {
+            [x0, y0, x1, y1] => (DVec3::new(x0, y0, f64::NEG_INFINITY), DVec3::new(x1, y1, f64::INFINITY)),
+            [x0, y0, x1, y1, z0, z1] => (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)),
+            _ => return Err(format!("{} numbers, not 4 or 6: give xmin,ymin,xmax,ymax[,zmin,zmax]", numbers.len())),
+        };
+        if low.cmpgt(high).any() {
+            return Err("a lowest value is above its highest: give xmin,ymin,xmax,ymax[,zmin,zmax]".into());
+        }
+        Ok(Bounds { low, high })
+    }
 }
 
 fn parse_depth(text: &str) -> Result<crate::recombine::bounces::Depth, String> {

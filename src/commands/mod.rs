@@ -8,6 +8,7 @@ mod progress;
 pub mod repair;
 pub mod replay;
 pub mod store;
+pub mod transfer;
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read, Write};
@@ -36,6 +37,9 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),
         Command::Store(args) => store::run(args),
+        Command::Extract(args) => transfer::extract::run(args),
+        Command::Merge(args) => transfer::merge::run(args),
+        Command::Diff(args) => transfer::diff::run(args),
     }
 }
 

@@ -253,10 +253,9 @@ impl<'a> CellSource<'a> {
 
     /// Those of some cells, sorted by key, that are there and whole.
     pub fn find(&self, keys: &[CellKey]) -> Vec<Cell> {
-        let chunk_of = |key: &CellKey| self.firsts.partition_point(|first| first <= key).checked_sub(1);
-        let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| chunk_of(a) == chunk_of(b)).collect();
+        let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| self.chunk_of(a) == self.chunk_of(b)).collect();
         let found = |part: &[CellKey]| -> Vec<Cell> {
-            let Some(Ok(cells)) = part.first().and_then(chunk_of).map(|chunk| self.chunk(chunk)) else {
+            let Some(Ok(cells)) = part.first().and_then(|key| self.chunk_of(key)).map(|chunk| self.chunk(chunk)) else {
                 return Vec::new();
             };
             part.iter().filter_map(|key| cells.keys.binary_search(key).ok()).map(|row| cells.cell(row)).collect()

@@ -10,6 +10,7 @@ mod morton;
 mod mtl;
 mod obj;
 mod polygon;
+pub mod receiver_ids;
 pub mod receiver_tiles;
 pub mod receivers;
 mod rows;

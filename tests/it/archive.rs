@@ -8,32 +8,8 @@ use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::load::cached_responses;
 use heliotile::recombine::load::{Tables, tile_view};
 use heliotile::recombine::responder::Responder;
-use heliotile::scene::receivers::Receiver;
 
 use crate::scenes::*;
-
-fn town() -> Triangles {
-    let mut triangles = ground(200.0, 0.0, 0);
-    for i in 0..12 {
-        let (x, y) = (f64::from(i % 4) * 22.0 - 44.0, f64::from(i / 4) * 25.0 - 37.0);
-        triangles.extend(block(v(x, y, 0.0), v(x + 12.0, y + 10.0, 6.0 + f64::from(i * 7 % 11)), 1));
-    }
-    triangles
-}
-
-/// 150 receivers, three tiles.
-fn many() -> Vec<Receiver> {
-    (0..150)
-        .map(|i| {
-            let (a, b) = (f64::from(i % 15) * 6.1 - 45.0, f64::from(i / 15) * 7.3 - 40.0);
-            receiver(
-                &format!("r{i:03}"),
-                v(a, b, 20.0 * f64::from(i % 3)),
-                tilted(f64::from(i % 4) * 30.0, f64::from(i)),
-            )
-        })
-        .collect()
-}
 
 /// One and two threads, receivers and faces in another order: one root hash and the same bytes.
 #[test]

@@ -199,3 +199,49 @@ fn misplaced_receivers_are_named() {
     assert!(message.contains("inside a solid") && message.contains("buried"), "{message}");
     assert!(message.contains("close (0.30 mm)"), "{message}");
 }
+
+/// `extract` by list, box and surface, `merge` and `diff` from the command line: the merged file has the bytes of the original,
+/// `diff` ends with 0 and 1, and 9 wrong calls with 2.
+#[test]
+fn parts_of_a_site() {
+    let folder = Folder::new();
+    let rows = RECEIVERS.replace("nz\n", "nz,surface\n").replace(",0,1\n", ",0,1,top\n");
+    folder.write("receivers.csv", &rows.replace("-1,0\n", "-1,0,front\n").replace("0,2\n", "0,2,garden\n"));
+    folder.write("few.csv", "note,receiver\nx,lawn\n,roof\n");
+    assert_eq!(folder.build().status.code(), Some(0));
+    let extract = |rest: &str| {
+        let output = folder.run(&format!("extract site.helio {rest}"));
+        assert_eq!(output.status.code(), Some(0), "{rest}: {}", String::from_utf8_lossy(&output.stderr));
+        stdout(&output)
+    };
+    assert!(extract("--receivers few.csv -o few.helio").contains("few.helio: 2 of 3 receivers in 1 tiles"));
+    extract("--surface front -o front.helio");
+    for (select, count) in
+        [("--bbox 4,-1,6,6", 2), ("--bbox -10,-10,20,20,3,5", 1), ("--bbox 15,5,15,5", 1), ("--surface top garden", 2)]
+    {
+        assert!(extract(&format!("{select} -o box.helio")).contains(&format!(": {count} of 3 receivers")), "{select}");
+    }
+    let merged = stdout(&folder.run("merge few.helio front.helio -o merged.helio"));
+    assert!(
+        merged.contains("3 receivers in 1 tiles") && merged.contains("2 of few.helio, 1 of front.helio, 0 of both")
+    );
+    let bytes = |name: &str| fs::read(folder.path(name)).expect("an archive");
+    assert!(bytes("merged.helio") == bytes("site.helio"));
+
+    let same = folder.run("diff site.helio merged.helio");
+    assert_eq!((same.status.code(), stdout(&same).as_str()), (Some(0), "equal, and so are the roots\n"));
+    let other = folder.run("diff site.helio few.helio");
+    assert_eq!(other.status.code(), Some(1));
+    assert!(stdout(&other).contains("only in A  1 receivers: south\n"), "{}", stdout(&other));
+
+    folder.refused("extract site.helio -o x.helio", &["--receivers", "--bbox", "--surface"]);
+    folder.refused("extract site.helio --bbox 0,0,1,1 --surface top -o x.helio", &["--bbox", "--surface"]);
+    folder.refused("extract site.helio --bbox 0,0,1 -o x.helio", &["3 numbers", "xmin,ymin,xmax,ymax"]);
+    folder.refused("extract site.helio --bbox 5,0,1,1 -o x.helio", &["above its highest"]);
+    folder.refused("extract site.helio --bbox 90,90,91,91 -o x.helio", &["site.helio", "none of the receivers"]);
+    folder.refused("extract site.helio --surface top attic -o x.helio", &["site.helio", "1 surfaces: attic"]);
+    folder.refused("extract site.helio --receivers conditions.csv -o x.helio", &["conditions.csv", "`receiver`"]);
+    folder.refused("extract site.helio --receivers few.csv -o few.csv", &["few.csv", "input"]);
+    folder.refused("diff site.helio none.helio", &["none.helio", "No such file"]);
+    assert!(!folder.path("x.helio").exists() && !folder.path("x.helio.partial").exists());
+}

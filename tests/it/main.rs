@@ -13,3 +13,4 @@ mod response;
 mod scenes;
 mod store;
 mod tidy;
+mod transfer;

@@ -76,6 +76,30 @@ pub fn scene(triangles: &Triangles, diffuse: &[f64]) -> Scene {
     Scene::from_triangles(triangles, materials).expect("a valid scene")
 }
 
+/// Twelve blocks on a square.
+pub fn town() -> Triangles {
+    let mut triangles = ground(200.0, 0.0, 0);
+    for i in 0..12 {
+        let (x, y) = (f64::from(i % 4) * 22.0 - 44.0, f64::from(i / 4) * 25.0 - 37.0);
+        triangles.extend(block(v(x, y, 0.0), v(x + 12.0, y + 10.0, 6.0 + f64::from(i * 7 % 11)), 1));
+    }
+    triangles
+}
+
+/// 150 receivers, three tiles.
+pub fn many() -> Vec<Receiver> {
+    (0..150)
+        .map(|i| {
+            let (a, b) = (f64::from(i % 15) * 6.1 - 45.0, f64::from(i / 15) * 7.3 - 40.0);
+            receiver(
+                &format!("r{i:03}"),
+                v(a, b, 20.0 * f64::from(i % 3)),
+                tilted(f64::from(i % 4) * 30.0, f64::from(i)),
+            )
+        })
+        .collect()
+}
+
 pub fn receiver(id: &str, position: DVec3, normal: DVec3) -> Receiver {
     Receiver { id: id.into(), position, normal: normal.normalize(), area: None, surface: None }
 }
@@ -96,7 +120,7 @@ pub fn sky_only() -> Condition {
 }
 
 /// Components of one receiver and condition.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     pub sun_direct: f64,
     pub sky_direct: f64,
@@ -148,24 +172,7 @@ impl Site {
         depth: Depth,
         patches: usize,
     ) -> BTreeMap<String, Vec<Row>> {
-        let archive = Archive::open(&self.path).expect("an archive");
-        let settings = ReplaySettings { sky, patches, depth, memory_bytes: 1 << 30 };
-        let replay = Replay::new(&archive, conditions, settings).expect("a replay");
-        let mut rows = BTreeMap::new();
-        for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
-            for (r, id) in ids.into_iter().enumerate() {
-                let at = |component: usize, c: usize| f64::from(values.row(component, r)[c]);
-                let row = |c: usize| Row {
-                    sun_direct: at(0, c),
-                    sky_direct: at(1, c),
-                    sun_diffuse: at(2, c),
-                    sky_diffuse: at(3, c),
-                    total: at(6, c),
-                };
-                rows.insert(id, (0..conditions.len()).map(row).collect());
-            }
-        }
-        rows
+        replay(&self.path, conditions, sky, depth, patches)
     }
 
     /// One condition under a uniform sky, all bounces.
@@ -188,4 +195,32 @@ pub fn hague(output: &Path, receivers: &Path) -> Command {
     command.args(["--checkpoint", "0", "--set", "sky_fine=256", "--set", "hit=16", "--set", "probe=16"]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command
+}
+
+/// Irradiance of an archive per receiver id: one row a condition.
+pub fn replay(
+    path: &Path,
+    conditions: &[Condition],
+    sky: SkyModel,
+    depth: Depth,
+    patches: usize,
+) -> BTreeMap<String, Vec<Row>> {
+    let archive = Archive::open(path).expect("an archive");
+    let settings = ReplaySettings { sky, patches, depth, memory_bytes: 1 << 30 };
+    let replay = Replay::new(&archive, conditions, settings).expect("a replay");
+    let mut rows = BTreeMap::new();
+    for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
+        for (r, id) in ids.into_iter().enumerate() {
+            let at = |component: usize, c: usize| f64::from(values.row(component, r)[c]);
+            let row = |c: usize| Row {
+                sun_direct: at(0, c),
+                sky_direct: at(1, c),
+                sun_diffuse: at(2, c),
+                sky_diffuse: at(3, c),
+                total: at(6, c),
+            };
+            rows.insert(id, (0..conditions.len()).map(row).collect());
+        }
+    }
+    rows
 }

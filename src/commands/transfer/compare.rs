@@ -1,0 +1,83 @@
+//! What two archives state of scene, settings and materials.
+
+use serde_json::{Map, Value, json};
+
+use crate::archive::{Archive, format, tables};
+use crate::error::{Error, Result};
+
+/// Keys of the manifest that tell of one file, not of what it holds.
+const OF_THE_FILE: [&str; 5] = ["format", "creator", "experimental", "counts", "layers"];
+
+/// Longest value in a message.
+const LONGEST: usize = 70;
+
+/// One item with its values in both archives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// `settings.hit`.
+    pub item: String,
+    pub values: [String; 2],
+}
+
+/// Everything stated that is not equal, unknown keys of the manifest too; not what is counted.
+pub fn differences(a: &Archive, b: &Archive) -> Result<Vec<Difference>> {
+    let mut found = Vec::new();
+    walk("", Some(&statements(a)?), Some(&statements(b)?), &mut found);
+    Ok(found)
+}
+
+fn statements(archive: &Archive) -> Result<Value> {
+    let refuse = |e: serde_json::Error| Error::Unsupported {
+        what: format!("{}: reading the manifest", archive.path().display()),
+        found: e.to_string(),
+        supported: "a manifest that is JSON".into(),
+    };
+    let mut value = serde_json::to_value(archive.manifest()).map_err(refuse)?;
+    if let Some(object) = value.as_object_mut() {
+        OF_THE_FILE.iter().for_each(|key| drop(object.remove(*key)));
+        if let Some(receivers) = object.get_mut("receivers").and_then(Value::as_object_mut) {
+            ["count", "tiles", "tile_size"].iter().for_each(|key| drop(receivers.remove(*key)));
+        }
+        object.insert("materials".into(), materials(archive)?);
+    }
+    Ok(value)
+}
+
+/// The materials by name, with their numbers in cell keys.
+fn materials(archive: &Archive) -> Result<Value> {
+    let table = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    let row = |i: usize| {
+        json!({
+            "number": i,
+            "diffuse": table.diffuse[i],
+            "specular": table.specular[i],
+            "class": table.class[i],
+            "group": table.group[i],
+        })
+    };
+    let rows: Map<String, Value> = table.name.iter().enumerate().map(|(i, name)| (name.clone(), row(i))).collect();
+    Ok(Value::Object(rows))
+}
+
+/// Goes down where both are objects.
+fn walk(item: &str, a: Option<&Value>, b: Option<&Value>, found: &mut Vec<Difference>) {
+    match (a, b) {
+        (Some(Value::Object(a)), Some(Value::Object(b))) => {
+            let only_b = b.keys().filter(|key| !a.contains_key(*key));
+            for key in a.keys().chain(only_b) {
+                let item = if item.is_empty() { key.clone() } else { format!("{item}.{key}") };
+                walk(&item, a.get(key), b.get(key), found);
+            }
+        }
+        (a, b) if a == b => {}
+        (a, b) => found.push(Difference { item: item.to_owned(), values: [a, b].map(text) }),
+    }
+}
+
+fn text(value: Option<&Value>) -> String {
+    let text = value.map_or("nothing".to_owned(), Value::to_string);
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
+}

@@ -1,0 +1,41 @@
+//! What two archives say differently of the same thing: counted, the first few by name.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Names that a message holds.
+const NAMED: usize = 10;
+
+/// The conflicts of a merge.
+#[derive(Debug, Default)]
+pub struct Conflicts {
+    names: Vec<String>,
+    count: u64,
+}
+
+impl Conflicts {
+    pub fn add(&mut self, name: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.names.len() < NAMED {
+            self.names.push(name());
+        }
+    }
+
+    /// An error that tells the conflicts, if there are any.
+    pub fn check(&self, first: &Path, second: &Path) -> Result<()> {
+        if self.count == 0 {
+            return Ok(());
+        }
+        let what =
+            format!("cannot be merged with {}: {}", first.display(), listed(self.count, "conflicts", &self.names));
+        let hint = "see `heliotile diff`; build one of the two anew, or leave receivers out with `heliotile extract`";
+        Err(Error::input(second, None, what, hint))
+    }
+}
+
+/// `12 receivers: a, b, ...`, where names may be fewer than the count.
+pub fn listed(count: u64, what: &str, names: &[String]) -> String {
+    let more = if count > names.len() as u64 { ", ..." } else { "" };
+    format!("{count} {what}: {}{more}", names.join(", "))
+}

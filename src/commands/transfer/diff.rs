@@ -1,0 +1,168 @@
+//! `heliotile diff`: what two archives do not share.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::compare::{Difference, differences};
+use super::conflicts::listed;
+use super::digests::{Digests, cell_name, same_cell};
+use super::output::unknown;
+use super::rows::{Rows, Traced, cells};
+use super::union::{Side, union};
+use crate::archive::{Archive, format};
+use crate::cli::DiffArgs;
+use crate::commands::{Outcome, say};
+use crate::error::Result;
+use crate::layers::cells::Cell;
+use crate::layers::response::Response;
+use crate::recombine::load::{CellSource, Tables};
+use crate::spill::{Sorted, Sorter};
+
+/// Names of one line.
+const NAMED: usize = 20;
+
+/// `heliotile diff`: a difference is a finding (exit 1).
+pub fn run(args: &DiffArgs) -> Result<Outcome> {
+    let found = diff(args)?;
+    say(&table(&found, args))?;
+    Ok(if found.is_equal() { Outcome::Fine } else { Outcome::ProblemFound })
+}
+
+/// What two archives do not share.
+#[derive(Clone, Debug, Default)]
+pub struct Differences {
+    /// Scene, settings, materials, and all else that the manifest states.
+    pub statements: Vec<Difference>,
+    pub receivers: Parted,
+    pub probes: Parted,
+    pub bounces: Parted,
+    /// Blocks of kinds that this release does not know.
+    pub unknown: Parted,
+    pub same_root: bool,
+}
+
+impl Differences {
+    /// Whether both hold the same, however it is packed.
+    pub fn is_equal(&self) -> bool {
+        let parts = [&self.receivers, &self.probes, &self.bounces, &self.unknown];
+        self.statements.is_empty() && parts.iter().all(|part| part.is_empty())
+    }
+}
+
+/// Things of one kind by where they are.
+#[derive(Clone, Debug, Default)]
+pub struct Parted {
+    pub only_a: Names,
+    pub only_b: Names,
+    /// In both, with different content.
+    pub different: Names,
+}
+
+impl Parted {
+    fn is_empty(&self) -> bool {
+        [&self.only_a, &self.only_b, &self.different].iter().all(|names| names.count == 0)
+    }
+
+    /// Sorts in one side of a union: its name, and for two items what differs, if anything.
+    fn add<T>(&mut self, side: &Side<T>, name: impl Fn(&T) -> String, compare: impl Fn(&T, &T) -> Option<String>) {
+        match side {
+            Side::Left(item) => self.only_a.add(|| name(item)),
+            Side::Right(item) => self.only_b.add(|| name(item)),
+            Side::Both(a, b) => {
+                if let Some(what) = compare(a, b) {
+                    self.different.add(|| name(a) + &what);
+                }
+            }
+        }
+    }
+}
+
+/// A number of things, the first few by name.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    pub count: u64,
+    pub first: Vec<String>,
+}
+
+impl Names {
+    fn add(&mut self, name: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.first.len() < NAMED {
+            self.first.push(name());
+        }
+    }
+}
+
+/// Compares all that two archives hold. Receivers are matched by id, cells by key.
+pub fn diff(args: &DiffArgs) -> Result<Differences> {
+    let [a, b] = [Archive::open_with(&args.first, args.io)?, Archive::open_with(&args.second, args.io)?];
+    let mut found =
+        Differences { statements: differences(&a, &b)?, same_root: a.root() == b.root(), ..Differences::default() };
+    let budget = args.memory.0 as usize / 4;
+    for side in union(by_id(&a, budget)?, by_id(&b, budget)?, |a, b| a.0.cmp(&b.0)) {
+        let name = |record: &(Vec<u8>, Vec<u8>)| String::from_utf8_lossy(&record.0).into_owned();
+        found.receivers.add(&side?, name, |a, b| {
+            let parts = Digests::from_bytes(&a.1).differences(&Digests::from_bytes(&b.1));
+            (!parts.is_empty()).then(|| format!(" ({})", parts.join(", ")))
+        });
+    }
+    let (of_a, of_b) = (Tables::load(&a)?, Tables::load(&b)?);
+    diff_cells(&of_a.probes, &of_b.probes, &mut found.probes)?;
+    diff_cells(&of_a.bounces, &of_b.bounces, &mut found.bounces)?;
+    let order = |a: &&format::Entry, b: &&format::Entry| a.key().cmp(&b.key());
+    for side in union(unknown(&a).map(Ok), unknown(&b).map(Ok), order) {
+        let content = |entry: &format::Entry| (entry.schema, entry.items, entry.content);
+        found.unknown.add(&side?, |entry| entry.name(), |a, b| (content(a) != content(b)).then(String::new));
+    }
+    Ok(found)
+}
+
+/// The receivers' hashes by id.
+fn by_id(archive: &Archive, budget_bytes: usize) -> Result<Sorted> {
+    let mut sorter = Sorter::new(&std::env::temp_dir(), budget_bytes);
+    for row in Rows::<(Traced, Response)>::new(archive) {
+        let row = row?;
+        sorter.push(row.receiver.id.as_bytes(), &Digests::of(&row).to_bytes())?;
+    }
+    sorter.finish()
+}
+
+fn diff_cells(a: &CellSource, b: &CellSource, found: &mut Parted) -> Result<()> {
+    for side in union(cells(a, |_, _| true), cells(b, |_, _| true), |a: &Cell, b: &Cell| a.key.cmp(&b.key)) {
+        found.add(&side?, |cell| cell_name(&cell.key), |a, b| (!same_cell(a, b)).then(String::new));
+    }
+    Ok(())
+}
+
+/// The differences as a short table.
+fn table(found: &Differences, args: &DiffArgs) -> String {
+    let mut out = String::new();
+    let [a, b]: [&Path; 2] = [&args.first, &args.second];
+    if found.is_equal() {
+        let roots = match found.same_root {
+            true => "and so are the roots",
+            false => "but not the roots: cut or packed in another way, or written by another release",
+        };
+        return format!("equal, {roots}\n");
+    }
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "A {}\nB {}", a.display(), b.display());
+    for Difference { item, values: [a, b] } in &found.statements {
+        let _ = writeln!(out, "{item}: {a} in A, {b} in B");
+    }
+    for (what, parted) in [
+        ("receivers", &found.receivers),
+        ("probes (level/facing/material/voxel)", &found.probes),
+        ("bounce cells (level/facing/material/voxel)", &found.bounces),
+        ("blocks of unknown kinds", &found.unknown),
+    ] {
+        for (side, names) in
+            [("only in A", &parted.only_a), ("only in B", &parted.only_b), ("different", &parted.different)]
+        {
+            if names.count > 0 {
+                let _ = writeln!(out, "{side:<9}  {}", listed(names.count, what, &names.first));
+            }
+        }
+    }
+    out
+}

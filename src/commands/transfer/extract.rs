@@ -1,0 +1,92 @@
+//! `heliotile extract`: the archive of some receivers of another one, with the cells that they need and no others.
+
+use super::output::{Output, Written};
+use super::reach::{Keys, Marks};
+use super::rows::{Layers, Row, Rows, Traced, cells};
+use super::selection::Selection;
+use crate::archive::{Archive, format};
+use crate::cli::ExtractArgs;
+use crate::commands::{Outcome, guard_archive, guard_output, say, temporary_folder};
+use crate::error::Result;
+use crate::layers::response::Response;
+use crate::recombine::load::Tables;
+
+/// `heliotile extract`.
+pub fn run(args: &ExtractArgs) -> Result<Outcome> {
+    let extracted = extract(args)?;
+    let Written { receivers, tiles, cells, summary } = &extracted.written;
+    say(&format!(
+        "{}: {receivers} of {} receivers in {tiles} tiles, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
+        args.output.display(),
+        extracted.of.receivers,
+        cells.probes,
+        extracted.of.probes,
+        cells.bounce_cells,
+        extracted.of.bounce_cells,
+        summary.bytes as f64 / 1e6,
+        format::hex(&summary.root),
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// What an extract did.
+#[derive(Clone, Debug)]
+pub struct Extracted {
+    pub written: Written,
+    pub of: Whole,
+}
+
+/// How much the archive holds that was extracted from.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole {
+    pub receivers: u64,
+    pub probes: u64,
+    pub bounce_cells: u64,
+}
+
+/// Writes the archive of some receivers: the bytes of a build of them alone.
+pub fn extract(args: &ExtractArgs) -> Result<Extracted> {
+    let selection = Selection::of(args);
+    let mut inputs = vec![args.archive.as_path()];
+    inputs.extend(args.receivers.as_deref());
+    guard_output(&args.output, &inputs)?;
+    guard_archive(&args.output)?;
+    let archive = Archive::open_with(&args.archive, args.io)?;
+    let (folder, budget) = (temporary_folder(&args.output), args.memory.0 as usize / 4);
+    let kept = selection.resolve(&archive, folder, budget)?;
+    let keys = || Keys::new(folder, budget);
+
+    let mut output = Output::create(&args.output, &[&archive])?;
+    let mut hits = keys();
+    output.tiles(chosen::<Traced>(&archive, &kept).map(|row| {
+        let row = row?;
+        let mut seen: Vec<_> = row.layers.hits.iter().flatten().copied().collect();
+        seen.sort_unstable();
+        seen.dedup();
+        seen.into_iter().try_for_each(|key| hits.push(key))?;
+        Ok(row)
+    }))?;
+    let (tables, manifest) = (Tables::load(&archive)?, archive.manifest());
+    let (mut probes, mut bounces, mut seen) = (Marks::default(), Marks::default(), keys());
+    probes.add(&tables.probes, hits, |key| seen.push(key))?;
+    bounces.add_reachable(&tables.bounces, seen, keys)?;
+    let settings = &manifest.settings;
+    output.probes(settings.probe_hits, cells(&tables.probes, |chunk, row| probes.contains(chunk, row)))?;
+    output.bounces(settings.bounce_hits, cells(&tables.bounces, |chunk, row| bounces.contains(chunk, row)))?;
+    output.materials(&archive)?;
+    output.responses(chosen::<Response>(&archive, &kept))?;
+    output.copy_unknown(&[&archive])?;
+    let written = output.finish(manifest.clone())?;
+    let of = Whole {
+        receivers: manifest.receivers.count,
+        probes: manifest.counts.probes,
+        bounce_cells: manifest.counts.bounce_cells,
+    };
+    Ok(Extracted { written, of })
+}
+
+/// The receivers that are kept.
+fn chosen<'a, L: Layers + 'a>(archive: &'a Archive, kept: &'a [bool]) -> impl Iterator<Item = Result<Row<L>>> + 'a {
+    // An error takes no receiver's place: nothing is read after it.
+    Rows::<L>::new(archive).zip(kept).filter(|(row, kept)| **kept || row.is_err()).map(|(row, _)| row)
+}

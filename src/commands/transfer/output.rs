@@ -1,0 +1,194 @@
+//! An archive that is put together from receivers and cells of others, in the build's order of blocks.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::rows::{Row, Traced};
+use crate::archive::{Archive, EncodedBlock, Job, Manifest, Summary, Writer, format, manifest, tables};
+use crate::commands::pack::{self, Chunks};
+use crate::commands::progress::bar;
+use crate::commands::warn;
+use crate::error::Result;
+use crate::layers::cells::{Cell, Cells};
+use crate::layers::hit::HitTile;
+use crate::layers::response::Response;
+use crate::layers::sky::SkyTexture;
+use crate::scene::receivers::TILE;
+
+/// The archive being written; the methods are called in the order in which they stand.
+pub struct Output {
+    writer: Writer,
+    receivers: u64,
+    tiles: u32,
+    cells: manifest::Counts,
+}
+
+/// What was written.
+#[derive(Clone, Debug)]
+pub struct Written {
+    pub receivers: u64,
+    pub tiles: u32,
+    pub cells: manifest::Counts,
+    pub summary: Summary,
+}
+
+impl Output {
+    pub fn create(path: &Path, inputs: &[&Archive]) -> Result<Self> {
+        let hash = |what: &[u8]| {
+            let mut hasher = blake3::Hasher::new();
+            hasher.update(what);
+            for archive in inputs {
+                hasher.update(&archive.root());
+            }
+            *hasher.finalize().as_bytes()
+        };
+        // It is written in one go, without checkpoints: the job only tells it from an interrupted build.
+        let job = Job { scene: hash(b"scene"), receivers: hash(b"receivers"), settings: hash(b"settings") };
+        let writer = Writer::create(path, &job)?;
+        Ok(Output { writer, receivers: 0, tiles: 0, cells: manifest::Counts::default() })
+    }
+
+    /// Writes receivers, sky and hit layers.
+    pub fn tiles(&mut self, rows: impl Iterator<Item = Result<Row<Traced>>>) -> Result<()> {
+        (self.receivers, self.tiles) = self.cut("receivers", rows, |number, rows| {
+            let hits: Vec<_> = rows.iter().map(|row| row.layers.hits.as_slice()).collect();
+            let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
+            Ok(pack::tile(number, &table(rows), &sky, &HitTile::new(&hits))?.into())
+        })?;
+        Ok(())
+    }
+
+    /// Writes probes and their index.
+    pub fn probes(&mut self, rays: u32, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
+        self.cells.probes = self.chunks(Chunks::probes(rays as usize), cells)?;
+        Ok(())
+    }
+
+    /// Writes bounce cells and their index.
+    pub fn bounces(&mut self, rays: u32, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
+        self.cells.bounce_cells = self.chunks(Chunks::bounces(rays as usize), cells)?;
+        Ok(())
+    }
+
+    /// Writes the materials of an archive.
+    pub fn materials(&mut self, archive: &Archive) -> Result<()> {
+        let table = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+        self.writer.append(table.encode(format::MATERIALS, 0, pack::COMPRESSION)?)
+    }
+
+    /// Writes the responses of the receivers, in the same order as before.
+    pub fn responses(&mut self, rows: impl Iterator<Item = Result<Row<Response>>>) -> Result<()> {
+        self.cut("responses", rows, |number, rows| {
+            let responses: Vec<Response> = rows.iter().map(|row| row.layers.clone()).collect();
+            Ok(vec![pack::responses(number, &responses)?])
+        })?;
+        Ok(())
+    }
+
+    /// Copies the blocks of kinds that this release does not know; of equal names the first archive's.
+    pub fn copy_unknown(&mut self, archives: &[&Archive]) -> Result<()> {
+        let mut count = 0;
+        for archive in archives {
+            for entry in unknown(archive) {
+                if !self.writer.has(entry.kind, entry.tile) {
+                    self.writer.append(archive.copy(entry)?)?;
+                    count += 1;
+                }
+            }
+        }
+        if count > 0 {
+            warn(&format!(
+                "{count} blocks of kinds that this release does not know were copied as they are; the tiles and chunks that \
+                 they may refer to have been cut anew"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Finishes with what a manifest states, its unknown keys too, and the counts of what was written.
+    pub fn finish(self, stated: Manifest) -> Result<Written> {
+        let Output { writer, receivers, tiles, cells } = self;
+        let own = Manifest::new();
+        let manifest = Manifest {
+            creator: own.creator,
+            experimental: own.experimental,
+            receivers: manifest::ReceiverSummary {
+                count: receivers,
+                tile_size: TILE as u32,
+                tiles,
+                ..stated.receivers
+            },
+            counts: cells.clone(),
+            layers: writer.layers(),
+            ..stated
+        };
+        let summary = writer.finish(&manifest)?;
+        Ok(Written { receivers, tiles, cells, summary })
+    }
+
+    /// Cuts rows into tiles and writes the blocks of each. Returns the numbers of rows and tiles.
+    fn cut<L: Send + Sync>(
+        &mut self,
+        what: &'static str,
+        mut rows: impl Iterator<Item = Result<Row<L>>>,
+        pack: impl Fn(u32, &[Row<L>]) -> Result<Vec<EncodedBlock>> + Sync,
+    ) -> Result<(u64, u32)> {
+        let (mut count, mut tiles) = (0, 0);
+        let progress = bar(what, None);
+        loop {
+            let some = TILE * rayon::current_num_threads();
+            let batch: Vec<Row<L>> = rows.by_ref().take(some).collect::<Result<_>>()?;
+            if batch.is_empty() {
+                progress.finish_and_clear();
+                return Ok((count, tiles));
+            }
+            progress.inc(batch.len() as u64);
+            let pack = |(i, rows)| pack(tiles + i as u32, rows);
+            let blocks: Vec<Vec<EncodedBlock>> = batch.par_chunks(TILE).enumerate().map(pack).collect::<Result<_>>()?;
+            count += batch.len() as u64;
+            tiles += blocks.len() as u32;
+            blocks.into_iter().flatten().try_for_each(|block| self.writer.append(block))?;
+        }
+    }
+
+    fn chunks(&mut self, mut chunks: Chunks, mut cells: impl Iterator<Item = Result<Cell>>) -> Result<u64> {
+        let progress = bar("cells", None);
+        loop {
+            let batch: Vec<Cell> = cells.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
+            progress.inc(batch.len() as u64);
+            if batch.is_empty() {
+                progress.finish_and_clear();
+                return chunks.finish(&mut self.writer);
+            }
+            let first = chunks.next();
+            let encode = |(i, cells): (usize, &[Cell])| {
+                let chunk = Cells::new(cells);
+                let block = chunks.encode(first + i as u32, &chunk)?;
+                Ok((chunk, block))
+            };
+            let done: Vec<(Cells, EncodedBlock)> =
+                batch.par_chunks(chunks.size()).enumerate().map(encode).collect::<Result<_>>()?;
+            done.into_iter().try_for_each(|(chunk, block)| chunks.add(&chunk, Some(block), &mut self.writer))?;
+        }
+    }
+}
+
+/// Blocks of an archive whose kinds this release does not know.
+pub fn unknown(archive: &Archive) -> impl Iterator<Item = &format::Entry> {
+    archive.entries().iter().filter(|entry| format::schema_of(entry.kind).is_none())
+}
+
+fn table(rows: &[Row<Traced>]) -> tables::Receivers {
+    let view = |i: usize| rows.iter().map(|row| row.views[i]).collect();
+    tables::Receivers {
+        ids: rows.iter().map(|row| row.receiver.id.clone()).collect(),
+        position: rows.iter().map(|row| row.receiver.position.to_array()).collect(),
+        normal: rows.iter().map(|row| row.receiver.normal.to_array()).collect(),
+        area: rows.iter().map(|row| row.receiver.area.unwrap_or(0.0)).collect(),
+        surface: rows.iter().map(|row| row.receiver.surface.clone().unwrap_or_default()).collect(),
+        sky_view: view(0),
+        ground_view: view(1),
+        obstruction_view: view(2),
+    }
+}

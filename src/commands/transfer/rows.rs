@@ -1,0 +1,172 @@
+//! Receivers of an archive one after the other, in the order that all archives share, and its cells likewise.
+
+use std::cmp::Ordering;
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::archive::{Archive, format, tables};
+use crate::error::Result;
+use crate::layers::cells::Cell;
+use crate::layers::hit::HitTile;
+use crate::layers::response::Response;
+use crate::layers::sky::SkyTexture;
+use crate::recombine::load::{CellSource, cached_responses, origin, settings, tile_sky};
+use crate::scene::cells::CellKey;
+use crate::scene::receivers::{Receiver, morton_key};
+
+/// A receiver with some of its layers.
+pub struct Row<L> {
+    /// Sorts as receivers do.
+    pub key: Vec<u8>,
+    pub receiver: Receiver,
+    /// Shares of its hemisphere: sky, ground, obstruction.
+    pub views: [f32; 3],
+    pub layers: L,
+}
+
+impl<L> Row<L> {
+    pub fn order(&self, other: &Self) -> Ordering {
+        self.key.cmp(&other.key)
+    }
+
+    /// The same receiver with other layers.
+    pub fn map<M>(self, layers: impl FnOnce(L) -> M) -> Row<M> {
+        Row { key: self.key, receiver: self.receiver, views: self.views, layers: layers(self.layers) }
+    }
+}
+
+/// Layers that can be read a tile at a time.
+pub trait Layers: Send + Sized {
+    /// One value for each of a tile's receivers.
+    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>>;
+}
+
+/// What the build knows of a receiver before it knows the cells.
+pub struct Traced {
+    pub sky: SkyTexture,
+    /// One key a texel of the hit texture.
+    pub hits: Vec<Option<CellKey>>,
+}
+
+impl Layers for () {
+    fn of_tile(_: &Archive, _: u32, receivers: usize) -> Result<Vec<Self>> {
+        Ok(vec![(); receivers])
+    }
+}
+
+impl Layers for Traced {
+    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        let sky = tile_sky(archive, tile, receivers)?;
+        let texels = (settings(archive)?.hit as usize).pow(2);
+        let block = archive.block(format::HIT, tile)?;
+        let hits = HitTile::unpack(block.bytes(), texels.saturating_mul(receivers))
+            .ok_or_else(|| block.corrupt("hits of another shape", "hits of the manifest's shape"))?;
+        Ok(sky.into_iter().zip(hits.split(receivers)).map(|((sky, _), hits)| Traced { sky, hits }).collect())
+    }
+}
+
+impl Layers for Response {
+    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        let block = archive.block(format::RESPONSE, tile)?;
+        if block.items() as usize != receivers {
+            return Err(block.corrupt(format!("{} responses", block.items()), format!("{receivers}")));
+        }
+        cached_responses(archive, tile)
+    }
+}
+
+impl<A: Layers, B: Layers> Layers for (A, B) {
+    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        let (a, b) = (A::of_tile(archive, tile, receivers)?, B::of_tile(archive, tile, receivers)?);
+        Ok(a.into_iter().zip(b).collect())
+    }
+}
+
+/// All receivers of an archive; a few tiles are in memory at a time.
+pub struct Rows<'a, L> {
+    archive: &'a Archive,
+    tiles: Range<u32>,
+    ready: VecDeque<Row<L>>,
+    last: Vec<u8>,
+}
+
+impl<'a, L: Layers> Rows<'a, L> {
+    pub fn new(archive: &'a Archive) -> Self {
+        Rows { archive, tiles: 0..archive.tiles(), ready: VecDeque::new(), last: Vec::new() }
+    }
+
+    /// Reads the next tiles.
+    fn refill(&mut self) -> Result<()> {
+        let numbers: Vec<u32> = self.tiles.by_ref().take(rayon::current_num_threads()).collect();
+        let archive = self.archive;
+        let tiles: Vec<Vec<Row<L>>> =
+            numbers.par_iter().map(|&tile| read_tile(archive, tile)).collect::<Result<_>>()?;
+        for (number, tile) in numbers.into_iter().zip(tiles) {
+            for row in tile {
+                if row.key <= self.last {
+                    let block = self.archive.block(format::RECEIVERS, number)?;
+                    let got = format!("receiver {} after one that belongs behind it", row.receiver.id);
+                    return Err(block.corrupt(got, "receivers along the Morton curve"));
+                }
+                self.last.clone_from(&row.key);
+                self.ready.push_back(row);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The receivers of one tile.
+fn read_tile<L: Layers>(archive: &Archive, tile: u32) -> Result<Vec<Row<L>>> {
+    let table = tables::Receivers::from_block(&archive.block(format::RECEIVERS, tile)?)?;
+    let origin = origin(archive.manifest());
+    let layers = L::of_tile(archive, tile, table.ids.len())?;
+    let row = |(i, layers): (usize, L)| {
+        let receiver = Receiver {
+            id: table.ids[i].clone(),
+            position: DVec3::from(table.position[i]),
+            normal: DVec3::from(table.normal[i]),
+            area: Some(table.area[i]).filter(|area| *area != 0.0),
+            surface: Some(&table.surface[i]).filter(|name| !name.is_empty()).cloned(),
+        };
+        let views = [table.sky_view[i], table.ground_view[i], table.obstruction_view[i]];
+        Row { key: morton_key(&receiver, origin), receiver, views, layers }
+    };
+    Ok(layers.into_iter().enumerate().map(row).collect())
+}
+
+impl<L: Layers> Iterator for Rows<'_, L> {
+    type Item = Result<Row<L>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ready.is_empty()
+            && let Err(error) = self.refill()
+        {
+            return Some(Err(error));
+        }
+        self.ready.pop_front().map(Ok)
+    }
+}
+
+/// Some cells of one kind, in order: those for which `keep` (chunk, row) holds.
+pub fn cells<'a>(
+    source: &'a CellSource,
+    keep: impl Fn(usize, usize) -> bool + Sync + 'a,
+) -> impl Iterator<Item = Result<Cell>> + 'a {
+    let step = rayon::current_num_threads();
+    (0..source.chunks()).step_by(step).flat_map(move |first| {
+        let kept = |number: usize| -> Vec<Result<Cell>> {
+            match source.chunk(number) {
+                Ok(chunk) => {
+                    (0..chunk.keys.len()).filter(|&row| keep(number, row)).map(|row| Ok(chunk.cell(row))).collect()
+                }
+                Err(error) => vec![Err(error)],
+            }
+        };
+        let numbers = first..source.chunks().min(first + step);
+        numbers.into_par_iter().map(kept).collect::<Vec<_>>().into_iter().flatten()
+    })
+}

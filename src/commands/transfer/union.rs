@@ -1,0 +1,58 @@
+//! Two sorted sequences read as one.
+
+use std::cmp::Ordering;
+
+use crate::error::Result;
+
+/// Where an item of a union comes from.
+pub enum Side<T> {
+    Left(T),
+    Right(T),
+    /// Items of equal order, the left one first.
+    Both(T, T),
+}
+
+impl<T> Side<T> {
+    /// The left item, or the only one.
+    pub fn first(self) -> T {
+        match self {
+            Side::Left(item) | Side::Right(item) | Side::Both(item, _) => item,
+        }
+    }
+
+    /// All items.
+    pub fn items(&self) -> impl Iterator<Item = &T> {
+        let (one, other) = match self {
+            Side::Left(item) | Side::Right(item) => (item, None),
+            Side::Both(left, right) => (left, Some(right)),
+        };
+        std::iter::once(one).chain(other)
+    }
+
+    /// Both items, if there are two.
+    pub fn both(&self) -> Option<(&T, &T)> {
+        if let Side::Both(left, right) = self { Some((left, right)) } else { None }
+    }
+}
+
+/// The union of two sequences that rise by `order`. An error comes as soon as it is met.
+pub fn union<T>(
+    left: impl Iterator<Item = Result<T>>,
+    right: impl Iterator<Item = Result<T>>,
+    order: impl Fn(&T, &T) -> Ordering,
+) -> impl Iterator<Item = Result<Side<T>>> {
+    let (mut left, mut right) = (left.peekable(), right.peekable());
+    std::iter::from_fn(move || {
+        let order = match (left.peek(), right.peek()) {
+            (None, None) => return None,
+            (Some(Err(_)), _) | (Some(Ok(_)), None) => Ordering::Less,
+            (_, Some(Err(_))) | (None, Some(Ok(_))) => Ordering::Greater,
+            (Some(Ok(a)), Some(Ok(b))) => order(a, b),
+        };
+        match order {
+            Ordering::Less => left.next().map(|item| item.map(Side::Left)),
+            Ordering::Greater => right.next().map(|item| item.map(Side::Right)),
+            Ordering::Equal => left.next().zip(right.next()).map(|(a, b)| Ok(Side::Both(a?, b?))),
+        }
+    })
+}
