@@ -133,9 +133,9 @@ pub struct RecombineArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB")]
     pub memory: Bytes,
-    /// How the archive is read
-    #[arg(long, value_enum, default_value_t)]
-    pub io: Access,
+    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
+    #[arg(long, value_enum)]
+    pub io: Option<Access>,
 }
 
 #[derive(Args, Debug)]

@@ -1,12 +1,13 @@
 //! Story two: archive -> recombine -> outputs, for a conditions table (`query`) and a weather file (`replay`).
 
+use std::fs;
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use super::progress::bar;
 use super::{Outcome, guard_output, warn};
-use crate::archive::Archive;
+use crate::archive::{Access, Archive};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::error::Result;
 use crate::outputs::periods::{Every, Periods};
@@ -43,6 +44,12 @@ fn guard(args: &RecombineArgs, forcing: &Path) -> Result<()> {
     if args.output == Path::new("-") { Ok(()) } else { guard_output(&args.output, &[&args.archive, forcing]) }
 }
 
+/// Pages of a mapping count as memory of the program for as long as the system likes: a large archive is read instead.
+fn access(args: &RecombineArgs) -> Access {
+    let large = || fs::metadata(&args.archive).is_ok_and(|about| about.len() > args.memory.0 / 4);
+    args.io.unwrap_or_else(|| if large() { Access::Read } else { Access::Mapped })
+}
+
 /// Streams all tiles into a table; `shape` turns conditions into rows.
 fn run(
     args: &RecombineArgs,
@@ -51,7 +58,7 @@ fn run(
     labels: &[String],
     shape: impl Fn(TileValues) -> TileValues + Sync,
 ) -> Result<Outcome> {
-    let archive = Archive::open_with(&args.archive, args.io)?;
+    let archive = Archive::open_with(&args.archive, access(args))?;
     let settings =
         ReplaySettings { sky: args.sky, patches: args.patches, depth: args.bounces, memory_bytes: args.memory.0 };
     let replay = Replay::new(&archive, conditions, settings)?;
