@@ -1,11 +1,11 @@
 //! What one receiver sees: sky bits wherever they are asked for, and the cell that each texel of its own hemisphere meets.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::probe::lifted;
 use super::rays::{Ray, Tracer};
 use super::surroundings::cell_of;
-use crate::hemisphere::{Frame, jitter, texel_direction, texels_in_blocks};
+use crate::hemisphere::{Centres, Frame, jitter, texel_direction, texels_in_blocks};
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
 use crate::scene::mesh::Mesh;
 
@@ -50,12 +50,12 @@ impl Viewpoint {
 
     /// Sky bits of the given texels (column, row) of an n x n world-frame texture. Texels whose centre lies behind the
     /// surface are asked along the surface.
-    pub fn sky(&self, n: usize, texels: &[(u32, u32)], tracer: &Tracer) -> Vec<bool> {
-        let origin = self.origin(tracer);
+    pub fn sky(&self, n: usize, texels: &[(u32, u32)], centres: &Centres, tracer: &Tracer) -> Vec<bool> {
+        let (origin, centre) = (self.origin(tracer), centres.of(n));
         let rays: Vec<Ray> = texels
             .iter()
             .map(|&(column, row)| {
-                let d = texel_direction(column as usize, row as usize, n, DVec2::splat(0.5));
+                let d = centre(column, row);
                 let behind = self.normal.dot(d);
                 let d = if behind > 0.0 { d } else { d - self.normal * (behind - 1e-4) };
                 Ray { origin, direction: d.as_vec3().to_array() }

@@ -1,6 +1,5 @@
 //! One tile of a build: 64 receivers traced, packed and compressed.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::known::KnownReceiver;
@@ -10,7 +9,7 @@ use crate::archive::{Blocks, EncodedBlock, Writer, format};
 use crate::commands::pack;
 use crate::commands::progress::bar;
 use crate::error::Result;
-use crate::hemisphere::texel_centres;
+use crate::hemisphere::Centres;
 use crate::layers::hit::HitTile;
 use crate::layers::response::Response;
 use crate::layers::sky::{BitSquare, SkyTexture};
@@ -94,7 +93,7 @@ impl Job<'_> {
         misplaced: &mut Vec<Misplaced>,
     ) -> Result<impl Iterator<Item = Result<CellKey>> + use<>> {
         let progress = bar("receivers", Some(receivers.count() as u64));
-        let directions = texel_centres(self.settings.sky_base);
+        let centres = Centres::new(self.settings.sky_base, self.settings.sky_fine);
         let mut keys = Sorter::new(&self.folder, self.memory / 8).unique();
         let mut tiles = receivers.tiles()?.peekable();
         let mut first = 0;
@@ -104,7 +103,7 @@ impl Job<'_> {
             let traced: Vec<Result<TracedTile>> = batch
                 .par_iter()
                 .enumerate()
-                .map(|(i, tile)| self.tile(first + i as u32, tile, &directions, writer))
+                .map(|(i, tile)| self.tile(first + i as u32, tile, &centres, writer))
                 .collect();
             for tile in traced {
                 let tile = tile?;
@@ -128,7 +127,7 @@ impl Job<'_> {
     }
 
     /// A tile that the file holds already, or a traced one.
-    fn tile(&self, number: u32, receivers: &[Receiver], directions: &[DVec3], writer: &Writer) -> Result<TracedTile> {
+    fn tile(&self, number: u32, receivers: &[Receiver], centres: &Centres, writer: &Writer) -> Result<TracedTile> {
         if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, number)) {
             let hit = writer.block(format::HIT, number)?;
             let texels = receivers.len() * self.settings.hit * self.settings.hit;
@@ -136,7 +135,7 @@ impl Job<'_> {
                 .ok_or_else(|| hit.corrupt("hits of another shape", "hits of the settings' shape"))?;
             return Ok(TracedTile { cells: hits.palette, ..TracedTile::default() });
         }
-        self.trace_tile(number, receivers, directions)
+        self.trace_tile(number, receivers, centres)
     }
 
     /// Derives and writes the responses of all tiles.
@@ -168,15 +167,15 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Traces and packs one tile. `directions`: mean directions of the base texels.
-    fn trace_tile(&self, number: u32, receivers: &[Receiver], directions: &[DVec3]) -> Result<TracedTile> {
+    /// Traces and packs one tile.
+    fn trace_tile(&self, number: u32, receivers: &[Receiver], centres: &Centres) -> Result<TracedTile> {
         let known = self.known.receivers(receivers);
         let traced: Vec<Traced> = receivers
             .par_iter()
             .zip(known)
             .map(|(receiver, known)| match known {
-                Some(known) => self.known_receiver(receiver, known, directions),
-                None => self.trace_receiver(receiver, directions),
+                Some(known) => self.known_receiver(receiver, known, centres),
+                None => self.trace_receiver(receiver, centres),
             })
             .collect();
         let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
@@ -195,9 +194,9 @@ impl Job<'_> {
     }
 
     /// A receiver that an earlier build traced, as if it had been traced now.
-    fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, directions: &[DVec3]) -> Traced {
+    fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, centres: &Centres) -> Traced {
         let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY, enclosed: false };
-        let viewer = viewer(&self.viewpoint(receiver), &known.dense, directions);
+        let viewer = viewer(&self.viewpoint(receiver), &known.dense, centres);
         Traced { sky: known.sky, hits, viewer, rays: Rays::default() }
     }
 
@@ -205,18 +204,18 @@ impl Job<'_> {
         Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal }
     }
 
-    fn trace_receiver(&self, receiver: &Receiver, directions: &[DVec3]) -> Traced {
+    fn trace_receiver(&self, receiver: &Receiver, centres: &Centres) -> Traced {
         let (settings, tracer) = (self.settings, self.tracer);
         let view = self.viewpoint(receiver);
         let mut rays = Rays::default();
         let (sky, dense) = SkyTexture::trace(settings.sky_base, settings.sky_fine, view.normal, |n, texels| {
             rays.sky += texels.len() as u64;
-            view.sky(n, texels, tracer)
+            view.sky(n, texels, centres, tracer)
         });
         rays.hit = (settings.hit * settings.hit) as u64;
         let cells = CellSettings { factor: settings.cell_factor(), floor_m: settings.cell_floor_m };
         let hits = view.hits(settings.hit, cells, &self.scene.mesh, tracer);
-        let viewer = viewer(&view, &dense, directions);
+        let viewer = viewer(&view, &dense, centres);
         Traced { sky, hits, viewer, rays }
     }
 
@@ -252,7 +251,7 @@ impl Job<'_> {
 }
 
 /// What is needed of a receiver with these sky bits besides its hits.
-fn viewer(view: &Viewpoint, sky: &BitSquare, directions: &[DVec3]) -> Viewer {
-    let sky_view = sky_view_factor(view.normal, sky, directions).min((1.0 + view.normal.z) / 2.0);
+fn viewer(view: &Viewpoint, sky: &BitSquare, centres: &Centres) -> Viewer {
+    let sky_view = sky_view_factor(view.normal, sky, centres.base()).min((1.0 + view.normal.z) / 2.0);
     Viewer { normal: view.normal, seed: view.seed(), sky_view }
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use glam::{DVec2, DVec3};
-use heliotile::hemisphere::texel_direction;
+use heliotile::hemisphere::{Centres, texel_direction};
 use heliotile::layers::sky::{BitSquare, SkyTexture};
 use heliotile::trace::Tracer;
 use heliotile::trace::receiver::Viewpoint;
@@ -22,13 +22,14 @@ pub fn table(site: &Site, receivers: usize) {
         .map(|&(position, normal)| Viewpoint { position, normal })
         .collect();
     let trace = |base: usize, fine: usize| -> (Vec<BitSquare>, f64, f64) {
+        let centres = Centres::new(base, fine);
         let (mut rays, start) = (0, Instant::now());
         let squares: Vec<BitSquare> = views
             .iter()
             .map(|view| {
                 let visible = |n: usize, texels: &[(u32, u32)]| {
                     rays += texels.len();
-                    view.sky(n, texels, &tracer)
+                    view.sky(n, texels, &centres, &tracer)
                 };
                 SkyTexture::trace(base, fine, view.normal, visible).1
             })
