@@ -252,7 +252,7 @@ pub struct ExtractArgs {
     #[arg(long, default_value = "4GiB")]
     pub memory: Bytes,
     /// How the archive is read
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t = Access::Read)]
     pub io: Access,
 }
 
@@ -268,7 +268,7 @@ pub struct MergeArgs {
     #[arg(long, default_value = "4GiB")]
     pub memory: Bytes,
     /// How the archives are read
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t = Access::Read)]
     pub io: Access,
 }
 
@@ -281,7 +281,7 @@ pub struct DiffArgs {
     #[arg(long, default_value = "4GiB")]
     pub memory: Bytes,
     /// How the archives are read
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t = Access::Read)]
     pub io: Access,
 }
 

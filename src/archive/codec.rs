@@ -25,6 +25,11 @@ pub struct EncodedBlock {
 }
 
 impl EncodedBlock {
+    /// Bytes as they stand in the file.
+    pub fn stored(&self) -> &[u8] {
+        &self.stored
+    }
+
     /// What the directory will say of it; the offset is set on writing.
     pub fn entry(&self) -> &Entry {
         &self.entry

@@ -2,7 +2,7 @@
 
 use super::output::{Output, Written};
 use super::reach::{Keys, Marks};
-use super::rows::{Layers, Row, Rows, Traced, cells};
+use super::rows::{Rows, Traced, cells};
 use super::selection::Selection;
 use crate::archive::{Archive, format};
 use crate::cli::ExtractArgs;
@@ -58,7 +58,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Extracted> {
 
     let mut output = Output::create(&args.output, &[&archive])?;
     let mut hits = keys();
-    output.tiles(chosen::<Traced>(&archive, &kept).map(|row| {
+    output.tiles(Rows::<Traced>::chosen(&archive, &kept).map(|row| {
         let row = row?;
         let mut seen: Vec<_> = row.layers.hits.iter().flatten().copied().collect();
         seen.sort_unstable();
@@ -74,7 +74,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Extracted> {
     output.probes(settings.probe_hits, cells(&tables.probes, |chunk, row| probes.contains(chunk, row)))?;
     output.bounces(settings.bounce_hits, cells(&tables.bounces, |chunk, row| bounces.contains(chunk, row)))?;
     output.materials(&archive)?;
-    output.responses(chosen::<Response>(&archive, &kept))?;
+    output.responses(Rows::<Response>::chosen(&archive, &kept))?;
     output.copy_unknown(&[&archive])?;
     let written = output.finish(manifest.clone())?;
     let of = Whole {
@@ -83,10 +83,4 @@ pub fn extract(args: &ExtractArgs) -> Result<Extracted> {
         bounce_cells: manifest.counts.bounce_cells,
     };
     Ok(Extracted { written, of })
-}
-
-/// The receivers that are kept.
-fn chosen<'a, L: Layers + 'a>(archive: &'a Archive, kept: &'a [bool]) -> impl Iterator<Item = Result<Row<L>>> + 'a {
-    // An error takes no receiver's place: nothing is read after it.
-    Rows::<L>::new(archive).zip(kept).filter(|(row, kept)| **kept || row.is_err()).map(|(row, _)| row)
 }

@@ -2,7 +2,6 @@
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;
-use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -85,27 +84,44 @@ impl<A: Layers, B: Layers> Layers for (A, B) {
     }
 }
 
-/// All receivers of an archive; a few tiles are in memory at a time.
+/// Receivers of an archive; a few tiles are in memory at a time.
 pub struct Rows<'a, L> {
     archive: &'a Archive,
-    tiles: Range<u32>,
+    /// Numbers of the tiles to read, and which of their receivers are wanted: all, without a choice.
+    tiles: std::vec::IntoIter<(u32, Option<&'a [bool]>)>,
     ready: VecDeque<Row<L>>,
     last: Vec<u8>,
 }
 
 impl<'a, L: Layers> Rows<'a, L> {
     pub fn new(archive: &'a Archive) -> Self {
-        Rows { archive, tiles: 0..archive.tiles(), ready: VecDeque::new(), last: Vec::new() }
+        let tiles: Vec<_> = (0..archive.tiles()).map(|tile| (tile, None)).collect();
+        Rows { archive, tiles: tiles.into_iter(), ready: VecDeque::new(), last: Vec::new() }
+    }
+
+    /// Those receivers for which `kept` is true, in the archive's order; tiles without any are not read.
+    pub fn chosen(archive: &'a Archive, kept: &'a [bool]) -> Self {
+        let mut rest = kept;
+        let mut tiles = Vec::new();
+        for entry in archive.entries_of(format::RECEIVERS) {
+            let (here, behind) = rest.split_at((entry.items as usize).min(rest.len()));
+            rest = behind;
+            if here.contains(&true) {
+                tiles.push((entry.tile, Some(here)));
+            }
+        }
+        Rows { tiles: tiles.into_iter(), ..Rows::new(archive) }
     }
 
     /// Reads the next tiles.
     fn refill(&mut self) -> Result<()> {
-        let numbers: Vec<u32> = self.tiles.by_ref().take(rayon::current_num_threads()).collect();
+        let numbers: Vec<_> = self.tiles.by_ref().take(rayon::current_num_threads()).collect();
         let archive = self.archive;
         let tiles: Vec<Vec<Row<L>>> =
-            numbers.par_iter().map(|&tile| read_tile(archive, tile)).collect::<Result<_>>()?;
-        for (number, tile) in numbers.into_iter().zip(tiles) {
-            for row in tile {
+            numbers.par_iter().map(|&(tile, _)| read_tile(archive, tile)).collect::<Result<_>>()?;
+        for ((number, kept), tile) in numbers.into_iter().zip(tiles) {
+            let wanted = |row: usize| kept.is_none_or(|kept| kept.get(row) == Some(&true));
+            for row in tile.into_iter().enumerate().filter(|(i, _)| wanted(*i)).map(|(_, row)| row) {
                 if row.key <= self.last {
                     let block = self.archive.block(format::RECEIVERS, number)?;
                     let got = format!("receiver {} after one that belongs behind it", row.receiver.id);

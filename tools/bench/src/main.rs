@@ -2,6 +2,7 @@
 //! Prints one table; `--rays FOLDER` writes scenes and rays for the Embree program, `--quick` leaves the largest scene out,
 //! `--textures` compares adaptive and flat sky textures instead.
 
+mod archives;
 mod scenes;
 mod textures;
 
@@ -116,6 +117,11 @@ fn main() {
         println!("|---|---|---|---|---|");
         textures::table(&scenes::town(), 32);
         textures::table(&scenes::city(), 32);
+        return;
+    }
+    if let Some(at) = arguments.iter().position(|a| a == "--archive") {
+        archives::open(100_000);
+        archives::query(arguments[at + 1].as_ref(), arguments[at + 2].as_ref());
         return;
     }
     println!("| scene | engine | 32^2 any | 32^2 closest | 256^2 any | 256^2 closest | hits |");
