@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use super::progress::bar;
 use super::{Outcome, guard_output, warn};
 use crate::archive::{Access, Archive};
@@ -12,10 +10,10 @@ use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::error::Result;
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::table::{Columns, TableWriter};
+use crate::recombine::bins::Bins;
 use crate::recombine::conditions::{Condition, read_conditions};
 use crate::recombine::epw::read_epw;
-use crate::recombine::replay::{Replay, ReplaySettings, TileResult};
-use crate::recombine::values::TileValues;
+use crate::recombine::replay::{Replay, ReplaySettings};
 
 /// `heliotile query`.
 pub fn query(args: &QueryArgs) -> Result<Outcome> {
@@ -23,7 +21,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     let file = read_conditions(&args.conditions)?;
     file.warnings.iter().for_each(|w| warn(w));
     let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
-    run(&args.common, &file.conditions, Columns::Conditions, &labels, |values| values)
+    run(&args.common, &file.conditions, Columns::Conditions, &labels, &Bins::each(labels.len()))
 }
 
 /// `heliotile replay`.
@@ -35,8 +33,8 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let periods = Periods::new(args.every, &stamped);
     match args.every {
-        Every::Hour => run(&args.common, &conditions, Columns::Times, &periods.labels, |values| values),
-        _ => run(&args.common, &conditions, Columns::Sums, &periods.labels, |values| periods.sum(&values)),
+        Every::Hour => run(&args.common, &conditions, Columns::Times, &periods.labels, &Bins::each(conditions.len())),
+        _ => run(&args.common, &conditions, Columns::Sums, &periods.labels, &periods.bins()),
     }
 }
 
@@ -50,26 +48,24 @@ fn access(args: &RecombineArgs) -> Access {
     args.io.unwrap_or_else(|| if large() { Access::Read } else { Access::Mapped })
 }
 
-/// Streams all tiles into a table; `shape` turns conditions into rows.
+/// Streams all tiles into a table; `bins` says which row a condition adds to.
 fn run(
     args: &RecombineArgs,
     conditions: &[Condition],
     columns: Columns,
     labels: &[String],
-    shape: impl Fn(TileValues) -> TileValues + Sync,
+    bins: &Bins,
 ) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, access(args))?;
     let settings =
         ReplaySettings { sky: args.sky, patches: args.patches, depth: args.bounces, memory_bytes: args.memory.0 };
-    let replay = Replay::new(&archive, conditions, settings)?;
+    let replay = Replay::summed(&archive, conditions, settings, bins)?;
     let mut table = TableWriter::create(&args.output, columns, labels)?;
     let progress = bar("tiles", Some(u64::from(replay.tiles())));
     // As many tiles in memory as there are cores.
     let step = rayon::current_num_threads() as u32;
     for first in (0..replay.tiles()).step_by(step as usize) {
-        let tiles = replay.run(first..replay.tiles().min(first + step))?;
-        let shaped: Vec<TileResult> = tiles.into_par_iter().map(|(ids, values)| (ids, shape(values))).collect();
-        for (receivers, values) in shaped {
+        for (receivers, values) in replay.run(first..replay.tiles().min(first + step))? {
             table.write_tile(&receivers, &values)?;
             progress.inc(1);
         }

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::str::FromStr;
 
 use crate::error::Error;
+use crate::recombine::bins::Bins;
 use crate::recombine::conditions::Stamp;
-use crate::recombine::values::{COMPONENTS, TileValues};
 use crate::units::kwh_from_w;
 
 /// What a row of a replay's results stands for.
@@ -89,22 +89,13 @@ impl Periods {
         periods
     }
 
-    /// Energy of each period, kWh/m2, from means over the conditions, W/m2; summed in f64.
-    pub fn sum(&self, means: &TileValues) -> TileValues {
-        let mut sums = TileValues::new(means.receivers(), self.labels.len());
-        for component in 0..COMPONENTS.len() {
-            for receiver in 0..means.receivers() {
-                let mut energy = vec![0.0_f64; self.labels.len()];
-                let row = means.row(component, receiver).iter();
-                for ((mean, hours), place) in row.zip(&self.hours).zip(&self.index_of_condition) {
-                    if let Some(sum) = energy.get_mut(*place) {
-                        *sum += kwh_from_w(f64::from(*mean), *hours);
-                    }
-                }
-                sums.row_mut(component, receiver).iter_mut().zip(energy).for_each(|(out, sum)| *out = sum as f32);
-            }
+    /// Sums of energy, kWh/m2, from means over the conditions, W/m2.
+    pub fn bins(&self) -> Bins {
+        let places = self.index_of_condition.iter().zip(&self.hours);
+        Bins {
+            count: self.labels.len(),
+            of_condition: places.map(|(&place, &hours)| (place, kwh_from_w(1.0, hours))).collect(),
         }
-        sums
     }
 }
 

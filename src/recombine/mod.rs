@@ -2,6 +2,7 @@
 //! file, the choice of a sky. Out: six components and their total for every receiver and condition. It never casts a ray:
 //! nothing here imports the trace stage.
 
+pub mod bins;
 pub mod bounces;
 pub mod calendar;
 pub mod closure;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::bins::Bins;
 use super::bounces::Depth;
 use super::conditions::Condition;
 use super::load::{Tables, cached_responses, sides, tile_layers, tile_view};
@@ -35,13 +36,24 @@ pub struct Replay<'a> {
     responder: Option<(Tables<'a>, Responder)>,
 }
 
-/// Receiver ids and irradiance of one tile: [component][receiver][condition], W/m2.
+/// Receiver ids and irradiance of one tile: [component][receiver][result].
 pub type TileResult = (Vec<String>, TileValues);
 
 impl<'a> Replay<'a> {
+    /// One result for every condition: means in W/m2.
     pub fn new(archive: &'a Archive, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
+        Replay::summed(archive, conditions, settings, &Bins::each(conditions.len()))
+    }
+
+    /// Results that conditions add up to.
+    pub fn summed(
+        archive: &'a Archive,
+        conditions: &[Condition],
+        settings: ReplaySettings,
+        bins: &Bins,
+    ) -> Result<Self> {
         let patches = Patches::new(settings.patches)?;
-        let forcing = Forcing::new(conditions, settings.sky, &patches, sides(archive)?);
+        let forcing = Forcing::new(conditions, bins, settings.sky, &patches, sides(archive)?);
         let responder = match settings.depth {
             Depth::All => None,
             depth @ Depth::Count(_) => {

@@ -3,7 +3,9 @@
 
 use glam::DVec3;
 use ndarray::ArrayView2;
+use rayon::prelude::*;
 
+use super::bins::Bins;
 use super::conditions::Condition;
 use super::disc::SunLookup;
 use super::patches::Patches;
@@ -40,11 +42,12 @@ pub struct TileLayers {
 
 /// Weather made ready once for all tiles.
 pub struct Forcing {
-    conditions: usize,
-    /// (condition, DNI x share of the condition's time, lookup), only where there is sun.
+    /// Number of results.
+    bins: usize,
+    /// (result, DNI x share of the condition's time x weight in the result, lookup), only where there is sun.
     suns: Vec<(usize, f64, SunLookup)>,
-    /// Conditions with a sky, and their patch radiances: [sky condition][patch], W/m2 sr.
-    sky_conditions: Vec<usize>,
+    /// Results with a sky, and their patch radiances: [result with a sky][patch], W/m2 sr x weight.
+    sky_bins: Vec<usize>,
     radiances: Vec<f32>,
     patches: usize,
     sky_projection: Projection,
@@ -52,31 +55,42 @@ pub struct Forcing {
 }
 
 impl Forcing {
-    /// Looks up suns and skies of all conditions.
-    pub fn new(conditions: &[Condition], model: SkyModel, patches: &Patches, sides: TextureSides) -> Self {
-        use rayon::prelude::*;
+    /// Looks up suns and skies of all conditions. Skies that add to one result are added before any receiver is asked.
+    pub fn new(conditions: &[Condition], bins: &Bins, model: SkyModel, patches: &Patches, sides: TextureSides) -> Self {
         let suns = conditions
             .par_iter()
-            .enumerate()
-            .filter(|(_, c)| c.dni_w_m2 > 0.0)
-            .flat_map_iter(|(i, c)| {
+            .zip(&bins.of_condition)
+            .filter(|(c, _)| c.dni_w_m2 > 0.0)
+            .flat_map_iter(|(c, &(bin, weight))| {
                 c.suns.iter().filter_map(move |sun| {
                     let lookup = SunLookup::new(sun.sun, sides.sky_fine, sides.response)?;
-                    Some((i, c.dni_w_m2 * sun.weight, lookup))
+                    Some((bin, c.dni_w_m2 * sun.weight * weight, lookup))
                 })
             })
             .collect();
-        let sky_conditions: Vec<usize> = (0..conditions.len()).filter(|&i| conditions[i].dhi_w_m2 > 0.0).collect();
+        let mut skies: Vec<(usize, usize)> = (0..conditions.len().min(bins.of_condition.len()))
+            .filter(|&i| conditions[i].dhi_w_m2 > 0.0)
+            .map(|i| (bins.of_condition[i].0, i))
+            .collect();
+        skies.sort_unstable();
+        let skies: Vec<&[(usize, usize)]> = skies.chunk_by(|a, b| a.0 == b.0).collect();
         let sky_projection = Projection::new(patches, sides.sky_base, PROJECTION_SAMPLES);
         let open = &sky_projection.open_horizontal_sr;
-        let radiances = sky_conditions
+        let radiances = skies
             .par_iter()
-            .flat_map_iter(|&i| patches.radiances(model, &conditions[i], open).into_iter().map(|l| l as f32))
+            .flat_map_iter(|of_bin| {
+                let mut sum = vec![0.0_f64; patches.len()];
+                for &(_, i) in of_bin.iter() {
+                    let radiances = patches.radiances(model, &conditions[i], open);
+                    sum.iter_mut().zip(radiances).for_each(|(sum, l)| *sum += l * bins.of_condition[i].1);
+                }
+                sum.into_iter().map(|l| l as f32)
+            })
             .collect();
         Forcing {
-            conditions: conditions.len(),
+            bins: bins.count,
             suns,
-            sky_conditions,
+            sky_bins: skies.iter().map(|of_bin| of_bin[0].0).collect(),
             radiances,
             patches: patches.len(),
             sky_projection,
@@ -87,16 +101,18 @@ impl Forcing {
     /// Irradiance of every receiver of a tile.
     pub fn replay(&self, tile: &TileLayers) -> TileValues {
         let receivers = tile.normals.len();
-        let mut out = TileValues::new(receivers, self.conditions);
+        let mut out = TileValues::new(receivers, self.bins);
         for receiver in 0..receivers {
             self.add_sun(tile, receiver, &mut out);
         }
         self.add_sky(tile, &mut out);
+        let mut total = vec![0.0_f32; self.bins];
         for receiver in 0..receivers {
+            total.fill(0.0);
             for component in 0..TOTAL {
-                let part = out.row(component, receiver).to_vec();
-                out.row_mut(TOTAL, receiver).iter_mut().zip(part).for_each(|(total, v)| *total += v);
+                total.iter_mut().zip(out.row(component, receiver)).for_each(|(total, v)| *total += v);
             }
+            out.row_mut(TOTAL, receiver).copy_from_slice(&total);
         }
         out
     }
@@ -104,21 +120,24 @@ impl Forcing {
     fn add_sun(&self, tile: &TileLayers, receiver: usize, out: &mut TileValues) {
         let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);
         let total = tile.responses[receiver].total();
-        for (condition, dni_w_m2, sun) in &self.suns {
+        let (mut direct, mut diffuse) = (vec![0.0_f64; self.bins], vec![0.0_f64; self.bins]);
+        for (bin, dni, sun) in &self.suns {
             let cos = normal.dot(sun.direction);
             if cos > 0.0 {
                 let visible: f32 =
                     sun.disc.iter().filter(|(c, r, _)| sky.get(*c as usize, *r as usize)).map(|t| t.2).sum();
-                out.row_mut(SUN_DIRECT, receiver)[*condition] += (dni_w_m2 * cos) as f32 * visible;
+                direct[*bin] += dni * cos * f64::from(visible);
             }
-            let diffuse = dni_w_m2 * respond(&total, sun.direction, &sun.response).max(0.0);
-            out.row_mut(SUN_DIFFUSE, receiver)[*condition] += diffuse as f32;
+            diffuse[*bin] += dni * respond(&total, sun.direction, &sun.response).max(0.0);
+        }
+        for (component, sums) in [(SUN_DIRECT, direct), (SUN_DIFFUSE, diffuse)] {
+            out.row_mut(component, receiver).iter_mut().zip(sums).for_each(|(out, sum)| *out = sum as f32);
         }
     }
 
-    /// Both sky components: (receivers x patches) times (patches x conditions).
+    /// Both sky components: (receivers x patches) times (patches x results).
     fn add_sky(&self, tile: &TileLayers, out: &mut TileValues) {
-        let (rows, columns) = (tile.normals.len() * 2, self.sky_conditions.len());
+        let (rows, columns) = (tile.normals.len() * 2, self.sky_bins.len());
         if rows == 0 || columns == 0 {
             return;
         }
@@ -140,8 +159,8 @@ impl Forcing {
         for (row, values) in product.rows().into_iter().enumerate() {
             let component = if row < tile.normals.len() { SKY_DIRECT } else { SKY_DIFFUSE };
             let target = out.row_mut(component, row % tile.normals.len());
-            for (&condition, &v) in self.sky_conditions.iter().zip(values.iter()) {
-                target[condition] = v.max(0.0);
+            for (&bin, &v) in self.sky_bins.iter().zip(values.iter()) {
+                target[bin] = v.max(0.0);
             }
         }
     }
