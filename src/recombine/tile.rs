@@ -25,6 +25,9 @@ const TOTAL: usize = 6;
 /// Points per texel side when textures are projected on patches.
 const PROJECTION_SAMPLES: usize = 8;
 
+/// Skies added at a time.
+const PART: usize = 64;
+
 /// Sides of the textures that forcing is looked up in.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureSides {
@@ -73,24 +76,33 @@ impl Forcing {
             .map(|i| (bins.of_condition[i].0, i))
             .collect();
         skies.sort_unstable();
-        let skies: Vec<&[(usize, usize)]> = skies.chunk_by(|a, b| a.0 == b.0).collect();
         let sky_projection = Projection::new(patches, sides.sky_base, PROJECTION_SAMPLES);
         let open = &sky_projection.open_horizontal_sr;
-        let radiances = skies
-            .par_iter()
-            .flat_map_iter(|of_bin| {
+        // Parts of a fixed size, added in order: the sum does not depend on the number of threads.
+        let parts: Vec<&[(usize, usize)]> =
+            skies.chunk_by(|a, b| a.0 == b.0).flat_map(|of_bin| of_bin.chunks(PART)).collect();
+        let sums: Vec<(usize, Vec<f64>)> = parts
+            .into_par_iter()
+            .map(|part| {
                 let mut sum = vec![0.0_f64; patches.len()];
-                for &(_, i) in of_bin.iter() {
+                for &(_, i) in part {
                     let radiances = patches.radiances(model, &conditions[i], open);
                     sum.iter_mut().zip(radiances).for_each(|(sum, l)| *sum += l * bins.of_condition[i].1);
                 }
-                sum.into_iter().map(|l| l as f32)
+                (part[0].0, sum)
             })
             .collect();
+        let mut sky_bins = Vec::new();
+        let mut radiances: Vec<f32> = Vec::new();
+        for of_bin in sums.chunk_by(|a, b| a.0 == b.0) {
+            sky_bins.push(of_bin[0].0);
+            let patch_sum = |patch: usize| of_bin.iter().map(|(_, sum)| sum[patch]).sum::<f64>() as f32;
+            radiances.extend((0..patches.len()).map(patch_sum));
+        }
         Forcing {
             bins: bins.count,
             suns,
-            sky_bins: skies.iter().map(|of_bin| of_bin[0].0).collect(),
+            sky_bins,
             radiances,
             patches: patches.len(),
             sky_projection,
