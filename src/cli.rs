@@ -74,7 +74,7 @@ pub struct BuildArgs {
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
-    #[arg(long, default_value = "4GiB")]
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
 }
 
@@ -99,10 +99,14 @@ impl FromStr for Bytes {
         };
         let number: f64 = digits.trim().parse().map_err(|_| format!("`{digits}` is not a number"))?;
         // `as` saturates, and takes what is not a number to 0.
-        match (number * unit as f64) as u64 {
-            bytes @ LEAST_MEMORY.. => Ok(Bytes(bytes)),
-            _ => Err("the least is 64MiB".into()),
-        }
+        Ok(Bytes((number * unit as f64) as u64))
+    }
+}
+
+fn parse_memory(text: &str) -> Result<Bytes, String> {
+    match text.parse()? {
+        Bytes(bytes) if bytes < LEAST_MEMORY => Err("the least is 64MiB".into()),
+        bytes => Ok(bytes),
     }
 }
 
@@ -131,7 +135,7 @@ pub struct RecombineArgs {
     #[arg(long, default_value = "all", value_parser = parse_depth)]
     pub bounces: crate::recombine::bounces::Depth,
     /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB")]
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archive is read [default: map, or pread if the archive is large beside --memory]
     #[arg(long, value_enum)]
@@ -190,7 +194,7 @@ pub struct RepairArgs {
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: Option<PathBuf>,
     /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB")]
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
 }
 
@@ -249,7 +253,7 @@ pub struct ExtractArgs {
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub surface: Vec<String>,
     /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB")]
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archive is read
     #[arg(long, value_enum, default_value_t = Access::Read)]
@@ -265,7 +269,7 @@ pub struct MergeArgs {
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: PathBuf,
     /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB")]
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archives are read
     #[arg(long, value_enum, default_value_t = Access::Read)]
@@ -278,7 +282,7 @@ pub struct DiffArgs {
     pub first: PathBuf,
     pub second: PathBuf,
     /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB")]
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archives are read
     #[arg(long, value_enum, default_value_t = Access::Read)]

@@ -89,7 +89,7 @@ fn nothing_is_traced_twice() {
 }
 
 /// Four builds that fill one store at once all succeed with the bytes of a build alone, and leave one archive each content: 2.
-/// `gc` then keeps what fits: 0 bytes of 2 archives.
+/// `gc` keeps what fits: 2 archives in 1 GiB, none in 0.
 #[test]
 fn builds_share_a_store_at_once() {
     let site = Halves::new();
@@ -114,6 +114,8 @@ fn builds_share_a_store_at_once() {
     good(&mut heliotile(&["store", "verify"], &[&site.path("store")]));
     good(&mut heliotile(&["store", "gc", "--keep", "1GiB"], &[&site.path("store")]));
     assert_eq!(archives(&site.path("store")).len(), 2);
+    good(&mut heliotile(&["store", "gc", "--keep", "0MiB"], &[&site.path("store")]));
+    assert_eq!(archives(&site.path("store")).len(), 0);
     let refused = heliotile(&["store", "ls"], &[&site.path("nowhere")]).output().expect("the program");
     assert_eq!(refused.status.code(), Some(2));
 }
