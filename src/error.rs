@@ -70,7 +70,7 @@ impl fmt::Display for Error {
             Error::Corrupt { path, block, offset, got, expected } => write!(
                 f,
                 "{}: block {block} at byte {offset} is damaged: found {got}, expected {expected}\n  \
-                 to fix: run `heliotile verify {}` for the full list, then rebuild or restore a copy",
+                 to fix: run `heliotile verify {}` for the full list, `heliotile repair`, or restore a copy",
                 path.display(),
                 path.display()
             ),

@@ -1,5 +1,9 @@
 //! A damaged archive made whole: what is good is kept, what is not is traced again.
 
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
 use super::build::{BuildPlan, BuildSettings, Start, build_with};
 use super::{Outcome, guard_output, interrupt, say, temporary_folder, warn};
 use crate::archive::{self, Access, Archive, Blocks, format, tables};
@@ -8,12 +12,11 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
-use glam::DVec3;
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let output = args.output.as_ref().unwrap_or(&args.archive);
-    let inputs: Vec<&std::path::Path> = [Some(&args.scene), args.materials.as_ref(), args.receivers.as_ref()]
+    let inputs: Vec<&Path> = [Some(&args.scene), args.materials.as_ref(), args.receivers.as_ref()]
         .into_iter()
         .flatten()
         .map(|p| &**p)
@@ -25,6 +28,9 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         report = archive::verify(&args.archive, Access::Read, true)?;
     }
     if report.problems.is_empty() {
+        if output != &args.archive {
+            std::fs::copy(&args.archive, output).map_err(Error::io(output, "copy the archive to"))?;
+        }
         say(&format!("{}: nothing to repair\n", args.archive.display()))?;
         return Ok(Outcome::Fine);
     }
@@ -48,14 +54,18 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
             let mut warnings = Vec::new();
             let receivers = ReceiverTiles::open(path, scene.mesh.origin, folder, budget, &mut warnings)?;
             warnings.iter().for_each(|w| warn(w));
+            let mut receivers = receivers;
+            check_receivers(&archive, &mut receivers, path)?;
             receivers
         }
         None => ReceiverTiles::from_receivers(&receivers_of(&archive)?, scene.mesh.origin, folder, budget)?,
     };
     interrupt::watch();
+    // Under a name of its own until it is known to be what it was.
+    let repaired = with_ending(output, ".repaired");
     let plan = BuildPlan {
         settings: BuildSettings::of(&archive.manifest().settings),
-        output: output.clone(),
+        output: repaired.clone(),
         memory_bytes: args.memory.0,
         start: Start::Fresh,
         checkpoint_every: std::time::Duration::from_secs(30),
@@ -63,10 +73,50 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let root = archive.root();
     let done = build_with(&scene, &mut receivers, &plan, &[archive])?;
     let rays = done.rays.sky + done.rays.hit + done.rays.probe + done.rays.bounce;
-    let same = if done.root == root { "root as before" } else { "another root than before" };
+    if done.root != root {
+        let what = "has another root than the archive had: another release wrote that, or receivers were not those of the archive";
+        return Err(Error::input(
+            &repaired,
+            None,
+            what,
+            "compare the two with `heliotile diff`, and take its name if it is right",
+        ));
+    }
+    std::fs::rename(&repaired, output).map_err(Error::io(output, "rename the repaired archive to"))?;
     let bad = report.problems.len();
-    say(&format!("{}: {bad} problems repaired with {rays} rays, {same}\n", output.display()))?;
+    say(&format!("{}: {bad} problems repaired with {rays} rays, root as before\n", output.display()))?;
     Ok(Outcome::Fine)
+}
+
+/// A path with something behind its name.
+fn with_ending(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(ending);
+    PathBuf::from(name)
+}
+
+/// Whether a receivers file is that of an archive: as many receivers, and in every good tile the same ones.
+fn check_receivers(archive: &Archive, receivers: &mut ReceiverTiles, path: &Path) -> Result<()> {
+    let wrong =
+        |what: String| Err(Error::input(path, None, what, "give the receivers that the archive was built from"));
+    let (found, expected) = (receivers.count() as u64, archive.manifest().receivers.count);
+    if found != expected {
+        return wrong(format!("holds {found} receivers, the archive {expected}"));
+    }
+    for (tile, given) in receivers.tiles()?.enumerate() {
+        let given = given?;
+        let table = Blocks::block(archive, format::RECEIVERS, tile as u32);
+        let Ok(table) = table.and_then(|block| tables::Receivers::from_block(&block)) else { continue };
+        let same = given.len() == table.ids.len()
+            && given.iter().enumerate().all(|(row, receiver)| {
+                let (position, normal) = (receiver.position.to_array(), receiver.normal.to_array());
+                receiver.id == table.ids[row] && position == table.position[row] && normal == table.normal[row]
+            });
+        if !same {
+            return wrong(format!("holds other receivers than tile {tile} of the archive"));
+        }
+    }
+    Ok(())
 }
 
 /// Receivers of all tiles, which must be good.

@@ -61,7 +61,8 @@ fn archives(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// A second project that shares half of its 52 receivers with the first casts at most 70 % of the rays, one with the same receivers
-/// none, and both have the bytes of builds without a store; so has one from a store whose archive is damaged in 40 places.
+/// none, and both have the bytes of builds without a store; so has one from a store whose archives
+/// are damaged in 40 places, which heals what it finds.
 #[test]
 fn nothing_is_traced_twice() {
     let site = Halves::new();
@@ -82,10 +83,12 @@ fn nothing_is_traced_twice() {
         fs::remove_file(path).expect("removed");
         fs::write(path, bytes).expect("written");
     }
-    let (mended, rays) = site.build("b.csv", "mended.helio", Some("store"));
-    assert!(mended == alone && rays > 0.0, "{rays} Mray");
     let found = heliotile(&["store", "verify"], &[&site.path("store")]).output().expect("the program");
     assert_eq!(found.status.code(), Some(1));
+    let (mended, rays) = site.build("b.csv", "mended.helio", Some("store"));
+    assert!(mended == alone && rays > 0.0, "{rays} Mray");
+    let (_, rays) = site.build("b.csv", "healed.helio", Some("store"));
+    assert!(rays == 0.0, "the store was not healed: {rays} Mray");
 }
 
 /// Four builds that fill one store at once all succeed with the bytes of a build alone, and leave one archive each content: 2.
@@ -121,7 +124,8 @@ fn builds_share_a_store_at_once() {
 }
 
 /// One damaged block of each of the 8 kinds, one kind at a time, is repaired to the very bytes that were; where receivers are damaged the
-/// receivers file is asked for; another scene is refused; a good archive is left alone.
+/// receivers file is asked for; another scene and
+/// other receivers are refused; a good archive is left alone.
 #[test]
 fn repair_gives_the_same_bytes() {
     let site = Halves::new();
@@ -143,6 +147,9 @@ fn repair_gives_the_same_bytes() {
             assert_eq!(refused.status.code(), Some(2));
             assert!(String::from_utf8_lossy(&refused.stderr).contains("--receivers"));
         }
+        let refused = repair(&["-r", &site.path("b.csv").to_string_lossy()]);
+        assert_eq!(refused.status.code(), Some(2), "{name}: other receivers");
+        assert!(fs::read(&path).expect("an archive") == bytes, "{name}: a refused repair changed the archive");
         let csv = site.path("a.csv");
         let output = repair(&["-r", &csv.to_string_lossy()]);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -51,12 +51,11 @@ impl Store for Folder {
         let folder = self.of(key);
         fs::create_dir_all(&folder).map_err(Error::io(&folder, "create the folder"))?;
         let place = folder.join(short(root)).with_extension("helio");
-        if place.exists() {
-            return Ok(());
-        }
-        // A link costs nothing; the archive is replaced by its owner, never changed, so the link stays what it is.
-        if fs::hard_link(archive, &place).is_ok() {
-            return Ok(());
+        // One that is there already is replaced: it may be damaged. A link costs nothing; the archive is replaced by its owner, never
+        // changed, so the link stays what it is.
+        let link = folder.join(format!("{}.{}.new", short(root), std::process::id()));
+        if fs::hard_link(archive, &link).is_ok() {
+            return fs::rename(&link, &place).map_err(Error::io(&place, "rename a link to"));
         }
         // Whole or not at all, whoever else adds the same: a name of its own, then the right one.
         let partial = tempfile::NamedTempFile::new_in(&folder).map_err(Error::io(&folder, "create a file in"))?;
