@@ -78,6 +78,21 @@ pub fn direction_of(square: DVec2) -> DVec3 {
     }
 }
 
+/// Azimuth, turns clockwise from north in 0..=1, and z of the direction of a point of the unit square, without trigonometry: the
+/// map is linear in the azimuth within each quarter.
+pub fn azimuth_and_z(square: DVec2) -> (f64, f64) {
+    let a = 2.0 * square.x - 1.0;
+    let b = 2.0 * square.y - 1.0;
+    let (r, turns) = if a == 0.0 && b == 0.0 {
+        (0.0, 0.0)
+    } else if a.abs() >= b.abs() {
+        (a, if a > 0.0 { 0.25 } else { 0.75 } - 0.125 * (b / a))
+    } else {
+        (b, if b > 0.0 { 1.0 } else { 0.5 } + 0.125 * (a / b))
+    };
+    (if turns > 1.0 { turns - 1.0 } else { turns }, (1.0 - r * r).max(0.0))
+}
+
 /// Inverse of [`direction_of`]: point of the unit square of a unit direction. Directions below the horizon (z < 0) are
 /// clamped to the rim above them.
 pub fn square_of(direction: DVec3) -> DVec2 {

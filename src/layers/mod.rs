@@ -1,7 +1,9 @@
 //! Layers: what is kept of a hemisphere, packed and unpacked. In: bits, keys and vectors of receivers and probes. Out: the
 //! raw bytes of a tile's blocks, and back. It casts no rays and knows no weather. Shapes and conventions: `schema/layers.md`.
 
+pub mod bits;
 pub mod cells;
 pub mod hit;
+pub mod mosaic;
 pub mod response;
 pub mod sky;

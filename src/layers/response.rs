@@ -20,10 +20,15 @@ impl Response {
         CLASSES * 3 * n * n
     }
 
-    /// Both classes together: [axis][texel].
-    pub fn total(&self) -> Vec<f32> {
+    /// Both classes together: [texel][axis].
+    pub fn vectors(&self) -> Vec<[f32; 3]> {
         let (ground, obstruction) = self.values.split_at(self.values.len() / CLASSES);
-        ground.iter().zip(obstruction).map(|(a, b)| a + b).collect()
+        let texels = ground.len() / 3;
+        let at = |axis: usize| {
+            let range = axis * texels..(axis + 1) * texels;
+            ground[range.clone()].iter().zip(&obstruction[range]).map(|(a, b)| a + b)
+        };
+        at(0).zip(at(1)).zip(at(2)).map(|((x, y), z)| [x, y, z]).collect()
     }
 }
 

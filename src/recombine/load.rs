@@ -9,10 +9,12 @@ use super::tile::{TextureSides, TileLayers};
 use crate::archive::manifest::Settings;
 use crate::archive::{Archive, Block, Blocks, Manifest, format, tables};
 use crate::error::{Error, Result};
+use crate::layers::bits::BitSquare;
 use crate::layers::cells::{Cell, Cells};
 use crate::layers::hit::HitTile;
+use crate::layers::mosaic::Mosaic;
 use crate::layers::response::{self, Response};
-use crate::layers::sky::{BitSquare, SkyTexture};
+use crate::layers::sky::SkyTexture;
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
 use crate::scene::materials::Class;
 
@@ -112,21 +114,31 @@ pub fn tile_layers(archive: &Archive, tile: u32, responses: Vec<Response>) -> Re
     if responses.len() != rows {
         return Err(receivers.corrupt(format!("{rows} receivers"), format!("{}, one per response", responses.len())));
     }
-    let sky = tile_sky(archive, tile, rows)?.into_iter().map(|texture| texture.1).collect();
+    let (block, sides) = sky_block(archive, tile, rows)?;
+    let sky = Mosaic::unpack(block.bytes(), rows, sides.sky_base, sides.sky_fine).ok_or_else(|| other_sky(&block))?;
     let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
     Ok((table.ids, TileLayers { normals, sky, responses }))
 }
 
 /// Sky textures of a tile of so many receivers, each with the bits that it describes.
 pub fn tile_sky(archive: &Archive, tile: u32, rows: usize) -> Result<Vec<(SkyTexture, BitSquare)>> {
+    let (block, sides) = sky_block(archive, tile, rows)?;
+    SkyTexture::split(block.bytes(), rows, sides.sky_base, sides.sky_fine).ok_or_else(|| other_sky(&block))
+}
+
+/// The sky of a tile of so many receivers, not larger than can be decoded.
+fn sky_block(archive: &Archive, tile: u32, rows: usize) -> Result<(Block, TextureSides)> {
     let sides = sides(archive)?;
     let block = archive.block(format::SKY, tile)?;
     let bytes = rows.saturating_mul(sides.sky_fine * sides.sky_fine / 8);
     if bytes > MAX_SKY {
         return Err(block.corrupt(format!("sky of {bytes} bytes"), format!("at most {MAX_SKY}")));
     }
-    SkyTexture::split(block.bytes(), rows, sides.sky_base, sides.sky_fine)
-        .ok_or_else(|| block.corrupt("sky bits of another shape", "sky bits of the manifest's shape"))
+    Ok((block, sides))
+}
+
+fn other_sky(block: &Block) -> Error {
+    block.corrupt("sky bits of another shape", "sky bits of the manifest's shape")
 }
 
 /// The responses that the build derived: its reflectances, all bounces.

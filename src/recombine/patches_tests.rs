@@ -34,7 +34,7 @@ fn lookup_agrees_with_samples() {
         let patches = Patches::new(count).expect("known count");
         let per_patch = patches.side * patches.side;
         for (i, centre) in patches.centres().into_iter().enumerate() {
-            assert_eq!(patches.patch_of(centre), i);
+            assert_eq!(patches.patch_of(*centre), i);
             for sample in &patches.samples[i * per_patch..(i + 1) * per_patch] {
                 assert_eq!(patches.patch_of(*sample), i, "{sample}");
             }
@@ -97,8 +97,8 @@ fn uniform_radiance() {
     }
 }
 
-/// Tabulation and sampling: against 32 x 32 exactly evaluated points a patch, the mean radiance of each of 577 patches is
-/// within 1.5 % and of the sky's mean within 0.05 %, for the steepest clear skies.
+/// Tabulation and sampling: against 32 x 32 exactly evaluated points a patch, the radiance of each of 577 patches is within 1.5 %,
+/// far from the sun within 0.3 % of the sky's mean, and on average within 0.015 % of it, for the steepest clear skies.
 #[test]
 fn patch_means() {
     let patches = Patches::new(577).expect("known count");
@@ -107,12 +107,17 @@ fn patch_means() {
         let sky = SkyModel::Perez.distribution(&c);
         let fine = fine_means(&patches, &sky, c.sky_sun);
         let mean = fine.iter().sum::<f64>() / 577.0;
+        let far_cos = NEAR_RAD.cos();
         let mut sum = 0.0;
-        for (coarse, fine) in patches.relative(&sky, c.sky_sun).into_iter().zip(&fine) {
+        let means = patches.relative(&sky, c.sky_sun);
+        for ((coarse, fine), centre) in means.into_iter().zip(&fine).zip(patches.centres()) {
             assert!((coarse - fine).abs() < 0.015 * fine, "{coarse} {fine}");
+            let far = centre.dot(c.sky_sun) < far_cos;
+            assert!(!far || (coarse - fine).abs() < 3e-3 * mean, "{coarse} {fine}");
             sum += (coarse - fine).abs();
         }
-        assert!(sum / 577.0 < 5e-4 * mean, "{}", sum / 577.0 / mean);
+        println!("{altitude}: mean error {:.2e}", sum / 577.0 / mean);
+        assert!(sum / 577.0 < 1.5e-4 * mean, "{}", sum / 577.0 / mean);
     }
 }
 

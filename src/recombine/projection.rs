@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::patches::Patches;
-use crate::hemisphere::{HEMISPHERE_SR, texel_direction};
+use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, direction_of};
 
 /// The patches of every texel of an n x n texture.
 #[derive(Clone, Debug)]
@@ -36,22 +36,25 @@ impl Projection {
     pub fn new(patches: &Patches, n: usize, samples: usize) -> Self {
         let (n, samples) = (n.clamp(1, MAX_SIDE), samples.clamp(1, 64));
         let share = 1.0 / (samples * samples) as f64;
+        let lattice = lattice(samples * samples);
         let texels: Vec<(Vec<(u16, f32)>, DVec3)> = (0..n * n)
             .into_par_iter()
             .with_min_len(n)
             .map(|texel| {
-                let mut found: Vec<u16> = Vec::with_capacity(samples * samples);
-                let mut mean = DVec3::ZERO;
-                for i in 0..samples * samples {
-                    let inside = lattice(i, samples * samples, texel);
-                    let direction = texel_direction(texel % n, texel / n, n, inside);
-                    mean += direction * share;
-                    found.push(patches.patch_of(direction) as u16);
+                let corner = DVec2::new((texel % n) as f64, (texel / n) as f64);
+                let mut found: Vec<(u16, u32)> = Vec::new();
+                let shift = shift(texel);
+                for &point in &lattice {
+                    let (turns, z) = azimuth_and_z((corner + wrapped(point, shift)) / n as f64);
+                    let patch = patches.patch_at(turns, z) as u16;
+                    match found.iter_mut().find(|entry| entry.0 == patch) {
+                        Some(entry) => entry.1 += 1,
+                        None => found.push((patch, 1)),
+                    }
                 }
                 found.sort_unstable();
-                let runs = found.chunk_by(|a, b| a == b);
-                let entries = runs.filter_map(|run| Some((*run.first()?, (run.len() as f64 * share) as f32))).collect();
-                (entries, mean)
+                let entries = found.into_iter().map(|(patch, count)| (patch, (f64::from(count) * share) as f32));
+                (entries.collect(), mean_direction(corner, n))
             })
             .collect();
         let mut projection = Projection {
@@ -91,6 +94,19 @@ impl Projection {
         HEMISPHERE_SR / (self.n * self.n) as f64
     }
 
+    /// Number of patches.
+    pub fn patches(&self) -> usize {
+        self.solid_angle_sr.len()
+    }
+
+    /// Adds a texel's value to the patches that it covers, by its shares.
+    #[inline]
+    pub fn add(&self, texel: usize, value: f64, sums: &mut [f64]) {
+        for &(patch, share) in self.of_texel(texel) {
+            sums[usize::from(patch)] += value * f64::from(share);
+        }
+    }
+
     /// The (patch, share of area) pairs of a texel; none for a texel that does not exist.
     pub fn of_texel(&self, texel: usize) -> &[(u16, f32)] {
         let range = match self.starts.get(texel..).map(|rest| (rest.first(), rest.get(1))) {
@@ -101,14 +117,35 @@ impl Projection {
     }
 }
 
-/// The i-th of `count` points in a texel: a lattice by the golden section, shifted from texel to texel by Roberts' R2 sequence.
-/// Rows of patches are squares on the texture, so equal grids in all texels would miscount them by up to 2 %, an unshifted
-/// lattice by 1 %.
-fn lattice(i: usize, count: usize, texel: usize) -> DVec2 {
+/// Mean direction of the texel of an n x n texture at `corner`, by Gauss rules: 2 x 2 points for n >= 64, more where texels are large
+/// and on the diagonals, where the map has a crease.
+fn mean_direction(corner: DVec2, n: usize) -> DVec3 {
+    const GAUSS: f64 = 0.288_675_134_594_812_9;
+    let crease = corner.x == corner.y || corner.x + corner.y + 1.0 == n as f64;
+    let rules = (64 / n).clamp(1, 8) * if crease { 4 } else { 1 };
+    let at = |i: usize| ((i / 2) as f64 + 0.5 + if i % 2 == 0 { -GAUSS } else { GAUSS }) / rules as f64;
+    let points = (0..4 * rules * rules).map(|i| DVec2::new(at(i % (2 * rules)), at(i / (2 * rules))));
+    let sum: DVec3 = points.map(|inside| direction_of((corner + inside) / n as f64)).sum();
+    sum / (4 * rules * rules) as f64
+}
+
+/// Points in a texel: a lattice by the golden section, shifted from texel to texel by Roberts' R2 sequence ([`shift`]). Rows of
+/// patches are squares on the texture, so equal grids in all texels would miscount them by up to 2 %, an unshifted lattice by 1 %.
+fn lattice(count: usize) -> Vec<DVec2> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let point = |i: usize| DVec2::new((i as f64 + 0.5) / count as f64, (i as f64 + 0.5) * GOLDEN).fract();
+    (0..count).map(point).collect()
+}
+
+fn shift(texel: usize) -> DVec2 {
     const R2: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
-    let x = i as f64 + 0.5;
-    (DVec2::new(x / count as f64, x * GOLDEN) + R2 * texel as f64).fract()
+    (R2 * texel as f64).fract()
+}
+
+/// The sum of two points of the unit square, wrapped.
+fn wrapped(a: DVec2, b: DVec2) -> DVec2 {
+    let one = |x: f64| if x >= 1.0 { x - 1.0 } else { x };
+    DVec2::new(one(a.x + b.x), one(a.y + b.y))
 }
 
 #[cfg(test)]

@@ -102,10 +102,3 @@ pub fn class_index(class: Class) -> usize {
         Class::Obstruction => 1,
     }
 }
-
-/// Diffuse irradiance per unit normal irradiance of a source in direction `s`, from the sum of both classes [axis][texel].
-pub fn respond(total: &[f32], s: DVec3, corners: &[(usize, f64); 4]) -> f64 {
-    let texels = total.len() / 3;
-    let at = |axis: usize| -> f64 { corners.iter().map(|&(t, w)| f64::from(total[axis * texels + t]) * w).sum() };
-    s.x * at(0) + s.y * at(1) + s.z * at(2)
-}

@@ -9,6 +9,7 @@ mod kaitai;
 mod numerics;
 mod physics;
 mod reader;
+mod replay;
 mod response;
 mod scenes;
 mod store;

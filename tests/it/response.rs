@@ -11,7 +11,7 @@ use heliotile::recombine::bounces::{Depth, TOLERANCE, centres_f32, seen, surroun
 use heliotile::recombine::load::{CellSource, Tables, TileView, tile_view};
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::responder::Responder;
-use heliotile::recombine::response::{hit_weights, respond};
+use heliotile::recombine::response::hit_weights;
 use heliotile::recombine::sky::SkyModel;
 use heliotile::scene::Scene;
 use heliotile::scene::receivers::Receiver;
@@ -25,6 +25,11 @@ fn blocks() -> Scene {
     triangles.extend(block(v(4.0, -12.0, 0.0), v(17.0, 9.0, 11.0), 1));
     triangles.extend(block(v(-6.0, 30.0, 0.0), v(20.0, 42.0, 25.0), 1));
     scene(&triangles, &[0.25, 0.5])
+}
+
+/// Diffuse irradiance per unit normal irradiance of a source in direction `s`, read between four texels.
+pub fn respond(response: &[[f32; 3]], s: DVec3, corners: &[(usize, f64); 4]) -> f64 {
+    corners.iter().map(|&(t, w)| w * s.dot(DVec3::from(response[t].map(f64::from)))).sum()
 }
 
 fn twenty() -> Vec<Receiver> {
@@ -145,7 +150,7 @@ fn response_equals_plain_loop() {
     let responder = Responder::new(tables, Depth::All, 1 << 30, folder.path()).expect("a responder");
     let rho = |i: usize| tables.reflectors[usize::from(bounces.keys[i].material)].diffuse;
     let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
-    let responses: Vec<Vec<f32>> = tiles[0].iter().map(|response| response.total()).collect();
+    let responses: Vec<Vec<[f32; 3]>> = tiles[0].iter().map(|response| response.vectors()).collect();
 
     let mut worst = 0.0_f64;
     let mut largest = 0.0_f64;
@@ -186,18 +191,8 @@ fn response_equals_plain_loop() {
     };
     let cells = radiosities(bounces, tables.shape.bounce_sky, &rho, &coarse);
     for (r, response) in responses.iter().enumerate() {
-        let texels = fine.len();
-        let got: f64 = fine
-            .iter()
-            .enumerate()
-            .map(|(t, d)| {
-                f64::from(response[t]) * d.x
-                    + f64::from(response[texels + t]) * d.y
-                    + f64::from(response[2 * texels + t]) * d.z
-            })
-            .sum::<f64>()
-            * HEMISPHERE_SR
-            / texels as f64;
+        let flux = |(d, g): (&DVec3, &[f32; 3])| d.dot(DVec3::from(g.map(f64::from)));
+        let got = fine.iter().zip(response).map(flux).sum::<f64>() * HEMISPHERE_SR / fine.len() as f64;
         let expected = plain(&all, &view, r, &sky, &cells);
         assert!(
             (got - expected).abs() < 1e-5 * std::f64::consts::PI + TOLERANCE * expected,

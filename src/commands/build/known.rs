@@ -7,9 +7,10 @@ use rayon::prelude::*;
 
 use crate::archive::manifest::Settings;
 use crate::archive::{Archive, format, tables};
+use crate::layers::bits::BitSquare;
 use crate::layers::cells::Cell;
 use crate::layers::hit::HitTile;
-use crate::layers::sky::{BitSquare, SkyTexture};
+use crate::layers::sky::SkyTexture;
 use crate::recombine::load::CellSource;
 use crate::scene::cells::CellKey;
 use crate::scene::receivers::Receiver;

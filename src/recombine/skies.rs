@@ -1,0 +1,121 @@
+//! The skies of a series of conditions as patch radiances. In: conditions and where they add to, later receivers' sky and response
+//! textures. Out: coefficients of the patches, and irradiances by one dense product for a tile.
+
+use glam::DVec3;
+use ndarray::ArrayView2;
+use rayon::prelude::*;
+
+use super::bins::Bins;
+use super::conditions::Condition;
+use super::patches::Patches;
+use super::projection::Projection;
+use super::sky::SkyModel;
+use crate::layers::mosaic::Mosaic;
+use crate::layers::sky::half_texel;
+
+/// Skies added at a time.
+const PART: usize = 64;
+
+/// Patch radiances of the results that have a sky.
+pub struct Skies {
+    /// Results with a sky, and their patch radiances: [result with a sky][patch], W/m2 sr x weight.
+    bins: Vec<usize>,
+    radiances: Vec<f32>,
+    patches: usize,
+}
+
+impl Skies {
+    /// Skies that add to one result are added before any receiver is asked. `open_horizontal_sr` of the projection that coefficients
+    /// are made with.
+    pub fn new(
+        conditions: &[Condition],
+        bins: &Bins,
+        model: SkyModel,
+        patches: &Patches,
+        open_horizontal_sr: &[f64],
+    ) -> Self {
+        let mut skies: Vec<(usize, usize)> = (0..conditions.len().min(bins.of_condition.len()))
+            .filter(|&i| conditions[i].dhi_w_m2 > 0.0)
+            .map(|i| (bins.of_condition[i].0, i))
+            .collect();
+        skies.sort_unstable();
+        // Parts of a fixed size, added in order: the sum does not depend on the number of threads.
+        let parts: Vec<&[(usize, usize)]> =
+            skies.chunk_by(|a, b| a.0 == b.0).flat_map(|of_bin| of_bin.chunks(PART)).collect();
+        let sums: Vec<(usize, Vec<f64>)> = parts
+            .into_par_iter()
+            .map(|part| {
+                let mut sum = vec![0.0_f64; patches.len()];
+                for &(_, i) in part {
+                    let radiances = patches.radiances(model, &conditions[i], open_horizontal_sr);
+                    sum.iter_mut().zip(radiances).for_each(|(sum, l)| *sum += l * bins.of_condition[i].1);
+                }
+                (part[0].0, sum)
+            })
+            .collect();
+        let mut found = Skies { bins: Vec::new(), radiances: Vec::new(), patches: patches.len() };
+        for of_bin in sums.chunk_by(|a, b| a.0 == b.0) {
+            found.bins.push(of_bin[0].0);
+            let patch_sum = |patch: usize| of_bin.iter().map(|(_, sum)| sum[patch]).sum::<f64>() as f32;
+            found.radiances.extend((0..patches.len()).map(patch_sum));
+        }
+        found
+    }
+
+    /// Whether no result has a sky.
+    pub fn is_empty(&self) -> bool {
+        self.bins.is_empty()
+    }
+
+    /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][patch]`: (receivers x patches) times (patches x
+    /// results).
+    pub fn irradiance(&self, coefficients: &[f32], mut each: impl FnMut(usize, usize, f32)) {
+        let shape = (coefficients.len() / self.patches, self.patches);
+        // Shapes follow from how the two vectors were filled, so neither view can fail.
+        let (Ok(a), Ok(b)) = (
+            ArrayView2::from_shape(shape, coefficients),
+            ArrayView2::from_shape((self.bins.len(), self.patches), &self.radiances),
+        ) else {
+            return;
+        };
+        for (receiver, values) in a.dot(&b.t()).rows().into_iter().enumerate() {
+            self.bins.iter().zip(values.iter()).for_each(|(&bin, &v)| each(receiver, bin, v));
+        }
+    }
+}
+
+/// Appends the irradiance per unit radiance of each patch, sr: visible share x cosine x solid angle of the texels.
+pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &Mosaic, out: &mut Vec<f32>) {
+    let half = half_texel(projection.side());
+    let mut sums = vec![0.0_f64; projection.patches()];
+    sky.for_visible(|texel, share| {
+        let cos = mean_positive(normal.dot(projection.mean_directions[texel]), half);
+        if cos > 0.0 {
+            projection.add(texel, cos * share, &mut sums);
+        }
+    });
+    out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+}
+
+/// The same for light that is reflected: d . G x solid angle; `response` is [texel][axis].
+pub fn response_coefficients(projection: &Projection, response: &[[f32; 3]], out: &mut Vec<f32>) {
+    let mut sums = vec![0.0_f64; projection.patches()];
+    for (texel, (d, g)) in projection.mean_directions.iter().zip(response).enumerate() {
+        let value = d.dot(DVec3::from(g.map(f64::from)));
+        if value != 0.0 {
+            projection.add(texel, value, &mut sums);
+        }
+    }
+    out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+}
+
+/// Mean of max(x, 0) for x spread evenly over `centre` +- `half`: the cosine of a texel that the surface's plane cuts.
+pub fn mean_positive(centre: f64, half: f64) -> f64 {
+    if centre >= half {
+        centre
+    } else if centre <= -half {
+        0.0
+    } else {
+        (centre + half) * (centre + half) / (4.0 * half)
+    }
+}

@@ -1,0 +1,161 @@
+//! Replay against the plain way to one condition's irradiance, which shares nothing with the kernels but the stored textures.
+
+use glam::DVec3;
+use heliotile::archive::{Archive, format, tables};
+use heliotile::hemisphere::bilinear;
+use heliotile::layers::bits::BitSquare;
+use heliotile::layers::response::Response;
+use heliotile::layers::sky::{SkyTexture, half_texel};
+use heliotile::recombine::bins::Bins;
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::conditions::Condition;
+use heliotile::recombine::disc::disc_texels;
+use heliotile::recombine::epw::read_epw;
+use heliotile::recombine::load::cached_responses;
+use heliotile::recombine::patches::Patches;
+use heliotile::recombine::projection::Projection;
+use heliotile::recombine::replay::{Replay, ReplaySettings};
+use heliotile::recombine::sky::SkyModel;
+use heliotile::recombine::tile::visible_cosines;
+use heliotile::units::direction_from_degrees;
+use rayon::prelude::*;
+
+use crate::response::respond;
+use crate::scenes::*;
+
+/// Receivers that are compared.
+const RECEIVERS: usize = 50;
+
+/// Textures of a receiver, decoded whole.
+struct Receiver {
+    normal: DVec3,
+    sky: BitSquare,
+    response: Response,
+}
+
+/// The first receivers of an archive's first tile.
+fn receivers(archive: &Archive) -> Vec<Receiver> {
+    let settings = &archive.manifest().settings;
+    let table =
+        tables::Receivers::from_block(&archive.block(format::RECEIVERS, 0).expect("receivers")).expect("a table");
+    let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
+    let raw = archive.block(format::SKY, 0).expect("sky");
+    let sky = SkyTexture::unpack(raw.bytes(), table.ids.len(), base, fine).expect("bits");
+    let responses = cached_responses(archive, 0).expect("responses");
+    let rows = table.normal.iter().zip(sky).zip(responses).take(RECEIVERS);
+    rows.map(|((n, sky), response)| Receiver { normal: DVec3::from(*n), sky, response }).collect()
+}
+
+/// Mean radiance of each of 577 patches: 64 points a patch, evaluated one by one, scaled to DHI.
+fn radiances(condition: &Condition, points: &[Vec<DVec3>], open: &[f64]) -> Vec<f64> {
+    let sky = SkyModel::Perez.distribution(condition);
+    let mean = |points: &Vec<DVec3>| {
+        points.iter().map(|d| sky.relative_radiance(*d, condition.sky_sun)).sum::<f64>() / points.len() as f64
+    };
+    let relative: Vec<f64> = points.iter().map(mean).collect();
+    let sum: f64 = relative.iter().zip(open).map(|(l, w)| l * w).sum();
+    relative.into_iter().map(|l| l * condition.dhi_w_m2 / sum).collect()
+}
+
+/// 8 x 8 points of equal solid angle in each of Reinhart's 577 patches: 14 rows of 6.2 degrees and a cap.
+fn points() -> Vec<Vec<DVec3>> {
+    let row = 90.0 / 14.5;
+    let of_patch = |k: usize, patch: usize, count: usize| -> Vec<DVec3> {
+        let low = (k as f64 * row).to_radians().sin();
+        let high = if k == 14 { 1.0 } else { ((k + 1) as f64 * row).to_radians().sin() };
+        let at = |i: usize| (i as f64 + 0.5) / 8.0;
+        let point = |i: usize| {
+            let azimuth = 360.0 * (patch as f64 + at(i % 8) - 0.5) / count as f64;
+            direction_from_degrees(azimuth, (low + (high - low) * at(i / 8)).asin().to_degrees())
+        };
+        (0..64).map(point).collect()
+    };
+    let counts = [60, 60, 60, 60, 48, 48, 48, 48, 36, 36, 24, 24, 12, 12, 1];
+    counts.iter().enumerate().flat_map(|(k, &n)| (0..n).map(move |patch| of_patch(k, patch, n))).collect()
+}
+
+/// Every hour of the Golden year on 50 receivers of The Hague: each component and the total are those of the plain way within 1e-4 of
+/// the value (or of a hundredth of the open sky's light, where there is less), and yearly sums within 1e-4 of the sums of
+/// the hours.
+#[test]
+fn plain_path() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("hague.helio");
+    let built = hague(&path, &data("receivers.csv")).output().expect("runs");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    let archive = Archive::open(&path).expect("an archive");
+    let weather = data("../weather/golden_tmy3.epw");
+    let conditions = read_epw(&weather).expect("weather").conditions(1);
+    let replay = |bins: &Bins| {
+        let settings = ReplaySettings { sky: SkyModel::Perez, patches: 577, depth: Depth::All, memory_bytes: 1 << 30 };
+        let replay = Replay::summed(&archive, &conditions, settings, bins).expect("a replay");
+        replay.run(0..1).expect("a tile").remove(0).1
+    };
+    let hours = replay(&Bins::each(conditions.len()));
+
+    let settings = &archive.manifest().settings;
+    let (probe, fine) = (settings.probe as usize, settings.sky_fine as usize);
+    let patches = Patches::new(577).expect("patches");
+    let project = |side: usize| Projection::new(&patches, side, 8);
+    let (sky_map, response_map) = (project(settings.sky_base as usize), project(probe));
+    let receivers = receivers(&archive);
+    let gather = |map: &Projection, values: &[f64]| -> Vec<f64> {
+        let mut sums = vec![0.0; 577];
+        for (texel, value) in values.iter().enumerate() {
+            map.of_texel(texel).iter().for_each(|&(p, share)| sums[usize::from(p)] += value * f64::from(share));
+        }
+        sums.into_iter().map(|s| s * map.texel_sr()).collect()
+    };
+    let coefficients: Vec<[Vec<f64>; 2]> = receivers
+        .iter()
+        .map(|r| {
+            let flux = |(d, g): (&DVec3, [f32; 3])| d.dot(DVec3::from(g.map(f64::from)));
+            let reflected: Vec<f64> = response_map.mean_directions.iter().zip(r.response.vectors()).map(flux).collect();
+            let direct = visible_cosines(r.normal, &r.sky, &sky_map.mean_directions);
+            [gather(&sky_map, &direct), gather(&response_map, &reflected)]
+        })
+        .collect();
+    let points = points();
+    let worst = conditions
+        .par_iter()
+        .enumerate()
+        .map(|(hour, c)| {
+            let sky =
+                if c.dhi_w_m2 > 0.0 { radiances(c, &points, &sky_map.open_horizontal_sr) } else { vec![0.0; 577] };
+            let mut worst = 0.0_f64;
+            for (i, receiver) in receivers.iter().enumerate() {
+                let dot = |k: usize| sky.iter().zip(&coefficients[i][k]).map(|(l, w)| l * w).sum::<f64>().max(0.0);
+                let mut expected = [0.0, dot(0), 0.0, dot(1)];
+                for sun in c.suns.iter().filter(|_| c.dni_w_m2 > 0.0) {
+                    let seen = |t: &(u32, u32, f32)| receiver.sky.get(t.0 as usize, t.1 as usize);
+                    let visible: f64 =
+                        disc_texels(sun.sun, fine).iter().filter(|t| seen(t)).map(|t| f64::from(t.2)).sum();
+                    expected[0] += c.dni_w_m2 * sun.weight * receiver.normal.dot(sun.sun).max(0.0) * visible;
+                    let corners = bilinear(sun.sun, probe);
+                    expected[2] += c.dni_w_m2 * sun.weight * respond(&receiver.response.vectors(), sun.sun, &corners);
+                }
+                expected[2] = expected[2].max(0.0);
+                let floor = 0.01 * (c.dhi_w_m2 + c.dni_w_m2 * c.sky_sun.z);
+                let error = |got: f32, expected: f64| (f64::from(got) - expected).abs() / expected.max(floor).max(1e-9);
+                for (k, &value) in expected.iter().enumerate() {
+                    worst = worst.max(error(hours.row(k, i)[hour], value));
+                }
+                worst = worst.max(error(hours.row(6, i)[hour], expected.iter().sum()));
+            }
+            worst
+        })
+        .reduce(|| 0.0, f64::max);
+    println!("50 receivers, {} hours: off by at most {worst:.1e}", conditions.len());
+    assert!(worst < 1e-4, "{worst:.1e}");
+
+    let year = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
+    let sums = replay(&year);
+    let largest = (0..RECEIVERS).map(|i| sums.row(6, i)[0]).fold(0.0, f32::max);
+    for i in 0..RECEIVERS {
+        for k in 0..7 {
+            let summed: f64 = hours.row(k, i).iter().map(|v| f64::from(*v) * 1e-3).sum();
+            let got = f64::from(sums.row(k, i)[0]);
+            assert!((got - summed).abs() < 1e-4 * f64::from(largest), "{k} {i}: {got} {summed}");
+        }
+    }
+}
