@@ -87,9 +87,9 @@ impl BitSquare {
         for ((bits, within), wide) in rows.zip(wide.chunks_exact_mut(stride)) {
             let both = |i: usize| [bits[i] & within[i], !bits[i] & within[i]];
             let (mut before, mut here) = ([0; 2], both(0));
-            for i in 0..stride {
+            for (i, wide) in wide.iter_mut().enumerate() {
                 let after = if i + 1 < stride { both(i + 1) } else { [0; 2] };
-                wide[i] =
+                *wide =
                     std::array::from_fn(|k| here[k] | here[k] << 1 | before[k] >> 63 | here[k] >> 1 | after[k] << 63);
                 (before, here) = (here, after);
             }

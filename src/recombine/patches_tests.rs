@@ -33,7 +33,7 @@ fn lookup_agrees_with_samples() {
     for count in [145, 577, 2305] {
         let patches = Patches::new(count).expect("known count");
         let per_patch = patches.side * patches.side;
-        for (i, centre) in patches.centres().into_iter().enumerate() {
+        for (i, centre) in patches.centres().iter().enumerate() {
             assert_eq!(patches.patch_of(*centre), i);
             for sample in &patches.samples[i * per_patch..(i + 1) * per_patch] {
                 assert_eq!(patches.patch_of(*sample), i, "{sample}");

@@ -123,7 +123,7 @@ fn mean_direction(corner: DVec2, n: usize) -> DVec3 {
     const GAUSS: f64 = 0.288_675_134_594_812_9;
     let crease = corner.x == corner.y || corner.x + corner.y + 1.0 == n as f64;
     let rules = (64 / n).clamp(1, 8) * if crease { 4 } else { 1 };
-    let at = |i: usize| ((i / 2) as f64 + 0.5 + if i % 2 == 0 { -GAUSS } else { GAUSS }) / rules as f64;
+    let at = |i: usize| ((i / 2) as f64 + 0.5 + [-GAUSS, GAUSS][i % 2]) / rules as f64;
     let points = (0..4 * rules * rules).map(|i| DVec2::new(at(i % (2 * rules)), at(i / (2 * rules))));
     let sum: DVec3 = points.map(|inside| direction_of((corner + inside) / n as f64)).sum();
     sum / (4 * rules * rules) as f64

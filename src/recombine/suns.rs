@@ -41,9 +41,15 @@ pub struct Suns {
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
     fine: Vec<(u32, f32)>,
-    /// For each result with a sun the texels of the response texture, and what their vectors are multiplied with: the sum of
-    /// strength x bilinear weight x direction.
-    sources: Vec<(usize, Vec<(u32, [f32; 3])>)>,
+    sources: Vec<Source>,
+}
+
+/// The suns of one result on the response texture.
+#[derive(Clone, Debug)]
+struct Source {
+    bin: usize,
+    /// Texels, and what their vectors are multiplied with: the sum of strength x bilinear weight x direction.
+    texels: Vec<(u32, [f32; 3])>,
 }
 
 impl Suns {
@@ -52,15 +58,16 @@ impl Suns {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let mut found = Suns { suns: Vec::new(), parts: Vec::new(), fine: Vec::new(), sources: Vec::new() };
         let lit = conditions.par_iter().zip(&bins.of_condition).filter(|(c, _)| c.dni_w_m2 > 0.0);
-        let discs: Vec<(usize, f64, DVec3, Vec<(u32, u32, f32)>)> = lit
+        let discs: Vec<(Sun, Vec<_>)> = lit
             .flat_map_iter(|(c, &(bin, weight))| {
                 c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
                     let strength = c.dni_w_m2 * instant.weight * weight;
-                    (bin, strength, instant.sun, disc_texels(instant.sun, sides.sky_fine))
+                    let sun = Sun { bin, strength, direction: instant.sun, parts: 0..0 };
+                    (sun, disc_texels(instant.sun, sides.sky_fine))
                 })
             })
             .collect();
-        for (bin, strength, direction, mut disc) in discs {
+        for (sun, mut disc) in discs {
             let first = found.parts.len();
             disc.sort_by_key(|t| (t.1 / block, t.0 / block));
             for part in disc.chunk_by(|a, b| (a.0 / block, a.1 / block) == (b.0 / block, b.1 / block)) {
@@ -73,7 +80,7 @@ impl Suns {
                     fine: start..found.fine.len(),
                 });
             }
-            found.suns.push(Sun { bin, strength, direction, parts: first..found.parts.len() });
+            found.suns.push(Sun { parts: first..found.parts.len(), ..sun });
         }
         found.sources = sources(&found.suns, sides.response);
         found
@@ -105,7 +112,7 @@ impl Suns {
 
     /// Adds the reflected irradiance of a receiver with this response, `[texel][axis]`, to `out[result]`.
     pub fn diffuse(&self, response: &[[f32; 3]], out: &mut [f64]) {
-        for (bin, texels) in &self.sources {
+        for Source { bin, texels } in &self.sources {
             let sum: f64 = texels
                 .iter()
                 .map(|&(t, s)| {
@@ -120,15 +127,18 @@ impl Suns {
 
 /// Collects what the suns of each result multiply the texels of an n x n response texture with. Light is linear in its sources, so
 /// those of a sum are added before any receiver is asked.
-fn sources(suns: &[Sun], n: usize) -> Vec<(usize, Vec<(u32, [f32; 3])>)> {
-    let corner =
+fn sources(suns: &[Sun], n: usize) -> Vec<Source> {
+    let corners =
         |sun: &Sun| bilinear(sun.direction, n).map(|(t, w)| (sun.bin, t as u32, sun.direction * (sun.strength * w)));
-    let mut terms: Vec<(usize, u32, DVec3)> = suns.iter().flat_map(corner).collect();
+    let mut terms: Vec<(usize, u32, DVec3)> = suns.iter().flat_map(corners).collect();
     // Stable: terms of one texel are added in the order of the conditions.
     terms.sort_by_key(|term| (term.0, term.1));
     let texel = |terms: &[(usize, u32, DVec3)]| {
         (terms[0].1, terms.iter().map(|term| term.2).sum::<DVec3>().as_vec3().to_array())
     };
-    let of_bin = |terms: &[(usize, u32, DVec3)]| (terms[0].0, terms.chunk_by(|a, b| a.1 == b.1).map(texel).collect());
+    let of_bin = |terms: &[(usize, u32, DVec3)]| Source {
+        bin: terms[0].0,
+        texels: terms.chunk_by(|a, b| a.1 == b.1).map(texel).collect(),
+    };
     terms.chunk_by(|a, b| a.0 == b.0).map(of_bin).collect()
 }

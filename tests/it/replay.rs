@@ -5,7 +5,7 @@ use heliotile::archive::{Archive, format, tables};
 use heliotile::hemisphere::bilinear;
 use heliotile::layers::bits::BitSquare;
 use heliotile::layers::response::Response;
-use heliotile::layers::sky::{SkyTexture, half_texel};
+use heliotile::layers::sky::SkyTexture;
 use heliotile::recombine::bins::Bins;
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::conditions::Condition;
