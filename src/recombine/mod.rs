@@ -9,6 +9,8 @@ pub mod closure;
 pub mod conditions;
 pub mod disc;
 pub mod epw;
+pub mod erbs;
+pub mod findings;
 pub mod load;
 pub mod patches;
 pub mod perez;

@@ -92,16 +92,7 @@ impl Site {
     /// above the geometric horizon, in one piece or two); empty when the sun stays down. `middle` is the sun at mid-interval.
     pub fn sunlit(&self, interval: &Interval, middle: DVec3, steps: usize) -> Vec<DVec3> {
         let steps = steps.max(1);
-        let middle_deg = middle.z.clamp(-1.0, 1.0).asin().to_degrees();
-        let reach_deg = 0.5 * interval.hours() * DEGREES_PER_HOUR + MARGIN_DEG;
-        if middle_deg <= -reach_deg {
-            return Vec::new();
-        }
-        let pieces = if middle_deg >= reach_deg {
-            vec![(interval.start_min, interval.end_min)]
-        } else {
-            self.sunlit_pieces(interval)
-        };
+        let pieces = self.sunlit_pieces(interval, middle);
         let total: f64 = pieces.iter().map(|p| p.1 - p.0).sum();
         if total <= 0.0 {
             return Vec::new();
@@ -127,9 +118,27 @@ impl Site {
             .collect()
     }
 
-    /// Stretches (minutes) in which the sun's centre is up. Crossings are bracketed by `PARTS` samples, so a day or a night
+    /// How long the sun's centre is up in an interval.
+    pub fn sunlit_hours(&self, interval: &Interval, middle: DVec3) -> f64 {
+        self.sunlit_pieces(interval, middle).iter().map(|(start, end)| end - start).sum::<f64>() / 60.0
+    }
+
+    /// Stretches (minutes) in which the sun's centre is up, found without a search where the sun is high or deep enough.
+    fn sunlit_pieces(&self, interval: &Interval, middle: DVec3) -> Vec<(f64, f64)> {
+        let middle_deg = middle.z.clamp(-1.0, 1.0).asin().to_degrees();
+        let reach_deg = 0.5 * interval.hours() * DEGREES_PER_HOUR + MARGIN_DEG;
+        if middle_deg <= -reach_deg {
+            Vec::new()
+        } else if middle_deg >= reach_deg {
+            vec![(interval.start_min, interval.end_min)]
+        } else {
+            self.searched_pieces(interval)
+        }
+    }
+
+    /// The same by search. Crossings are bracketed by `PARTS` samples, so a day or a night
     /// shorter than an eighth of the interval (the sun then stays within 0.01 deg of the horizon) is not seen.
-    fn sunlit_pieces(&self, interval: &Interval) -> Vec<(f64, f64)> {
+    fn searched_pieces(&self, interval: &Interval) -> Vec<(f64, f64)> {
         let part = (interval.end_min - interval.start_min) / PARTS as f64;
         let up = |minutes: f64| self.sun(interval.date, minutes).z > 0.0;
         let mut pieces = Vec::new();
@@ -214,7 +223,7 @@ mod tests {
         let day = date(2021, 3, 21);
         let interval = |hour: f64| Interval { date: day, start_min: 60.0 * hour, end_min: 60.0 * hour + 60.0 };
         let rising = interval(6.0);
-        let pieces = site.sunlit_pieces(&rising);
+        let pieces = site.searched_pieces(&rising);
         assert_eq!(pieces.len(), 1);
         let altitude = site.sun(day, pieces[0].0).z.asin().to_degrees();
         assert!(altitude.abs() < 1e-3, "{altitude}");

@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use super::closure::Closure;
 use super::conditions::{Condition, Stamp};
+use super::findings::Findings;
 use super::sun::{Interval, Site, extraterrestrial_w_m2};
 
 /// One interval of a weather file.
@@ -26,21 +27,17 @@ pub struct Row {
     pub ghi_w_m2: Option<f64>,
     pub dni_w_m2: f64,
     pub dhi_w_m2: f64,
-    /// 0..=1, `None` where missing.
+    /// Of the ground around the station, above 0 and at most 1; `None` where missing.
     pub albedo: Option<f64>,
+    /// 0 where the ground is bare, `None` where missing.
     pub snow_depth_cm: Option<f64>,
 }
 
 /// What the reader found, for the user.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// Rows whose missing DNI or DHI was computed from the two others.
-    pub reconstructed_rows: usize,
-    /// Rows whose missing DNI or DHI was set to 0.
-    pub zeroed_rows: usize,
-    /// Rows with DNI while the sun is below the horizon throughout, in hours, and their energy.
-    pub dni_below_horizon_hours: f64,
-    pub dni_below_horizon_kwh_m2: f64,
+    /// Rows that are odd, by kind.
+    pub findings: Findings,
     /// Check of the time stamps; `None` if too few rows have GHI, DNI and DHI.
     pub closure: Option<Closure>,
     /// Sentences for the user, each naming a line or a number.

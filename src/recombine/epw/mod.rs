@@ -5,20 +5,19 @@
 //! the END of their interval: hour 1 of an hourly file is 00:00 to 01:00 of standard time. Radiation from 9999 up, albedo
 //! 999 and snow depth 999 mean missing.
 
+mod gaps;
 mod header;
+mod judge;
 mod row;
 
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use header::Header;
-use row::{DHI, Fill, RawRow};
+use judge::judged;
+use row::{DHI, RawRow};
 
-use super::closure::Closure;
-use super::weather::{Report, Row, Weather};
+use super::weather::Weather;
 use crate::error::{Error, Result};
-use crate::units::kwh_from_w;
 
 /// Reads and checks a weather file. The text need not be UTF-8: only its numbers are used.
 pub fn read_epw(path: &Path) -> Result<Weather> {
@@ -55,7 +54,8 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Weather> {
                     row.interval.date.label(row.interval.start_min as u32),
                     60 / header.records_per_hour
                 );
-                let hint = "put the rows in order, without gaps, or state the periods on the line DATA PERIODS";
+                let hint = "put the rows in order, without gaps, labelled with the end of their interval, or state the periods \
+                            on the line DATA PERIODS";
                 return Err(Error::input(path, line, what, hint));
             }
             gaps_left -= 1;
@@ -66,7 +66,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Weather> {
         let hint = "an EPW file has its rows after the line DATA PERIODS";
         return Err(Error::input(path, None, "the file has no weather rows", hint));
     }
-    let mut weather = filled(path, header, &raw);
+    let mut weather = judged(path, header, &raw)?;
     let hours = raw.len() as f64 * weather.interval_hours;
     if hours < HOURS_OF_YEAR {
         weather.report.warnings.push(format!(
@@ -86,73 +86,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Weather> {
 /// Hours of a year that is not a leap year.
 const HOURS_OF_YEAR: f64 = 8760.0;
 
-/// Fills what is missing, then judges the file as a whole.
-fn filled(path: &Path, header: Header, raw: &[RawRow]) -> Weather {
-    let site = header.site;
-    let done: Vec<(Row, Fill, bool)> = raw
-        .par_iter()
-        .map(|raw| {
-            let sun = site.sun(raw.interval.date, raw.interval.middle_min());
-            let (dni_w_m2, dhi_w_m2, fill) = raw.fill(&site, sun);
-            let lost = dni_w_m2 > 0.0 && site.sunlit(&raw.interval, sun, 1).is_empty();
-            let row = Row {
-                line: raw.line,
-                interval: raw.interval,
-                sun,
-                ghi_w_m2: raw.ghi,
-                dni_w_m2,
-                dhi_w_m2,
-                albedo: raw.albedo,
-                snow_depth_cm: raw.snow_depth_cm,
-            };
-            (row, fill, lost)
-        })
-        .collect();
-    let mut report = Report::default();
-    let complete: Vec<Row> = done.iter().filter(|(_, fill, _)| *fill == Fill::Nothing).map(|(row, ..)| *row).collect();
-    report.closure = Closure::of(&site, &complete);
-    let (mut first_filled, mut first_zeroed, mut first_lost) = (0, 0, 0);
-    for (row, fill, lost) in done.iter().rev() {
-        match fill {
-            Fill::Nothing => {}
-            Fill::Reconstructed => {
-                report.reconstructed_rows += 1;
-                first_filled = row.line;
-            }
-            Fill::Zeroed => {
-                report.zeroed_rows += 1;
-                first_zeroed = row.line;
-            }
-        }
-        if *lost {
-            let hours = row.interval.hours();
-            report.dni_below_horizon_hours += hours;
-            report.dni_below_horizon_kwh_m2 += kwh_from_w(row.dni_w_m2, hours);
-            first_lost = row.line;
-        }
-    }
-    let mut warn = |first: usize, sentence: String| {
-        if first > 0 {
-            let path = path.display();
-            report.warnings.push(format!("{path}, line {first} and on: {sentence}"));
-        }
-    };
-    let (n, m) = (report.reconstructed_rows, report.zeroed_rows);
-    warn(first_filled, format!("missing DNI or DHI of {n} rows computed from GHI = DHI + DNI cos(z)"));
-    warn(first_zeroed, format!("missing DNI or DHI of {m} rows set to 0"));
-    let (hours, energy) = (report.dni_below_horizon_hours, report.dni_below_horizon_kwh_m2);
-    warn(first_lost, format!("DNI with the sun below the horizon in {hours} hours, {energy:.3} kWh/m2, is left out"));
-    if let Some(sentence) = report.closure.and_then(|c| c.warning()) {
-        report.warnings.push(format!("{}: {sentence}", path.display()));
-    }
-    Weather {
-        place: header.place,
-        site,
-        rows: done.into_iter().map(|(row, ..)| row).collect(),
-        interval_hours: 1.0 / f64::from(header.records_per_hour),
-        report,
-    }
-}
-
+#[cfg(test)]
+mod hard_tests;
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,9 @@
-//! A row of a weather file as it stands there, and the filling of its gaps.
+//! A row of a weather file as it stands there.
 
 use std::path::Path;
 
-use glam::DVec3;
-
 use super::super::calendar::Date;
-use super::super::sun::{Interval, Site, extraterrestrial_w_m2};
+use super::super::sun::Interval;
 use crate::error::{Error, Result};
 
 /// Places of the columns in a data row.
@@ -19,19 +17,9 @@ const ALBEDO: usize = 32;
 const MISSING_RADIATION: f64 = 9999.0;
 const MISSING_SNOW_CM: f64 = 999.0;
 
-/// Below this cosine GHI says nothing about DNI: (GHI - DHI) / cos z would blow up.
-const SMALLEST_COSINE: f64 = 0.05;
-
-/// Sub-steps over which the cosine of a row is averaged for filling a gap.
-const GAP_STEPS: usize = 4;
-
-/// How a row's DNI and DHI came about.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fill {
-    Nothing,
-    Reconstructed,
-    Zeroed,
-}
+/// Thermopile pyranometers read a little below 0 under a cold sky: ISO 9060:2018 allows class C an offset of 30 W/m2. Below
+/// that a number is a foreign code for missing (-99, -999) or a slip.
+const LOWEST_OFFSET_W_M2: f64 = -30.0;
 
 /// A row as it stands in the file.
 pub struct RawRow {
@@ -40,6 +28,9 @@ pub struct RawRow {
     pub ghi: Option<f64>,
     pub dni: Option<f64>,
     pub dhi: Option<f64>,
+    /// Whether one of them was below 0, and was set to 0.
+    pub negative: bool,
+    /// Above 0 and at most 1; several sources write 0 where they have none, at night too.
     pub albedo: Option<f64>,
     pub snow_depth_cm: Option<f64>,
 }
@@ -88,12 +79,17 @@ impl RawRow {
             }
         };
         let end = (hour - 1) * 60 + minute;
-        let radiation = |i: usize, name: &str| {
+        let mut negative = false;
+        let mut radiation = |i: usize, name: &str| {
             let text = cell(i);
             match text.parse::<f64>() {
                 Ok(value) if value >= MISSING_RADIATION => Ok(None),
                 // Adding 0 turns the -0.00 of some files into 0.
                 Ok(value) if value >= 0.0 => Ok(Some(value + 0.0)),
+                Ok(value) if value >= LOWEST_OFFSET_W_M2 => {
+                    negative = true;
+                    Ok(Some(0.0))
+                }
                 _ => Err(bad(name, text, "write W/m2 from 0 up, 9999 where missing")),
             }
         };
@@ -101,13 +97,17 @@ impl RawRow {
             let value = cell(i).parse::<f64>().ok();
             value.filter(|v| (low..=high).contains(v))
         };
+        let ghi = radiation(GHI, "global horizontal radiation")?;
+        let dni = radiation(DNI, "direct normal radiation")?;
+        let dhi = radiation(DHI, "diffuse horizontal radiation")?;
         Ok(RawRow {
             line,
             interval: Interval { date, start_min: f64::from(end - step), end_min: f64::from(end) },
-            ghi: radiation(GHI, "global horizontal radiation")?,
-            dni: radiation(DNI, "direct normal radiation")?,
-            dhi: radiation(DHI, "diffuse horizontal radiation")?,
-            albedo: optional(ALBEDO, 0.0, 1.0),
+            ghi,
+            dni,
+            dhi,
+            negative,
+            albedo: optional(ALBEDO, 0.0, 1.0).filter(|a| *a > 0.0),
             snow_depth_cm: optional(SNOW_DEPTH, 0.0, MISSING_SNOW_CM - 0.5),
         })
     }
@@ -120,30 +120,6 @@ impl RawRow {
         } else {
             let whole_days = end == 1440.0 && start == 0.0;
             whole_days && self.interval.date.is_followed_by(next.interval.date)
-        }
-    }
-
-    /// DNI and DHI: as given, from closure GHI = DHI + DNI cos z with the mean cosine of the sunlit part, or 0.
-    pub fn fill(&self, site: &Site, sun: DVec3) -> (f64, f64, Fill) {
-        let (ghi, dni, dhi) = match (self.ghi, self.dni, self.dhi) {
-            (_, Some(dni), Some(dhi)) => return (dni, dhi, Fill::Nothing),
-            (None, dni, dhi) => return (dni.unwrap_or(0.0), dhi.unwrap_or(0.0), Fill::Zeroed),
-            (Some(_), None, None) => return (0.0, 0.0, Fill::Zeroed),
-            (Some(ghi), dni, dhi) => (ghi, dni, dhi),
-        };
-        let suns = site.sunlit(&self.interval, sun, GAP_STEPS);
-        let cosine = suns.iter().map(|s| s.z).sum::<f64>() / suns.len().max(1) as f64;
-        if cosine < SMALLEST_COSINE {
-            return (0.0, ghi, Fill::Reconstructed);
-        }
-        match (dni, dhi) {
-            (Some(dni), _) => (dni, (ghi - dni * cosine).max(0.0), Fill::Reconstructed),
-            (None, dhi) => {
-                // More than the sun sends cannot be: the rest is diffuse or an error of the file.
-                let most = extraterrestrial_w_m2(self.interval.date);
-                let dhi = dhi.unwrap_or(0.0);
-                (((ghi - dhi) / cosine).clamp(0.0, most), dhi, Fill::Reconstructed)
-            }
         }
     }
 }

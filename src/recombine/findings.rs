@@ -1,0 +1,112 @@
+//! What is odd about the rows of a weather file: counted by kind, told in one sentence a kind.
+
+use crate::units::kwh_from_w;
+
+/// Kinds of oddities. The first four are gaps: which of GHI, DNI and DHI a row lacks decides what is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finding {
+    ComputedDni,
+    ComputedDhi,
+    /// DNI and DHI are both missing, GHI is split.
+    SplitGhi,
+    /// GHI is missing as well.
+    Zeroed,
+    Negative,
+    BelowHorizon,
+    AboveExtraterrestrial,
+    DhiAboveGhi,
+}
+
+const KINDS: [Finding; 8] = [
+    Finding::ComputedDni,
+    Finding::ComputedDhi,
+    Finding::SplitGhi,
+    Finding::Zeroed,
+    Finding::Negative,
+    Finding::BelowHorizon,
+    Finding::AboveExtraterrestrial,
+    Finding::DhiAboveGhi,
+];
+
+/// Rows of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    pub rows: usize,
+    pub hours: f64,
+    /// DNI of these rows.
+    pub dni_kwh_m2: f64,
+    /// Line of the first, 1-based.
+    pub first_line: usize,
+}
+
+/// Tallies of all kinds.
+#[derive(Clone, Debug, Default)]
+pub struct Findings([Tally; KINDS.len()]);
+
+impl Findings {
+    /// Counts a row of `hours`; lines come in rising order.
+    pub fn add(&mut self, kind: Finding, line: usize, hours: f64, dni_w_m2: f64) {
+        if let Some(tally) = self.0.get_mut(kind as usize) {
+            if tally.rows == 0 {
+                tally.first_line = line;
+            }
+            tally.rows += 1;
+            tally.hours += hours;
+            tally.dni_kwh_m2 += kwh_from_w(dni_w_m2, hours);
+        }
+    }
+
+    pub fn of(&self, kind: Finding) -> Tally {
+        self.0.get(kind as usize).copied().unwrap_or_default()
+    }
+
+    /// A sentence for each kind that occurs, with the line of its first row.
+    pub fn sentences(&self) -> impl Iterator<Item = (usize, String)> {
+        KINDS.into_iter().map(|kind| (kind, self.of(kind))).filter(|(_, tally)| tally.rows > 0).map(|(kind, tally)| {
+            let Tally { hours, dni_kwh_m2, first_line, .. } = tally;
+            let sentence = match kind {
+                Finding::ComputedDni => format!("missing DNI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
+                Finding::ComputedDhi => format!("missing DHI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
+                Finding::SplitGhi => format!(
+                    "missing DNI and DHI of {hours} hours estimated from GHI (Erbs 1982; single hours may be off by 100 \
+                     W/m2 and more)"
+                ),
+                Finding::Zeroed => {
+                    format!("DNI or DHI of {hours} hours is missing and so is GHI: set to 0, sums are too low")
+                }
+                Finding::Negative => format!("small negative irradiances of {hours} hours set to 0"),
+                Finding::BelowHorizon => {
+                    format!("DNI with the sun below the horizon in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is left out")
+                }
+                Finding::AboveExtraterrestrial => format!(
+                    "DNI above what arrives outside the atmosphere in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is used as it \
+                     stands; check these rows"
+                ),
+                Finding::DhiAboveGhi => format!(
+                    "DHI above GHI by more than 10 % in {hours} hours; DNI and DHI are used as they stand; check these rows"
+                ),
+            };
+            (first_line, sentence)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Kinds stand in the list in the order of their numbers, 8 of 8, so that each is counted in its own place; the first
+    /// line is kept, hours and energy add up to 1.5 h and 1.6 kWh/m2.
+    #[test]
+    fn tallies() {
+        assert!(KINDS.iter().enumerate().all(|(i, kind)| *kind as usize == i));
+        let mut findings = Findings::default();
+        findings.add(Finding::BelowHorizon, 12, 1.0, 800.0);
+        findings.add(Finding::BelowHorizon, 14, 0.5, 1600.0);
+        let expected = Tally { rows: 2, hours: 1.5, dni_kwh_m2: 1.6, first_line: 12 };
+        assert_eq!(findings.of(Finding::BelowHorizon), expected);
+        let told: Vec<_> = findings.sentences().collect();
+        assert_eq!(told.len(), 1);
+        assert!(told[0].0 == 12 && told[0].1.contains("in 1.5 hours, 1.600 kWh/m2"), "{told:?}");
+    }
+}
