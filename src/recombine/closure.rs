@@ -1,17 +1,19 @@
 //! Closure of a weather file: does GHI = DHI + DNI cos z hold with the sun at mid-interval, or at another time?
 //!
-//! A wrong time zone, rows in UT, or labels at the wrong end of the interval show as a smaller residual at a shifted sun.
-//! Nothing is shifted silently: the reader warns.
+//! A wrong time zone, a longitude of the wrong sign, rows in UT, or labels at the wrong end of the interval show as a smaller
+//! residual at a shifted sun. Nothing is shifted silently: the reader warns.
+
+use rayon::prelude::*;
 
 use super::sun::Site;
 use super::weather::Row;
 
-/// Shifts tried: -120 to +120 minutes from mid-interval.
-const STEP_MIN: i32 = 15;
-const STEPS_EACH_SIDE: i32 = 8;
+/// Shifts tried: half a day each way, first coarsely (the residual changes over hours), then by the minute.
+const HALF_DAY_MIN: i32 = 720;
+const COARSE_MIN: i32 = 30;
 
-/// Hours with a lower sun say little: cosines are small and the sunlit part may be cut.
-const LOWEST_SINE: f64 = 0.087_155_742_747_658_17; // sin 5 deg
+/// Rows with less light say little: the sun is low, or its interval is cut by the horizon.
+const SMALLEST_GHI_W_M2: f64 = 50.0;
 
 /// Fewer rows prove nothing.
 const FEWEST_ROWS: usize = 24;
@@ -19,7 +21,11 @@ const FEWEST_ROWS: usize = 24;
 /// More rows are thinned to this: the check must not cost more than reading.
 const MOST_ROWS: usize = 4_000;
 
-/// Root mean square of GHI - (DHI + DNI cos z) over the rows with the sun above 5 deg.
+/// If the best shift leaves more than this share of GHI - DHI unexplained, time is not what is wrong.
+const LARGEST_SHARE: f64 = 0.2;
+
+/// Root mean square of GHI - (DHI + DNI cos z) over the rows with DNI and a GHI above 50 W/m2: rows that the sun's place
+/// matters for, chosen without it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closure {
     /// With the sun at mid-interval.
@@ -28,6 +34,8 @@ pub struct Closure {
     pub best_rmse_w_m2: f64,
     /// Best shift, minutes after mid-interval (negative: before).
     pub best_shift_min: i32,
+    /// Root mean square of GHI - DHI: what is left if no sun is put in at all.
+    pub sunless_rmse_w_m2: f64,
 }
 
 impl Closure {
@@ -35,8 +43,9 @@ impl Closure {
     pub fn of(site: &Site, rows: &[Row]) -> Option<Self> {
         let mut usable: Vec<(&Row, f64)> = rows
             .iter()
-            .filter(|row| row.sun.z > LOWEST_SINE)
+            .filter(|row| row.dni_w_m2 > 0.0)
             .filter_map(|row| row.ghi_w_m2.map(|ghi| (row, ghi)))
+            .filter(|(_, ghi)| *ghi > SMALLEST_GHI_W_M2)
             .collect();
         if usable.len() < FEWEST_ROWS {
             return None;
@@ -55,26 +64,42 @@ impl Closure {
             (sum / usable.len() as f64).sqrt()
         };
         let at_middle = rmse(0);
-        let mut best = (at_middle, 0);
-        for i in -STEPS_EACH_SIDE..=STEPS_EACH_SIDE {
-            let shift_min = i * STEP_MIN;
-            let value = rmse(shift_min);
-            if value < best.0 {
-                best = (value, shift_min);
-            }
-        }
-        Some(Closure { rmse_w_m2: at_middle, best_rmse_w_m2: best.0, best_shift_min: best.1 })
+        let better = |best: (f64, i32), shifts: Vec<i32>| {
+            let tried: Vec<_> = shifts.into_par_iter().map(|shift| (rmse(shift), shift)).collect();
+            tried.into_iter().fold(best, |best, next| if next.0 < best.0 { next } else { best })
+        };
+        let steps = HALF_DAY_MIN / COARSE_MIN;
+        let coarse = better((at_middle, 0), (-steps..=steps).map(|i| i * COARSE_MIN).collect());
+        let best = better(coarse, (1 - COARSE_MIN..COARSE_MIN).map(|i| coarse.1 + i).collect());
+        let sunless: f64 = usable.iter().map(|(row, ghi)| (ghi - row.dhi_w_m2).powi(2)).sum();
+        Some(Closure {
+            rmse_w_m2: at_middle,
+            best_rmse_w_m2: best.0,
+            best_shift_min: best.1,
+            sunless_rmse_w_m2: (sunless / usable.len() as f64).sqrt(),
+        })
     }
 
-    /// A sentence if another time fits better by a factor of two and by more than 5 W/m2.
-    pub fn warning(&self) -> Option<String> {
-        let Closure { rmse_w_m2, best_rmse_w_m2, best_shift_min } = *self;
+    /// A sentence if another time fits better by a factor of two and by more than 5 W/m2, or if none fits.
+    pub fn warning(&self, site: &Site) -> Option<String> {
+        let Closure { rmse_w_m2, best_rmse_w_m2, best_shift_min, sunless_rmse_w_m2 } = *self;
+        if best_rmse_w_m2 > LARGEST_SHARE * sunless_rmse_w_m2 {
+            return Some(format!(
+                "GHI = DHI + DNI cos(z) does not hold: {rmse_w_m2:.1} W/m2 RMSE, {best_rmse_w_m2:.1} at the best of all time \
+                 shifts, {sunless_rmse_w_m2:.1} without any sun. Latitude or the radiation columns look wrong; they are used as \
+                 they stand"
+            ));
+        }
         let wrong = rmse_w_m2 > 2.0 * best_rmse_w_m2 && rmse_w_m2 - best_rmse_w_m2 > 5.0;
         wrong.then(|| {
+            let hours = f64::from(best_shift_min) / 60.0;
+            // Into the ranges that the header allows.
+            let zone = (site.zone_hours - hours + 12.0).rem_euclid(24.0) - 12.0;
+            let longitude = (site.longitude_deg + 15.0 * hours + 180.0).rem_euclid(360.0) - 180.0;
             format!(
                 "GHI = DHI + DNI cos(z) fits best with the sun {} min {} mid-interval ({best_rmse_w_m2:.1} W/m2 RMSE against \
-                 {rmse_w_m2:.1} at mid-interval): the time zone or the time stamps look wrong. Nothing was shifted; correct \
-                 the file's time zone or labels if so",
+                 {rmse_w_m2:.1} at mid-interval): time zone, longitude or time stamps look wrong. Nothing was shifted; on line 1 \
+                 a time zone of {zone:.2} or a longitude of {longitude:.1} gives this shift",
                 best_shift_min.abs(),
                 if best_shift_min < 0 { "before" } else { "after" },
             )

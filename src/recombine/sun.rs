@@ -123,6 +123,11 @@ impl Site {
         self.sunlit_pieces(interval, middle).iter().map(|(start, end)| end - start).sum::<f64>() / 60.0
     }
 
+    /// How far the clock's meridian lies from the site: hours that the sun is ahead of the clock, -12 to 12.
+    pub fn hours_ahead_of_clock(&self) -> f64 {
+        (self.longitude_deg / DEGREES_PER_HOUR - self.zone_hours + 12.0).rem_euclid(24.0) - 12.0
+    }
+
     /// Stretches (minutes) in which the sun's centre is up, found without a search where the sun is high or deep enough.
     fn sunlit_pieces(&self, interval: &Interval, middle: DVec3) -> Vec<(f64, f64)> {
         let middle_deg = middle.z.clamp(-1.0, 1.0).asin().to_degrees();

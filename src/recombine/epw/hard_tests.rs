@@ -1,16 +1,18 @@
 //! Hard cases of weather files: gaps, impossible values, clocks that are wrong, high latitudes. More of [`super`]'s tests.
 
+use super::super::calendar::Date;
 use super::super::findings::Finding;
+use super::super::sun::Site;
 use super::tests::{HEADER, file, hours, read, row};
 use super::*;
 
 /// Columns of GHI, DNI, DHI.
 const LIGHT: [usize; 3] = [13, 14, 15];
 
-/// The year of Golden with columns overwritten.
-fn golden(columns: &[(usize, &str)]) -> Result<Weather> {
+/// The year of Golden with its header edited and columns overwritten.
+fn golden(from: &str, to: &str, columns: &[(usize, &str)]) -> Result<Weather> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_tmy3.epw");
-    let text = String::from_utf8_lossy(&std::fs::read(path).expect("data")).into_owned();
+    let text = String::from_utf8_lossy(&std::fs::read(path).expect("data")).replacen(from, to, 1);
     let lines = text.lines().enumerate().map(|(i, line)| {
         let mut cells: Vec<&str> = line.split(',').collect();
         for (column, value) in columns.iter().filter(|_| i >= 8) {
@@ -71,7 +73,7 @@ fn missing_values() {
 #[test]
 fn missing_columns() {
     let [ghi, dni, dhi] = LIGHT.map(|column| (column, "9999"));
-    let whole = golden(&[]).expect("valid");
+    let whole = golden("", "", &[]).expect("valid");
     assert!(whole.report.warnings.is_empty(), "{:?}", whole.report.warnings);
     let sums = |w: &Weather| [sum(w, |r| r.dni_w_m2), sum(w, |r| r.dhi_w_m2)];
     let [all_dni, all_dhi] = sums(&whole);
@@ -80,7 +82,7 @@ fn missing_columns() {
         (&[dhi], Finding::ComputedDhi, 0.006, 0.006),
         (&[dni, dhi], Finding::SplitGhi, 0.03, 0.003),
     ] {
-        let w = golden(columns).expect("valid");
+        let w = golden("", "", columns).expect("valid");
         let [sum_dni, sum_dhi] = sums(&w);
         let off = (sum_dni / all_dni - 1.0, sum_dhi / all_dhi - 1.0);
         assert!(off.0.abs() < dni_within && off.1.abs() < dhi_within, "{kind:?}: {off:?}");
@@ -92,7 +94,7 @@ fn missing_columns() {
             assert!((mean - 65.0).abs() < 1.0, "{mean}");
         }
     }
-    let text = golden(&[ghi, dni, dhi]).expect_err("no light").to_string();
+    let text = golden("", "", &[ghi, dni, dhi]).expect_err("no light").to_string();
     assert!(text.contains("line 16: no row holds light; DNI or DHI of 4764 hours is missing"), "{text}");
 }
 
@@ -196,7 +198,7 @@ fn years_of_typical_months() {
 /// the horizontal to 0.3 %.
 #[test]
 fn steps_conserve_energy() {
-    let w = golden(&[]).expect("valid");
+    let w = golden("", "", &[]).expect("valid");
     let all = sum(&w, |r| r.dni_w_m2);
     let sums = [1, 2, 4, 12].map(|steps| {
         let conditions = w.conditions(steps);
@@ -208,4 +210,58 @@ fn steps_conserve_energy() {
         of(|i| i.weight * i.sun.z)
     });
     assert!(sums.iter().all(|s| (s / sums[3] - 1.0).abs() < 0.003), "{sums:?}");
+}
+
+/// 45 days of rows whose light belongs to a sun 96 min after mid-interval are flagged with that shift to 2 min, so is one of an
+/// hour before; the same with the right sun gives no warning and an RMSE below 0.1 W/m2.
+#[test]
+fn wrong_time_stamps() {
+    let site = Site::new(45.0, 8.0, 1.0, 250.0).expect("a site");
+    for (late_min, flagged) in [(0.0, false), (96.0, true), (-60.0, true)] {
+        let mut rows = String::new();
+        for (month, last) in [(3, 31), (4, 14)] {
+            for day in 1..=last {
+                let date = Date::new(2018, month, day).expect("a date");
+                for hour in 1..=24_u32 {
+                    let sun = site.sun(date, f64::from(hour) * 60.0 - 30.0 + late_min);
+                    let dni = if sun.z > 0.05 { 700.0 } else { 0.0 };
+                    let light = format!("{},{dni},60", 60.0 + dni * sun.z.max(0.0));
+                    rows += &row([2018, month, day, hour, 0], &light);
+                }
+            }
+        }
+        let report = read(&rows).expect("valid").report;
+        let closure = report.closure.expect("enough rows");
+        let text = report.warnings.join("\n");
+        assert_eq!(text.contains("Nothing was shifted"), flagged, "{closure:?} {text}");
+        assert!((f64::from(closure.best_shift_min) - late_min).abs() <= 2.0, "{closure:?}");
+        assert!(flagged || closure.rmse_w_m2 < 0.1, "{closure:?}");
+    }
+}
+
+/// Golden with a zone of -6 or 0 or the longitude's sign lost is found to be 60, 420 and 599 min off, the last two also at least
+/// 3 h from their meridian, and zone or longitude that the warning gives close to 1 W/m2; with the latitude's sign lost or DHI
+/// 50 too high nothing fits. The file as it is has 0.7 W/m2 and no warning.
+#[test]
+fn wrong_places() {
+    let place = "39.74,-105.18,-7.0";
+    let good = golden("", "", &[]).expect("valid").report;
+    let closure = good.closure.expect("enough rows");
+    assert!(closure.rmse_w_m2 < 1.0 && good.warnings.is_empty(), "{closure:?}");
+    for (wrong, shift_min, apart, parts) in [
+        ("39.74,-105.18,-6.0", 60, false, ["a time zone of -7.00", "a longitude of -90.2"]),
+        ("39.74,-105.18,0.0", 420, true, ["a time zone of -7.00", "and time zone 0 are 7.0 h apart"]),
+        ("39.74,105.18,-7.0", 599, true, ["a longitude of -105.1", "longitude 105.18 and"]),
+    ] {
+        let report = golden(place, wrong, &[]).expect("valid").report;
+        let text = report.warnings.join("\n");
+        let closure = report.closure.expect("enough rows");
+        assert_eq!(closure.best_shift_min, shift_min, "{text}");
+        assert!(closure.best_rmse_w_m2 < 1.0 && parts.iter().all(|part| text.contains(part)), "{text}");
+        assert_eq!(text.contains("h apart"), apart, "{text}");
+    }
+    let flipped = golden(place, "-39.74,-105.18,-7.0", &[]).expect("valid").report.warnings.join("\n");
+    assert!(flipped.contains("does not hold: 214") && flipped.contains("Latitude"), "{flipped}");
+    let columns = golden("", "", &[(LIGHT[2], "450")]).expect("valid").report.warnings.join("\n");
+    assert!(columns.contains("does not hold") && columns.contains("DHI above GHI"), "{columns}");
 }

@@ -13,6 +13,9 @@ use super::header::Header;
 use super::row::RawRow;
 use crate::error::{Error, Result};
 
+/// Clocks are further than this from the sun nowhere on Earth; the west of China comes close, with 2.9 h.
+const FARTHEST_CLOCK_HOURS: f64 = 3.0;
+
 /// Long and Dutton, "BSRN Global Network recommended QC tests, V2.0", 2002: with the sun above 3 deg and GHI above 50 W/m2,
 /// DHI / GHI stays below 1.10.
 const LARGEST_DIFFUSE_RATIO: f64 = 1.10;
@@ -40,10 +43,19 @@ pub fn judged(path: &Path, header: Header, raw: &[RawRow]) -> Result<Weather> {
         .map(|((row, _), _)| *row)
         .collect();
     report.closure = Closure::of(&site, &complete);
+    let ahead = site.hours_ahead_of_clock();
+    if ahead.abs() > FARTHEST_CLOCK_HOURS {
+        let Site { longitude_deg, zone_hours, .. } = site;
+        report.warnings.push(format!(
+            "{}, line 1: longitude {longitude_deg} and time zone {zone_hours} are {:.1} h apart; east is positive in both",
+            path.display(),
+            ahead.abs()
+        ));
+    }
     for (line, sentence) in report.findings.sentences() {
         report.warnings.push(format!("{}, line {line} and on: {sentence}", path.display()));
     }
-    if let Some(sentence) = report.closure.and_then(|c| c.warning()) {
+    if let Some(sentence) = report.closure.and_then(|c| c.warning(&site)) {
         report.warnings.push(format!("{}: {sentence}", path.display()));
     }
     Ok(Weather {

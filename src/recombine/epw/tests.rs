@@ -1,7 +1,5 @@
 //! Tests of [`super`].
 
-use super::super::calendar::Date;
-use super::super::sun::Site;
 use super::*;
 
 pub(super) const HEADER: &str = "LOCATION,Town,S,Country,X,0,45.0,8.0,1.0,250\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n\
@@ -95,33 +93,6 @@ fn sub_hourly() {
     assert!(text.contains("divisors of 60"), "{text}");
     let odd = row([2019, 5, 1, 1, 20], "0,0,0");
     assert!(file(&format!("{header}{odd}")).is_err());
-}
-
-/// 45 days of rows whose light belongs to a sun 96 min after mid-interval are flagged with a best shift of 90 or 105 min; the
-/// same with the right sun gives no warning and an RMSE below 0.1 W/m2.
-#[test]
-fn wrong_time_stamps() {
-    let site = Site::new(45.0, 8.0, 1.0, 250.0).expect("a site");
-    for (late_min, flagged) in [(0.0, false), (96.0, true), (-60.0, true)] {
-        let mut rows = String::new();
-        for (month, last) in [(3, 31), (4, 14)] {
-            for day in 1..=last {
-                let date = Date::new(2018, month, day).expect("a date");
-                for hour in 1..=24_u32 {
-                    let sun = site.sun(date, f64::from(hour) * 60.0 - 30.0 + late_min);
-                    let dni = if sun.z > 0.05 { 700.0 } else { 0.0 };
-                    let light = format!("{},{dni},60", 60.0 + dni * sun.z.max(0.0));
-                    rows += &row([2018, month, day, hour, 0], &light);
-                }
-            }
-        }
-        let report = read(&rows).expect("valid").report;
-        let closure = report.closure.expect("enough rows");
-        let text = report.warnings.join("\n");
-        assert_eq!(text.contains("Nothing was shifted"), flagged, "{closure:?} {text}");
-        assert!((f64::from(closure.best_shift_min) - late_min).abs() <= 15.0, "{closure:?}");
-        assert!(flagged || closure.rmse_w_m2 < 0.1, "{closure:?}");
-    }
 }
 
 /// Broken rows and headers are errors that name line and column: 12 cases.
