@@ -15,3 +15,4 @@ mod scenes;
 mod store;
 mod tidy;
 mod transfer;
+mod weather;
