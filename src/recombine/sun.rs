@@ -281,6 +281,18 @@ mod tests {
         assert!((ratio(7, 5) - 0.9666).abs() < 5e-4, "{}", ratio(7, 5));
     }
 
+    /// Clocks and the sun: Golden's agree to 0.01 h, Samoa's beyond the date line are 0.45 h ahead of the sun, Kashgar's, on
+    /// Beijing time, 2.93 h; a lost sign puts Golden 14 h off, which is 10 the other way round.
+    #[test]
+    fn clocks() {
+        for (longitude, zone, expected) in
+            [(-105.18, -7.0, -0.012), (-171.8, 13.0, -0.453), (76.0, 8.0, -2.933), (105.18, -7.0, -9.988)]
+        {
+            let ahead = Site::new(0.0, longitude, zone, 0.0).expect("a site").hours_ahead_of_clock();
+            assert!((ahead - expected).abs() < 1e-3, "{longitude}: {ahead}");
+        }
+    }
+
     /// A latitude of 91 and a NaN longitude are refused by name.
     #[test]
     fn bad_sites() {

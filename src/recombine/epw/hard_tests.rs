@@ -27,9 +27,9 @@ fn sum(weather: &Weather, value: impl Fn(&super::super::weather::Row) -> f64) ->
     weather.rows.iter().map(value).sum::<f64>() / 1000.0
 }
 
-/// Missing DHI is GHI - DNI cos z and missing DNI (GHI - DHI) / cos z with the hour's mean cosine, and GHI alone is split so that
-/// it closes, to 0.5 W/m2; near sunrise DNI is 0; without GHI what is missing is 0. Hours are counted by kind, 2, 1, 1, 1
-/// and 0 at night, and the first line of each is named.
+/// Missing DHI is GHI - DNI cos z and missing DNI (GHI - DHI) / cos z with the hour's mean cosine, and GHI alone is
+/// split so that it closes, to 0.5 W/m2; at night DNI is 0; without GHI what is missing, 9999 or an empty cell, is 0.
+/// Hours are counted by kind, 2, 1, 1, 1 and 0 at night, and the first line of each is named.
 #[test]
 fn missing_values() {
     let rows = [
@@ -37,7 +37,7 @@ fn missing_values() {
         row([2018, 6, 1, 13, 0], "700,9999,100"),
         row([2018, 6, 1, 14, 0], "700,600,9999"),
         row([2018, 6, 1, 15, 0], "700,9999,9999"),
-        row([2018, 6, 1, 16, 0], "9999,9999,50"),
+        row([2018, 6, 1, 16, 0], "9999,,50"),
         row([2018, 6, 1, 17, 0], "700,9999.9,100"),
     ];
     let w = read(&rows.concat()).expect("valid");

@@ -2,8 +2,8 @@
 //!
 //! Format: Crawley, Hand and Lawrie, "Improving the weather information available to simulation programs", Building
 //! Simulation 1999, and EnergyPlus, "Auxiliary programs", chapter "EnergyPlus weather file (EPW) data dictionary". Rows carry
-//! the END of their interval: hour 1 of an hourly file is 00:00 to 01:00 of standard time. Radiation from 9999 up, albedo
-//! 999 and snow depth 999 mean missing.
+//! the END of their interval: hour 1 of an hourly file is 00:00 to 01:00 of standard time. Radiation from 9999 up or
+//! empty, albedo of 0 or above 1 and snow depth 999 mean missing.
 
 mod gaps;
 mod header;

@@ -83,6 +83,7 @@ impl RawRow {
         let mut radiation = |i: usize, name: &str| {
             let text = cell(i);
             match text.parse::<f64>() {
+                _ if text.is_empty() => Ok(None),
                 Ok(value) if value >= MISSING_RADIATION => Ok(None),
                 // Adding 0 turns the -0.00 of some files into 0.
                 Ok(value) if value >= 0.0 => Ok(Some(value + 0.0)),

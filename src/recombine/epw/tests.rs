@@ -1,5 +1,6 @@
 //! Tests of [`super`].
 
+use super::super::calendar::Date;
 use super::*;
 
 pub(super) const HEADER: &str = "LOCATION,Town,S,Country,X,0,45.0,8.0,1.0,250\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n\
@@ -75,8 +76,8 @@ fn leap_day_and_typical_years() {
     assert!(text.contains("line 9: the date 2007-2-29 does not exist"), "{text}");
 }
 
-/// A quarter-hourly file gives 96 intervals of 0.25 h a day, the first from 00:00, the last from 23:45; a missing quarter and
-/// 7 records an hour are refused.
+/// A quarter-hourly file gives 96 intervals of 0.25 h a day, the first from 00:00, the last from 23:45; a missing quarter,
+/// labels of the start and 7 records an hour are refused.
 #[test]
 fn sub_hourly() {
     let quarters: Vec<String> =
@@ -91,8 +92,29 @@ fn sub_hourly() {
     assert!(text.contains("line 19: the row starts at 2019-05-01T02:45"), "{text}");
     let text = file(&format!("{HEADER}DATA PERIODS,1,7\n")).expect_err("7").to_string();
     assert!(text.contains("divisors of 60"), "{text}");
+    let starts: Vec<String> = [0, 15, 30, 45].map(|m| row([2019, 5, 1, 1, m], "0,0,0")).into();
+    let text = file(&format!("{header}{}", starts.concat())).expect_err("labels of the start").to_string();
+    assert!(text.contains("line 10") && text.contains("labelled with the end"), "{text}");
     let odd = row([2019, 5, 1, 1, 20], "0,0,0");
     assert!(file(&format!("{header}{odd}")).is_err());
+}
+
+/// A gap between January and June is one more period: 48 rows if the header states two, refused if it states one. Rows of half a
+/// year from July on and then the other half are in order.
+#[test]
+fn periods() {
+    let rows = hours(&[(2018, 1, 31), (2018, 6, 1)], "0,0,0");
+    let two = file(&format!("{HEADER}DATA PERIODS,2,1,a,Monday,1/31,1/31,b,Friday,6/1,6/1\n{rows}")).expect("valid");
+    assert_eq!((two.rows.len(), two.conditions(1)[24].label.as_str()), (48, "2018-06-01T00:00"));
+    let text = read(&rows).expect_err("a gap").to_string();
+    assert!(text.contains("line 33: the row starts at 2018-06-01T00:00"), "{text}");
+    let half = |from, to| {
+        let days = (from..=to).flat_map(|month| (1..=31).map(move |day| (2019, month, day)));
+        days.filter(|&(_, month, day)| Date::new(2019, month, day).is_some())
+    };
+    let year: Vec<(u32, u32, u32)> = half(7, 12).chain(half(1, 6)).collect();
+    let whole = read(&hours(&year, "0,0,0")).expect("valid");
+    assert_eq!((whole.rows.len(), whole.report.warnings.len()), (8760, 0));
 }
 
 /// Broken rows and headers are errors that name line and column: 12 cases.
