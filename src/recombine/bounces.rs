@@ -40,9 +40,15 @@ pub struct Rules {
     pub side: usize,
     /// Cells from this level up see each other in circles.
     pub closed_level: i8,
-    /// Diffuse reflectance by material.
-    pub reflectance: Vec<f64>,
     pub depth: Depth,
+}
+
+/// Diffuse reflectance by material.
+pub type Reflectance = Vec<f64>;
+
+/// Reflectance of a cell.
+pub fn rho(reflectance: &Reflectance, key: &CellKey) -> f32 {
+    reflectance.get(usize::from(key.material)).copied().unwrap_or(0.0) as f32
 }
 
 impl Rules {
@@ -60,33 +66,27 @@ impl Rules {
     }
 
     /// Jacobi steps. The first reflection is the fine probe's, the second is the source term.
-    fn steps(&self) -> usize {
+    fn steps(&self, reflectance: &Reflectance) -> usize {
         match self.depth {
             Depth::Count(bounces) => (bounces as usize).saturating_sub(2),
             Depth::All => {
-                let largest = self.reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
+                let largest = reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
                 (TOLERANCE.ln() / largest.ln()).ceil() as usize
             }
         }
     }
 
-    /// Reflectance of a cell.
-    pub fn rho(&self, key: &CellKey) -> f32 {
-        self.reflectance.get(usize::from(key.material)).copied().unwrap_or(0.0) as f32
-    }
-
-    /// What cell `i` of a table sees, as indices into `seen`, with weights that hold its reflectance.
+    /// What cell `i` of a table sees, as indices into `seen`, with the shares of its hemisphere.
     pub fn row(&self, cells: &Cells, i: usize, centres: &[[f32; 3]]) -> Weighted {
         let around = surround(cells.normals[i], cells.bits_of(i), centres);
         let (above, below) = seen(cells.hits_of(i));
-        let rho = self.rho(&cells.keys[i]);
-        let scaled = |list: Weighted, share: f64| list.into_iter().map(move |(cell, w)| (cell, w * share as f32 * rho));
+        let scaled = |list: Weighted, share: f64| list.into_iter().map(move |(cell, w)| (cell, w * share as f32));
         scaled(above, around.up).chain(scaled(below, around.down)).collect()
     }
 
     /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky.
-    pub fn source(&self, cells: &Cells, i: usize, columns: Range<usize>, out: &mut [f32]) {
-        let (texels, bits, rho) = (self.side * self.side, cells.bits_of(i), self.rho(&cells.keys[i]));
+    pub fn source(&self, cells: &Cells, i: usize, rho: f32, columns: Range<usize>, out: &mut [f32]) {
+        let (texels, bits) = (self.side * self.side, cells.bits_of(i));
         let lit = cells.normals[i].map(|n| rho * n);
         for (value, column) in out.iter_mut().zip(columns) {
             *value = if bit(bits, column % texels) { lit[column / texels] } else { 0.0 };
@@ -94,12 +94,14 @@ impl Rules {
     }
 }
 
-/// The solved closed system: each of its cells' radiosity per unit normal irradiance from direction s is s . X.
+/// The closed system, solved for some states of its reflectances: each of its cells' radiosity per unit normal irradiance from
+/// direction s is s . X.
 pub struct Closed {
     /// Sorted.
     keys: Vec<CellKey>,
     width: usize,
-    values: Values,
+    /// `[state]`
+    values: Vec<Values>,
 }
 
 /// [block of columns][cell][column].
@@ -109,8 +111,14 @@ enum Values {
 }
 
 impl Closed {
-    /// Solves the system of an archive's cells. Values beyond `memory` bytes go to a temporary file in `folder`.
-    pub fn solve(source: &CellSource, rules: &Rules, memory: u64, folder: &Path) -> Result<Self> {
+    /// Solves the system of an archive's cells for each state. Values beyond `memory` bytes go to temporary files in `folder`.
+    pub fn solve(
+        source: &CellSource,
+        rules: &Rules,
+        states: &[Reflectance],
+        memory: u64,
+        folder: &Path,
+    ) -> Result<Self> {
         let width = rules.width();
         let mut keys = Vec::new();
         if rules.depth != Depth::Count(1) {
@@ -120,19 +128,23 @@ impl Closed {
         }
         let system = System::load(source, rules, &keys)?;
         let blocks = width.div_ceil(BLOCK);
-        let bytes = (keys.len() * blocks * size_of::<[f32; BLOCK]>()) as u64;
-        let solved = (0..blocks).into_par_iter().map_init(Default::default, |space, block| system.solve(block, space));
-        let values = if bytes <= memory {
-            Values::Memory(solved.collect())
-        } else {
+        let bytes = (states.len() * keys.len() * blocks * size_of::<[f32; BLOCK]>()) as u64;
+        let solve = |state: &Reflectance| {
+            let solved = (0..blocks)
+                .into_par_iter()
+                .map_init(Default::default, |space, block| system.solve(state, block, space));
+            if bytes <= memory {
+                return Ok(Values::Memory(solved.collect()));
+            }
             let scratch = Scratch::new(folder)?;
             let write = |(block, values): (usize, Vec<[f32; BLOCK]>)| {
                 let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
                 scratch.write(bytes.len() as u64 * block as u64, &bytes)
             };
             solved.enumerate().try_for_each(write)?;
-            Values::Disk(scratch)
+            Ok(Values::Disk(scratch))
         };
+        let values = states.iter().map(solve).collect::<Result<_>>()?;
         Ok(Closed { keys, width, values })
     }
 
@@ -141,10 +153,10 @@ impl Closed {
         self.keys.binary_search(key).ok()
     }
 
-    /// Writes the values of one cell, [axis][texel], to `out`.
-    pub fn read(&self, cell: usize, out: &mut [f32]) -> Result<()> {
+    /// Writes the values of one cell in a state, [axis][texel], to `out`.
+    pub fn read(&self, state: usize, cell: usize, out: &mut [f32]) -> Result<()> {
         for (block, part) in out[..self.width].chunks_mut(BLOCK).enumerate() {
-            match &self.values {
+            match &self.values[state] {
                 Values::Memory(blocks) => part.copy_from_slice(&blocks[block][cell][..part.len()]),
                 Values::Disk(scratch) => {
                     let mut bytes = [0; 4 * BLOCK];
@@ -197,27 +209,30 @@ impl<'a> System<'a> {
         Ok(system)
     }
 
-    /// One block of columns. `space`: two buffers that serve block after block.
-    fn solve(&self, block: usize, space: &mut [Vec<[f32; BLOCK]>; 2]) -> Vec<[f32; BLOCK]> {
+    /// One block of columns for a state. `space`: two buffers that serve block after block.
+    fn solve(&self, state: &Reflectance, block: usize, space: &mut [Vec<[f32; BLOCK]>; 2]) -> Vec<[f32; BLOCK]> {
         let [source, next] = space;
         let columns = block * BLOCK..self.rules.width().min((block + 1) * BLOCK);
         source.clear();
         source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
-        for (i, source) in source.iter_mut().enumerate() {
-            self.rules.source(&self.cells, i, columns.clone(), source);
+        for (i, (source, key)) in source.iter_mut().zip(&self.cells.keys).enumerate() {
+            self.rules.source(&self.cells, i, rho(state, key), columns.clone(), source);
         }
         let mut now = source.clone();
-        for _ in 0..self.rules.steps() {
+        for _ in 0..self.rules.steps(state) {
             next.clear();
-            next.extend(source.iter().zip(self.starts.windows(2)).map(|(source, range)| {
-                let mut sum = *source;
-                for &(cell, weight) in &self.rows[range[0]..range[1]] {
-                    for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
-                        *s += weight * x;
+            next.extend(source.iter().zip(&self.cells.keys).zip(self.starts.windows(2)).map(
+                |((source, key), range)| {
+                    let (mut sum, rho) = (*source, rho(state, key));
+                    for &(cell, weight) in &self.rows[range[0]..range[1]] {
+                        let weight = weight * rho;
+                        for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
+                            *s += weight * x;
+                        }
                     }
-                }
-                sum
-            }));
+                    sum
+                },
+            ));
             std::mem::swap(&mut now, next);
         }
         now

@@ -11,6 +11,7 @@ use super::load::{Tables, cached_responses, sides, tile_layers, tile_view};
 use super::patches::Patches;
 use super::responder::Responder;
 use super::sky::SkyModel;
+use super::states::{Schedule, States};
 use super::tile::Forcing;
 use super::values::TileValues;
 use crate::archive::Archive;
@@ -52,16 +53,30 @@ impl<'a> Replay<'a> {
         settings: ReplaySettings,
         bins: &Bins,
     ) -> Result<Self> {
+        Replay::scheduled(archive, conditions, settings, bins, &[])
+    }
+
+    /// The same with reflectances that follow schedules.
+    pub fn scheduled(
+        archive: &'a Archive,
+        conditions: &[Condition],
+        settings: ReplaySettings,
+        bins: &Bins,
+        schedules: &[Schedule],
+    ) -> Result<Self> {
         let patches = Patches::new(settings.patches)?;
-        let forcing = Forcing::new(conditions, bins, settings.sky, &patches, sides(archive)?);
-        let responder = match settings.depth {
-            Depth::All => None,
-            depth @ Depth::Count(_) => {
-                let tables = Tables::load(archive)?;
-                let responder = Responder::new(&tables, depth, settings.memory_bytes / 2, &std::env::temp_dir())?;
-                Some((tables, responder))
-            }
-        };
+        let mut ways = Vec::new();
+        let mut responder = None;
+        if settings.depth != Depth::All || !schedules.is_empty() {
+            let tables = Tables::load(archive)?;
+            let stored = tables.reflectors.iter().map(|r| r.diffuse).collect();
+            let states = States::new(&stored, schedules, conditions.len())?;
+            ways = states.ways(bins);
+            let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
+            let solved = Responder::with_states(&tables, states.reflectances, settings.depth, memory, &folder)?;
+            responder = Some((tables, solved));
+        }
+        let forcing = Forcing::new(conditions, bins, &ways, settings.sky, &patches, sides(archive)?);
         Ok(Replay { archive, forcing, responder })
     }
 
@@ -72,16 +87,17 @@ impl<'a> Replay<'a> {
 
     /// Results of some tiles, all in memory at once.
     pub fn run(&self, tiles: Range<u32>) -> Result<Vec<TileResult>> {
-        let responses = match &self.responder {
+        let responses: Vec<Vec<Vec<Response>>> = match &self.responder {
             None => {
-                tiles.clone().into_par_iter().map(|tile| cached_responses(self.archive, tile)).collect::<Result<_>>()?
+                let cached = |tile| Ok(vec![cached_responses(self.archive, tile)?]);
+                tiles.clone().into_par_iter().map(cached).collect::<Result<_>>()?
             }
             Some((tables, responder)) => {
                 let view = |tile| tile_view(self.archive, tile);
                 responder.derive(tables, &tiles.clone().into_par_iter().map(view).collect::<Result<Vec<_>>>()?)?
             }
         };
-        let result = |(tile, responses): (u32, Vec<Response>)| {
+        let result = |(tile, responses): (u32, Vec<Vec<Response>>)| {
             let (ids, layers) = tile_layers(self.archive, tile, responses)?;
             Ok((ids, self.forcing.replay(&layers)))
         };

@@ -1,5 +1,6 @@
 //! The response texture G. In: receivers' hits, the probes they see, the bounce cells, reflectances. Out: one 3-vector per sky
-//! texel and first-hit class: diffuse light of any source is s . G at the source's texel.
+//! texel and first-hit class: diffuse light of any source is s . G at the source's texel. Several states of the reflectances
+//! share all that does not depend on them: what is seen, and the first bounce by material.
 //!
 //! G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] ): linear in the sources, so one texture serves every sun and sky.
 
@@ -8,9 +9,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::bounces::{Closed, Depth, Rules, Surround, centres_f32, seen, surround};
+use super::bounces::{Closed, Depth, Reflectance, Rules, Surround, centres_f32, rho, seen, surround};
 use super::load::{Tables, TileView};
 use super::response::{Reflector, Shape, Viewer, class_index, hit_weights};
+use super::slots::Slots;
 use crate::error::{Error, Result};
 use crate::hemisphere::{bilinear, texel_centres};
 use crate::layers::cells::Cells;
@@ -18,11 +20,13 @@ use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
 use crate::scene::cells::CellKey;
 
-/// Derives responses from an archive's cells for one set of reflectances. Only the closed system is solved as a whole; the
+/// Derives responses from an archive's cells for some states of its reflectances. Only the closed system is solved as a whole; the
 /// cells near some tiles are read and solved when these tiles are asked for.
 pub struct Responder {
     shape: Shape,
     reflectors: Vec<Reflector>,
+    states: Vec<Reflectance>,
+    slots: Slots,
     rules: Rules,
     closed: Closed,
     /// Mean directions of the texels of the probes', and of the bounce cells' sky texture.
@@ -38,13 +42,26 @@ impl Responder {
     /// Solves the closed system with the tables' reflectances. At most about `memory` bytes are used; what does not fit goes to a
     /// temporary file in `folder`.
     pub fn new(tables: &Tables, depth: Depth, memory: u64, folder: &Path) -> Result<Self> {
+        let stored = tables.reflectors.iter().map(|r| r.diffuse).collect();
+        Responder::with_states(tables, vec![stored], depth, memory, folder)
+    }
+
+    /// Solves it for other reflectances by material, one state after the other.
+    pub fn with_states(
+        tables: &Tables,
+        states: Vec<Reflectance>,
+        depth: Depth,
+        memory: u64,
+        folder: &Path,
+    ) -> Result<Self> {
         let (shape, reflectors) = (tables.shape, tables.reflectors.clone());
-        let reflectance = reflectors.iter().map(|r| r.diffuse).collect();
-        let rules = Rules { side: shape.bounce_sky, closed_level: shape.closed_level, reflectance, depth };
+        let rules = Rules { side: shape.bounce_sky, closed_level: shape.closed_level, depth };
         let memory = memory / 2;
-        let closed = Closed::solve(&tables.bounces, &rules, memory, folder)?;
+        let closed = Closed::solve(&tables.bounces, &rules, &states, memory, folder)?;
         Ok(Responder {
             closed,
+            slots: Slots::new(&states),
+            states,
             centres: centres_f32(shape.probe),
             bounce_centres: centres_f32(shape.bounce_sky),
             upsample: texel_centres(shape.probe).into_iter().map(|d| bilinear(d, shape.bounce_sky)).collect(),
@@ -55,17 +72,28 @@ impl Responder {
         })
     }
 
-    /// Responses of all receivers of some tiles, which had better be neighbours: [tile][receiver].
-    pub fn derive(&self, tables: &Tables, tiles: &[TileView]) -> Result<Vec<Vec<Response>>> {
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.states.len()
+    }
+
+    /// Responses of all receivers of some tiles, which had better be neighbours: [tile][state][receiver].
+    pub fn derive(&self, tables: &Tables, tiles: &[TileView]) -> Result<Vec<Vec<Vec<Response>>>> {
         let Some(group) = self.group(tables, tiles)? else {
             let (first, second) = tiles.split_at(tiles.len() / 2);
             let mut responses = self.derive(tables, first)?;
             responses.append(&mut self.derive(tables, second)?);
             return Ok(responses);
         };
-        let of_tile = |tile: &TileView| -> Vec<Response> {
+        let of_tile = |tile: &TileView| -> Vec<Vec<Response>> {
             let viewers = tile.viewers.par_iter().enumerate();
-            viewers.map(|(index, viewer)| group.derive(&tile.hits, index, viewer)).collect()
+            let receivers: Vec<Vec<Response>> =
+                viewers.map(|(index, viewer)| group.derive(&tile.hits, index, viewer)).collect();
+            let mut states = vec![Vec::with_capacity(receivers.len()); self.states.len()];
+            for receiver in receivers {
+                states.iter_mut().zip(receiver).for_each(|(state, response)| state.push(response));
+            }
+            states
         };
         Ok(tiles.par_iter().map(of_tile).collect())
     }
@@ -82,7 +110,7 @@ impl Responder {
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.seen.clone() };
         while !wave.is_empty() {
             wave.retain(|key| known.insert(*key) && !self.rules.closes(key));
-            let bytes = known.len() as u64 * self.rules.width() as u64 * 4;
+            let bytes = (known.len() * self.rules.width() * self.states.len()) as u64 * 4;
             if tiles.len() > 1 && bytes > self.memory {
                 return Ok(None);
             }
@@ -113,39 +141,56 @@ impl Responder {
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
         let mut places: Vec<(CellKey, u32)> = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
         places.sort_unstable();
-        let mut radiosity = Radiosity { width, places, values: vec![0.0; keys.len() * width] };
+        let values = vec![vec![0.0; keys.len() * width]; self.states.len()];
+        let mut radiosity = Radiosity { width, places, values };
         let closed = keys.partition_point(|key| self.rules.closes(key));
-        let read = |(out, key): (&mut [f32], &CellKey)| {
-            let cell = self.closed.find(key).ok_or_else(|| missing(key))?;
-            self.closed.read(cell, out)
-        };
-        radiosity.values[..closed * width].par_chunks_mut(width).zip(&keys).try_for_each(read)?;
-
-        let mut rows: Vec<(usize, usize, usize)> = Vec::with_capacity(keys.len() - closed);
-        for (part, cells) in fine.iter().enumerate() {
-            for (row, key) in cells.keys.iter().enumerate() {
-                rows.push((radiosity.find(key).ok_or_else(|| missing(key))?, part, row));
-            }
-        }
-        rows.sort_unstable();
-        for level in rows.chunk_by(|a, b| keys[a.0].level == keys[b.0].level) {
-            let (before, here) = radiosity.values.split_at_mut(level[0].0 * width);
-            let solve = |(out, &(_, part, row)): (&mut [f32], &(usize, usize, usize))| {
-                let cells = &fine[part];
-                self.rules.source(cells, row, 0..width, out);
-                for (seen, weight) in self.rules.row(cells, row, &self.bounce_centres) {
-                    let key = &cells.seen[seen as usize];
-                    // A cell sees coarser ones only, or this would never end.
-                    let at = find(&radiosity.places, key).filter(|at| (at + 1) * width <= before.len());
-                    let from = at.ok_or_else(|| missing(key))? * width;
-                    out.iter_mut().zip(&before[from..from + width]).for_each(|(o, x)| *o += weight * x);
-                }
-                Ok(())
+        for (state, values) in radiosity.values.iter_mut().enumerate() {
+            let read = |(out, key): (&mut [f32], &CellKey)| {
+                let cell = self.closed.find(key).ok_or_else(|| missing(key))?;
+                self.closed.read(state, cell, out)
             };
-            here.par_chunks_mut(width).zip(level).try_for_each(solve)?;
+            values[..closed * width].par_chunks_mut(width).zip(&keys).try_for_each(read)?;
+        }
+        let mut rows: Vec<Row> = Vec::with_capacity(keys.len() - closed);
+        for cells in fine {
+            let of_cell = |row: usize| {
+                let place = |key: &CellKey| radiosity.find(key).ok_or_else(|| missing(key));
+                let seen = self.rules.row(cells, row, &self.bounce_centres).into_iter();
+                let seen = seen.map(|(cell, w)| Ok((place(&cells.seen[cell as usize])?, w))).collect::<Result<_>>()?;
+                Ok(Row { place: place(&cells.keys[row])?, cells, row, seen })
+            };
+            rows.par_extend((0..cells.keys.len()).into_par_iter().map(of_cell).collect::<Result<Vec<Row>>>()?);
+        }
+        rows.sort_unstable_by_key(|row| row.place);
+        for level in rows.chunk_by(|a, b| keys[a.place].level == keys[b.place].level) {
+            // A cell sees coarser ones only, or this would never end.
+            let first = level[0].place;
+            if let Some(row) = level.iter().find(|row| row.seen.iter().any(|(place, _)| *place >= first)) {
+                return Err(missing(&keys[row.place]));
+            }
+            for (reflectance, values) in self.states.iter().zip(&mut radiosity.values) {
+                let (before, here) = values.split_at_mut(first * width);
+                let solve = |(out, row): (&mut [f32], &Row)| {
+                    let rho = rho(reflectance, &keys[row.place]);
+                    self.rules.source(row.cells, row.row, rho, 0..width, out);
+                    for &(place, weight) in &row.seen {
+                        let (from, weight) = (place * width, weight * rho);
+                        out.iter_mut().zip(&before[from..from + width]).for_each(|(o, x)| *o += weight * x);
+                    }
+                };
+                here.par_chunks_mut(width).zip(level).for_each(solve);
+            }
         }
         Ok(radiosity)
     }
+}
+
+/// A fine cell: its place among the radiosities, where it stands in its table, and the places and weights of what it sees.
+struct Row<'c> {
+    place: usize,
+    cells: &'c Cells,
+    row: usize,
+    seen: Vec<(usize, f32)>,
 }
 
 /// Radiosities of some bounce cells.
@@ -153,8 +198,8 @@ struct Radiosity {
     width: usize,
     /// Sorted by key.
     places: Vec<(CellKey, u32)>,
-    /// [cell][axis][texel], per unit normal irradiance.
-    values: Vec<f32>,
+    /// [state][cell][axis][texel], per unit normal irradiance.
+    values: Vec<Vec<f32>>,
 }
 
 impl Radiosity {
@@ -177,48 +222,71 @@ struct Group<'r> {
     places: Vec<usize>,
 }
 
+/// What a bounce cell's radiosity is worth to a receiver.
+#[derive(Clone, Copy)]
+struct Indirect {
+    cell: u32,
+    class: usize,
+    slot: usize,
+    worth: f32,
+}
+
 impl Group<'_> {
-    /// Response of receiver `index` of a tile of the group.
-    fn derive(&self, tile: &HitTile, index: usize, viewer: &Viewer) -> Response {
-        let shape = self.responder.shape;
+    /// Responses of receiver `index` of a tile of the group, one a state.
+    fn derive(&self, tile: &HitTile, index: usize, viewer: &Viewer) -> Vec<Response> {
+        let Responder { shape, slots, .. } = self.responder;
         let per_receiver = shape.hit * shape.hit;
         let texels = shape.probe * shape.probe;
         let weights = hit_weights(&tile.texels[index * per_receiver..(index + 1) * per_receiver], viewer);
-        let mut values = vec![0.0_f32; Response::len(shape.probe)];
-        // (bounce cell, class, what its radiosity is worth to this receiver)
-        let mut indirect: Vec<(u32, usize, f32)> = Vec::new();
+        // First bounces, slot by slot: the fixed materials together, those that vary per unit of reflectance.
+        let mut first = vec![vec![0.0_f32; Response::len(shape.probe)]; slots.len()];
+        let mut indirect: Vec<Indirect> = Vec::new();
         for (cell, weight) in weights.cells {
             let key = tile.palette[cell];
             let Some(reflector) = self.responder.reflectors.get(usize::from(key.material)) else { continue };
             // The group holds all keys of its tiles' palettes.
             let Ok(probe) = self.probes.keys.binary_search(&key) else { continue };
             let class = class_index(reflector.class);
-            let worth = weight * reflector.diffuse;
+            let (slot, fixed) = slots.of(key.material);
+            let worth = weight * fixed;
             let normal = self.probes.normals[probe].map(|c| c * worth as f32);
-            let out = &mut values[class * 3 * texels..(class + 1) * 3 * texels];
+            let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
             add_bits(out, self.probes.bits_of(probe), normal, texels);
             if self.responder.rules.depth != Depth::Count(1) {
                 let around = self.surrounds[probe];
                 let (above, below) = seen(self.probes.hits_of(probe));
                 for (list, share) in [(above, around.up), (below, around.down)] {
                     let share = (worth * share) as f32;
-                    indirect.extend(list.into_iter().map(|(cell, w)| (cell, class, w * share)));
+                    let entry = |(cell, w)| Indirect { cell, class, slot, worth: w * share };
+                    indirect.extend(list.into_iter().map(entry));
                 }
             }
         }
-        self.add_indirect(&mut values, indirect);
-        Response { values }
+        indirect.sort_by_key(|w| (w.cell, w.class, w.slot));
+        let merge = |same: &[Indirect]| Indirect { worth: same.iter().map(|w| w.worth).sum(), ..same[0] };
+        let same = |a: &Indirect, b: &Indirect| (a.cell, a.class, a.slot) == (b.cell, b.class, b.slot);
+        let merged: Vec<Indirect> = indirect.chunk_by(same).map(merge).collect();
+        (0..self.responder.states.len())
+            .map(|state| {
+                let factors = slots.factors(state);
+                let mut values = first[0].clone();
+                for (slot, factor) in first.iter().zip(factors).skip(1) {
+                    values.iter_mut().zip(slot).for_each(|(value, v)| *value += factor * v);
+                }
+                self.add_indirect(&mut values, &merged, factors, &self.radiosity.values[state]);
+                Response { values }
+            })
+            .collect()
     }
 
     /// Adds the light that the probes themselves get from other surfaces.
-    fn add_indirect(&self, values: &mut [f32], mut worth: Vec<(u32, usize, f32)>) {
+    fn add_indirect(&self, values: &mut [f32], worth: &[Indirect], factors: &[f32], radiosity: &[f32]) {
         let width = self.radiosity.width;
         let mut coarse = vec![0.0_f32; CLASSES * width];
-        worth.sort_by_key(|w| (w.0, w.1));
-        for group in worth.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let sum: f32 = group.iter().map(|g| g.2).sum();
-            let (from, class) = (self.places[group[0].0 as usize] * width, group[0].1);
-            let x = &self.radiosity.values[from..from + width];
+        for of_cell in worth.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class)) {
+            let sum: f32 = of_cell.iter().map(|w| w.worth * factors[w.slot]).sum();
+            let (from, class) = (self.places[of_cell[0].cell as usize] * width, of_cell[0].class);
+            let x = &radiosity[from..from + width];
             coarse[class * width..(class + 1) * width].iter_mut().zip(x).for_each(|(o, x)| *o += sum * x);
         }
         let upsample = &self.responder.upsample;

@@ -1,6 +1,9 @@
 //! The skies of a series of conditions as patch radiances. In: conditions and where they add to, later receivers' sky and response
 //! textures. Out: coefficients of the patches, and irradiances by one dense product for a tile.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use glam::DVec3;
 use ndarray::ArrayView2;
 use rayon::prelude::*;
@@ -13,10 +16,14 @@ use super::sky::SkyModel;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::sky::half_texel;
 
-/// Skies added at a time.
+/// Skies made at a time.
 const PART: usize = 64;
 
+/// By way and result.
+type Sums = BTreeMap<(usize, usize), Vec<f64>>;
+
 /// Patch radiances of the results that have a sky.
+#[derive(Default)]
 pub struct Skies {
     /// Results with a sky, and their patch radiances: [result with a sky][patch], W/m2 sr x weight.
     bins: Vec<usize>,
@@ -25,39 +32,49 @@ pub struct Skies {
 }
 
 impl Skies {
-    /// Skies that add to one result are added before any receiver is asked. `open_horizontal_sr` of the projection that coefficients
-    /// are made with.
+    /// One for each of several ways to add conditions to results. Skies that add to one result are added before any receiver is
+    /// asked. `open_horizontal_sr` of the projection that coefficients are made with.
     pub fn new(
         conditions: &[Condition],
-        bins: &Bins,
+        ways: &[&Bins],
         model: SkyModel,
         patches: &Patches,
         open_horizontal_sr: &[f64],
-    ) -> Self {
-        let mut skies: Vec<(usize, usize)> = (0..conditions.len().min(bins.of_condition.len()))
-            .filter(|&i| conditions[i].dhi_w_m2 > 0.0)
-            .map(|i| (bins.of_condition[i].0, i))
-            .collect();
-        skies.sort_unstable();
+    ) -> Vec<Self> {
         // Parts of a fixed size, added in order: the sum does not depend on the number of threads.
-        let parts: Vec<&[(usize, usize)]> =
-            skies.chunk_by(|a, b| a.0 == b.0).flat_map(|of_bin| of_bin.chunks(PART)).collect();
-        let sums: Vec<(usize, Vec<f64>)> = parts
+        let parts: Vec<Sums> = (0..conditions.len().div_ceil(PART))
             .into_par_iter()
             .map(|part| {
-                let mut sum = vec![0.0_f64; patches.len()];
-                for &(_, i) in part {
-                    let radiances = patches.radiances(model, &conditions[i], open_horizontal_sr);
-                    sum.iter_mut().zip(radiances).for_each(|(sum, l)| *sum += l * bins.of_condition[i].1);
+                let mut sums = Sums::new();
+                for (i, condition) in conditions.iter().enumerate().skip(part * PART).take(PART) {
+                    if condition.dhi_w_m2 > 0.0 {
+                        let radiances = patches.radiances(model, condition, open_horizontal_sr);
+                        for (way, bins) in ways.iter().enumerate() {
+                            let (bin, weight) = bins.of_condition[i];
+                            if weight != 0.0 {
+                                let sum = sums.entry((way, bin)).or_insert_with(|| vec![0.0; patches.len()]);
+                                sum.iter_mut().zip(&radiances).for_each(|(sum, l)| *sum += l * weight);
+                            }
+                        }
+                    }
                 }
-                (part[0].0, sum)
+                sums
             })
             .collect();
-        let mut found = Skies { bins: Vec::new(), radiances: Vec::new(), patches: patches.len() };
-        for of_bin in sums.chunk_by(|a, b| a.0 == b.0) {
-            found.bins.push(of_bin[0].0);
-            let patch_sum = |patch: usize| of_bin.iter().map(|(_, sum)| sum[patch]).sum::<f64>() as f32;
-            found.radiances.extend((0..patches.len()).map(patch_sum));
+        let mut sums = Sums::new();
+        for (place, part) in parts.into_iter().flatten() {
+            match sums.entry(place) {
+                Entry::Vacant(free) => {
+                    free.insert(part);
+                }
+                Entry::Occupied(mut sum) => sum.get_mut().iter_mut().zip(part).for_each(|(sum, l)| *sum += l),
+            }
+        }
+        let none = || Skies { bins: Vec::new(), radiances: Vec::new(), patches: patches.len() };
+        let mut found: Vec<Skies> = ways.iter().map(|_| none()).collect();
+        for ((way, bin), sum) in sums {
+            found[way].bins.push(bin);
+            found[way].radiances.extend(sum.into_iter().map(|l| l as f32));
         }
         found
     }
@@ -70,7 +87,7 @@ impl Skies {
     /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][patch]`: (receivers x patches) times (patches x
     /// results).
     pub fn irradiance(&self, coefficients: &[f32], mut each: impl FnMut(usize, usize, f32)) {
-        let shape = (coefficients.len() / self.patches, self.patches);
+        let shape = (coefficients.len() / self.patches.max(1), self.patches);
         // Shapes follow from how the two vectors were filled, so neither view can fail.
         let (Ok(a), Ok(b)) = (
             ArrayView2::from_shape(shape, coefficients),

@@ -9,6 +9,7 @@ use super::patches::Patches;
 use super::projection::Projection;
 use super::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
 use super::sky::SkyModel;
+use super::sources::Sources;
 use super::suns::Suns;
 use super::values::TileValues;
 use crate::layers::bits::BitSquare;
@@ -37,7 +38,8 @@ pub struct TextureSides {
 pub struct TileLayers {
     pub normals: Vec<DVec3>,
     pub sky: Vec<Mosaic>,
-    pub responses: Vec<Response>,
+    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with.
+    pub responses: Vec<Vec<Response>>,
 }
 
 /// Weather made ready once for all tiles.
@@ -46,19 +48,45 @@ pub struct Forcing {
     bins: usize,
     suns: Suns,
     skies: Skies,
+    /// `[state]`: what is reflected.
+    reflected: Vec<Reflected>,
     sky_projection: Projection,
     response_projection: Projection,
 }
 
+/// The weather of one state of the reflectances.
+struct Reflected {
+    sources: Sources,
+    /// `None` if they are all skies.
+    skies: Option<Skies>,
+}
+
 impl Forcing {
-    /// Looks up suns and skies of all conditions.
-    pub fn new(conditions: &[Condition], bins: &Bins, model: SkyModel, patches: &Patches, sides: TextureSides) -> Self {
+    /// Looks up suns and skies of all conditions. `states`: how conditions add to the results in each state of the reflectances;
+    /// empty if there is but one.
+    pub fn new(
+        conditions: &[Condition],
+        bins: &Bins,
+        states: &[Bins],
+        model: SkyModel,
+        patches: &Patches,
+        sides: TextureSides,
+    ) -> Self {
         let sky_projection = Projection::new(patches, sides.sky_base, PROJECTION_SAMPLES);
-        let open = &sky_projection.open_horizontal_sr;
+        let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
+        let mut skies = Skies::new(conditions, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
+        let all = skies.next();
+        let sources = |bins| Sources::new(conditions, bins, sides.response);
+        let mut reflected: Vec<Reflected> =
+            states.iter().zip(skies).map(|(bins, s)| Reflected { sources: sources(bins), skies: Some(s) }).collect();
+        if reflected.is_empty() {
+            reflected.push(Reflected { sources: sources(bins), skies: None });
+        }
         Forcing {
             bins: bins.count,
             suns: Suns::new(conditions, bins, sides),
-            skies: Skies::new(conditions, bins, model, patches, open),
+            skies: all.unwrap_or_default(),
+            reflected,
             response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
             sky_projection,
         }
@@ -95,18 +123,27 @@ impl Forcing {
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
-        let mut sums = vec![0.0_f64; self.bins];
-        let mut coefficients = Vec::new();
-        for (receiver, response) in tile.responses.iter().enumerate() {
-            let response = response.vectors();
-            sums.fill(0.0);
-            self.suns.diffuse(&response, &mut sums);
-            put(&sums, out.row_mut(SUN_DIFFUSE, receiver));
-            if !self.skies.is_empty() {
-                response_coefficients(&self.response_projection, &response, &mut coefficients);
+        let receivers = tile.normals.len();
+        let mut suns = vec![0.0_f64; receivers * self.bins];
+        let mut skies = vec![0.0_f32; receivers * self.bins];
+        for (state, responses) in self.reflected.iter().zip(&tile.responses) {
+            let of_state = state.skies.as_ref().unwrap_or(&self.skies);
+            let mut coefficients = Vec::new();
+            for (response, sums) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))) {
+                let response = response.vectors();
+                state.sources.irradiance(&response, sums);
+                if !of_state.is_empty() {
+                    response_coefficients(&self.response_projection, &response, &mut coefficients);
+                }
             }
+            of_state.irradiance(&coefficients, |receiver, bin, v| skies[receiver * self.bins + bin] += v);
         }
-        self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SKY_DIFFUSE, receiver)[bin] = v.max(0.0));
+        for receiver in 0..receivers {
+            let range = receiver * self.bins..(receiver + 1) * self.bins;
+            put(&suns[range.clone()], out.row_mut(SUN_DIFFUSE, receiver));
+            let row = out.row_mut(SKY_DIFFUSE, receiver);
+            row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
+        }
     }
 }
 

@@ -150,7 +150,7 @@ fn response_equals_plain_loop() {
     let responder = Responder::new(tables, Depth::All, 1 << 30, folder.path()).expect("a responder");
     let rho = |i: usize| tables.reflectors[usize::from(bounces.keys[i].material)].diffuse;
     let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
-    let responses: Vec<Vec<[f32; 3]>> = tiles[0].iter().map(|response| response.vectors()).collect();
+    let responses: Vec<Vec<[f32; 3]>> = tiles[0][0].iter().map(|response| response.vectors()).collect();
 
     let mut worst = 0.0_f64;
     let mut largest = 0.0_f64;

@@ -157,7 +157,8 @@ impl Job<'_> {
             };
             let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
             let responses = responder.derive(&Tables::of(writer, settings.clone())?, &views)?;
-            let encode = |(&tile, of_tile): (&u32, &Vec<Response>)| pack::responses(tile, of_tile);
+            // The stored reflectances are the only state.
+            let encode = |(&tile, states): (&u32, &Vec<Vec<Response>>)| pack::responses(tile, &states[0]);
             let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
             blocks.into_iter().try_for_each(|block| writer.append(block))?;
             progress.inc(group.len() as u64);
