@@ -1,0 +1,199 @@
+//! Reflectances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out: schedules of materials,
+//! checked.
+
+use std::path::PathBuf;
+
+use super::schedule_csv::read_schedule;
+use super::states::Schedule;
+use super::weather::Row;
+use crate::archive::tables::Materials;
+use crate::error::{Error, Result};
+
+/// What the ground reflects under snow, from the weather file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Snow {
+    /// The snow's reflectance wherever the snow depth is 1 cm or more
+    Depth,
+    /// The column `albedo`, wherever it has a value
+    Albedo,
+}
+
+/// Depth from which snow covers the ground.
+const COVER_CM: f64 = 1.0;
+
+/// What is changed. Later entries win over earlier ones, schedules over constants, snow over both.
+#[derive(Clone, Debug, Default)]
+pub struct Changes {
+    /// Group, or material, and its diffuse reflectance.
+    pub constant: Vec<(String, f64)>,
+    /// Group, or material, and the file of its schedule.
+    pub scheduled: Vec<(String, PathBuf)>,
+    /// Where it comes from, and the reflectance of snow.
+    pub snow: Option<(Snow, f64)>,
+}
+
+impl Changes {
+    /// Whether nothing is changed.
+    pub fn is_empty(&self) -> bool {
+        self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none()
+    }
+
+    /// Schedules over `conditions` conditions that have no date.
+    pub fn constant(&self, materials: &Materials, conditions: usize) -> Result<Vec<Schedule>> {
+        let mut schedules = Vec::with_capacity(self.constant.len());
+        for (name, value) in &self.constant {
+            schedules.push(schedule(materials, members(materials, name)?, vec![*value; conditions])?);
+        }
+        Ok(schedules)
+    }
+
+    /// Schedules over the rows of a weather file, and what the user should know about them.
+    pub fn over(&self, materials: &Materials, rows: &[Row]) -> Result<(Vec<Schedule>, Vec<String>)> {
+        let mut schedules = self.constant(materials, rows.len())?;
+        let mut warnings = Vec::new();
+        let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
+        for (name, path) in &self.scheduled {
+            schedules.push(schedule(materials, members(materials, name)?, read_schedule(path, &dates)?)?);
+        }
+        if let Some((snow, reflectance)) = self.snow {
+            let cover = |row: &Row| match snow {
+                Snow::Depth => row.snow_depth_cm.filter(|depth| *depth >= COVER_CM).map(|_| reflectance),
+                Snow::Albedo => row.albedo,
+            };
+            let covers: Vec<Option<f64>> = rows.iter().map(cover).collect();
+            if covers.iter().all(Option::is_none) {
+                warnings.push(match snow {
+                    Snow::Depth => {
+                        format!("the weather file never has {COVER_CM} cm of snow: --snow depth changes nothing")
+                    }
+                    Snow::Albedo => "the weather file has no albedo: --snow albedo changes nothing".into(),
+                });
+            }
+            let before = schedules.clone();
+            for material in (0..materials.rows()).filter(|&m| materials.class.get(m) == Some(&GROUND)) {
+                let scheduled = before.iter().rev().find(|schedule| schedule.materials.contains(&material));
+                let bare = |row: usize| scheduled.map_or(materials.diffuse[material], |s| s.values[row]);
+                let values = covers.iter().enumerate().map(|(row, cover)| cover.unwrap_or_else(|| bare(row)));
+                schedules.push(schedule(materials, vec![material], values.collect())?);
+            }
+        }
+        Ok((schedules, warnings))
+    }
+}
+
+/// Class of ground in the table of materials.
+const GROUND: u8 = 1;
+
+/// Materials of a group; where there is no such group, the material of that name.
+fn members(materials: &Materials, name: &str) -> Result<Vec<usize>> {
+    let all = |names: &[String]| (0..names.len()).filter(|&i| names[i] == name).collect::<Vec<_>>();
+    let found = match all(&materials.group) {
+        group if group.is_empty() || name.is_empty() => all(&materials.name),
+        group => group,
+    };
+    if found.is_empty() {
+        let mut groups: Vec<&str> = materials.group.iter().map(String::as_str).filter(|g| !g.is_empty()).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let listed = |names: &[&str]| match names {
+            [] => "none".to_string(),
+            names if names.len() > 20 => format!("{}, ...", names[..20].join(", ")),
+            names => names.join(", "),
+        };
+        let names: Vec<&str> = materials.name.iter().map(String::as_str).collect();
+        return Err(Error::Unsupported {
+            what: "group or material whose reflectance is to change".into(),
+            found: format!("`{name}`"),
+            supported: format!("groups: {}; materials: {}", listed(&groups), listed(&names)),
+        });
+    }
+    Ok(found)
+}
+
+/// A schedule that leaves room for what its materials reflect like mirrors.
+fn schedule(materials: &Materials, members: Vec<usize>, values: Vec<f64>) -> Result<Schedule> {
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    for &material in &members {
+        let specular = materials.specular[material];
+        if largest + specular > 1.0 + 1e-9 {
+            return Err(Error::Unsupported {
+                what: format!("diffuse reflectance of material `{}`", materials.name[material]),
+                found: largest.to_string(),
+                supported: format!("at most {}, it has a specular reflectance of {specular}", 1.0 - specular),
+            });
+        }
+    }
+    Ok(Schedule { materials: members, values })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recombine::calendar::Date;
+    use crate::recombine::sun::Interval;
+    use glam::DVec3;
+
+    fn materials() -> Materials {
+        Materials {
+            name: ["lawn", "street", "wall", "glass"].map(String::from).to_vec(),
+            diffuse: vec![0.2, 0.1, 0.4, 0.1],
+            specular: vec![0.0, 0.0, 0.0, 0.5],
+            class: vec![1, 1, 0, 0],
+            group: ["", "ground", "facade", "facade"].map(String::from).to_vec(),
+        }
+    }
+
+    fn rows() -> Vec<Row> {
+        let row = |month: u32, snow_depth_cm, albedo| {
+            let date = Date::new(2021, month, 3).expect("a date");
+            Row {
+                line: 9,
+                interval: Interval { date, start_min: 0.0, end_min: 60.0 },
+                sun: DVec3::Z,
+                ghi_w_m2: None,
+                dni_w_m2: 0.0,
+                dhi_w_m2: 0.0,
+                albedo,
+                snow_depth_cm,
+            }
+        };
+        vec![row(1, Some(5.0), Some(0.7)), row(2, Some(0.4), None), row(3, None, Some(0.25))]
+    }
+
+    /// Snow lies on both grounds in one of three rows by depth and in two by albedo, over the constant 0.3 of the street and the stored
+    /// 0.2 of the lawn.
+    #[test]
+    fn snow() {
+        for (snow, lawn, street) in
+            [(Snow::Depth, [0.6, 0.2, 0.2], [0.6, 0.3, 0.3]), (Snow::Albedo, [0.7, 0.2, 0.25], [0.7, 0.3, 0.25])]
+        {
+            let changes =
+                Changes { constant: vec![("ground".into(), 0.3)], snow: Some((snow, 0.6)), ..Changes::default() };
+            let (schedules, warnings) = changes.over(&materials(), &rows()).expect("schedules");
+            assert!(warnings.is_empty());
+            let of =
+                |material| schedules.iter().rev().find(|s| s.materials.contains(&material)).map(|s| s.values.clone());
+            assert_eq!((of(0), of(1), of(2)), (Some(lawn.to_vec()), Some(street.to_vec()), None));
+        }
+        let bare = [rows()[1]];
+        let changes = Changes { snow: Some((Snow::Depth, 0.6)), ..Changes::default() };
+        let (schedules, warnings) = changes.over(&materials(), &bare).expect("schedules");
+        assert_eq!(warnings.len(), 1);
+        assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
+    }
+
+    /// A group takes in its 2 materials, a material's name stands for itself; an unknown name lists the 2 groups and 4 materials; 0.6 on
+    /// a facade with half of its light mirrored is refused with the 0.5 that is left.
+    #[test]
+    fn names() {
+        let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };
+        let schedules = change("facade", 0.5).constant(&materials(), 2).expect("schedules");
+        assert_eq!(schedules, [Schedule { materials: vec![2, 3], values: vec![0.5, 0.5] }]);
+        assert_eq!(change("lawn", 0.5).constant(&materials(), 1).expect("schedules")[0].materials, [0]);
+        let text = change("roof", 0.5).constant(&materials(), 1).expect_err("unknown").to_string();
+        assert!(text.contains("groups: facade, ground; materials: lawn, street, wall, glass"), "{text}");
+        let text = change("facade", 0.6).constant(&materials(), 1).expect_err("too much").to_string();
+        assert!(text.contains("`glass`") && text.contains("at most 0.5"), "{text}");
+        assert!(change("", 0.6).constant(&materials(), 1).is_err());
+    }
+}
