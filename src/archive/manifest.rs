@@ -105,6 +105,18 @@ pub struct Settings {
     pub other: Unknown,
 }
 
+impl Settings {
+    /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.
+    pub fn hash(&self) -> Result<[u8; 32]> {
+        let json = serde_json::to_vec(self).map_err(|e| Error::Unsupported {
+            what: "naming settings".to_string(),
+            found: e.to_string(),
+            supported: "what JSON can hold".to_string(),
+        })?;
+        Ok(*blake3::hash(&json).as_bytes())
+    }
+}
+
 /// How much was traced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
@@ -246,6 +258,26 @@ mod tests {
         assert_eq!(back, manifest);
         assert_eq!(back.to_json().unwrap(), json);
         assert_eq!(String::from_utf8(json).unwrap().matches("\"later\"").count(), 4);
+    }
+
+    /// The hash of settings is the known one, stays through JSON, and each of 3 changes, one under a key of a later release, gives another.
+    #[test]
+    fn settings_have_a_name() {
+        let mut manifest = Manifest::new();
+        manifest.settings.closed_m = 0.1 + 0.2;
+        let settings = manifest.settings.clone();
+        let name = |settings: &Settings| format::hex(&settings.hash().unwrap());
+        assert_eq!(name(&settings)[..16], *"1c1b075d68560249");
+        let back = Manifest::from_json(&manifest.to_json().unwrap()).unwrap();
+        assert_eq!(name(&back.settings), name(&settings));
+        let changes: [fn(&mut Settings); 3] =
+            [|s| s.hit = 1, |s| s.closed_m = 0.3, |s| drop(s.other.insert("later".to_string(), Value::from(1)))];
+        let changed = changes.map(|change| {
+            let mut other = settings.clone();
+            change(&mut other);
+            name(&other)
+        });
+        assert_eq!(changed.iter().filter(|other| **other != name(&settings)).count(), 3);
     }
 
     /// NaN, a known key among the unknown ones, and 1 MiB + of JSON are refused on writing: 3 of 3.

@@ -146,7 +146,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
     };
     let store = args.store.as_deref().map(Folder::create).transpose()?;
-    let key = StoreKey { scene: scene.content_hash(), settings: settings.hash() };
+    let key = StoreKey { scene: scene.content_hash(), settings: settings.hash()? };
     let earlier = store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key))?;
     let report = build_with(&scene, &mut receivers, &plan, &earlier)?;
     if let Some(store) = &store {
@@ -175,7 +175,7 @@ pub fn build_with(
     let mut writer = plan.writer(&archive::Job {
         scene: scene.content_hash(),
         receivers: receivers.content_hash(),
-        settings: plan.settings.hash(),
+        settings: plan.settings.hash()?,
     })?;
     let tracer = Tracer::new(&scene.mesh)?;
     let job = Job {

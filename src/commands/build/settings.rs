@@ -171,8 +171,8 @@ impl BuildSettings {
     }
 
     /// Names the settings: builds with other ones have other hashes.
-    pub(super) fn hash(&self) -> [u8; 32] {
-        *blake3::hash(format!("{:?}", self.stated()).as_bytes()).as_bytes()
+    pub(super) fn hash(&self) -> Result<[u8; 32]> {
+        self.stated().hash()
     }
 }
 
