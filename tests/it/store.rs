@@ -32,11 +32,16 @@ impl Halves {
     fn build(&self, csv: &str, output: &str, store: Option<&str>) -> (Vec<u8>, f64) {
         let mut command = hague(&self.path(output), &self.path(csv));
         store.map(|store| command.arg("--store").arg(self.path(store)));
-        let output_of = good(&mut command);
-        let said = String::from_utf8_lossy(&output_of.stdout).into_owned();
-        let before = said.split(" Mray").next().and_then(|s| s.rsplit(' ').next()).expect("rays");
-        (fs::read(self.path(output)).expect("an archive"), before.parse().expect("a number"))
+        let rays = mrays(&good(&mut command));
+        (fs::read(self.path(output)).expect("an archive"), rays)
     }
+}
+
+/// Millions of rays that a build says it cast.
+fn mrays(output: &Output) -> f64 {
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let before = said.split(" Mray").next().and_then(|s| s.rsplit(' ').next()).expect("rays");
+    before.parse().expect("a number")
 }
 
 fn good(command: &mut Command) -> Output {
@@ -89,6 +94,42 @@ fn nothing_is_traced_twice() {
     assert!(mended == alone && rays > 0.0, "{rays} Mray");
     let (_, rays) = site.build("b.csv", "healed.helio", Some("store"));
     assert!(rays == 0.0, "the store was not healed: {rays} Mray");
+}
+
+/// An archive of other settings, one of another scene and a file that is none, put into a store under the name of one that fits, are
+/// named and not used, 3 of 3: the build casts all rays and has the bytes of a build alone.
+#[test]
+fn folder_names_are_not_believed() {
+    let site = Halves::new();
+    let (alone, all_rays) = site.build("b.csv", "alone.helio", None);
+    let others = [site.path("settings.helio"), site.path("scene.helio"), site.path("none.helio")];
+    good(hague(&others[0], &site.path("b.csv")).args(["--set", "hit=32"]));
+    let [scene, materials] =
+        ["scene.obj", "materials.toml"].map(|name| fs::read_to_string(data(name)).expect("a scene"));
+    fs::write(site.path("scene.obj"), scene).expect("written");
+    fs::write(site.path("materials.toml"), materials.replacen("diffuse = 0.", "diffuse = 0.0", 1)).expect("written");
+    let mut other = heliotile(&["build"], &[&site.path("scene.obj"), Path::new("-m"), &site.path("materials.toml")]);
+    let settings = ["--set", "sky_fine=256", "--set", "hit=16", "--set", "probe=16"];
+    good(other.arg("-r").arg(site.path("b.csv")).arg("-o").arg(&others[1]).args(settings));
+    fs::write(&others[2], "nothing").expect("written");
+
+    for (other, why) in others.iter().zip(["other settings", "another scene", "not a heliotile archive"]) {
+        let store = site.path("store");
+        site.build("a.csv", "a.helio", Some("store"));
+        let stored = archives(&store);
+        assert_eq!(stored.len(), 1);
+        // A copy: the store holds a link to the archive of this test.
+        fs::remove_file(&stored[0]).expect("removed");
+        fs::copy(other, &stored[0]).expect("copied");
+        let mut command = hague(&site.path("b.helio"), &site.path("b.csv"));
+        let output = good(command.arg("--store").arg(&store));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let name = stored[0].file_name().expect("a name").to_string_lossy().into_owned();
+        assert!(said.contains("is not used: ") && said.contains(&name) && said.contains(why), "{said}");
+        assert!(fs::read(site.path("b.helio")).expect("an archive") == alone, "{why}");
+        assert_eq!(mrays(&output), all_rays, "{why}");
+        fs::remove_dir_all(&store).expect("removed");
+    }
 }
 
 /// Four builds that fill one store at once all succeed with the bytes of a build alone, and leave one archive each content: 2.

@@ -23,6 +23,20 @@ pub struct StoreKey {
     pub settings: [u8; 32],
 }
 
+impl StoreKey {
+    /// What keeps an archive from serving a build, by its own manifest: names of folders can be wrong.
+    fn misfit(&self, archive: &Archive) -> Result<Option<&'static str>> {
+        let manifest = archive.manifest();
+        Ok(if manifest.scene.content_hash != format::hex(&self.scene) {
+            Some("it is of another scene")
+        } else if manifest.settings.hash()? != self.settings {
+            Some("it has other settings")
+        } else {
+            None
+        })
+    }
+}
+
 /// An archive in a store.
 #[derive(Clone, Debug)]
 pub struct Stored {
@@ -44,15 +58,22 @@ pub trait Store {
     fn remove(&self, stored: &Stored) -> Result<()>;
 }
 
-/// Opens what a store has for a build; an archive that cannot be opened is passed over with a warning.
+/// Opens what a store has for a build; an archive that cannot be opened, or is of something else, is passed over with a warning.
 pub fn open_all(store: &dyn Store, key: &StoreKey) -> Result<Vec<Archive>> {
     let mut archives = Vec::new();
     for stored in store.find(key)? {
         // Others may remove it meanwhile, or have damaged it: plain reads, and every block is checked.
-        match Archive::open_with(&stored.path, Access::Read) {
-            Ok(archive) => archives.push(archive),
-            Err(error) => warn(&format!("the store's {} is not used: {error}", stored.path.display())),
-        }
+        let opened =
+            Archive::open_with(&stored.path, Access::Read).and_then(|archive| Ok((key.misfit(&archive)?, archive)));
+        let why = match opened {
+            Ok((None, archive)) => {
+                archives.push(archive);
+                continue;
+            }
+            Ok((Some(misfit), _)) => misfit.to_string(),
+            Err(error) => error.to_string(),
+        };
+        warn(&format!("the store's {} is not used: {why}", stored.path.display()));
     }
     Ok(archives)
 }
