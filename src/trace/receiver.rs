@@ -27,8 +27,6 @@ pub struct HitTrace {
     pub cells: Vec<Option<CellKey>>,
     /// Distance of the nearest surface met, metres.
     pub nearest_m: f64,
-    /// Rays that leave a surface below and go up cross it an odd number of times: true below terrain and inside solids.
-    pub enclosed: bool,
 }
 
 /// A receiver's place and normal relative to the scene origin.
@@ -85,11 +83,12 @@ impl Viewpoint {
             let level = if cells.factor > 0.0 { level_of(size) } else { PRIVATE_LEVEL };
             keys[texel] = Some(cell_of(hit, direction(texel), level, mesh, lifted_position));
         }
-        HitTrace { cells: keys, nearest_m, enclosed: self.enclosed(tracer) }
+        HitTrace { cells: keys, nearest_m }
     }
 
-    /// Majority of three steep rays with an odd number of crossings.
-    fn enclosed(&self, tracer: &Tracer) -> bool {
+    /// Whether this lies below terrain or inside a solid: rays that go up from there cross surfaces an odd number of times, at least
+    /// two of three steep ones.
+    pub fn enclosed(&self, tracer: &Tracer) -> bool {
         let origin = self.origin(tracer);
         let ups = [[0.031, 0.017, 1.0], [-0.023, 0.041, 1.0], [0.011, -0.037, 1.0]];
         ups.into_iter().filter(|&direction| tracer.crossings(Ray { origin, direction }) % 2 == 1).count() >= 2

@@ -188,7 +188,8 @@ fn outputs_never_replace_inputs() {
     assert_eq!(fs::read_to_string(folder.path("conditions.csv")).ok().as_deref(), Some(CONDITIONS));
 }
 
-/// A receiver inside the cube and one that faces a wall from 0.3 mm are named, 2 of 2, and the build goes on.
+/// A receiver inside the cube and one that faces a wall from 0.3 mm are named, 2 of 2, and the build goes on; the first also by
+/// a build that finds all 5 receivers in a store.
 #[test]
 fn misplaced_receivers_are_named() {
     let folder = Folder::new();
@@ -198,6 +199,12 @@ fn misplaced_receivers_are_named() {
     assert_eq!(built.status.code(), Some(0), "{message}");
     assert!(message.contains("inside a solid") && message.contains("buried"), "{message}");
     assert!(message.contains("close (0.30 mm)"), "{message}");
+    let build = "build scene.obj -m materials.toml -r receivers.csv --store store -o stored.helio";
+    folder.run(build);
+    let known = folder.run(build);
+    assert!(stdout(&known).contains(" 0.0 Mray (0 a receiver)"), "{}", stdout(&known));
+    let message = String::from_utf8_lossy(&known.stderr).into_owned();
+    assert!(message.contains("1 of the receivers lie inside a solid") && message.contains("buried"), "{message}");
 }
 
 /// `extract` by list, box and surface, `merge` and `diff` from the command line: the merged file has the bytes of the original,

@@ -6,9 +6,11 @@ use std::process::{Child, Command, Output};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use heliotile::archive::{Archive, Job, Writer, format};
+use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build as build_site};
 use heliotile::hemisphere::{mix, unit};
 
-use crate::scenes::{data, hague};
+use crate::scenes::{data, hague, plan, receiver, scene, site, tiles, tilted, town, v};
 
 /// A quick build of the cut of The Hague with a checkpoint after every batch of blocks.
 fn build(output: &Path, more: &[&str]) -> Command {
@@ -80,4 +82,35 @@ fn stopped_builds_say_how_to_go_on() {
     assert!(!site.exists());
     let fresh = build(&site, &["--fresh"]).output().expect("a build");
     assert!(fresh.status.success() && site.exists() && !log.exists(), "{}", message(fresh));
+}
+
+/// A build that goes on after its first tile was written names the receiver in it that lies inside a block, 1 of 2, and ends with the
+/// bytes of an undisturbed one.
+#[test]
+fn resumed_builds_name_misplaced_receivers() {
+    let scene = scene(&town(), &[0.2, 0.4]);
+    let receivers = [
+        receiver("buried", v(-38.0, -32.0, 3.0), tilted(0.0, 0.0)),
+        receiver("free", v(-28.0, 0.0, 1.0), tilted(0.0, 0.0)),
+    ];
+    let settings = BuildSettings { sky_fine: 256, hit: 16, probe: 16, ..BuildSettings::default() };
+    let (whole, folder) = (site(&scene, &receivers, &settings), tempfile::tempdir().expect("a folder"));
+    let (archive, path) = (Archive::open(&whole.path).expect("an archive"), folder.path().join("site.helio"));
+    let job = Job {
+        scene: scene.content_hash(),
+        receivers: tiles(&receivers, &scene).content_hash(),
+        settings: settings.stated().hash().expect("a hash"),
+    };
+    let mut writer = Writer::create(&path, &job).expect("a writer");
+    for kind in [format::RECEIVERS, format::SKY, format::HIT] {
+        let entry = archive.entries_of(kind)[0];
+        writer.append(archive.copy(&entry).expect("a block")).expect("appended");
+    }
+    writer.keep().expect("a checkpoint");
+    let plan = BuildPlan { start: Start::Resume, ..plan(&settings, &path) };
+    let report = build_site(&scene, &mut tiles(&receivers, &scene), &plan).expect("a build");
+    assert_eq!((report.rays.sky, report.rays.hit), (0, 0));
+    let named: Vec<&String> = report.warnings.iter().filter(|w| w.contains("inside a solid")).collect();
+    assert!(named.len() == 1 && named[0].starts_with("1 of") && named[0].ends_with("buried"), "{:?}", report.warnings);
+    assert!(fs::read(&path).expect("an archive") == fs::read(&whole.path).expect("an archive"));
 }

@@ -4,8 +4,7 @@ use rayon::prelude::*;
 
 use super::known::KnownReceiver;
 use super::{Clock, Job, Rays};
-use crate::archive::tables::Receivers;
-use crate::archive::{Blocks, EncodedBlock, Writer, format};
+use crate::archive::{Blocks, EncodedBlock, Writer, format, tables};
 use crate::commands::pack;
 use crate::commands::progress::bar;
 use crate::error::Result;
@@ -134,7 +133,10 @@ impl Job<'_> {
             let texels = receivers.len() * self.settings.hit * self.settings.hit;
             let hits = HitTile::unpack(hit.bytes(), texels)
                 .ok_or_else(|| hit.corrupt("hits of another shape", "hits of the settings' shape"))?;
-            return Ok(TracedTile { cells: hits.palette, ..TracedTile::default() });
+            let table = tables::Receivers::from_block(&writer.block(format::RECEIVERS, number)?)?;
+            let inside = receivers.iter().zip(&table.sky_view).filter(|(r, view)| self.inside(r, f64::from(**view)));
+            let misplaced = inside.map(|(receiver, _)| Misplaced::Inside(receiver.id.clone())).collect();
+            return Ok(TracedTile { cells: hits.palette, misplaced, ..TracedTile::default() });
         }
         self.trace_tile(number, receivers, centres)
     }
@@ -197,7 +199,7 @@ impl Job<'_> {
 
     /// A receiver that an earlier build traced, as if it had been traced now.
     fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, centres: &Centres) -> Traced {
-        let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY, enclosed: false };
+        let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY };
         let viewer = viewer(&self.viewpoint(receiver), &known.dense, centres);
         Traced { sky: known.sky, hits, viewer, rays: Rays::default() }
     }
@@ -223,15 +225,20 @@ impl Job<'_> {
 
     /// What is wrong with where a receiver lies.
     fn misplaced(&self, receiver: &Receiver, traced: &Traced) -> Option<Misplaced> {
-        let place = receiver.position - self.scene.mesh.origin;
-        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.offset_m(place));
-        if traced.hits.enclosed && traced.viewer.sky_view < BLIND {
+        if self.inside(receiver, traced.viewer.sky_view) {
             return Some(Misplaced::Inside(receiver.id.clone()));
         }
+        let place = receiver.position - self.scene.mesh.origin;
+        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.offset_m(place));
         (nearest_m < 2.0 * offset_m).then(|| Misplaced::Touching(receiver.id.clone(), nearest_m + offset_m))
     }
 
-    fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> Receivers {
+    /// Whether a receiver that sees this share of sky lies inside a solid. Few are blind, so few are asked.
+    fn inside(&self, receiver: &Receiver, sky_view: f64) -> bool {
+        sky_view < BLIND && self.viewpoint(receiver).enclosed(self.tracer)
+    }
+
+    fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> tables::Receivers {
         let reflectors = self.reflectors();
         let texels = self.settings.hit * self.settings.hit;
         let factors: Vec<[f64; 2]> = viewers
@@ -239,7 +246,7 @@ impl Job<'_> {
             .zip(hits.texels.chunks(texels))
             .map(|(viewer, texels)| view_factors(texels, hits, &reflectors, viewer))
             .collect();
-        Receivers {
+        tables::Receivers {
             ids: receivers.iter().map(|r| r.id.clone()).collect(),
             position: receivers.iter().map(|r| r.position.to_array()).collect(),
             normal: receivers.iter().map(|r| r.normal.to_array()).collect(),
