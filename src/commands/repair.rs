@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
-
 use super::build::{BuildPlan, BuildSettings, Start, build_with};
 use super::{Outcome, guard_output, interrupt, say, temporary_folder, warn};
 use crate::archive::{self, Access, Archive, Blocks, format, tables};
@@ -107,12 +105,7 @@ fn check_receivers(archive: &Archive, receivers: &mut ReceiverTiles, path: &Path
         let given = given?;
         let table = Blocks::block(archive, format::RECEIVERS, tile as u32);
         let Ok(table) = table.and_then(|block| tables::Receivers::from_block(&block)) else { continue };
-        let same = given.len() == table.ids.len()
-            && given.iter().enumerate().all(|(row, receiver)| {
-                let (position, normal) = (receiver.position.to_array(), receiver.normal.to_array());
-                receiver.id == table.ids[row] && position == table.position[row] && normal == table.normal[row]
-            });
-        if !same {
+        if given != table.receivers() {
             return wrong(format!("holds other receivers than tile {tile} of the archive"));
         }
     }
@@ -129,15 +122,7 @@ fn receivers_of(archive: &Archive) -> Result<Vec<Receiver>> {
             let what = format!("the receivers of tile {tile} are damaged");
             return Err(Error::input(archive.path(), None, what, "give the receivers file with --receivers"));
         };
-        for row in 0..table.ids.len() {
-            receivers.push(Receiver {
-                id: table.ids[row].clone(),
-                position: DVec3::from(table.position[row]),
-                normal: DVec3::from(table.normal[row]),
-                area: Some(table.area[row]).filter(|area| *area > 0.0),
-                surface: Some(table.surface[row].clone()).filter(|name| !name.is_empty()),
-            });
-        }
+        receivers.extend(table.receivers());
     }
     Ok(receivers)
 }

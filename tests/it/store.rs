@@ -165,13 +165,16 @@ fn builds_share_a_store_at_once() {
 }
 
 /// One damaged block of each of the 8 kinds, one kind at a time, is repaired to the very bytes that were; where receivers are damaged the
-/// receivers file is asked for; another scene and
-/// other receivers are refused; a good archive is left alone.
+/// receivers file is asked for; another scene,
+/// other receivers, and the same ones with one other area or surface are refused; a good archive is left alone.
 #[test]
 fn repair_gives_the_same_bytes() {
     let site = Halves::new();
     let (whole, _) = site.build("a.csv", "a.helio", None);
     let path = site.path("a.helio");
+    let rows = fs::read_to_string(site.path("a.csv")).expect("receivers");
+    fs::write(site.path("area"), rows.replacen("15.027", "15.028", 1)).expect("written");
+    fs::write(site.path("surface"), rows.replacen(",roof\n", ",attic\n", 1)).expect("written");
     let entries: Vec<_> = Archive::open(&path).expect("an archive").entries().to_vec();
     let repair = |more: &[&str]| {
         let mut command =
@@ -191,6 +194,13 @@ fn repair_gives_the_same_bytes() {
         let refused = repair(&["-r", &site.path("b.csv").to_string_lossy()]);
         assert_eq!(refused.status.code(), Some(2), "{name}: other receivers");
         assert!(fs::read(&path).expect("an archive") == bytes, "{name}: a refused repair changed the archive");
+        if kind != format::RECEIVERS {
+            for other in ["area", "surface"] {
+                let refused = repair(&["-r", &site.path(other).to_string_lossy()]);
+                let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+                assert!(said.contains("other receivers than tile 0"), "{name}, {other}: {said}");
+            }
+        }
         let csv = site.path("a.csv");
         let output = repair(&["-r", &csv.to_string_lossy()]);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();

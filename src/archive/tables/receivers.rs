@@ -1,9 +1,11 @@
 //! The receivers of one tile.
 
+use glam::DVec3;
 use rkyv::{Archive, Deserialize, Serialize};
 
 use super::{Flaw, column, is_share, length_in, table};
 use crate::archive::format::{MAX_STRING, MAX_TILE_RECEIVERS, RECEIVERS};
+use crate::scene::receivers::Receiver;
 
 /// Columns of one tile, schema 1; a receiver keeps its row in every block of the tile.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
@@ -29,6 +31,42 @@ pub struct Receivers {
 table!(Receivers, [RECEIVERS]);
 
 impl Receivers {
+    /// The columns of receivers, each with the shares of its hemisphere: sky, ground, obstruction.
+    pub fn new<'a>(rows: impl IntoIterator<Item = (&'a Receiver, [f32; 3])>) -> Self {
+        let mut table = Receivers::default();
+        for (receiver, [sky, ground, obstruction]) in rows {
+            table.ids.push(receiver.id.clone());
+            table.position.push(receiver.position.to_array());
+            table.normal.push(receiver.normal.to_array());
+            table.area.push(receiver.area.unwrap_or(0.0));
+            table.surface.push(receiver.surface.clone().unwrap_or_default());
+            table.sky_view.push(sky);
+            table.ground_view.push(ground);
+            table.obstruction_view.push(obstruction);
+        }
+        table
+    }
+
+    /// The receivers as they were given to [`Receivers::new`].
+    pub fn receivers(&self) -> Vec<Receiver> {
+        let places = self.position.iter().zip(&self.normal);
+        let rest = self.area.iter().zip(&self.surface);
+        let receiver = |((id, (&position, &normal)), (&area, surface)): ((&String, _), (_, &String))| Receiver {
+            id: id.clone(),
+            position: DVec3::from_array(position),
+            normal: DVec3::from_array(normal),
+            area: Some(area).filter(|area| *area > 0.0),
+            surface: Some(surface.clone()).filter(|name| !name.is_empty()),
+        };
+        self.ids.iter().zip(places).zip(rest).map(receiver).collect()
+    }
+
+    /// Their shares: sky, ground, obstruction.
+    pub fn views(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
+        let shares = self.sky_view.iter().zip(&self.ground_view).zip(&self.obstruction_view);
+        shares.map(|((&sky, &ground), &obstruction)| [sky, ground, obstruction])
+    }
+
     /// Number of receivers.
     pub fn rows(&self) -> usize {
         self.ids.len()
@@ -82,6 +120,17 @@ mod tests {
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (256, "1f1296ef4af86e64".to_string()));
         let back = Receivers::from_block(&block(&known().encode(RECEIVERS, 0, 9).unwrap())).unwrap();
         assert_eq!(back, known());
+    }
+
+    /// 2 receivers, one without area and surface, go into columns and come back equal, with their 3 shares.
+    #[test]
+    fn receivers_come_back() {
+        let table = known();
+        let receivers = table.receivers();
+        assert_eq!((receivers[0].area, receivers[0].surface.as_deref()), (None, None));
+        assert_eq!((receivers[1].area, receivers[1].surface.as_deref()), (Some(2.25), Some("wall:1")));
+        assert_eq!(table.views().nth(1), Some([0.25, 0.5, 0.125]));
+        assert_eq!(Receivers::new(receivers.iter().zip(table.views())), table);
     }
 
     /// A value out of range in any of 9 ways is refused on writing and, under right checksums, on reading.

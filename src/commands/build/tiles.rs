@@ -241,21 +241,11 @@ impl Job<'_> {
     fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> tables::Receivers {
         let reflectors = self.reflectors();
         let texels = self.settings.hit * self.settings.hit;
-        let factors: Vec<[f64; 2]> = viewers
-            .iter()
-            .zip(hits.texels.chunks(texels))
-            .map(|(viewer, texels)| view_factors(texels, hits, &reflectors, viewer))
-            .collect();
-        tables::Receivers {
-            ids: receivers.iter().map(|r| r.id.clone()).collect(),
-            position: receivers.iter().map(|r| r.position.to_array()).collect(),
-            normal: receivers.iter().map(|r| r.normal.to_array()).collect(),
-            area: receivers.iter().map(|r| r.area.unwrap_or(0.0)).collect(),
-            surface: receivers.iter().map(|r| r.surface.clone().unwrap_or_default()).collect(),
-            sky_view: viewers.iter().map(|v| v.sky_view as f32).collect(),
-            ground_view: factors.iter().map(|f| f[0] as f32).collect(),
-            obstruction_view: factors.iter().map(|f| f[1] as f32).collect(),
-        }
+        let views = viewers.iter().zip(hits.texels.chunks(texels)).map(|(viewer, texels)| {
+            let [ground, obstruction] = view_factors(texels, hits, &reflectors, viewer);
+            [viewer.sky_view, ground, obstruction].map(|share| share as f32)
+        });
+        tables::Receivers::new(receivers.iter().zip(views))
     }
 }
 

@@ -54,7 +54,8 @@ impl Output {
         (self.receivers, self.tiles) = self.cut("receivers", rows, |number, rows| {
             let hits: Vec<_> = rows.iter().map(|row| row.layers.hits.as_slice()).collect();
             let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
-            Ok(pack::tile(number, &table(rows), &sky, &HitTile::new(&hits))?.into())
+            let table = tables::Receivers::new(rows.iter().map(|row| (&row.receiver, row.views)));
+            Ok(pack::tile(number, &table, &sky, &HitTile::new(&hits))?.into())
         })?;
         Ok(())
     }
@@ -177,18 +178,4 @@ impl Output {
 /// Blocks of an archive whose kinds this release does not know.
 pub fn unknown(archive: &Archive) -> impl Iterator<Item = &format::Entry> {
     archive.entries().iter().filter(|entry| format::schema_of(entry.kind).is_none())
-}
-
-fn table(rows: &[Row<Traced>]) -> tables::Receivers {
-    let view = |i: usize| rows.iter().map(|row| row.views[i]).collect();
-    tables::Receivers {
-        ids: rows.iter().map(|row| row.receiver.id.clone()).collect(),
-        position: rows.iter().map(|row| row.receiver.position.to_array()).collect(),
-        normal: rows.iter().map(|row| row.receiver.normal.to_array()).collect(),
-        area: rows.iter().map(|row| row.receiver.area.unwrap_or(0.0)).collect(),
-        surface: rows.iter().map(|row| row.receiver.surface.clone().unwrap_or_default()).collect(),
-        sky_view: view(0),
-        ground_view: view(1),
-        obstruction_view: view(2),
-    }
 }

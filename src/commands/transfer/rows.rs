@@ -3,7 +3,6 @@
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::archive::{Archive, format, tables};
@@ -139,19 +138,11 @@ impl<'a, L: Layers> Rows<'a, L> {
 fn read_tile<L: Layers>(archive: &Archive, tile: u32) -> Result<Vec<Row<L>>> {
     let table = tables::Receivers::from_block(&archive.block(format::RECEIVERS, tile)?)?;
     let origin = origin(archive.manifest());
-    let layers = L::of_tile(archive, tile, table.ids.len())?;
-    let row = |(i, layers): (usize, L)| {
-        let receiver = Receiver {
-            id: table.ids[i].clone(),
-            position: DVec3::from(table.position[i]),
-            normal: DVec3::from(table.normal[i]),
-            area: Some(table.area[i]).filter(|area| *area != 0.0),
-            surface: Some(&table.surface[i]).filter(|name| !name.is_empty()).cloned(),
-        };
-        let views = [table.sky_view[i], table.ground_view[i], table.obstruction_view[i]];
-        Row { key: morton_key(&receiver, origin), receiver, views, layers }
-    };
-    Ok(layers.into_iter().enumerate().map(row).collect())
+    let layers = L::of_tile(archive, tile, table.rows())?;
+    let rows = table.receivers().into_iter().zip(table.views()).zip(layers);
+    Ok(rows
+        .map(|((receiver, views), layers)| Row { key: morton_key(&receiver, origin), receiver, views, layers })
+        .collect())
 }
 
 impl<L: Layers> Iterator for Rows<'_, L> {
