@@ -30,9 +30,7 @@ impl TileView {
     /// From a tile's `receivers` and `hit` blocks; `origin` of the scene, `side` of the hit texture.
     pub fn new(receivers: &Block, hit: &Block, origin: DVec3, side: usize) -> Result<Self> {
         let table = tables::Receivers::from_block(receivers)?;
-        let texels = table.ids.len().saturating_mul(side * side);
-        let hits = HitTile::unpack(hit.bytes(), texels)
-            .ok_or_else(|| hit.corrupt("hits of another shape", "hits of the manifest's shape"))?;
+        let hits = hits_of(hit, table.rows(), side)?;
         let viewer = |i: usize| {
             let (position, normal) = (DVec3::from(table.position[i]), DVec3::from(table.normal[i]));
             let sky_view = f64::from(table.sky_view[i]);
@@ -139,6 +137,12 @@ fn sky_block(archive: &Archive, tile: u32, rows: usize) -> Result<(Block, Textur
 
 fn other_sky(block: &Block) -> Error {
     block.corrupt("sky bits of another shape", "sky bits of the manifest's shape")
+}
+
+/// The hits in a block of a tile of so many receivers, `side` of the hit texture.
+pub fn hits_of(block: &Block, rows: usize, side: usize) -> Result<HitTile> {
+    HitTile::unpack(block.bytes(), rows.saturating_mul(side * side))
+        .ok_or_else(|| block.corrupt("hits of another shape", "hits of the settings' shape"))
 }
 
 /// The responses that the build derived: its reflectances, all bounces.

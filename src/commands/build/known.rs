@@ -5,13 +5,11 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use crate::archive::manifest::Settings;
 use crate::archive::{Archive, format, tables};
 use crate::layers::bits::BitSquare;
 use crate::layers::cells::Cell;
-use crate::layers::hit::HitTile;
 use crate::layers::sky::SkyTexture;
-use crate::recombine::load::CellSource;
+use crate::recombine::load::{CellSource, hits_of, settings, tile_sky};
 use crate::scene::cells::CellKey;
 use crate::scene::receivers::Receiver;
 
@@ -31,7 +29,8 @@ pub(super) struct Known<'a> {
 
 struct Earlier<'a> {
     archive: &'a Archive,
-    settings: &'a Settings,
+    /// Side of the hit texture.
+    hit: usize,
     /// Tile and row by [`place_hash`].
     receivers: HashMap<u128, (u32, u32)>,
     probes: Option<CellSource<'a>>,
@@ -42,7 +41,7 @@ impl<'a> Known<'a> {
     /// All archives must be of one scene, with a number of materials, and have the same settings.
     pub fn new(archives: &'a [Archive], materials: usize) -> Self {
         let earlier = |archive: &'a Archive| {
-            let settings = &archive.manifest().settings;
+            let settings = settings(archive).ok()?;
             let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
                 let block = archive.block(format::RECEIVERS, tile);
                 let Ok(table) = block.and_then(|block| tables::Receivers::from_block(&block)) else {
@@ -51,15 +50,15 @@ impl<'a> Known<'a> {
                 let hashes = table.position.iter().zip(&table.normal).map(|(p, n)| place_hash(p, n));
                 hashes.zip(0..).map(|(hash, row)| (hash, (tile, row))).collect()
             };
-            Earlier {
+            Some(Earlier {
                 archive,
-                settings,
+                hit: settings.hit as usize,
                 receivers: (0..archive.tiles()).into_par_iter().flat_map_iter(places).collect(),
                 probes: CellSource::probes(archive, settings, materials).ok(),
                 bounces: CellSource::bounces(archive, settings, materials).ok(),
-            }
+            })
         };
-        Known { earlier: archives.iter().map(earlier).collect() }
+        Known { earlier: archives.iter().filter_map(earlier).collect() }
     }
 
     /// Layers of those receivers of a tile that are known, in their order.
@@ -113,11 +112,10 @@ impl<'a> Known<'a> {
 impl Earlier<'_> {
     /// Layers of a tile; `None` if they are damaged.
     fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
-        let (sky, hit) = (self.archive.block(format::SKY, tile).ok()?, self.archive.block(format::HIT, tile).ok()?);
-        let count = sky.items() as usize;
-        let (base, fine) = (self.settings.sky_base as usize, self.settings.sky_fine as usize);
-        let textures = SkyTexture::split(sky.bytes(), count, base, fine)?;
-        let hits = HitTile::unpack(hit.bytes(), count * (self.settings.hit as usize).pow(2))?;
+        let hit = self.archive.block(format::HIT, tile).ok()?;
+        let count = hit.items() as usize;
+        let hits = hits_of(&hit, count, self.hit).ok()?;
+        let textures = tile_sky(self.archive, tile, count).ok()?;
         let layers = textures.into_iter().zip(hits.split(count));
         Some(layers.map(|((sky, dense), hits)| Some(KnownReceiver { sky, dense, hits })).collect())
     }

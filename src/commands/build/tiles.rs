@@ -14,7 +14,7 @@ use crate::layers::hit::HitTile;
 use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
 use crate::recombine::bounces::Depth;
-use crate::recombine::load::{Tables, TileView};
+use crate::recombine::load::{Tables, TileView, hits_of};
 use crate::recombine::responder::Responder;
 use crate::recombine::response::{Viewer, view_factors};
 use crate::recombine::tile::sky_view_factor;
@@ -129,10 +129,7 @@ impl Job<'_> {
     /// A tile that the file holds already, or a traced one.
     fn tile(&self, number: u32, receivers: &[Receiver], centres: &Centres, writer: &Writer) -> Result<TracedTile> {
         if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, number)) {
-            let hit = writer.block(format::HIT, number)?;
-            let texels = receivers.len() * self.settings.hit * self.settings.hit;
-            let hits = HitTile::unpack(hit.bytes(), texels)
-                .ok_or_else(|| hit.corrupt("hits of another shape", "hits of the settings' shape"))?;
+            let hits = hits_of(&writer.block(format::HIT, number)?, receivers.len(), self.settings.hit)?;
             let table = tables::Receivers::from_block(&writer.block(format::RECEIVERS, number)?)?;
             let inside = receivers.iter().zip(&table.sky_view).filter(|(r, view)| self.inside(r, f64::from(**view)));
             let misplaced = inside.map(|(receiver, _)| Misplaced::Inside(receiver.id.clone())).collect();

@@ -8,10 +8,9 @@ use rayon::prelude::*;
 use crate::archive::{Archive, format, tables};
 use crate::error::Result;
 use crate::layers::cells::Cell;
-use crate::layers::hit::HitTile;
 use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
-use crate::recombine::load::{CellSource, cached_responses, origin, settings, tile_sky};
+use crate::recombine::load::{CellSource, cached_responses, hits_of, origin, settings, tile_sky};
 use crate::scene::cells::CellKey;
 use crate::scene::receivers::{Receiver, morton_key};
 
@@ -58,10 +57,7 @@ impl Layers for () {
 impl Layers for Traced {
     fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let sky = tile_sky(archive, tile, receivers)?;
-        let texels = (settings(archive)?.hit as usize).pow(2);
-        let block = archive.block(format::HIT, tile)?;
-        let hits = HitTile::unpack(block.bytes(), texels.saturating_mul(receivers))
-            .ok_or_else(|| block.corrupt("hits of another shape", "hits of the manifest's shape"))?;
+        let hits = hits_of(&archive.block(format::HIT, tile)?, receivers, settings(archive)?.hit as usize)?;
         Ok(sky.into_iter().zip(hits.split(receivers)).map(|((sky, _), hits)| Traced { sky, hits }).collect())
     }
 }
