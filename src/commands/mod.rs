@@ -1,6 +1,7 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
 pub mod build;
+mod copy;
 pub mod inspect;
 mod interrupt;
 mod pack;

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::build::{BuildPlan, BuildSettings, Start, build_with};
+use super::copy::copy_whole;
 use super::{Outcome, guard_output, interrupt, say, temporary_folder, warn};
 use crate::archive::{self, Access, Archive, Blocks, format, tables};
 use crate::cli::RepairArgs;
 use crate::error::{Error, Result};
+use crate::recombine::load::settings;
 use crate::scene::Scene;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
@@ -27,7 +29,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     }
     if report.problems.is_empty() {
         if output != &args.archive {
-            std::fs::copy(&args.archive, output).map_err(Error::io(output, "copy the archive to"))?;
+            copy_whole(&args.archive, output)?;
         }
         say(&format!("{}: nothing to repair\n", args.archive.display()))?;
         return Ok(Outcome::Fine);
@@ -50,9 +52,8 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let mut receivers = match &args.receivers {
         Some(path) => {
             let mut warnings = Vec::new();
-            let receivers = ReceiverTiles::open(path, scene.mesh.origin, folder, budget, &mut warnings)?;
+            let mut receivers = ReceiverTiles::open(path, scene.mesh.origin, folder, budget, &mut warnings)?;
             warnings.iter().for_each(|w| warn(w));
-            let mut receivers = receivers;
             check_receivers(&archive, &mut receivers, path)?;
             receivers
         }
@@ -62,7 +63,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     // Under a name of its own until it is known to be what it was.
     let repaired = with_ending(output, ".repaired");
     let plan = BuildPlan {
-        settings: BuildSettings::of(&archive.manifest().settings),
+        settings: BuildSettings::of(settings(&archive)?),
         output: repaired.clone(),
         memory_bytes: args.memory.0,
         start: Start::Fresh,
@@ -70,7 +71,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     };
     let root = archive.root();
     let done = build_with(&scene, &mut receivers, &plan, &[archive])?;
-    let rays = done.rays.sky + done.rays.hit + done.rays.probe + done.rays.bounce;
+    let rays = done.rays.total();
     if done.root != root {
         let what = "has another root than the archive had: another release wrote that, or receivers were not those of the archive";
         return Err(Error::input(

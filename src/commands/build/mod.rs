@@ -79,6 +79,12 @@ pub struct Rays {
     pub bounce: u64,
 }
 
+impl Rays {
+    pub fn total(&self) -> u64 {
+        self.sky + self.hit + self.probe + self.bounce
+    }
+}
+
 /// What every part of a build works on.
 struct Job<'a> {
     scene: &'a Scene,
@@ -256,7 +262,7 @@ fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> 
 fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
     let counts = &report.counts;
     let total: f64 = report.seconds.iter().map(|s| s.1).sum();
-    let rays = report.rays.sky + report.rays.hit + report.rays.probe + report.rays.bounce;
+    let rays = report.rays.total();
     let each = |x: f64| x / counts.receivers.max(1) as f64;
     let stages: Vec<String> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
     format!(

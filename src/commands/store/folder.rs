@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::{Store, StoreKey, Stored, short};
+use crate::commands::copy::copy_whole;
 use crate::error::{Error, Result};
 
 /// A store in a folder.
@@ -57,13 +58,7 @@ impl Store for Folder {
         if fs::hard_link(archive, &link).is_ok() {
             return fs::rename(&link, &place).map_err(Error::io(&place, "rename a link to"));
         }
-        // Whole or not at all, whoever else adds the same: a name of its own, then the right one.
-        let partial = tempfile::NamedTempFile::new_in(&folder).map_err(Error::io(&folder, "create a file in"))?;
-        let mut from = File::open(archive).map_err(Error::io(archive, "open"))?;
-        io::copy(&mut from, &mut partial.as_file()).map_err(Error::io(&folder, "write a file in"))?;
-        partial.as_file().sync_all().map_err(Error::io(&folder, "sync a file in"))?;
-        partial.persist(&place).map_err(|e| Error::io(&place, "rename a file to")(e.error))?;
-        Ok(())
+        copy_whole(archive, &place)
     }
 
     fn list(&self) -> Result<Vec<Stored>> {
