@@ -18,6 +18,8 @@ pub enum Error {
         what: String,
         hint: String,
     },
+    /// An interrupted build lies where an archive is to be written; what can be done depends on the command.
+    Incomplete { partial: PathBuf, what: String, hint: String },
     /// The operating system refused; `action` is what was tried ("read", "create", "sync", ...).
     Io { path: PathBuf, action: &'static str, source: io::Error },
     /// An archive's bytes are not what was written.
@@ -46,6 +48,14 @@ impl Error {
         Error::Input { file: file.to_path_buf(), line: line.into(), what: what.into(), hint: hint.into() }
     }
 
+    /// What the command that runs offers where an interrupted build lies.
+    pub fn advise(self, advice: &str) -> Self {
+        match self {
+            Error::Incomplete { partial, what, .. } => Error::Incomplete { partial, what, hint: advice.to_string() },
+            other => other,
+        }
+    }
+
     /// For `map_err`: `File::open(p).map_err(Error::io(p, "open"))`.
     pub fn io<'a>(path: &'a Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + 'a {
         move |source| Error::Io { path: path.to_path_buf(), action, source }
@@ -66,6 +76,7 @@ impl fmt::Display for Error {
                 }
                 Ok(())
             }
+            Error::Incomplete { partial, what, hint } => write!(f, "{}: {what}\n  to fix: {hint}", partial.display()),
             Error::Io { path, action, source } => write!(f, "cannot {action} {}: {source}", path.display()),
             Error::Corrupt { path, block, offset, got, expected } => write!(
                 f,

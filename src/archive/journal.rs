@@ -24,6 +24,9 @@ const HEADER_CHECKED: usize = 176;
 /// A batch before its entries and its checksum.
 pub const BATCH_SIZE: usize = 16;
 
+/// What can be done about an interrupted build whatever the command.
+pub(super) const REMOVE: &str = "remove it to start again";
+
 /// What is built, as hashes: only an equal job may go on with an interrupted build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Job {
@@ -232,8 +235,7 @@ impl Found {
         if self.header.program != ours.program {
             what += &format!(" (it is of {}, this is {})", text(&self.header.program), text(&ours.program));
         }
-        let hint = "give the inputs that it was started with, or add --fresh to discard it and start again";
-        Err(Error::input(partial, None, what, hint))
+        Err(Error::Incomplete { partial: partial.to_path_buf(), what, hint: REMOVE.to_string() })
     }
 
     /// The journal, without what does not count. It is written again, the same bytes in the same place: if the run before

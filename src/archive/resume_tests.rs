@@ -90,8 +90,8 @@ fn interrupted_work_is_not_overwritten() {
         let files = || [".partial", ".partial.log"].map(|ending| std::fs::read(beside(&path, ending)).unwrap());
         let before = files();
         let error = Writer::create(&path, &JOB).unwrap_err();
-        assert!(matches!(error, Error::Input { .. }));
-        for part in ["site.helio.partial", "4 blocks", " bytes are done", "--resume", "--fresh"] {
+        assert!(matches!(error, Error::Incomplete { .. }));
+        for part in ["site.helio.partial", "4 blocks", " bytes are done", "remove it to start again"] {
             assert!(error.to_string().contains(part), "`{part}` is not in: {error}");
         }
         assert!(files() == before);
@@ -141,7 +141,7 @@ fn another_job_is_refused_by_name() {
         for result in [Writer::resume(&path, &job), Writer::create(&path, &job)] {
             let message = result.unwrap_err().to_string();
             let listed = format!("differs in: {}", differences.join(", "));
-            assert!(message.contains(&listed) && message.contains("--fresh"), "{message}");
+            assert!(message.contains(&listed) && message.contains("remove it to start again"), "{message}");
             assert_eq!(names.iter().filter(|name| message.contains(**name)).count(), differences.len(), "{message}");
         }
         assert!(std::fs::read(&log).unwrap() == *bytes);

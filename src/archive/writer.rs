@@ -347,7 +347,7 @@ const FAULT: &str = "this is a fault of the program: please report it";
 /// The error of a build that would overwrite an interrupted one.
 fn lies_there(partial: &Path, done: Progress) -> Error {
     let what = format!("is an interrupted build of which {} blocks, {} bytes are done", done.blocks, done.bytes);
-    Error::input(partial, None, what, "add --resume to go on with it, or --fresh to discard it and start again")
+    Error::Incomplete { partial: partial.to_path_buf(), what, hint: journal::REMOVE.to_string() }
 }
 
 impl Drop for Writer {

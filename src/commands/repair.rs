@@ -66,7 +66,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         settings: BuildSettings::of(settings(&archive)?),
         output: repaired.clone(),
         memory_bytes: args.memory.0,
-        start: Start::Fresh,
+        start: Start::GoOn,
         checkpoint_every: std::time::Duration::from_secs(30),
     };
     let root = archive.root();

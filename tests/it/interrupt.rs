@@ -84,6 +84,29 @@ fn stopped_builds_say_how_to_go_on() {
     assert!(fresh.status.success() && site.exists() && !log.exists(), "{}", message(fresh));
 }
 
+/// A build whose files may take 400 kB and no more ends with exit code 2 and says how to go on; with room it goes on to the bytes of
+/// an undisturbed one. `--resume` where nothing lies says that it starts anew.
+#[test]
+fn full_disks_cost_what_follows_the_checkpoint() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (whole, site) = (folder.path().join("whole.helio"), folder.path().join("site.helio"));
+    let anew = build(&whole, &["--resume"]).output().expect("a build");
+    assert!(anew.status.success() && message(anew).contains("no checkpoint to go on from: starting anew"));
+    let expected = fs::read(&whole).expect("an archive");
+    assert!(expected.len() > 800_000, "{}", expected.len());
+    // A shell's limit, in blocks of 512 bytes; without the signal that comes with it, writing fails.
+    let mut limited = Command::new("sh");
+    limited.args(["-c", "trap '' XFSZ; ulimit -f 800; exec \"$0\" \"$@\""]);
+    let full = build(&site, &[]);
+    let stopped = limited.arg(full.get_program()).args(full.get_args()).output().expect("a shell");
+    assert_eq!(stopped.status.code(), Some(2));
+    let said = message(stopped);
+    assert!(said.contains("site.helio.partial: ") && said.contains("with --resume to go on after"), "{said}");
+    let done = build(&site, &["--resume"]).output().expect("a build");
+    assert!(done.status.success(), "{}", message(done));
+    assert!(fs::read(&site).expect("an archive") == expected);
+}
+
 /// A build that goes on after its first tile was written names the receiver in it that lies inside a block, 1 of 2, and ends with the
 /// bytes of an undisturbed one.
 #[test]

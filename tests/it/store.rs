@@ -4,9 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use heliotile::archive::{Archive, format};
+use heliotile::archive::{Archive, Job, Writer, format};
+use heliotile::scene::Scene;
+use heliotile::scene::receivers::read_receivers;
 
-use crate::scenes::{data, hague};
+use crate::scenes::{data, hague, tiles};
 
 /// A scratch folder with the receivers of The Hague in two halves that share a third of them.
 struct Halves(tempfile::TempDir);
@@ -214,4 +216,51 @@ fn repair_gives_the_same_bytes() {
     let other = heliotile(&["repair"], &[&path, &data("scene.obj")]).output().expect("the program");
     assert_eq!(other.status.code(), Some(2));
     assert!(fs::read(&path).expect("an archive") == bytes, "a refused repair changed the archive");
+}
+
+/// A repair that was interrupted after its first tile goes on: the repaired archive has the bytes that were, 3 blocks of them from the
+/// interrupted one. `extract` and `merge`, which have no `--fresh`, do not name it where another build lies: 2 of 2.
+#[test]
+fn repairs_go_on() {
+    let site = Halves::new();
+    let (whole, _) = site.build("a.csv", "a.helio", None);
+    let path = site.path("a.helio");
+    let archive = Archive::open(&path).expect("an archive");
+    let scene = Scene::load(&data("scene.obj"), Some(&data("materials.toml"))).expect("a scene");
+    let receivers = read_receivers(&site.path("a.csv")).expect("receivers");
+    let job = Job {
+        scene: scene.content_hash(),
+        receivers: tiles(&receivers, &scene).content_hash(),
+        settings: archive.manifest().settings.hash().expect("a hash"),
+    };
+    let interrupt = |name: &str| {
+        let mut writer = Writer::create(&site.path(name), &job).expect("a writer");
+        for kind in [format::RECEIVERS, format::SKY, format::HIT] {
+            writer.append(archive.copy(&archive.entries_of(kind)[0]).expect("a block")).expect("appended");
+        }
+        writer.keep().expect("a checkpoint");
+    };
+    for (command, inputs) in [("extract", vec![&path]), ("merge", vec![&path, &path])] {
+        interrupt("other.helio");
+        let mut command = heliotile(&[command], &[]);
+        command.args(inputs).arg("-o").arg(site.path("other.helio"));
+        if command.get_args().next() == Some("extract".as_ref()) {
+            command.args(["--surface", "roof"]);
+        }
+        let said = String::from_utf8_lossy(&command.output().expect("the program").stderr).into_owned();
+        assert!(said.contains("heliotile build --resume") && !said.contains("--fresh"), "{said}");
+        fs::remove_file(site.path("other.helio.partial")).expect("removed");
+    }
+    interrupt("a.helio.repaired");
+    let damaged = archive.entries_of(format::PROBES)[0];
+    let mut bytes = whole.clone();
+    bytes[damaged.offset as usize + 9] ^= 1;
+    // A file of its own: this test has the other one open.
+    fs::remove_file(&path).expect("removed");
+    fs::write(&path, bytes).expect("written");
+    let output =
+        good(&mut heliotile(&["repair"], &[&path, &data("scene.obj"), Path::new("-m"), &data("materials.toml")]));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("going on after 3 blocks"), "{said}");
+    assert!(fs::read(&path).expect("an archive") == whole);
 }

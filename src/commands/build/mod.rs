@@ -3,6 +3,7 @@
 mod cells;
 mod known;
 mod manifest;
+mod plan;
 mod settings;
 mod tiles;
 
@@ -11,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use super::store::{Folder, Store, StoreKey, open_all};
 use super::{Outcome, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
-use crate::archive::{self, Archive, Writer, format};
+use crate::archive::{self, Archive, Manifest, Writer, format};
 use crate::cli::BuildArgs;
 pub use crate::cli::Share;
 use crate::error::{Error, Result};
@@ -22,40 +23,8 @@ use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
 use known::Known;
 pub use manifest::Counts;
+pub use plan::{BuildPlan, Start};
 pub use settings::BuildSettings;
-
-/// What to build.
-#[derive(Clone, Debug)]
-pub struct BuildPlan {
-    pub settings: BuildSettings,
-    pub output: PathBuf,
-    /// Bytes to work in, besides the scene and its tree.
-    pub memory_bytes: u64,
-    pub start: Start,
-    pub checkpoint_every: Duration,
-}
-
-/// What to do where an interrupted build lies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Start {
-    /// Refuse, and say what can be done.
-    #[default]
-    New,
-    Resume,
-    Fresh,
-}
-
-impl BuildPlan {
-    fn writer(&self, job: &archive::Job) -> Result<Writer> {
-        let mut writer = match self.start {
-            Start::New => Writer::create(&self.output, job),
-            Start::Resume => Writer::resume(&self.output, job),
-            Start::Fresh => Writer::create_fresh(&self.output, job),
-        }?;
-        writer.set_checkpoint_every(self.checkpoint_every);
-        Ok(writer)
-    }
-}
 
 /// What a build did.
 #[derive(Clone, Debug)]
@@ -90,6 +59,7 @@ struct Job<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer,
     settings: &'a BuildSettings,
+    start: Start,
     /// Where temporary files go.
     folder: PathBuf,
     /// Bytes to work in, besides the scene.
@@ -111,7 +81,7 @@ impl Job<'_> {
         let (what, hint) = match writer.committed() {
             Some(done) => (
                 format!("the build was stopped after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6),
-                "give the same command with --resume to go on",
+                self.start.again(),
             ),
             None => ("the build was stopped before anything was written".into(), "start it again"),
         };
@@ -177,34 +147,68 @@ pub fn build_with(
     earlier: &[Archive],
 ) -> Result<BuildReport> {
     let mut clock = Clock::default();
-    let folder = temporary_folder(&plan.output);
     let mut writer = plan.writer(&archive::Job {
         scene: scene.content_hash(),
         receivers: receivers.content_hash(),
         settings: plan.settings.hash()?,
     })?;
+    match (plan.start, writer.resumed()) {
+        (_, Some(done)) => warn(&format!("going on after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6)),
+        (Start::Resume, None) => warn("there is no checkpoint to go on from: starting anew"),
+        _ => {}
+    }
+    let traced = trace(scene, receivers, plan, earlier, &mut writer, &mut clock);
+    if matches!(traced, Err(Error::Io { .. })) {
+        // Where another file failed, such as a temporary one, what was written can be kept.
+        let _ = writer.checkpoint();
+    }
+    let kept = writer.committed();
+    let finish = |traced: Traced| {
+        let summary = writer.finish(&traced.manifest)?;
+        clock.lap("finish");
+        let Traced { counts, rays, warnings, .. } = traced;
+        Ok(BuildReport { counts, rays, seconds: clock.laps, bytes: summary.bytes, root: summary.root, warnings })
+    };
+    traced.and_then(finish).map_err(|error| plan.start.kept(error, kept))
+}
+
+/// What an archive holds whose blocks are all written.
+struct Traced {
+    counts: Counts,
+    rays: Rays,
+    warnings: Vec<String>,
+    manifest: Manifest,
+}
+
+/// Writes all blocks that a writer does not have.
+fn trace(
+    scene: &Scene,
+    receivers: &mut ReceiverTiles,
+    plan: &BuildPlan,
+    earlier: &[Archive],
+    writer: &mut Writer,
+    clock: &mut Clock,
+) -> Result<Traced> {
     let tracer = Tracer::new(&scene.mesh)?;
     let job = Job {
         scene,
         tracer: &tracer,
         settings: &plan.settings,
-        folder: folder.to_path_buf(),
+        start: plan.start,
+        folder: temporary_folder(&plan.output).to_path_buf(),
         memory: plan.memory_bytes as usize,
         known: Known::new(earlier, scene.materials.len()),
     };
     clock.lap("tree");
     let farthest = receivers.farthest().and_then(|receiver| far_away(&tracer, scene, receiver));
     let mut warnings: Vec<String> = farthest.into_iter().collect();
-    if let Some(done) = writer.resumed() {
-        warn(&format!("going on after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6));
-    }
     let mut rays = Rays::default();
 
     let mut misplaced = Vec::new();
-    let keys = job.write_receivers(receivers, &mut writer, &mut rays, &mut misplaced)?;
+    let keys = job.write_receivers(receivers, writer, &mut rays, &mut misplaced)?;
     clock.lap("receivers");
-    let probes = job.write_probes(keys, &mut writer, &mut rays)?;
-    let bounce_cells = job.write_bounces(probes.seen, &mut writer, &mut rays)?;
+    let probes = job.write_probes(keys, writer, &mut rays)?;
+    let bounce_cells = job.write_bounces(probes.seen, writer, &mut rays)?;
     clock.lap("cells");
 
     if !writer.has(format::MATERIALS, 0) {
@@ -212,12 +216,10 @@ pub fn build_with(
     }
     let tiles = receivers.tile_count() as u32;
     let counts = Counts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
-    job.write_responses(tiles, &mut writer, &mut clock)?;
+    job.write_responses(tiles, writer, clock)?;
     let manifest = job.manifest(&counts, writer.layers());
     warnings.extend(tiles::warnings(&misplaced));
-    let summary = writer.finish(&manifest)?;
-    clock.lap("finish");
-    Ok(BuildReport { counts, rays, seconds: clock.laps, bytes: summary.bytes, root: summary.root, warnings })
+    Ok(Traced { counts, rays, warnings, manifest })
 }
 
 /// Seconds by stage.

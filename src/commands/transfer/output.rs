@@ -45,7 +45,8 @@ impl Output {
         };
         // It is written in one go, without checkpoints: the job only tells it from an interrupted build.
         let job = Job { scene: hash(b"scene"), receivers: hash(b"receivers"), settings: hash(b"settings") };
-        let writer = Writer::create(path, &job)?;
+        let advice = "finish it with `heliotile build --resume`, remove it, or give the archive another name";
+        let writer = Writer::create(path, &job).map_err(|error| error.advise(advice))?;
         Ok(Output { writer, receivers: 0, tiles: 0, cells: manifest::Counts::default() })
     }
 
