@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, say};
+use super::{Outcome, say, warn};
 use crate::archive::{self, Archive, format};
 use crate::cli::{ArchiveArg, VerifyArgs};
 use crate::error::Result;
@@ -92,5 +92,11 @@ pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
     let (path, bad) = (args.archive.display(), report.problems.len());
     line!(out, "{path}: {} blocks, {} bytes checked, {bad} bad", report.blocks, report.stored_bytes);
     say(&out)?;
+    let trailing = report.trailing_bytes;
+    if trailing > 0 {
+        warn(&format!(
+            "{path}: {trailing} bytes behind the archive's end are ignored and do no harm; `truncate -s -{trailing}` cuts them off"
+        ));
+    }
     Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })
 }

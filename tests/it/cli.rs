@@ -117,7 +117,8 @@ fn both_ways_of_reading_agree() {
     folder.refused("info site.helio --io mmap", &["mmap", "map", "pread"]);
 }
 
-/// `info` names all 7 layers and the counts, `verify` finds nothing in a good archive and the damaged block in a bad one.
+/// `info` names all 7 layers and the counts, `verify` finds nothing in a good archive and the damaged block in a bad one, and warns of
+/// 99 bytes behind the end of one.
 #[test]
 fn info_and_verify() {
     let folder = Folder::new();
@@ -128,6 +129,11 @@ fn info_and_verify() {
     }
     assert_eq!(folder.run("verify site.helio").status.code(), Some(0));
     let mut bytes = fs::read(folder.path("site.helio")).expect("the archive");
+    fs::write(folder.path("long.helio"), [&bytes[..], &[7; 99]].concat()).expect("a writable folder");
+    let verified = folder.run("verify long.helio");
+    let message = String::from_utf8_lossy(&verified.stderr).into_owned();
+    assert_eq!(verified.status.code(), Some(0));
+    assert!(message.contains("long.helio: 99 bytes behind the archive's end are ignored and do no harm"), "{message}");
     bytes[8192 + 10] ^= 1;
     fs::write(folder.path("bad.helio"), &bytes).expect("a writable folder");
     let verified = folder.run("verify bad.helio");
