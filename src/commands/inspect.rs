@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, say, warn};
+use super::{Outcome, counted, say, warn};
 use crate::archive::{self, Archive, format};
 use crate::cli::{ArchiveArg, VerifyArgs};
 use crate::error::Result;
@@ -26,9 +26,9 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
     line!(out, "  root        {}", format::hex(&archive.root()));
     line!(
         out,
-        "  scene       {} triangles, {} materials, hash {}",
-        scene.triangles,
-        scene.materials,
+        "  scene       {}, {}, hash {}",
+        counted(scene.triangles, "triangle"),
+        counted(scene.materials, "material"),
         scene.content_hash
     );
     let [low, high] = scene.bounds_m;
@@ -42,7 +42,8 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
         high[1],
         high[2]
     );
-    line!(out, "  receivers   {} in {} tiles of {}", receivers.count, receivers.tiles, receivers.tile_size);
+    let tiles = counted(receivers.tiles.into(), "tile");
+    line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);
     line!(
         out,
         "  textures    sky {} to {}, hit {}, probe {}, bounce cells sky {} and {} rays",
@@ -90,12 +91,14 @@ pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
         line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);
     }
     let (path, bad) = (args.archive.display(), report.problems.len());
-    line!(out, "{path}: {} blocks, {} bytes checked, {bad} bad", report.blocks, report.stored_bytes);
+    let blocks = counted(report.blocks, "block");
+    line!(out, "{path}: {blocks}, {} bytes checked, {bad} bad", report.stored_bytes);
     say(&out)?;
     let trailing = report.trailing_bytes;
     if trailing > 0 {
         warn(&format!(
-            "{path}: {trailing} bytes behind the archive's end are ignored and do no harm; `truncate -s -{trailing}` cuts them off"
+            "{path}: ignored {} behind the archive's end; harmless, `truncate -s -{trailing}` cuts off what is too much",
+            counted(trailing, "byte")
         ));
     }
     Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })

@@ -80,6 +80,11 @@ fn same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
+/// A number of things: "1 tile", "2 tiles".
+fn counted(count: u64, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Writes text to standard output; a reader that went away is no error.
 fn say(text: &str) -> Result<()> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {

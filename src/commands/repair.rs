@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::build::{BuildPlan, BuildSettings, Start, build_with};
 use super::copy::copy_whole;
-use super::{Outcome, guard_output, interrupt, say, temporary_folder, warn};
+use super::{Outcome, counted, guard_output, interrupt, say, temporary_folder, warn};
 use crate::archive::{self, Access, Archive, Blocks, format, tables};
 use crate::cli::RepairArgs;
 use crate::error::{Error, Result};
@@ -82,8 +82,8 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         ));
     }
     std::fs::rename(&repaired, output).map_err(Error::io(output, "rename the repaired archive to"))?;
-    let bad = report.problems.len();
-    say(&format!("{}: {bad} problems repaired with {rays} rays, root as before\n", output.display()))?;
+    let bad = counted(report.problems.len() as u64, "problem");
+    say(&format!("{}: {bad} repaired with {}, root as before\n", output.display(), counted(rays, "ray")))?;
     Ok(Outcome::Fine)
 }
 

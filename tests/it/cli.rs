@@ -124,7 +124,7 @@ fn info_and_verify() {
     let folder = Folder::new();
     folder.build();
     let info = stdout(&folder.run("info site.helio"));
-    for part in ["receivers", "sky", "hit", "response", "probes", "bounce", "materials", "3 in 1 tiles"] {
+    for part in ["receivers", "sky", "hit", "response", "probes", "bounce", "materials", "3 in 1 tile of"] {
         assert!(info.contains(part), "{part}: {info}");
     }
     assert_eq!(folder.run("verify site.helio").status.code(), Some(0));
@@ -133,7 +133,7 @@ fn info_and_verify() {
     let verified = folder.run("verify long.helio");
     let message = String::from_utf8_lossy(&verified.stderr).into_owned();
     assert_eq!(verified.status.code(), Some(0));
-    assert!(message.contains("long.helio: 99 bytes behind the archive's end are ignored and do no harm"), "{message}");
+    assert!(message.contains("long.helio: ignored 99 bytes behind the archive's end; harmless"), "{message}");
     bytes[8192 + 10] ^= 1;
     fs::write(folder.path("bad.helio"), &bytes).expect("a writable folder");
     let verified = folder.run("verify bad.helio");
@@ -210,7 +210,7 @@ fn misplaced_receivers_are_named() {
     let known = folder.run(build);
     assert!(stdout(&known).contains(" 0.0 Mray (0 a receiver)"), "{}", stdout(&known));
     let message = String::from_utf8_lossy(&known.stderr).into_owned();
-    assert!(message.contains("1 of the receivers lie inside a solid") && message.contains("buried"), "{message}");
+    assert!(message.contains("1 receiver lies inside a solid") && message.contains("buried"), "{message}");
 }
 
 /// `extract` by list, box and surface, `merge` and `diff` from the command line: the merged file has the bytes of the original,
@@ -227,7 +227,7 @@ fn parts_of_a_site() {
         assert_eq!(output.status.code(), Some(0), "{rest}: {}", String::from_utf8_lossy(&output.stderr));
         stdout(&output)
     };
-    assert!(extract("--receivers few.csv -o few.helio").contains("few.helio: 2 of 3 receivers in 1 tiles"));
+    assert!(extract("--receivers few.csv -o few.helio").contains("few.helio: 2 of 3 receivers in 1 tile,"));
     extract("--surface front -o front.helio");
     for (select, count) in
         [("--bbox 4,-1,6,6", 2), ("--bbox -10,-10,20,20,3,5", 1), ("--bbox 15,5,15,5", 1), ("--surface top garden", 2)]
@@ -236,7 +236,7 @@ fn parts_of_a_site() {
     }
     let merged = stdout(&folder.run("merge few.helio front.helio -o merged.helio"));
     assert!(
-        merged.contains("3 receivers in 1 tiles") && merged.contains("2 of few.helio, 1 of front.helio, 0 of both")
+        merged.contains("3 receivers in 1 tile,") && merged.contains("2 of few.helio, 1 of front.helio, 0 of both")
     );
     let bytes = |name: &str| fs::read(folder.path(name)).expect("an archive");
     assert!(bytes("merged.helio") == bytes("site.helio"));

@@ -134,6 +134,10 @@ fn resumed_builds_name_misplaced_receivers() {
     let report = build_site(&scene, &mut tiles(&receivers, &scene), &plan).expect("a build");
     assert_eq!((report.rays.sky, report.rays.hit), (0, 0));
     let named: Vec<&String> = report.warnings.iter().filter(|w| w.contains("inside a solid")).collect();
-    assert!(named.len() == 1 && named[0].starts_with("1 of") && named[0].ends_with("buried"), "{:?}", report.warnings);
+    assert!(
+        named.len() == 1 && named[0].starts_with("1 receiver lies") && named[0].ends_with("buried"),
+        "{:?}",
+        report.warnings
+    );
     assert!(fs::read(&path).expect("an archive") == fs::read(&whole.path).expect("an archive"));
 }

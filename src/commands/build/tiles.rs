@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::known::KnownReceiver;
 use super::{Clock, Job, Rays};
 use crate::archive::{Blocks, EncodedBlock, Writer, format, tables};
-use crate::commands::pack;
 use crate::commands::progress::bar;
+use crate::commands::{counted, pack};
 use crate::error::Result;
 use crate::hemisphere::Centres;
 use crate::layers::bits::BitSquare;
@@ -61,14 +61,23 @@ pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
             Misplaced::Touching(id, metres) => touching.push(format!("{id} ({:.2} mm)", metres * 1e3)),
         }
     }
-    let say = |list: Vec<String>, what: &str| {
+    let say = |list: Vec<String>, one: &str, many: &str| {
         let shown = list.len().min(MOST_NAMES);
         let rest = if list.len() > shown { format!(" and {} more", list.len() - shown) } else { String::new() };
-        (shown > 0).then(|| format!("{} of the receivers {what}: {}{rest}", list.len(), list[..shown].join(", ")))
+        let (count, what) = (counted(list.len() as u64, "receiver"), if list.len() == 1 { one } else { many });
+        (shown > 0).then(|| format!("{count} {what}: {}{rest}", list[..shown].join(", ")))
     };
     [
-        say(inside, "lie inside a solid or below the terrain and see no sky"),
-        say(touching, "have a surface right in front of them, are they on its right side?"),
+        say(
+            inside,
+            "lies inside a solid or below the terrain and sees no sky",
+            "lie inside a solid or below the terrain and see no sky",
+        ),
+        say(
+            touching,
+            "has a surface right in front of it, is it on its right side?",
+            "have a surface right in front of them, are they on its right side?",
+        ),
     ]
     .into_iter()
     .flatten()

@@ -9,7 +9,7 @@ mod folder;
 use std::path::PathBuf;
 use std::time::SystemTime;
 
-use super::{Outcome, say, warn};
+use super::{Outcome, counted, say, warn};
 use crate::archive::{self, Access, Archive, format};
 use crate::cli::{StoreArgs, StoreCommand};
 use crate::error::Result;
@@ -118,7 +118,8 @@ fn collect(store: &dyn Store, keep: u64) -> Result<Outcome> {
         total -= stored.bytes;
         removed += 1;
     }
-    say(&format!("{removed} of {} archives removed, {} of {before} bytes\n", all.len(), before - total))?;
+    let all = counted(all.len() as u64, "archive");
+    say(&format!("{removed} of {all} removed, {} of {before} bytes\n", before - total))?;
     Ok(Outcome::Fine)
 }
 
@@ -137,7 +138,7 @@ fn verify(store: &dyn Store) -> Result<Outcome> {
         bad += 1;
         text += &format!("{}: {found}\n", stored.path.display());
     }
-    say(&format!("{text}{} archives checked, {bad} bad\n", all.len()))?;
+    say(&format!("{text}{} checked, {bad} bad\n", counted(all.len() as u64, "archive")))?;
     Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })
 }
 

@@ -6,7 +6,7 @@ use super::rows::{Rows, Traced, cells};
 use super::selection::Selection;
 use crate::archive::{Archive, format};
 use crate::cli::ExtractArgs;
-use crate::commands::{Outcome, guard_archive, guard_output, say, temporary_folder};
+use crate::commands::{Outcome, counted, guard_archive, guard_output, say, temporary_folder};
 use crate::error::Result;
 use crate::layers::response::Response;
 use crate::recombine::load::Tables;
@@ -16,9 +16,10 @@ pub fn run(args: &ExtractArgs) -> Result<Outcome> {
     let extracted = extract(args)?;
     let Written { receivers, tiles, cells, summary } = &extracted.written;
     say(&format!(
-        "{}: {receivers} of {} receivers in {tiles} tiles, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
+        "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
         args.output.display(),
         extracted.of.receivers,
+        counted(u64::from(*tiles), "tile"),
         cells.probes,
         extracted.of.probes,
         cells.bounce_cells,

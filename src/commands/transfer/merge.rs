@@ -8,7 +8,7 @@ use super::rows::{Layers, Row, Rows, Traced, cells};
 use super::union::{Side, union};
 use crate::archive::{Archive, Manifest, format};
 use crate::cli::MergeArgs;
-use crate::commands::{Outcome, guard_archive, guard_output, say, temporary_folder};
+use crate::commands::{Outcome, counted, guard_archive, guard_output, say, temporary_folder};
 use crate::error::{Error, Result};
 use crate::layers::cells::Cell;
 use crate::layers::response::Response;
@@ -23,9 +23,10 @@ pub fn run(args: &MergeArgs) -> Result<Outcome> {
     let merged = merge(args)?;
     let Written { receivers, tiles, cells, summary } = &merged.written;
     say(&format!(
-        "{}: {receivers} receivers in {tiles} tiles, {} probes, {} bounce cells, {:.2} MB\n  {} of {}, {} of {}, {} of both\n  \
+        "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} of {}, {} of {}, {} of both\n  \
          root {}\n",
         args.output.display(),
+        counted(u64::from(*tiles), "tile"),
         cells.probes,
         cells.bounce_cells,
         summary.bytes as f64 / 1e6,
