@@ -59,7 +59,7 @@ pub struct BuildArgs {
     #[arg(long)]
     pub resume: bool,
     /// Seconds between checkpoints: what a crash costs at most
-    #[arg(long, value_name = "SECONDS", default_value_t = 30)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = parse_seconds)]
     pub checkpoint: u32,
     /// Start anew where an interrupted build lies
     #[arg(long, conflicts_with = "resume")]
@@ -90,17 +90,25 @@ impl FromStr for Bytes {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+        let hint = "give a number and MiB, GiB, MB or GB, as in 512MiB";
         let unit = match &text[digits.len()..] {
             "GiB" | "G" => 1 << 30,
             "MiB" | "M" => 1 << 20,
             "GB" => 1_000_000_000,
             "MB" => 1_000_000,
-            _ => return Err("give a number and a unit: MiB, GiB, MB or GB".into()),
+            "" => return Err(format!("there is no unit: {hint}")),
+            other => return Err(format!("`{other}` is not a unit: {hint}")),
         };
-        let number: f64 = digits.trim().parse().map_err(|_| format!("`{digits}` is not a number"))?;
-        // `as` saturates, and takes what is not a number to 0.
+        let number = digits.trim().parse::<f64>().ok().filter(|number| *number >= 0.0);
+        let number = number.ok_or_else(|| format!("`{digits}` is not a number of bytes: {hint}"))?;
+        // `as` saturates.
         Ok(Bytes((number * unit as f64) as u64))
     }
+}
+
+fn parse_seconds(text: &str) -> Result<u32, String> {
+    text.parse()
+        .map_err(|_| "give whole seconds from 0 (a checkpoint whenever something is written) to 4294967295".into())
 }
 
 fn parse_memory(text: &str) -> Result<Bytes, String> {
