@@ -1,5 +1,6 @@
 //! A store in a folder: `FOLDER/SCENE/SETTINGS/ROOT.helio`, each name 32 digits of a hash.
 
+use std::ffi::OsStr;
 use std::fs::{self, File, FileTimes};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -16,11 +17,15 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// A folder that exists.
+    /// A folder that is a store: an empty one, or one with a folder of a scene.
     pub fn open(path: &Path) -> Result<Self> {
+        let refuse = |what: &str| Err(Error::input(path, None, what, "name a folder that `build --store` made"));
         if !path.is_dir() {
-            let hint = "name a folder that `build --store` made";
-            return Err(Error::input(path, None, "is not a folder", hint));
+            return refuse("is not a folder");
+        }
+        let entries = entries(path)?;
+        if !entries.is_empty() && !entries.iter().any(|entry| is_name(&entry.file_name()) && entry.path().is_dir()) {
+            return refuse("is no store");
         }
         Ok(Folder { path: path.to_path_buf() })
     }
@@ -28,7 +33,7 @@ impl Folder {
     /// A folder that is made if it is not there.
     pub fn create(path: &Path) -> Result<Self> {
         fs::create_dir_all(path).map_err(Error::io(path, "create the folder"))?;
-        Folder::open(path)
+        Ok(Folder { path: path.to_path_buf() })
     }
 
     fn of(&self, key: &StoreKey) -> PathBuf {
@@ -75,6 +80,11 @@ impl Store for Folder {
     fn remove(&self, stored: &Stored) -> Result<()> {
         fs::remove_file(&stored.path).map_err(Error::io(&stored.path, "remove"))
     }
+}
+
+/// Whether this is the name of a hash, as [`short`] makes it.
+fn is_name(name: &OsStr) -> bool {
+    name.to_str().is_some_and(|name| name.len() == 32 && name.bytes().all(|b| b.is_ascii_hexdigit()))
 }
 
 /// Entries of a folder; none if it is not there.
