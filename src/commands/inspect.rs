@@ -46,20 +46,21 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
     line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);
     line!(
         out,
-        "  textures    sky {} to {}, hit {}, probe {}, bounce cells sky {} and {} rays",
+        "  settings    sky_base={} sky_fine={} hit={} cell_factor={} cell_floor_m={} probe={} probe_hits={}",
         s.sky_base,
         s.sky_fine,
         s.hit,
+        s.cell_factor,
+        s.cell_floor_m,
         s.probe,
-        s.bounce_sky,
-        s.bounce_hits
+        s.probe_hits
     );
     line!(
         out,
-        "  cells       {} x footprint, at least {} m; bounce cells {} m; shared by {}",
-        s.cell_factor,
-        s.cell_floor_m,
+        "              closed_m={} bounce_sky={} bounce_hits={}; probes shared by {}",
         s.closed_m,
+        s.bounce_sky,
+        s.bounce_hits,
         s.share
     );
     line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);

@@ -117,13 +117,18 @@ fn both_ways_of_reading_agree() {
     folder.refused("info site.helio --io mmap", &["mmap", "map", "pread"]);
 }
 
-/// `info` names all 7 layers and the counts, `verify` finds nothing in a good archive and the damaged block in a bad one, and warns of
+/// `info` names all 7 layers, the counts and the 10 settings as `--set` takes them, `verify` finds nothing in a good archive and the damaged block in a bad one, and warns of
 /// 99 bytes behind the end of one.
 #[test]
 fn info_and_verify() {
     let folder = Folder::new();
     folder.build();
     let info = stdout(&folder.run("info site.helio"));
+    let unknown = folder.run("build scene.obj -m materials.toml -r receivers.csv -o x.helio --set sky=1");
+    let message = String::from_utf8_lossy(&unknown.stderr).into_owned();
+    let names: Vec<&str> = message.split("set one of ").nth(1).expect("names").trim().split(", ").collect();
+    assert_eq!(names.len(), 10);
+    assert!(names.iter().all(|name| info.contains(&format!(" {name}="))), "{names:?}: {info}");
     for part in ["receivers", "sky", "hit", "response", "probes", "bounce", "materials", "3 in 1 tile of"] {
         assert!(info.contains(part), "{part}: {info}");
     }
@@ -140,6 +145,25 @@ fn info_and_verify() {
     assert_eq!(verified.status.code(), Some(1));
     assert!(stdout(&verified).contains("receivers/0"), "{}", stdout(&verified));
     folder.refused("query bad.helio --conditions conditions.csv", &["bad.helio", "receivers/0", "verify"]);
+}
+
+/// 7 wrong options of a build, and a folder that is no store, are refused with what is allowed.
+#[test]
+fn wrong_options() {
+    let folder = Folder::new();
+    let build = "build scene.obj -m materials.toml -r receivers.csv -o site.helio";
+    for seconds in ["0.5", "-1", "soon"] {
+        folder.refused(&format!("{build} --checkpoint={seconds}"), &["--checkpoint", seconds, "whole seconds from 0"]);
+    }
+    for (memory, found) in
+        [("512", "no unit"), ("1KiB", "`KiB` is not a unit"), ("1.2.3MiB", "not a number"), ("-1GB", "`-1`")]
+    {
+        folder.refused(&format!("{build} --memory={memory}"), &["--memory", found, "MiB, GiB, MB or GB, as in 512MiB"]);
+    }
+    for command in ["ls", "verify", "gc --keep 1GiB"] {
+        folder.refused(&format!("store {command} ."), &["is no store", "build --store"]);
+    }
+    assert!(!folder.path("site.helio").exists());
 }
 
 /// 17 wrong inputs: each ends with exit code 2 and a message that names the file, the place and what was found.
