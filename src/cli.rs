@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::archive::Access;
 use crate::outputs::periods::Every;
+use crate::recombine::components::ComponentList;
 use crate::recombine::sky::SkyModel;
 
 /// Trace the sun and sky of a site once, replay any weather.
@@ -133,6 +134,9 @@ pub struct RecombineArgs {
     /// Table to write: .csv, .parquet, or - for CSV on standard output
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
+    /// Columns to write, in this order, such as total,sun_direct [default: the six components and their total]
+    #[arg(long, value_name = "NAMES")]
+    pub columns: Option<ComponentList>,
     /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
     #[arg(long, default_value = "perez")]
     pub sky: SkyModel,

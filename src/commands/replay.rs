@@ -8,9 +8,11 @@ use super::{Outcome, guard_output, warn};
 use crate::archive::{Access, Archive};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::error::Result;
+use crate::outputs::layout::{Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
-use crate::outputs::table::{Columns, TableWriter};
+use crate::outputs::table::{Format, TableWriter};
 use crate::recombine::bins::Bins;
+use crate::recombine::components::ComponentList;
 use crate::recombine::conditions::{Condition, read_conditions};
 use crate::recombine::epw::read_epw;
 use crate::recombine::replay::{Replay, ReplaySettings};
@@ -21,7 +23,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     let file = read_conditions(&args.conditions)?;
     file.warnings.iter().for_each(|w| warn(w));
     let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
-    run(&args.common, &file.conditions, Columns::Conditions, &labels, &Bins::each(labels.len()))
+    run(&args.common, &file.conditions, Labels::Conditions, &labels, &Bins::each(labels.len()))
 }
 
 /// `heliotile replay`.
@@ -33,8 +35,8 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let periods = Periods::new(args.every, &stamped);
     match args.every {
-        Every::Hour => run(&args.common, &conditions, Columns::Times, &periods.labels, &Bins::each(conditions.len())),
-        _ => run(&args.common, &conditions, Columns::Sums, &periods.labels, &periods.bins()),
+        Every::Hour => run(&args.common, &conditions, Labels::Times, &periods.labels, &Bins::each(conditions.len())),
+        _ => run(&args.common, &conditions, Labels::Sums, &periods.labels, &periods.bins()),
     }
 }
 
@@ -52,15 +54,23 @@ fn access(args: &RecombineArgs) -> Access {
 fn run(
     args: &RecombineArgs,
     conditions: &[Condition],
-    columns: Columns,
+    kind: Labels,
     labels: &[String],
     bins: &Bins,
 ) -> Result<Outcome> {
+    // Before anything is computed.
+    Format::of(&args.output)?;
     let archive = Archive::open_with(&args.archive, access(args))?;
-    let settings =
-        ReplaySettings { sky: args.sky, patches: args.patches, depth: args.bounces, memory_bytes: args.memory.0 };
+    let layout = Layout { labels: kind, components: args.columns.clone().unwrap_or_else(ComponentList::all) };
+    let settings = ReplaySettings {
+        sky: args.sky,
+        patches: args.patches,
+        depth: args.bounces,
+        components: layout.components.set(),
+        memory_bytes: args.memory.0,
+    };
     let replay = Replay::summed(&archive, conditions, settings, bins)?;
-    let mut table = TableWriter::create(&args.output, columns, labels)?;
+    let mut table = TableWriter::create(&args.output, &layout, labels)?;
     let progress = bar("tiles", Some(u64::from(replay.tiles())));
     // As many tiles in memory as there are cores.
     let step = rayon::current_num_threads() as u32;

@@ -1,13 +1,15 @@
 //! Tables as CSV (RFC 4180, LF line ends). W/m2 with three decimals, kWh/m2 with six significant digits, exact zeros as `0`.
 
 use std::io::Write;
-use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::layout::{Labels, Layout};
 use super::sink::Sink;
-use super::table::{COMPONENTS, Columns, TileValues};
+use super::table::Table;
 use crate::error::{Error, Result};
+use crate::recombine::components::ComponentList;
+use crate::recombine::values::TileValues;
 
 /// Receivers formatted before a write: bounds the memory of a tile's text to a few 10 MB.
 const RECEIVERS_AT_ONCE: usize = 16;
@@ -17,26 +19,47 @@ pub struct CsvTable {
     sink: Sink,
     /// Quoted where needed.
     labels: Vec<String>,
+    components: ComponentList,
     number: fn(&mut Vec<u8>, f32),
 }
 
 impl CsvTable {
-    pub fn new(mut sink: Sink, kind: Columns, labels: &[String]) -> Result<Self> {
-        let header = kind.names().join(",") + "\n";
+    pub fn new(mut sink: Sink, layout: &Layout, labels: &[String]) -> Result<Self> {
+        let header = layout.names().join(",") + "\n";
         if let Err(error) = sink.write_all(header.as_bytes()) {
             return Err(Error::io(sink.path(), "write to")(error));
         }
         Ok(CsvTable {
             sink,
             labels: labels.iter().map(|l| quoted(l)).collect(),
-            number: match kind {
-                Columns::Sums => six_digits,
-                Columns::Conditions | Columns::Times => three_decimals,
+            components: layout.components.clone(),
+            number: match layout.labels {
+                Labels::Sums => six_digits,
+                Labels::Conditions | Labels::Times => three_decimals,
             },
         })
     }
 
-    pub fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+    fn rows_of(&self, name: &str, receiver: usize, values: &TileValues) -> Vec<u8> {
+        let columns: Vec<&[f32]> =
+            self.components.as_slice().iter().map(|c| values.row(*c as usize, receiver)).collect();
+        let mut text = Vec::with_capacity(self.labels.len() * (name.len() + 64));
+        for (i, label) in self.labels.iter().enumerate() {
+            text.extend_from_slice(label.as_bytes());
+            text.push(b',');
+            text.extend_from_slice(name.as_bytes());
+            for column in &columns {
+                text.push(b',');
+                (self.number)(&mut text, column.get(i).copied().unwrap_or(0.0));
+            }
+            text.push(b'\n');
+        }
+        text
+    }
+}
+
+impl Table for CsvTable {
+    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
         for (chunk, names) in receivers.chunks(RECEIVERS_AT_ONCE).enumerate() {
             let texts: Vec<Vec<u8>> = names
                 .par_iter()
@@ -52,31 +75,11 @@ impl CsvTable {
         Ok(())
     }
 
-    fn rows_of(&self, name: &str, receiver: usize, values: &TileValues) -> Vec<u8> {
-        let columns: [&[f32]; COMPONENTS.len()] = std::array::from_fn(|c| values.row(c, receiver));
-        let mut text = Vec::with_capacity(self.labels.len() * (name.len() + 64));
-        for (i, label) in self.labels.iter().enumerate() {
-            text.extend_from_slice(label.as_bytes());
-            text.push(b',');
-            text.extend_from_slice(name.as_bytes());
-            for column in columns {
-                text.push(b',');
-                (self.number)(&mut text, column.get(i).copied().unwrap_or(0.0));
-            }
-            text.push(b'\n');
-        }
-        text
-    }
-
-    pub fn path(&self) -> &Path {
-        self.sink.path()
-    }
-
-    pub fn is_closed(&self) -> bool {
+    fn is_closed(&self) -> bool {
         self.sink.is_closed()
     }
 
-    pub fn finish(self) -> Result<u64> {
+    fn finish(self: Box<Self>) -> Result<u64> {
         self.sink.finish()
     }
 }

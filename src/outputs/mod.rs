@@ -4,6 +4,7 @@
 //! there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy sums.
 
 mod csv;
+pub mod layout;
 mod parquet;
 pub mod periods;
 pub mod sink;

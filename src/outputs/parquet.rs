@@ -17,9 +17,12 @@ use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedW
 use parquet::schema::types::{ColumnDescPtr, ColumnPath, Type};
 use rayon::prelude::*;
 
+use super::layout::Layout;
 use super::sink::Sink;
-use super::table::{COMPONENTS, Columns, TileValues};
+use super::table::Table;
 use crate::error::{Error, Result};
+use crate::recombine::components::ComponentList;
+use crate::recombine::values::TileValues;
 
 /// Dictionaries up to this size stay dictionaries: labels of a year of minutes are 10 MB.
 const DICTIONARY_BYTES: usize = 32 << 20;
@@ -41,17 +44,17 @@ pub struct ParquetTable {
     columns: Vec<ColumnDescPtr>,
     properties: WriterPropertiesPtr,
     labels: Vec<ByteArray>,
+    components: ComponentList,
     /// The label column of the last tile, and its number of receivers.
     label_chunk: Option<(usize, Chunk)>,
     path: std::path::PathBuf,
 }
 
 impl ParquetTable {
-    pub fn new(sink: Sink, kind: Columns, labels: &[String]) -> Result<Self> {
+    pub fn new(sink: Sink, layout: &Layout, labels: &[String]) -> Result<Self> {
         let path = sink.path().to_path_buf();
         let fail = |e: ParquetError| failed(&path, e);
-        let names = kind.names();
-        let (schema, properties) = layout(&names, kind).map_err(fail)?;
+        let (schema, properties) = schema(layout).map_err(fail)?;
         let properties = Arc::new(properties);
         let writer = SerializedFileWriter::new(sink, schema, properties.clone()).map_err(fail)?;
         let columns = writer.schema_descr().columns().to_vec();
@@ -60,46 +63,10 @@ impl ParquetTable {
             columns,
             properties,
             labels: labels.iter().map(|l| ByteArray::from(l.as_str())).collect(),
+            components: layout.components.clone(),
             label_chunk: None,
             path,
         })
-    }
-
-    pub fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
-        let path = self.path.clone();
-        let chunks: Vec<Chunk> = self
-            .columns
-            .par_iter()
-            .enumerate()
-            .map(|(i, column)| match (i, &self.label_chunk) {
-                (0, Some((count, chunk))) if *count == receivers.len() => Ok(chunk.clone()),
-                (0, _) => {
-                    let repeated = receivers.iter().map(|_| self.labels.as_slice());
-                    self.encode(column, repeated, write_strings)
-                }
-                (1, _) => {
-                    let names = receivers.iter().map(|r| ByteArray::from(r.as_str()));
-                    let repeated = names.map(|name| vec![name; self.labels.len()]);
-                    self.encode(column, repeated, |writer, names| write_strings(writer, &names))
-                }
-                _ => {
-                    let parts = std::iter::once(values.component(i - 2));
-                    self.encode(column, parts, write_floats)
-                }
-            })
-            .collect::<std::result::Result<_, ParquetError>>()
-            .map_err(|e| failed(&path, e))?;
-        if let Some(first) = chunks.first() {
-            self.label_chunk = Some((receivers.len(), first.clone()));
-        }
-        let append = |writer: &mut SerializedFileWriter<Sink>| {
-            let mut group = writer.next_row_group()?;
-            for Chunk { bytes, close } in chunks {
-                group.append_column(&bytes, close)?;
-            }
-            group.close().map(|_| ())
-        };
-        append(&mut self.writer).map_err(|e| failed(&path, e))
     }
 
     /// Encodes a column, given in parts, into memory.
@@ -121,12 +88,48 @@ impl ParquetTable {
         let bytes = Bytes::from(buffer.into_inner()?);
         Ok(Chunk { bytes, close })
     }
+}
 
-    pub fn path(&self) -> &Path {
-        &self.path
+impl Table for ParquetTable {
+    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+        let path = self.path.clone();
+        let chunks: Vec<Chunk> = self
+            .columns
+            .par_iter()
+            .enumerate()
+            .map(|(i, column)| match (i, &self.label_chunk) {
+                (0, Some((count, chunk))) if *count == receivers.len() => Ok(chunk.clone()),
+                (0, _) => {
+                    let repeated = receivers.iter().map(|_| self.labels.as_slice());
+                    self.encode(column, repeated, write_strings)
+                }
+                (1, _) => {
+                    let names = receivers.iter().map(|r| ByteArray::from(r.as_str()));
+                    let repeated = names.map(|name| vec![name; self.labels.len()]);
+                    self.encode(column, repeated, |writer, names| write_strings(writer, &names))
+                }
+                _ => {
+                    let component = self.components.as_slice().get(i - 2);
+                    let parts = component.map(|c| values.component(*c as usize)).into_iter();
+                    self.encode(column, parts, write_floats)
+                }
+            })
+            .collect::<std::result::Result<_, ParquetError>>()
+            .map_err(|e| failed(&path, e))?;
+        if let Some(first) = chunks.first() {
+            self.label_chunk = Some((receivers.len(), first.clone()));
+        }
+        let append = |writer: &mut SerializedFileWriter<Sink>| {
+            let mut group = writer.next_row_group()?;
+            for Chunk { bytes, close } in chunks {
+                group.append_column(&bytes, close)?;
+            }
+            group.close().map(|_| ())
+        };
+        append(&mut self.writer).map_err(|e| failed(&path, e))
     }
 
-    pub fn finish(self) -> Result<u64> {
+    fn finish(self: Box<Self>) -> Result<u64> {
         // Writes the footer.
         let sink = self.writer.into_inner().map_err(|e| failed(&self.path, e))?;
         sink.finish()
@@ -148,9 +151,10 @@ fn write_floats(writer: &mut ColumnWriter<'_>, values: &[f32]) -> std::result::R
 }
 
 /// Schema and settings. Units stand in the key-value metadata as `unit.COLUMN`.
-fn layout(names: &[String], kind: Columns) -> std::result::Result<(Arc<Type>, WriterProperties), ParquetError> {
+fn schema(layout: &Layout) -> std::result::Result<(Arc<Type>, WriterProperties), ParquetError> {
+    let names = layout.names();
     let mut fields = Vec::with_capacity(names.len());
-    let mut units = Vec::with_capacity(COMPONENTS.len());
+    let mut units = Vec::with_capacity(names.len());
     let mut properties = WriterProperties::builder()
         .set_created_by(concat!("heliotile ", env!("CARGO_PKG_VERSION")).to_string())
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(1)?))
@@ -167,7 +171,7 @@ fn layout(names: &[String], kind: Columns) -> std::result::Result<(Arc<Type>, Wr
             properties = properties
                 .set_column_dictionary_enabled(column.clone(), FLOAT_DICTIONARY)
                 .set_column_encoding(column, FLOAT_ENCODING);
-            units.push(KeyValue::new(format!("unit.{name}"), kind.unit().to_string()));
+            units.push(KeyValue::new(format!("unit.{name}"), layout.unit().to_string()));
             Type::primitive_type_builder(name, PhysicalType::FLOAT)
         };
         fields.push(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?));

@@ -1,4 +1,4 @@
-//! The one row model of all results: a label, a receiver, six components and their total.
+//! The one row model of all results: a label, a receiver, components.
 //!
 //! In: tiles of values, `[component][receiver][label]`, f32. Out: rows, receiver-major inside a tile (all labels of receiver
 //! 0, then of receiver 1), as CSV or Parquet by the ending of the file's name.
@@ -6,48 +6,11 @@
 use std::path::Path;
 
 use super::csv::CsvTable;
+use super::layout::Layout;
 use super::parquet::ParquetTable;
 use super::sink::Sink;
 use crate::error::{Error, Result};
-pub use crate::recombine::values::{COMPONENTS, TileValues};
-
-/// Ending of the value columns of period sums.
-pub const SUM_SUFFIX: &str = "_kwh_m2";
-
-/// What the rows of a table are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Columns {
-    /// `condition`, means in W/m2.
-    Conditions,
-    /// `time`, means in W/m2.
-    Times,
-    /// `time` (a period), sums in kWh/m2.
-    Sums,
-}
-
-impl Columns {
-    /// Names of the nine columns.
-    pub fn names(self) -> Vec<String> {
-        let label = match self {
-            Columns::Conditions => "condition",
-            Columns::Times | Columns::Sums => "time",
-        };
-        let suffix = match self {
-            Columns::Sums => SUM_SUFFIX,
-            _ => "",
-        };
-        let values = COMPONENTS.iter().map(|name| format!("{name}{suffix}"));
-        [label.to_string(), "receiver".to_string()].into_iter().chain(values).collect()
-    }
-
-    /// Unit of the value columns.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Columns::Sums => "kWh/m2",
-            _ => "W/m2",
-        }
-    }
-}
+use crate::recombine::values::TileValues;
 
 /// What was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,41 +19,61 @@ pub struct Stats {
     pub bytes: u64,
 }
 
+/// The file format of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    Csv,
+    Parquet,
+}
+
+impl Format {
+    /// `-` is CSV on the standard output, otherwise the ending of the name says it.
+    pub fn of(path: &Path) -> Result<Self> {
+        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        match ending.as_deref() {
+            _ if path == Path::new("-") => Ok(Format::Csv),
+            Some("csv") => Ok(Format::Csv),
+            Some("parquet") => Ok(Format::Parquet),
+            _ => Err(Error::Unsupported {
+                what: "ending of the output file".into(),
+                found: format!("`{}`", path.display()),
+                supported: ".csv and .parquet (or - for CSV on the standard output)".into(),
+            }),
+        }
+    }
+}
+
+/// What each format does.
+pub(super) trait Table {
+    /// Appends the rows of a tile of the right shape, which is not empty.
+    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()>;
+
+    /// Whether nobody reads any more.
+    fn is_closed(&self) -> bool {
+        false
+    }
+
+    /// Completes the table and gives its size in bytes.
+    fn finish(self: Box<Self>) -> Result<u64>;
+}
+
 /// A table being written.
 pub struct TableWriter {
-    format: Format,
+    table: Box<dyn Table>,
+    path: std::path::PathBuf,
     labels: usize,
     rows: u64,
 }
 
-enum Format {
-    Csv(CsvTable),
-    Parquet(Box<ParquetTable>),
-}
-
 impl TableWriter {
-    /// Starts a table: `-` is CSV on the standard output, otherwise the ending says `.csv` or `.parquet`.
-    pub fn create(path: &Path, kind: Columns, labels: &[String]) -> Result<Self> {
-        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        let format = if path == Path::new("-") {
-            Format::Csv(CsvTable::new(Sink::stdout(), kind, labels)?)
-        } else {
-            match ending.as_deref() {
-                Some("csv") => Format::Csv(CsvTable::new(Sink::file(path)?, kind, labels)?),
-                Some("parquet") => {
-                    let table = ParquetTable::new(Sink::file(path)?, kind, labels)?;
-                    Format::Parquet(Box::new(table))
-                }
-                _ => {
-                    return Err(Error::Unsupported {
-                        what: "ending of the output file".into(),
-                        found: format!("`{}`", path.display()),
-                        supported: ".csv and .parquet (or - for CSV on the standard output)".into(),
-                    });
-                }
-            }
+    /// Starts a table in the format that the name says.
+    pub fn create(path: &Path, layout: &Layout, labels: &[String]) -> Result<Self> {
+        let sink = || if path == Path::new("-") { Ok(Sink::stdout()) } else { Sink::file(path) };
+        let table: Box<dyn Table> = match Format::of(path)? {
+            Format::Csv => Box::new(CsvTable::new(sink()?, layout, labels)?),
+            Format::Parquet => Box::new(ParquetTable::new(sink()?, layout, labels)?),
         };
-        Ok(TableWriter { format, labels: labels.len(), rows: 0 })
+        Ok(TableWriter { table, path: path.to_path_buf(), labels: labels.len(), rows: 0 })
     }
 
     /// Appends the rows of a tile; a shape other than receivers x labels is an error, nothing is written then.
@@ -103,40 +86,24 @@ impl TableWriter {
                 receivers.len(),
                 self.labels
             );
-            return Err(Error::input(self.path(), None, what, "this is a defect, report it"));
+            return Err(Error::input(&self.path, None, what, "this is a defect, report it"));
         }
         if receivers.is_empty() || self.labels == 0 || self.is_closed() {
             return Ok(());
         }
-        match &mut self.format {
-            Format::Csv(table) => table.write_tile(receivers, values)?,
-            Format::Parquet(table) => table.write_tile(receivers, values)?,
-        }
+        self.table.write_tile(receivers, values)?;
         self.rows += (receivers.len() * self.labels) as u64;
         Ok(())
     }
 
     /// Whether nobody reads any more: the caller may stop.
     pub fn is_closed(&self) -> bool {
-        match &self.format {
-            Format::Csv(table) => table.is_closed(),
-            Format::Parquet(_) => false,
-        }
-    }
-
-    fn path(&self) -> &Path {
-        match &self.format {
-            Format::Csv(table) => table.path(),
-            Format::Parquet(table) => table.path(),
-        }
+        self.table.is_closed()
     }
 
     /// Completes the table; only now does its file appear.
     pub fn finish(self) -> Result<Stats> {
-        let bytes = match self.format {
-            Format::Csv(table) => table.finish()?,
-            Format::Parquet(table) => table.finish()?,
-        };
+        let bytes = self.table.finish()?;
         Ok(Stats { rows: self.rows, bytes })
     }
 }

@@ -1,8 +1,15 @@
 //! Tests of [`super`].
 
 use super::*;
+use crate::outputs::layout::Labels;
+use crate::recombine::components::ComponentList;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
+
+/// All columns.
+fn all(labels: Labels) -> Layout {
+    Layout { labels, components: ComponentList::all() }
+}
 
 fn names(prefix: &str, count: usize) -> Vec<String> {
     (0..count).map(|i| format!("{prefix}{i}")).collect()
@@ -40,7 +47,7 @@ fn csv_round_trip() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("t.csv");
     let labels = names("l,", 30);
-    let mut writer = TableWriter::create(&path, Columns::Conditions, &labels).expect("created");
+    let mut writer = TableWriter::create(&path, &all(Labels::Conditions), &labels).expect("created");
     writer.write_tile(&names("r", 3), &tile(0, 3, 30)).expect("written");
     writer.write_tile(&names("s", 2), &tile(3, 2, 30)).expect("written");
     let stats = writer.finish().expect("finished");
@@ -71,7 +78,7 @@ fn parquet_round_trip() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("t.parquet");
     let labels = names("2019-01-", 48);
-    let mut writer = TableWriter::create(&path, Columns::Sums, &labels).expect("created");
+    let mut writer = TableWriter::create(&path, &all(Labels::Sums), &labels).expect("created");
     let receivers = names("r", 10);
     for (first, count) in [(0, 4), (4, 4), (8, 2)] {
         let part = &receivers[first..first + count];
@@ -106,14 +113,14 @@ fn parquet_round_trip() {
 fn refusals_and_empty_tables() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["t.xlsx", "t", ".csv"] {
-        let error = TableWriter::create(&folder.path().join(name), Columns::Times, &[]).err();
+        let error = TableWriter::create(&folder.path().join(name), &all(Labels::Times), &[]).err();
         let text = error.map(|e| e.to_string()).unwrap_or_default();
         assert!(text.contains(".csv and .parquet"), "{text}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
     for name in ["t.csv", "t.PARQUET"] {
         let path = folder.path().join(name);
-        let mut writer = TableWriter::create(&path, Columns::Times, &names("t", 2)).expect("created");
+        let mut writer = TableWriter::create(&path, &all(Labels::Times), &names("t", 2)).expect("created");
         assert!(writer.write_tile(&names("r", 2), &tile(0, 2, 3)).is_err());
         assert!(writer.write_tile(&names("r", 3), &tile(0, 2, 2)).is_err());
         writer.write_tile(&[], &tile(0, 0, 2)).expect("nothing to write");
@@ -134,7 +141,7 @@ fn year_of_rows() {
         let path = folder.path().join(format!("t.{ending}"));
         let tiles: Vec<_> = (0..count.div_ceil(64)).map(|t| tile(t * 64, count.min(64), 8760)).collect();
         let start = std::time::Instant::now();
-        let mut writer = TableWriter::create(&path, Columns::Times, &labels).expect("created");
+        let mut writer = TableWriter::create(&path, &all(Labels::Times), &labels).expect("created");
         for tile in &tiles {
             writer.write_tile(&names("receiver_", count.min(64)), tile).expect("written");
         }

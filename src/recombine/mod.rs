@@ -6,6 +6,7 @@ pub mod bins;
 pub mod bounces;
 pub mod calendar;
 pub mod closure;
+pub mod components;
 pub mod conditions;
 pub mod disc;
 pub mod epw;

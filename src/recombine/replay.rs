@@ -1,11 +1,10 @@
 //! A replay: an archive under a series of conditions, tile by tile. It reads and multiplies; it cannot cast a ray.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use super::bins::Bins;
 use super::bounces::Depth;
+use super::components::ComponentSet;
 use super::conditions::Condition;
 use super::load::{Tables, cached_responses, sides, tile_layers, tile_view};
 use super::patches::Patches;
@@ -25,6 +24,8 @@ pub struct ReplaySettings {
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
     pub depth: Depth,
+    /// What results hold; components that nothing here needs may stay zero.
+    pub components: ComponentSet,
     /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
     pub memory_bytes: u64,
 }
@@ -86,15 +87,16 @@ impl<'a> Replay<'a> {
     }
 
     /// Results of some tiles, all in memory at once.
-    pub fn run(&self, tiles: Range<u32>) -> Result<Vec<TileResult>> {
+    pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
+        let tiles: Vec<u32> = tiles.into_iter().collect();
         let responses: Vec<Vec<Vec<Response>>> = match &self.responder {
             None => {
                 let cached = |tile| Ok(vec![cached_responses(self.archive, tile)?]);
-                tiles.clone().into_par_iter().map(cached).collect::<Result<_>>()?
+                tiles.par_iter().copied().map(cached).collect::<Result<_>>()?
             }
             Some((tables, responder)) => {
                 let view = |tile| tile_view(self.archive, tile);
-                responder.derive(tables, &tiles.clone().into_par_iter().map(view).collect::<Result<Vec<_>>>()?)?
+                responder.derive(tables, &tiles.par_iter().copied().map(view).collect::<Result<Vec<_>>>()?)?
             }
         };
         let result = |(tile, responses): (u32, Vec<Vec<Response>>)| {

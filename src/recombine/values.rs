@@ -1,10 +1,8 @@
 //! Irradiance of a tile of receivers: the six components and their total, as recombination gives and outputs take them.
 
-/// Value columns, in the order of [`TileValues`]; W/m2 means. Sums add [`SUM_SUFFIX`].
-pub const COMPONENTS: [&str; 7] =
-    ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular", "total"];
+use super::components::Component;
 
-/// Values of one tile: `[component][receiver][label]`, row-major, components as in [`COMPONENTS`].
+/// Values of one tile: `[component][receiver][label]`, row-major, components as in [`Component::ALL`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileValues {
     values: Vec<f32>,
@@ -15,7 +13,7 @@ pub struct TileValues {
 impl TileValues {
     /// Zeros for a number of receivers and labels.
     pub fn new(receivers: usize, labels: usize) -> Self {
-        TileValues { values: vec![0.0; COMPONENTS.len() * receivers * labels], receivers, labels }
+        TileValues { values: vec![0.0; Component::ALL.len() * receivers * labels], receivers, labels }
     }
 
     /// `[receiver][label]` of a component; empty for one that does not exist.
@@ -40,6 +38,18 @@ impl TileValues {
     pub fn row_mut(&mut self, component: usize, receiver: usize) -> &mut [f32] {
         let range = receiver * self.labels..(receiver + 1) * self.labels;
         self.component_mut(component).get_mut(range).unwrap_or_default()
+    }
+
+    /// The values of some receivers: those for which `kept` is true.
+    pub fn select(&self, kept: &[bool]) -> TileValues {
+        let rows: Vec<usize> = (0..self.receivers).filter(|row| kept.get(*row) == Some(&true)).collect();
+        let mut out = TileValues::new(rows.len(), self.labels);
+        for component in 0..Component::ALL.len() {
+            for (to, &from) in rows.iter().enumerate() {
+                out.row_mut(component, to).copy_from_slice(self.row(component, from));
+            }
+        }
+        out
     }
 
     pub fn receivers(&self) -> usize {

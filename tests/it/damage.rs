@@ -9,6 +9,7 @@ use heliotile::archive::{Access, Archive};
 use heliotile::commands::build::BuildSettings;
 use heliotile::error::Error;
 use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
 use rayon::prelude::*;
@@ -42,7 +43,13 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
     }
     let mut answers = Vec::new();
     for depth in [Depth::All, Depth::Count(2)] {
-        let settings = ReplaySettings { sky: SkyModel::Uniform, patches: 145, depth, memory_bytes: 1 << 26 };
+        let settings = ReplaySettings {
+            sky: SkyModel::Uniform,
+            patches: 145,
+            depth,
+            components: ComponentSet::ALL,
+            memory_bytes: 1 << 26,
+        };
         let replay = Replay::new(&archive, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
         for (ids, values) in replay.run(0..replay.tiles())? {
             for row in 0..ids.len() {

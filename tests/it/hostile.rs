@@ -8,6 +8,7 @@ use heliotile::archive::manifest::Settings;
 use heliotile::archive::{Archive, Job, Writer, encode, format};
 use heliotile::commands::build::BuildSettings;
 use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
 
@@ -111,7 +112,13 @@ fn lying_settings_are_refused() {
         change(&mut manifest.settings);
         writer.finish(&manifest).expect("finished");
         let copy = Archive::open(&path).expect("a copy");
-        let settings = ReplaySettings { sky: SkyModel::Perez, patches: 145, depth, memory_bytes: 1 << 28 };
+        let settings = ReplaySettings {
+            sky: SkyModel::Perez,
+            patches: 145,
+            depth,
+            components: ComponentSet::ALL,
+            memory_bytes: 1 << 28,
+        };
         let replay = Replay::new(&copy, &[sun(90.0, 60.0, 800.0, 100.0)], settings);
         replay.and_then(|replay| replay.run(0..1).map(drop)).err().map_or(String::new(), |error| error.to_string())
     };

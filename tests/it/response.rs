@@ -8,6 +8,7 @@ use heliotile::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
 use heliotile::layers::cells::Cells;
 use heliotile::recombine::bins::Bins;
 use heliotile::recombine::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
+use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::load::{CellSource, Tables, TileView, tile_view};
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::responder::Responder;
@@ -240,7 +241,13 @@ fn sums_are_the_sums_of_hours() {
             sun(i * 137.5, 70.0 * (i * 0.618).fract() - 5.0, 900.0 * (i * 0.37).fract(), 300.0 * (i * 0.73).fract())
         })
         .collect();
-    let settings = ReplaySettings { sky: SkyModel::Perez, patches: 577, depth: Depth::All, memory_bytes: 1 << 28 };
+    let settings = ReplaySettings {
+        sky: SkyModel::Perez,
+        patches: 577,
+        depth: Depth::All,
+        components: ComponentSet::ALL,
+        memory_bytes: 1 << 28,
+    };
     let weight = |i: usize| 0.5 + 0.01 * i as f64;
     let bins = Bins { count: 5, of_condition: (0..200).map(|i| (i * 7 % 5, weight(i))).collect() };
     let run = |replay: Replay| replay.run(0..1).expect("a tile").remove(0).1;

@@ -9,6 +9,7 @@ use glam::DVec3;
 use heliotile::archive::Archive;
 use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
 use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::conditions::Condition;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
@@ -206,7 +207,7 @@ pub fn replay(
     patches: usize,
 ) -> BTreeMap<String, Vec<Row>> {
     let archive = Archive::open(path).expect("an archive");
-    let settings = ReplaySettings { sky, patches, depth, memory_bytes: 1 << 30 };
+    let settings = ReplaySettings { sky, patches, depth, components: ComponentSet::ALL, memory_bytes: 1 << 30 };
     let replay = Replay::new(&archive, conditions, settings).expect("a replay");
     let mut rows = BTreeMap::new();
     for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {

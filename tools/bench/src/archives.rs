@@ -6,6 +6,7 @@ use std::time::Instant;
 use heliotile::archive::format::{self, kind_name};
 use heliotile::archive::{Access, Archive, Job, Manifest, Writer, encode};
 use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::conditions::read_conditions;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
@@ -47,7 +48,13 @@ pub fn open(blocks: u32) {
 pub fn query(archive: &Path, conditions: &Path) {
     let conditions = read_conditions(conditions).expect("conditions").conditions;
     let archive = Archive::open_with(archive, Access::Mapped).expect("an archive");
-    let settings = ReplaySettings { sky: SkyModel::Perez, patches: 577, depth: Depth::All, memory_bytes: 1 << 30 };
+    let settings = ReplaySettings {
+        sky: SkyModel::Perez,
+        patches: 577,
+        depth: Depth::All,
+        components: ComponentSet::ALL,
+        memory_bytes: 1 << 30,
+    };
     let whole = median_ms(|| {
         let replay = Replay::new(&archive, &conditions, settings).expect("a replay");
         replay.run(0..replay.tiles()).expect("results");

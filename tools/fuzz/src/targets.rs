@@ -9,6 +9,7 @@ use heliotile::archive::tables::{Cells, Index, Materials, Receivers};
 use heliotile::archive::{Access, Archive, Block, Job, Manifest, Writer, encode, manifest, verify};
 use heliotile::layers::{hit::HitTile, response, sky::SkyTexture};
 use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::conditions::read_conditions;
 use heliotile::recombine::epw::read_epw;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
@@ -111,7 +112,13 @@ fn read_all(path: &Path) {
     let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
     let conditions = read_conditions(&file("conditions.csv", sunny)).expect("a condition").conditions;
     for depth in [Depth::All, Depth::Count(1)] {
-        let settings = ReplaySettings { sky: SkyModel::Perez, patches: 145, depth, memory_bytes: 1 << 27 };
+        let settings = ReplaySettings {
+            sky: SkyModel::Perez,
+            patches: 145,
+            depth,
+            components: ComponentSet::ALL,
+            memory_bytes: 1 << 27,
+        };
         let Ok(replay) = Replay::new(&archive, &conditions, settings) else { continue };
         let _ = replay.run(0..replay.tiles().min(2));
     }

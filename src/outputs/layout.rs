@@ -1,0 +1,76 @@
+//! The columns of a table: a label, a receiver, and the components that are asked for, with their unit.
+
+use crate::recombine::components::{Component, ComponentList, SUM_SUFFIX};
+
+/// What the labels of a table are, and with them the unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Labels {
+    /// `condition`, means in W/m2.
+    Conditions,
+    /// `time`, means in W/m2.
+    Times,
+    /// `time` (a period), sums in kWh/m2.
+    Sums,
+}
+
+/// The columns of a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layout {
+    pub labels: Labels,
+    pub components: ComponentList,
+}
+
+impl Layout {
+    /// Name of the first column.
+    pub fn label(&self) -> &'static str {
+        match self.labels {
+            Labels::Conditions => "condition",
+            Labels::Times | Labels::Sums => "time",
+        }
+    }
+
+    /// Name of the second column.
+    pub fn place(&self) -> &'static str {
+        "receiver"
+    }
+
+    pub fn components(&self) -> &[Component] {
+        self.components.as_slice()
+    }
+
+    /// Names of the value columns.
+    pub fn values(&self) -> Vec<String> {
+        let suffix = if self.labels == Labels::Sums { SUM_SUFFIX } else { "" };
+        self.components().iter().map(|component| format!("{}{suffix}", component.name())).collect()
+    }
+
+    /// Names of all columns.
+    pub fn names(&self) -> Vec<String> {
+        [self.label().to_string(), self.place().to_string()].into_iter().chain(self.values()).collect()
+    }
+
+    /// Unit of the value columns.
+    pub fn unit(&self) -> &'static str {
+        match self.labels {
+            Labels::Sums => "kWh/m2",
+            Labels::Conditions | Labels::Times => "W/m2",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All columns of a query are the 9 of the contract; two columns of sums come in the order asked, with their unit's ending.
+    #[test]
+    fn names() {
+        let all = Layout { labels: Labels::Conditions, components: ComponentList::all() };
+        let expected =
+            "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total";
+        assert_eq!((all.names().join(",").as_str(), all.unit()), (expected, "W/m2"));
+        let two = Layout { labels: Labels::Sums, components: "total,sky_direct".parse().expect("names") };
+        assert_eq!(two.names(), ["time", "receiver", "total_kwh_m2", "sky_direct_kwh_m2"]);
+        assert_eq!(two.unit(), "kWh/m2");
+    }
+}
