@@ -10,6 +10,7 @@ use crate::archive::Access;
 use crate::outputs::periods::Every;
 use crate::recombine::components::ComponentList;
 use crate::recombine::sky::SkyModel;
+use crate::recombine::span::Moment;
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]
@@ -170,9 +171,15 @@ pub struct ReplayArgs {
     /// Weather file, EPW
     #[arg(long, short)]
     pub weather: PathBuf,
-    /// Rows: hourly means in W/m2, or sums over a day, month or year in kWh/m2
+    /// Rows: means in W/m2, or sums in kWh/m2
     #[arg(long, value_enum, default_value_t = Every::Hour)]
     pub every: Every,
+    /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or a time, 03-01T06:00
+    #[arg(long, value_name = "DAY")]
+    pub from: Option<Moment>,
+    /// Last day that counts, the whole of it; before --from it is that of the next year: --from 11-01 --to 02-28
+    #[arg(long, value_name = "DAY")]
+    pub to: Option<Moment>,
     /// Sun positions within each interval of the weather file
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=60))]
     pub steps: u16,

@@ -16,6 +16,8 @@ use crate::recombine::components::ComponentList;
 use crate::recombine::conditions::{Condition, read_conditions};
 use crate::recombine::epw::read_epw;
 use crate::recombine::replay::{Replay, ReplaySettings};
+use crate::recombine::span::Span;
+use crate::recombine::years::Years;
 
 /// `heliotile query`.
 pub fn query(args: &QueryArgs) -> Result<Outcome> {
@@ -31,9 +33,15 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     guard(&args.common, &args.weather)?;
     let weather = read_epw(&args.weather)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
-    let conditions = weather.conditions(usize::from(args.steps));
+    let chosen = Span::new(args.from, args.to)?.rows_of(&weather, &args.weather)?;
+    // Labels are those of the whole file, whatever part of it is taken.
+    let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
+    let conditions: Vec<Condition> = {
+        let all = weather.conditions(usize::from(args.steps)).into_iter();
+        all.zip(chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
+    };
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
-    let periods = Periods::new(args.every, &stamped);
+    let periods = Periods::new(args.every, years, &stamped);
     match args.every {
         Every::Hour => run(&args.common, &conditions, Labels::Times, &periods.labels, &Bins::each(conditions.len())),
         _ => run(&args.common, &conditions, Labels::Sums, &periods.labels, &periods.bins()),

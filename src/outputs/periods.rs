@@ -6,6 +6,7 @@ use std::str::FromStr;
 use crate::error::Error;
 use crate::recombine::bins::Bins;
 use crate::recombine::conditions::Stamp;
+use crate::recombine::years::Years;
 use crate::units::kwh_from_w;
 
 /// What a row of a replay's results stands for.
@@ -14,10 +15,12 @@ pub enum Every {
     /// One row per interval of the weather file: means, W/m2.
     #[default]
     Hour,
-    /// Sums, kWh/m2, like the two below.
+    /// Sums, kWh/m2, like the three below.
     Day,
     Month,
     Year,
+    /// One sum over all rows that are taken.
+    Total,
 }
 
 impl FromStr for Every {
@@ -29,10 +32,11 @@ impl FromStr for Every {
             "day" => Ok(Every::Day),
             "month" => Ok(Every::Month),
             "year" => Ok(Every::Year),
+            "total" => Ok(Every::Total),
             _ => Err(Error::Unsupported {
                 what: "period of the results".into(),
                 found: format!("`{text}`"),
-                supported: "hour, day, month and year".into(),
+                supported: "hour, day, month, year and total".into(),
             }),
         }
     }
@@ -49,15 +53,10 @@ pub struct Periods {
 }
 
 impl Periods {
-    /// Groups conditions, given with their labels. Days are labelled `MM-DD`, months `MM`, the year `year`: a typical year's
-    /// months come from different years. If all rows share one year, or some month occurs in two years (so that the series is
-    /// really several years long), the years are named: `YYYY-MM-DD`, `YYYY-MM`, `YYYY`.
-    pub fn new(every: Every, conditions: &[(String, Stamp)]) -> Self {
-        let dates = || conditions.iter().map(|(_, stamp)| stamp.date);
-        let mut year_of_month = HashMap::new();
-        let one_year = dates().all(|d| dates().next().is_some_and(|first| first.year == d.year));
-        let several = !dates().all(|d| *year_of_month.entry(d.month).or_insert(d.year) == d.year);
-        let named = one_year || several;
+    /// Groups conditions, given with their labels. In a typical year days are labelled `MM-DD`, months `MM`, the year `year`;
+    /// where the years of the file matter they are named: `YYYY-MM-DD`, `YYYY-MM`, `YYYY`. `total` is one period.
+    pub fn new(every: Every, years: Years, conditions: &[(String, Stamp)]) -> Self {
+        let named = years.matter();
         let mut place_of: HashMap<String, usize> = HashMap::new();
         let mut periods = Periods {
             labels: Vec::new(),
@@ -73,6 +72,7 @@ impl Periods {
                 Every::Month => format!("{year}{month:02}"),
                 Every::Year if named => format!("{:04}", date.year),
                 Every::Year => "year".to_string(),
+                Every::Total => "total".to_string(),
             };
             let next = periods.labels.len();
             let place = if every == Every::Hour {
@@ -113,46 +113,63 @@ mod tests {
             .collect()
     }
 
-    /// Two days of one year give 2 days, 2 months and 1 year, all with the year in the label.
+    fn periods(every: Every, series: &[(String, Stamp)]) -> Periods {
+        Periods::new(every, Years::of(series.iter().map(|(_, stamp)| stamp.date)), series)
+    }
+
+    /// Two days of one year give 2 days, 2 months, 1 year and 1 total, the first three with the year in the label.
     #[test]
     fn one_year() {
         let s = series(&[(2019, 1, 31), (2019, 1, 31), (2019, 2, 1)]);
-        let day = Periods::new(Every::Day, &s);
+        let day = periods(Every::Day, &s);
         assert_eq!(day.labels, ["2019-01-31", "2019-02-01"]);
         assert_eq!(day.index_of_condition, [0, 0, 1]);
         assert_eq!(day.hours, [1.0; 3]);
-        assert_eq!(Periods::new(Every::Month, &s).labels, ["2019-01", "2019-02"]);
-        assert_eq!(Periods::new(Every::Year, &s).labels, ["2019"]);
-        assert_eq!(Periods::new(Every::Hour, &s).index_of_condition, [0, 1, 2]);
+        assert_eq!(periods(Every::Month, &s).labels, ["2019-01", "2019-02"]);
+        assert_eq!(periods(Every::Year, &s).labels, ["2019"]);
+        assert_eq!(periods(Every::Hour, &s).index_of_condition, [0, 1, 2]);
+        let total = periods(Every::Total, &s);
+        assert_eq!((total.labels, total.index_of_condition), (vec!["total".to_string()], vec![0; 3]));
     }
 
     /// A typical year with months of two years is one `year` without years in its labels.
     #[test]
     fn typical_year() {
         let s = series(&[(2007, 1, 1), (2004, 2, 1)]);
-        assert_eq!(Periods::new(Every::Day, &s).labels, ["01-01", "02-01"]);
-        assert_eq!(Periods::new(Every::Month, &s).labels, ["01", "02"]);
-        assert_eq!(Periods::new(Every::Year, &s).labels, ["year"]);
+        assert_eq!(periods(Every::Day, &s).labels, ["01-01", "02-01"]);
+        assert_eq!(periods(Every::Month, &s).labels, ["01", "02"]);
+        assert_eq!(periods(Every::Year, &s).labels, ["year"]);
+    }
+
+    /// One month of a typical year is labelled as in the whole year: `01`, not with the year it comes from.
+    #[test]
+    fn part_of_typical_year() {
+        let s = series(&[(2007, 1, 1), (2007, 1, 2)]);
+        assert_eq!(Periods::new(Every::Month, Years::Typical, &s).labels, ["01"]);
     }
 
     /// Two Januaries are two months and two years; no rows give no periods.
     #[test]
     fn several_years() {
         let s = series(&[(2007, 1, 1), (2007, 2, 1), (2008, 1, 1)]);
-        assert_eq!(Periods::new(Every::Month, &s).labels, ["2007-01", "2007-02", "2008-01"]);
-        assert_eq!(Periods::new(Every::Year, &s).labels, ["2007", "2008"]);
-        assert_eq!(Periods::new(Every::Day, &[]).labels.len(), 0);
+        assert_eq!(periods(Every::Month, &s).labels, ["2007-01", "2007-02", "2008-01"]);
+        assert_eq!(periods(Every::Year, &s).labels, ["2007", "2008"]);
+        assert_eq!(periods(Every::Day, &[]).labels.len(), 0);
     }
 
-    /// The four names are read; `week` is refused with the list.
+    /// The five names are read; `week` is refused with the list.
     #[test]
     fn names() {
-        for (name, every) in
-            [("hour", Every::Hour), ("day", Every::Day), ("month", Every::Month), ("year", Every::Year)]
-        {
+        for (name, every) in [
+            ("hour", Every::Hour),
+            ("day", Every::Day),
+            ("month", Every::Month),
+            ("year", Every::Year),
+            ("total", Every::Total),
+        ] {
             assert_eq!(name.parse::<Every>().expect("a name"), every);
         }
         let text = "week".parse::<Every>().expect_err("week").to_string();
-        assert!(text.contains("hour, day, month and year"), "{text}");
+        assert!(text.contains("hour, day, month, year and total"), "{text}");
     }
 }
