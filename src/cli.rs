@@ -7,6 +7,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand};
 use glam::DVec3;
 
 use crate::archive::Access;
+use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
 use crate::recombine::components::ComponentList;
 use crate::recombine::sky::SkyModel;
@@ -135,6 +136,12 @@ pub struct RecombineArgs {
     /// Table to write: .csv, .parquet, or - for CSV on standard output
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
+    /// Take the receivers of a CSV file only: ids in a column `receiver`
+    #[arg(long, short, value_name = "FILE")]
+    pub receivers: Option<PathBuf>,
+    /// What rows are about
+    #[arg(long, value_enum, default_value_t = By::Receiver)]
+    pub by: By,
     /// Columns to write, in this order, such as total,sun_direct [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,

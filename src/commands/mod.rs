@@ -2,6 +2,7 @@
 
 pub mod build;
 mod copy;
+mod chosen;
 pub mod inspect;
 mod interrupt;
 mod pack;

@@ -3,13 +3,15 @@
 use std::fs;
 use std::path::Path;
 
+use super::chosen::Chosen;
 use super::progress::bar;
 use super::{Outcome, guard_output, warn};
 use crate::archive::{Access, Archive};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::error::Result;
-use crate::outputs::layout::{Labels, Layout};
+use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
+use crate::outputs::surfaces::{SurfaceMeans, Surfaces};
 use crate::outputs::table::{Format, TableWriter};
 use crate::recombine::bins::Bins;
 use crate::recombine::components::ComponentList;
@@ -49,7 +51,9 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
 }
 
 fn guard(args: &RecombineArgs, forcing: &Path) -> Result<()> {
-    if args.output == Path::new("-") { Ok(()) } else { guard_output(&args.output, &[&args.archive, forcing]) }
+    let mut inputs = vec![args.archive.as_path(), forcing];
+    inputs.extend(args.receivers.as_deref());
+    if args.output == Path::new("-") { Ok(()) } else { guard_output(&args.output, &inputs) }
 }
 
 /// Pages of a mapping count as memory of the program for as long as the system likes: a large archive is read instead.
@@ -69,7 +73,16 @@ fn run(
     // Before anything is computed.
     Format::of(&args.output)?;
     let archive = Archive::open_with(&args.archive, access(args))?;
-    let layout = Layout { labels: kind, components: args.columns.clone().unwrap_or_else(ComponentList::all) };
+    let chosen = Chosen::of(args, &archive)?;
+    let components = args.columns.clone().unwrap_or_else(ComponentList::all);
+    let layout = Layout { labels: kind, by: args.by, components };
+    let mut means = match args.by {
+        By::Receiver => None,
+        By::Surface => {
+            let surfaces = Surfaces::new(chosen.receivers(&archive), &args.archive)?;
+            Some(SurfaceMeans::new(surfaces, layout.components(), labels.len(), args.memory.0 / 2)?)
+        }
+    };
     let settings = ReplaySettings {
         sky: args.sky,
         patches: args.patches,
@@ -79,17 +92,24 @@ fn run(
     };
     let replay = Replay::summed(&archive, conditions, settings, bins)?;
     let mut table = TableWriter::create(&args.output, &layout, labels)?;
-    let progress = bar("tiles", Some(u64::from(replay.tiles())));
+    let progress = bar("receivers", Some(chosen.count()));
     // As many tiles in memory as there are cores.
-    let step = rayon::current_num_threads() as u32;
-    for first in (0..replay.tiles()).step_by(step as usize) {
-        for (receivers, values) in replay.run(first..replay.tiles().min(first + step))? {
-            table.write_tile(&receivers, &values)?;
-            progress.inc(1);
+    for tiles in chosen.tiles().chunks(rayon::current_num_threads()) {
+        let results = replay.run(tiles.iter().map(|tile| tile.number))?;
+        for (tile, result) in tiles.iter().zip(results) {
+            let (receivers, values) = chosen.results(*tile, result);
+            match &mut means {
+                Some(means) => means.add(&values),
+                None => table.write_tile(&receivers, &values)?,
+            }
+            progress.inc(receivers.len() as u64);
         }
         if table.is_closed() {
             break;
         }
+    }
+    for (surfaces, values) in means.iter().flat_map(SurfaceMeans::tiles) {
+        table.write_tile(&surfaces, &values)?;
     }
     progress.finish_and_clear();
     table.finish()?;

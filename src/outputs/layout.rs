@@ -13,10 +13,21 @@ pub enum Labels {
     Sums,
 }
 
+/// What the rows of a table are about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum By {
+    /// One row for each receiver
+    #[default]
+    Receiver,
+    /// One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area
+    Surface,
+}
+
 /// The columns of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
     pub labels: Labels,
+    pub by: By,
     pub components: ComponentList,
 }
 
@@ -31,7 +42,10 @@ impl Layout {
 
     /// Name of the second column.
     pub fn place(&self) -> &'static str {
-        "receiver"
+        match self.by {
+            By::Receiver => "receiver",
+            By::Surface => "surface",
+        }
     }
 
     pub fn components(&self) -> &[Component] {
@@ -65,12 +79,13 @@ mod tests {
     /// All columns of a query are the 9 of the contract; two columns of sums come in the order asked, with their unit's ending.
     #[test]
     fn names() {
-        let all = Layout { labels: Labels::Conditions, components: ComponentList::all() };
+        let all = Layout { labels: Labels::Conditions, by: By::Receiver, components: ComponentList::all() };
         let expected =
             "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total";
         assert_eq!((all.names().join(",").as_str(), all.unit()), (expected, "W/m2"));
-        let two = Layout { labels: Labels::Sums, components: "total,sky_direct".parse().expect("names") };
-        assert_eq!(two.names(), ["time", "receiver", "total_kwh_m2", "sky_direct_kwh_m2"]);
+        let two =
+            Layout { labels: Labels::Sums, by: By::Surface, components: "total,sky_direct".parse().expect("names") };
+        assert_eq!(two.names(), ["time", "surface", "total_kwh_m2", "sky_direct_kwh_m2"]);
         assert_eq!(two.unit(), "kWh/m2");
     }
 }

@@ -8,4 +8,5 @@ pub mod layout;
 mod parquet;
 pub mod periods;
 pub mod sink;
+pub mod surfaces;
 pub mod table;

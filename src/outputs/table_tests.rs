@@ -1,14 +1,14 @@
 //! Tests of [`super`].
 
 use super::*;
-use crate::outputs::layout::Labels;
+use crate::outputs::layout::{By, Labels};
 use crate::recombine::components::ComponentList;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
 
 /// All columns.
 fn all(labels: Labels) -> Layout {
-    Layout { labels, components: ComponentList::all() }
+    Layout { labels, by: By::Receiver, components: ComponentList::all() }
 }
 
 fn names(prefix: &str, count: usize) -> Vec<String> {

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// A scratch folder with a small valid site: a 10 m cube on a 60 m square, three receivers, two conditions.
-struct Folder(TempDir);
+pub struct Folder(TempDir);
 
 const SCENE: &str = "\
 v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nv 0 0 10\nv 10 0 10\nv 10 10 10\nv 0 10 10\n\
@@ -19,7 +19,7 @@ const CONDITIONS: &str =
     "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,50,800,100\novercast,180,30,0,200\n";
 
 impl Folder {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let folder = Folder(tempfile::tempdir().expect("a scratch folder"));
         folder.write("scene.obj", SCENE);
         folder.write("materials.toml", MATERIALS);
@@ -28,25 +28,25 @@ impl Folder {
         folder
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    fn write(&self, name: &str, text: &str) {
+    pub fn write(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).expect("a writable folder");
     }
 
-    fn run(&self, arguments: &str) -> Output {
+    pub fn run(&self, arguments: &str) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
         command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().expect("the program")
     }
 
-    fn build(&self) -> Output {
+    pub fn build(&self) -> Output {
         self.run("build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio")
     }
 
     /// Runs a command that must fail with exit code 2 and a message holding every one of `parts`.
-    fn refused(&self, arguments: &str, parts: &[&str]) {
+    pub fn refused(&self, arguments: &str, parts: &[&str]) {
         let output = self.run(arguments);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments}: {message}");
@@ -57,11 +57,11 @@ impl Folder {
     }
 }
 
-fn stdout(output: &Output) -> String {
+pub fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-fn golden() -> PathBuf {
+pub fn golden() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_3_days.epw")
 }
 

@@ -11,6 +11,7 @@ mod physics;
 mod reader;
 mod replay;
 mod response;
+mod results;
 mod scenes;
 mod store;
 mod tidy;

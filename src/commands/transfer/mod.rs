@@ -13,6 +13,6 @@ pub mod extract;
 pub mod merge;
 mod output;
 mod reach;
-mod rows;
-mod selection;
+pub(super) mod rows;
+pub(super) mod selection;
 mod union;

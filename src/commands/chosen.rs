@@ -1,0 +1,87 @@
+//! Which receivers of an archive a replay is for: all, or those of a list. In: an archive, a file of ids. Out: the tiles to
+//! compute, and which rows of them count.
+
+use std::path::Path;
+
+use super::temporary_folder;
+use super::transfer::rows::Rows;
+use super::transfer::selection::Selection;
+use crate::archive::{Archive, format};
+use crate::cli::RecombineArgs;
+use crate::error::Result;
+use crate::recombine::replay::TileResult;
+use crate::scene::receivers::Receiver;
+
+/// A choice of receivers.
+pub struct Chosen {
+    /// `[receiver]` of the archive; `None`: all.
+    kept: Option<Vec<bool>>,
+    tiles: Vec<ChosenTile>,
+}
+
+/// A tile with receivers to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChosenTile {
+    pub number: u32,
+    /// Place of its first receiver in the archive, and the number of its receivers.
+    first: usize,
+    count: usize,
+}
+
+impl Chosen {
+    /// The choice of a command line.
+    pub fn of(args: &RecombineArgs, archive: &Archive) -> Result<Self> {
+        let Some(file) = &args.receivers else { return Ok(Chosen::new(archive, None)) };
+        let folder =
+            if args.output == Path::new("-") { std::env::temp_dir() } else { temporary_folder(&args.output).into() };
+        let kept = Selection::Receivers(file.clone()).resolve(archive, &folder, args.memory.0 as usize / 4)?;
+        Ok(Chosen::new(archive, Some(kept)))
+    }
+
+    fn new(archive: &Archive, kept: Option<Vec<bool>>) -> Self {
+        let mut tiles = Vec::new();
+        let mut first = 0;
+        for entry in archive.entries_of(format::RECEIVERS) {
+            let count = entry.items as usize;
+            let here = kept.as_ref().map(|kept| kept.get(first..first + count).unwrap_or_default());
+            if here.is_none_or(|here| here.contains(&true)) {
+                tiles.push(ChosenTile { number: entry.tile, first, count });
+            }
+            first += count;
+        }
+        Chosen { kept, tiles }
+    }
+
+    /// Tiles that hold a chosen receiver, in order.
+    pub fn tiles(&self) -> &[ChosenTile] {
+        &self.tiles
+    }
+
+    /// Number of chosen receivers.
+    pub fn count(&self) -> u64 {
+        match &self.kept {
+            Some(kept) => kept.iter().filter(|kept| **kept).count() as u64,
+            None => self.tiles.iter().map(|tile| tile.count as u64).sum(),
+        }
+    }
+
+    /// The chosen receivers, in the order of results.
+    pub fn receivers<'a>(&'a self, archive: &'a Archive) -> impl Iterator<Item = Result<Receiver>> + 'a {
+        let rows = match &self.kept {
+            Some(kept) => Rows::<()>::chosen(archive, kept),
+            None => Rows::new(archive),
+        };
+        rows.map(|row| Ok(row?.receiver))
+    }
+
+    /// The results of a tile that are asked for.
+    pub fn results(&self, tile: ChosenTile, (ids, values): TileResult) -> TileResult {
+        let Some(kept) = &self.kept else { return (ids, values) };
+        let kept = kept.get(tile.first..tile.first + tile.count).unwrap_or_default();
+        if kept.iter().all(|kept| *kept) {
+            return (ids, values);
+        }
+        let names = ids.into_iter().zip(kept).filter_map(|(id, kept)| kept.then_some(id)).collect();
+        (names, values.select(kept))
+    }
+}

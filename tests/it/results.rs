@@ -1,0 +1,153 @@
+//! Tables of results: which columns, receivers, surfaces and hours a user can ask for, and what comes then.
+
+use std::collections::BTreeMap;
+use std::process::Output;
+
+use crate::cli::{Folder, golden, stdout};
+
+/// The site of the command line tests with two receivers on a surface `front` of 1 and 3 m2 and two without areas on `top`.
+fn site() -> Folder {
+    let folder = Folder::new();
+    let rows = "roof,5,5,10.02,0,0,1,,top\nridge,7,7,10.02,0,0,1,,top\nlow,5,-0.02,2,0,-1,0,1,front\n\
+                high,5,-0.02,8,0,-1,0,3,front\n";
+    folder.write("receivers.csv", &format!("receiver,x,y,z,nx,ny,nz,area,surface\n{rows}"));
+    assert_eq!(folder.build().status.code(), Some(0));
+    folder
+}
+
+fn replay(folder: &Folder, rest: &str) -> Output {
+    folder.run(&format!("replay site.helio --weather {} {rest}", golden().display()))
+}
+
+/// A table by label and receiver: its values.
+fn table(output: &Output) -> (String, BTreeMap<(String, String), Vec<f64>>) {
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = stdout(output);
+    let mut lines = text.lines();
+    let header = lines.next().unwrap_or_default().to_string();
+    let row = |line: &str| {
+        let mut cells = line.split(',').map(str::to_string);
+        let key = (cells.next().unwrap_or_default(), cells.next().unwrap_or_default());
+        (key, cells.map(|cell| cell.parse().expect("a number")).collect())
+    };
+    (header, lines.map(row).collect())
+}
+
+fn key(label: &str, place: &str) -> (String, String) {
+    (label.to_string(), place.to_string())
+}
+
+/// `--columns` writes the two columns asked for, in that order, with the values of the whole table, also with the ending of
+/// sums; 3 wrong lists end with exit code 2.
+#[test]
+fn columns() {
+    let folder = site();
+    let (_, whole) = table(&replay(&folder, "--every day"));
+    let (header, two) = table(&replay(&folder, "--every day --columns total_kwh_m2,sky_direct"));
+    assert_eq!(header, "time,receiver,total_kwh_m2,sky_direct_kwh_m2");
+    assert_eq!((whole.len(), two.len()), (12, 12));
+    for (place, values) in &two {
+        assert_eq!(values[..], [whole[place][6], whole[place][1]]);
+    }
+    let (header, one) = table(&folder.run("query site.helio -c conditions.csv --columns sun_diffuse"));
+    assert_eq!((header.as_str(), one.len()), ("condition,receiver,sun_diffuse", 8));
+    let query = "query site.helio -c conditions.csv --columns";
+    folder.refused(&format!("{query} sun"), &["`sun` is no column", "sun_direct", "sky_specular", "total"]);
+    folder.refused(&format!("{query} total,total"), &["`total` stands there twice"]);
+    folder.refused(&format!("{query} total,"), &["`` is no column"]);
+}
+
+/// Spans of the three days give their hours, one day or two, and `total` is the sum of the days; 5 wrong spans end with exit
+/// code 2, and a typical year takes no years.
+#[test]
+fn spans() {
+    let folder = site();
+    let (_, days) = table(&replay(&folder, "--every day"));
+    for (span, hours) in [
+        ("--from 1998-03-21 --to 1998-03-21", 24),
+        ("--from 03-21", 48),
+        ("--to 03-20T06:00", 6),
+        ("--from 03-22 --to 03-20", 48),
+    ] {
+        let (_, rows) = table(&replay(&folder, span));
+        assert_eq!(rows.len(), 4 * hours, "{span}");
+    }
+    let (_, total) = table(&replay(&folder, "--every total --from 03-21"));
+    assert_eq!(total.len(), 4);
+    let (sum, parts) =
+        (total[&key("total", "roof")][6], ["1998-03-21", "1998-03-22"].map(|d| days[&key(d, "roof")][6]));
+    assert!((sum - parts[0] - parts[1]).abs() < 1e-5 * sum, "{sum} {parts:?}");
+
+    let refused = |span: &str, parts: &[&str]| {
+        folder.refused(&format!("replay site.helio --weather {} {span}", golden().display()), parts);
+    };
+    refused(
+        "--from 07-01 --to 08-31",
+        &["golden_3_days.epw", "1998-03-20T00:00 to 1998-03-22T24:00", "07-01 to 08-31"],
+    );
+    refused("--from 1998-03-22 --to 1998-03-20", &["a first date before the last one"]);
+    refused("--from 1998-03-22 --to 03-22", &["with a year or two without"]);
+    refused("--from 02-30", &["02-30", "a day that exists"]);
+    let year = golden().with_file_name("golden_tmy3.epw");
+    let replay = format!("replay site.helio --weather {} --every", year.display());
+    folder.refused(&format!("{replay} month --from 1999-01-15 --to 1999-01-31"), &["different years", "03-01"]);
+    let (_, winter) = table(&folder.run(&format!("{replay} month --from 11-16 --to 01-31")));
+    assert_eq!(
+        winter.keys().filter(|(_, r)| r == "roof").map(|(m, _)| m.as_str()).collect::<Vec<_>>(),
+        ["01", "11", "12"]
+    );
+}
+
+/// `--receivers` gives the rows of the whole table for the 2 that are listed; an unknown id, a missing column and an output
+/// that is the list are refused, 3 of 3.
+#[test]
+fn receivers() {
+    let folder = site();
+    folder.write("few.csv", "note,receiver\nx,high\n,roof\n");
+    let (_, whole) = table(&replay(&folder, ""));
+    let (_, few) = table(&replay(&folder, "--receivers few.csv"));
+    assert_eq!((whole.len(), few.len()), (4 * 72, 2 * 72));
+    assert!(few.iter().all(|(place, values)| whole[place] == *values));
+    folder.write("odd.csv", "receiver\nroof\nattic\n");
+    let query = "query site.helio -c conditions.csv --receivers";
+    folder.refused(&format!("{query} odd.csv"), &["odd.csv", "attic (line 3)"]);
+    folder.refused(&format!("{query} conditions.csv"), &["`receiver`"]);
+    folder.refused(&format!("{query} few.csv -o few.csv"), &["few.csv", "input"]);
+}
+
+/// `--by surface` is (1 x low + 3 x high) / 4 on `front`, the plain mean on `top` without areas; a selection is weighted by what
+/// it holds; receivers without a surface and a surface with some areas only are refused.
+#[test]
+fn surfaces() {
+    let folder = site();
+    let (_, single) = table(&replay(&folder, "--every month"));
+    let (header, surfaces) = table(&replay(&folder, "--every month --by surface"));
+    assert!(header.starts_with("time,surface,sun_direct_kwh_m2,"), "{header}");
+    assert_eq!(surfaces.len(), 2);
+    for (surface, [(a, weight_a), (b, weight_b)]) in
+        [("front", [("low", 0.25), ("high", 0.75)]), ("top", [("roof", 0.5), ("ridge", 0.5)])]
+    {
+        let at = |place: &str| &single[&key("1998-03", place)];
+        for (c, mean) in surfaces[&key("1998-03", surface)].iter().enumerate() {
+            let expected = weight_a * at(a)[c] + weight_b * at(b)[c];
+            assert!((mean - expected).abs() <= 2e-5 * expected, "{surface} {c}: {mean} {expected}");
+        }
+    }
+    folder.write("few.csv", "receiver\nhigh\n");
+    let (_, part) = table(&folder.run("query site.helio -c conditions.csv --by surface --receivers few.csv"));
+    let (_, all) = table(&folder.run("query site.helio -c conditions.csv"));
+    assert_eq!((part.len(), &part[&key("noon", "front")]), (2, &all[&key("noon", "high")]));
+
+    let query = "query site.helio -c conditions.csv --by surface";
+    for (rows, parts) in [
+        ("a,5,5,10.02,0,0,1,1,\n", ["1 receivers have no surface: a", "--receivers"]),
+        (
+            "a,5,5,10.02,0,0,1,1,top\nb,7,7,10.02,0,0,1,,top\n",
+            ["surface `top`: 1 of 2 receivers have an area", "build with"],
+        ),
+    ] {
+        folder.write("receivers.csv", &format!("receiver,x,y,z,nx,ny,nz,area,surface\n{rows}"));
+        assert_eq!(folder.build().status.code(), Some(0));
+        folder.refused(query, &parts);
+    }
+}
