@@ -133,7 +133,8 @@ pub enum Share {
 pub struct RecombineArgs {
     /// Archive to read
     pub archive: PathBuf,
-    /// Table to write: .csv, .parquet, or - for CSV on standard output
+    /// Table to write: .csv, .parquet, .arrow, .feather (compressed Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on
+    /// standard output
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
     /// Take the receivers of a CSV file only: ids in a column `receiver`

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::surfaces::{SurfaceMeans, Surfaces};
-use crate::outputs::table::{Format, TableWriter};
+use crate::outputs::table::{Format, Places, TableWriter, files_of};
 use crate::recombine::bins::Bins;
 use crate::recombine::components::ComponentList;
 use crate::recombine::conditions::{Condition, read_conditions};
@@ -33,9 +33,10 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
 /// `heliotile replay`.
 pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     guard(&args.common, &args.weather)?;
+    let span = Span::new(args.from, args.to)?;
     let weather = read_epw(&args.weather)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
-    let chosen = Span::new(args.from, args.to)?.rows_of(&weather, &args.weather)?;
+    let chosen = span.rows_of(&weather, &args.weather)?;
     // Labels are those of the whole file, whatever part of it is taken.
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let conditions: Vec<Condition> = {
@@ -53,7 +54,10 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
 fn guard(args: &RecombineArgs, forcing: &Path) -> Result<()> {
     let mut inputs = vec![args.archive.as_path(), forcing];
     inputs.extend(args.receivers.as_deref());
-    if args.output == Path::new("-") { Ok(()) } else { guard_output(&args.output, &inputs) }
+    match args.output == Path::new("-") {
+        true => Ok(()),
+        false => files_of(&args.output).iter().try_for_each(|file| guard_output(file, &inputs)),
+    }
 }
 
 /// Pages of a mapping count as memory of the program for as long as the system likes: a large archive is read instead.
@@ -91,7 +95,12 @@ fn run(
         memory_bytes: args.memory.0,
     };
     let replay = Replay::summed(&archive, conditions, settings, bins)?;
-    let mut table = TableWriter::create(&args.output, &layout, labels)?;
+    let names = || match &means {
+        Some(means) => Ok(means.surfaces().names().to_vec()),
+        None => chosen.receivers(&archive).map(|receiver| Ok(receiver?.id)).collect(),
+    };
+    let count = means.as_ref().map_or(chosen.count(), |means| means.surfaces().names().len() as u64);
+    let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names })?;
     let progress = bar("receivers", Some(chosen.count()));
     // As many tiles in memory as there are cores.
     for tiles in chosen.tiles().chunks(rayon::current_num_threads()) {

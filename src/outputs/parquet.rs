@@ -1,4 +1,5 @@
-//! Tables as Parquet: one row group a tile, zstd level 1, labels and receivers as dictionary-encoded strings, values as f32.
+//! Tables as Parquet: one row group a tile, zstd level 1, labels and receivers as dictionary-encoded strings, values as f32. The
+//! Arrow schema stands in the metadata: readers make categories of the strings and know the unit of a field.
 //!
 //! Columns of a tile are encoded in parallel, each into memory, then appended in order. The label column is the same in
 //! every tile with as many receivers, so its bytes are kept and appended again.
@@ -7,6 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bytes::Bytes;
+use parquet::arrow::add_encoded_arrow_schema_to_metadata;
 use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as PhysicalType, ZstdLevel};
 use parquet::column::writer::{ColumnCloseResult, ColumnWriter, get_column_writer};
 use parquet::data_type::ByteArray;
@@ -17,6 +19,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedW
 use parquet::schema::types::{ColumnDescPtr, ColumnPath, Type};
 use rayon::prelude::*;
 
+use super::arrow;
 use super::layout::Layout;
 use super::sink::Sink;
 use super::table::Table;
@@ -26,6 +29,10 @@ use crate::recombine::values::TileValues;
 
 /// Dictionaries up to this size stay dictionaries: labels of a year of minutes are 10 MB.
 const DICTIONARY_BYTES: usize = 32 << 20;
+
+/// Names of tiles are neighbours in space, not in the alphabet, so least and greatest do not tell readers which tile holds one;
+/// a Bloom filter of 80 bytes does.
+const NAMES_OF_TILE: u64 = 64;
 
 /// Rows of a data page: a reader skips by page, so not too many; each has a header, so not too few.
 const PAGE_ROWS: usize = 1 << 17;
@@ -162,7 +169,9 @@ fn schema(layout: &Layout) -> std::result::Result<(Arc<Type>, WriterProperties),
         .set_data_page_row_count_limit(PAGE_ROWS)
         .set_data_page_size_limit(PAGE_BYTES)
         .set_write_batch_size(8192)
-        .set_dictionary_page_size_limit(DICTIONARY_BYTES);
+        .set_dictionary_page_size_limit(DICTIONARY_BYTES)
+        .set_column_bloom_filter_enabled(ColumnPath::from(layout.place()), true)
+        .set_column_bloom_filter_max_ndv(ColumnPath::from(layout.place()), NAMES_OF_TILE);
     for (i, name) in names.iter().enumerate() {
         let field = if i < 2 {
             Type::primitive_type_builder(name, PhysicalType::BYTE_ARRAY).with_logical_type(Some(LogicalType::String))
@@ -177,7 +186,8 @@ fn schema(layout: &Layout) -> std::result::Result<(Arc<Type>, WriterProperties),
         fields.push(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?));
     }
     let schema = Type::group_type_builder("results").with_fields(fields).build()?;
-    let properties = properties.set_key_value_metadata(Some(units)).build();
+    let mut properties = properties.set_key_value_metadata(Some(units)).build();
+    add_encoded_arrow_schema_to_metadata(&arrow::schema(layout), &mut properties);
     Ok((Arc::new(schema), properties))
 }
 

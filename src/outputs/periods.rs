@@ -12,14 +12,14 @@ use crate::units::kwh_from_w;
 /// What a row of a replay's results stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Every {
-    /// One row per interval of the weather file: means, W/m2.
+    /// One row per interval of the weather file: means, W/m2
     #[default]
     Hour,
-    /// Sums, kWh/m2, like the three below.
+    /// Sums, kWh/m2, as the three below
     Day,
     Month,
     Year,
-    /// One sum over all rows that are taken.
+    /// One sum over all that is taken of the file
     Total,
 }
 

@@ -127,6 +127,10 @@ impl SurfaceMeans {
         Ok(SurfaceMeans { surfaces, labels, sums, done: 0 })
     }
 
+    pub fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
     /// Adds the next receivers.
     pub fn add(&mut self, values: &TileValues) {
         let range = self.done..self.done + values.receivers();

@@ -1,12 +1,15 @@
 //! The one row model of all results: a label, a receiver, components.
 //!
 //! In: tiles of values, `[component][receiver][label]`, f32. Out: rows, receiver-major inside a tile (all labels of receiver
-//! 0, then of receiver 1), as CSV or Parquet by the ending of the file's name.
+//! 0, then of receiver 1), in a format by the ending of the file's name.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::arrow::ArrowTable;
 use super::csv::CsvTable;
 use super::layout::Layout;
+use super::npy::NpyTable;
+use super::npz::NpzTable;
 use super::parquet::ParquetTable;
 use super::sink::Sink;
 use crate::error::{Error, Result};
@@ -24,6 +27,12 @@ pub struct Stats {
 pub enum Format {
     Csv,
     Parquet,
+    /// Arrow IPC, plain.
+    Arrow,
+    /// Arrow IPC, compressed.
+    Feather,
+    Npy,
+    Npz,
 }
 
 impl Format {
@@ -34,13 +43,31 @@ impl Format {
             _ if path == Path::new("-") => Ok(Format::Csv),
             Some("csv") => Ok(Format::Csv),
             Some("parquet") => Ok(Format::Parquet),
+            Some("arrow") => Ok(Format::Arrow),
+            Some("feather") => Ok(Format::Feather),
+            Some("npy") => Ok(Format::Npy),
+            Some("npz") => Ok(Format::Npz),
             _ => Err(Error::Unsupported {
                 what: "ending of the output file".into(),
                 found: format!("`{}`", path.display()),
-                supported: ".csv and .parquet (or - for CSV on the standard output)".into(),
+                supported: ".csv, .parquet, .arrow, .feather, .npy and .npz (or - for CSV on the standard output)"
+                    .into(),
             }),
         }
     }
+}
+
+/// The files that a table of this name consists of.
+pub fn files_of(path: &Path) -> Vec<PathBuf> {
+    let axes = matches!(Format::of(path), Ok(Format::Npy)).then(|| NpyTable::axes_of(path));
+    [Some(path.to_path_buf()), axes].into_iter().flatten().collect()
+}
+
+/// Receivers or surfaces that rows will come for.
+pub struct Places<'a> {
+    pub count: u64,
+    /// Their names in order; only some formats ask.
+    pub names: &'a dyn Fn() -> Result<Vec<String>>,
 }
 
 /// What each format does.
@@ -60,18 +87,25 @@ pub(super) trait Table {
 /// A table being written.
 pub struct TableWriter {
     table: Box<dyn Table>,
-    path: std::path::PathBuf,
+    path: PathBuf,
     labels: usize,
     rows: u64,
 }
 
 impl TableWriter {
     /// Starts a table in the format that the name says.
-    pub fn create(path: &Path, layout: &Layout, labels: &[String]) -> Result<Self> {
+    pub fn create(path: &Path, layout: &Layout, labels: &[String], places: &Places) -> Result<Self> {
         let sink = || if path == Path::new("-") { Ok(Sink::stdout()) } else { Sink::file(path) };
-        let table: Box<dyn Table> = match Format::of(path)? {
+        let format = Format::of(path)?;
+        let table: Box<dyn Table> = match format {
             Format::Csv => Box::new(CsvTable::new(sink()?, layout, labels)?),
             Format::Parquet => Box::new(ParquetTable::new(sink()?, layout, labels)?),
+            Format::Arrow | Format::Feather => {
+                let names = (places.names)()?;
+                Box::new(ArrowTable::new(sink()?, layout, labels, &names, format == Format::Feather)?)
+            }
+            Format::Npy => Box::new(NpyTable::new(path, layout, labels, places.count)?),
+            Format::Npz => Box::new(NpzTable::new(sink()?, layout, labels, places.count)?),
         };
         Ok(TableWriter { table, path: path.to_path_buf(), labels: labels.len(), rows: 0 })
     }
@@ -110,4 +144,4 @@ impl TableWriter {
 
 #[cfg(test)]
 #[path = "table_tests.rs"]
-mod tests;
+pub(super) mod tests;

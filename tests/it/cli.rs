@@ -36,9 +36,14 @@ impl Folder {
         fs::write(self.path(name), text).expect("a writable folder");
     }
 
-    pub fn run(&self, arguments: &str) -> Output {
+    pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
-        command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().expect("the program")
+        command.current_dir(self.0.path()).args(arguments.split_whitespace());
+        command
+    }
+
+    pub fn run(&self, arguments: &str) -> Output {
+        self.command(arguments).output().expect("the program")
     }
 
     pub fn build(&self) -> Output {

@@ -15,6 +15,16 @@ fn site() -> Folder {
     folder
 }
 
+/// A roof with 90 receivers in two tiles, on five surfaces.
+fn roof() -> Folder {
+    let folder = Folder::new();
+    let row = |i: usize| format!("r{i},{},{},10.02,0,0,1,{},s{}\n", i % 10, i / 10, 1 + i % 3, i % 5);
+    let rows: String = (0..90).map(row).collect();
+    folder.write("receivers.csv", &format!("receiver,x,y,z,nx,ny,nz,area,surface\n{rows}"));
+    assert_eq!(folder.build().status.code(), Some(0));
+    folder
+}
+
 fn replay(folder: &Folder, rest: &str) -> Output {
     folder.run(&format!("replay site.helio --weather {} {rest}", golden().display()))
 }
@@ -99,7 +109,7 @@ fn spans() {
 }
 
 /// `--receivers` gives the rows of the whole table for the 2 that are listed; an unknown id, a missing column and an output
-/// that is the list are refused, 3 of 3.
+/// that would replace the list, also beside an array, are refused, 4 of 4.
 #[test]
 fn receivers() {
     let folder = site();
@@ -113,6 +123,29 @@ fn receivers() {
     folder.refused(&format!("{query} odd.csv"), &["odd.csv", "attic (line 3)"]);
     folder.refused(&format!("{query} conditions.csv"), &["`receiver`"]);
     folder.refused(&format!("{query} few.csv -o few.csv"), &["few.csv", "input"]);
+    folder.write("few.axes.json", "receiver\nroof\n");
+    folder.refused(&format!("{query} few.axes.json -o few.npy"), &["few.axes.json", "input"]);
+}
+
+/// Of two tiles any selection gives the rows of the whole table: one receiver of either tile, one of each, all 90; Arrow files
+/// name those alone.
+#[test]
+fn receivers_of_tiles() {
+    let folder = roof();
+    let query = "query site.helio -c conditions.csv";
+    let (_, whole) = table(&folder.run(query));
+    // The order of the archive, which ends in the second tile.
+    let text = stdout(&folder.run(query));
+    let ids: Vec<&str> = text.lines().skip(1).step_by(2).filter_map(|line| line.split(',').nth(1)).collect();
+    assert_eq!(ids.len(), 90);
+    for list in [vec![ids[3]], vec![ids[80]], vec![ids[88], ids[10]], ids.clone()] {
+        folder.write("list.csv", &format!("receiver\n{}\n", list.join("\n")));
+        let (_, rows) = table(&folder.run(&format!("{query} --receivers list.csv")));
+        assert_eq!(rows.len(), 2 * list.len());
+        assert!(rows.iter().all(|(place, values)| whole[place] == *values));
+        let written = folder.run(&format!("{query} --receivers list.csv -o t.arrow"));
+        assert_eq!(written.status.code(), Some(0), "{}", String::from_utf8_lossy(&written.stderr));
+    }
 }
 
 /// `--by surface` is (1 x low + 3 x high) / 4 on `front`, the plain mean on `top` without areas; a selection is weighted by what
@@ -149,5 +182,26 @@ fn surfaces() {
         folder.write("receivers.csv", &format!("receiver,x,y,z,nx,ny,nz,area,surface\n{rows}"));
         assert_eq!(folder.build().status.code(), Some(0));
         folder.refused(query, &parts);
+    }
+}
+
+/// The bytes of all 6 formats do not depend on the number of threads, by receiver and by surface: 12 pairs, and an array has its
+/// axes beside it.
+#[test]
+fn threads_change_nothing() {
+    let folder = roof();
+    for by in ["receiver", "surface"] {
+        for ending in ["csv", "parquet", "arrow", "feather", "npy", "npz"] {
+            let [one, two] = [1, 2].map(|threads| {
+                let name = format!("{by}{threads}.{ending}");
+                let replay = format!("replay site.helio --weather {} --by {by} -o {name}", golden().display());
+                let output = folder.command(&replay).env("RAYON_NUM_THREADS", threads.to_string()).output();
+                assert_eq!(output.expect("the program").status.code(), Some(0), "{name}");
+                std::fs::read(folder.path(&name)).expect("a table")
+            });
+            assert!(one == two && one.len() > 5000, "{by} {ending} {}", one.len());
+        }
+        let axes = std::fs::read_to_string(folder.path(&format!("{by}1.axes.json"))).expect("axes");
+        assert!(axes.starts_with(&format!("{{\"axes\": [\"{by}\",\"time\",\"column\"], \"unit\": \"W/m2\"")), "{axes}");
     }
 }

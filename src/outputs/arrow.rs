@@ -1,0 +1,126 @@
+//! Tables as Arrow IPC files: one record batch a tile, labels and receivers as dictionaries, values as f32, the unit in the
+//! metadata of each field. `.arrow` is plain, so that it can be mapped; `.feather` is compressed.
+//!
+//! A file holds one dictionary a column, so all names must be known before the first row.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use arrow_array::types::Int32Type;
+use arrow_array::{Array, ArrayRef, DictionaryArray, Float32Array, Int32Array, RecordBatch, StringArray};
+use arrow_ipc::CompressionType;
+use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
+use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema};
+
+use super::layout::Layout;
+use super::sink::Sink;
+use super::table::Table;
+use crate::error::{Error, Result};
+use crate::recombine::components::ComponentList;
+use crate::recombine::values::TileValues;
+
+/// Of zstd: higher levels take longer for little on floats.
+const LEVEL: i32 = 1;
+
+/// Columns of a table: two dictionaries of strings, then values with their unit.
+pub(super) fn schema(layout: &Layout) -> Schema {
+    let names = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
+    let strings = [layout.label(), layout.place()].map(|name| Field::new(name, names.clone(), false));
+    let unit = [("unit".to_string(), layout.unit().to_string())];
+    let value = |name: String| Field::new(name, DataType::Float32, false).with_metadata(Metadata::from(unit.clone()));
+    Schema::new(strings.into_iter().chain(layout.values().into_iter().map(value)).collect::<Vec<_>>())
+}
+
+/// An Arrow file being written.
+pub struct ArrowTable {
+    writer: FileWriter<Sink>,
+    schema: Arc<Schema>,
+    labels: ArrayRef,
+    names: Arc<StringArray>,
+    components: ComponentList,
+    /// Keys of the labels, again and again, for as many receivers as any tile had.
+    label_keys: Int32Array,
+    /// Names that were written.
+    done: usize,
+    path: PathBuf,
+}
+
+impl ArrowTable {
+    pub fn new(sink: Sink, layout: &Layout, labels: &[String], names: &[String], packed: bool) -> Result<Self> {
+        let path = sink.path().to_path_buf();
+        for (what, count) in
+            [("rows of a receiver in an Arrow file", labels.len()), ("names in an Arrow file", names.len())]
+        {
+            if i32::try_from(count).is_err() {
+                return Err(Error::Limit { what: what.into(), value: count as u64, max: i32::MAX as u64 });
+            }
+        }
+        let schema = Arc::new(schema(layout));
+        let start = || {
+            let mut options = IpcWriteOptions::default();
+            if packed {
+                options = options
+                    .try_with_compression(Some(CompressionType::ZSTD))?
+                    .try_with_compression_level(Some(LEVEL))?;
+            }
+            FileWriter::try_new_with_options(sink, &schema, options)
+        };
+        Ok(ArrowTable {
+            writer: start().map_err(|e| failed(&path, e))?,
+            schema,
+            labels: Arc::new(StringArray::from_iter_values(labels)),
+            names: Arc::new(StringArray::from_iter_values(names)),
+            components: layout.components.clone(),
+            label_keys: Int32Array::from(Vec::<i32>::new()),
+            done: 0,
+            path,
+        })
+    }
+
+    fn batch(&mut self, count: usize, values: &TileValues) -> std::result::Result<RecordBatch, ArrowError> {
+        let (labels, rows) = (self.labels.len(), count * self.labels.len());
+        if self.label_keys.len() < rows {
+            self.label_keys = (0..count).flat_map(|_| 0..labels as i32).collect::<Vec<_>>().into();
+        }
+        let first = self.done as i32;
+        let places = (first..first + count as i32).flat_map(|place| std::iter::repeat_n(place, labels));
+        let labels = DictionaryArray::<Int32Type>::try_new(self.label_keys.slice(0, rows), self.labels.clone())?;
+        let names = DictionaryArray::<Int32Type>::try_new(places.collect::<Vec<_>>().into(), self.names.clone())?;
+        let mut columns: Vec<ArrayRef> = vec![Arc::new(labels), Arc::new(names)];
+        for component in self.components.as_slice() {
+            columns.push(Arc::new(Float32Array::from(values.component(*component as usize).to_vec())));
+        }
+        RecordBatch::try_new(self.schema.clone(), columns)
+    }
+}
+
+impl Table for ArrowTable {
+    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+        let known = self.done + receivers.len() <= self.names.len()
+            && receivers.iter().enumerate().all(|(i, name)| self.names.value(self.done + i) == name);
+        if !known {
+            return Err(Error::input(
+                &self.path,
+                None,
+                "rows of names that were not announced",
+                "this is a defect, report it",
+            ));
+        }
+        let batch = self.batch(receivers.len(), values).map_err(|e| failed(&self.path, e))?;
+        self.done += receivers.len();
+        self.writer.write(&batch).map_err(|e| failed(&self.path, e))
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<u64> {
+        // Writes the footer.
+        self.writer.finish().map_err(|e| failed(&self.path, e))?;
+        self.writer.into_inner().map_err(|e| failed(&self.path, e))?.finish()
+    }
+}
+
+fn failed(path: &std::path::Path, error: ArrowError) -> Error {
+    match error {
+        ArrowError::IoError(_, source) => Error::io(path, "write")(source),
+        other => Error::io(path, "write")(std::io::Error::other(other)),
+    }
+}

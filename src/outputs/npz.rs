@@ -1,0 +1,81 @@
+//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`super::npy`]), names of
+//! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone string `unit`.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use zip::write::{SimpleFileOptions, StreamWriter};
+use zip::{CompressionMethod, ZipWriter};
+
+use super::layout::Layout;
+use super::npy::{array_bytes, header, incomplete};
+use super::sink::Sink;
+use super::table::Table;
+use crate::error::{Error, Result};
+use crate::recombine::values::TileValues;
+
+/// An archive of arrays being written.
+pub struct NpzTable {
+    zip: ZipWriter<StreamWriter<Sink>>,
+    layout: Layout,
+    labels: Vec<String>,
+    /// Of the receivers so far: they are written last.
+    names: Vec<String>,
+    announced: u64,
+    path: PathBuf,
+}
+
+impl NpzTable {
+    pub fn new(sink: Sink, layout: &Layout, labels: &[String], announced: u64) -> Result<Self> {
+        let path = sink.path().to_path_buf();
+        let mut zip = ZipWriter::new_stream(sink);
+        let shape = [announced, labels.len() as u64, layout.components().len() as u64];
+        let values = header("<f4", &shape);
+        start(&mut zip, "values").and_then(|()| zip.write_all(&values)).map_err(Error::io(&path, "write to"))?;
+        let (layout, labels) = (layout.clone(), labels.to_vec());
+        Ok(NpzTable { zip, layout, labels, names: Vec::new(), announced, path })
+    }
+}
+
+impl Table for NpzTable {
+    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+        self.names.extend_from_slice(receivers);
+        let bytes = array_bytes(values, self.layout.components());
+        self.zip.write_all(&bytes).map_err(Error::io(&self.path, "write to"))
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<u64> {
+        if self.names.len() as u64 != self.announced {
+            return Err(incomplete(&self.path, self.names.len() as u64, self.announced));
+        }
+        let (place, label) = (self.layout.place(), self.layout.label());
+        let mut end = || {
+            let zip = &mut self.zip;
+            strings(zip, place, &self.names, &[self.names.len() as u64])?;
+            strings(zip, label, &self.labels, &[self.labels.len() as u64])?;
+            strings(zip, "column", &self.layout.values(), &[self.layout.components().len() as u64])?;
+            strings(zip, "unit", &[self.layout.unit().to_string()], &[])
+        };
+        end().map_err(Error::io(&self.path, "write to"))?;
+        let sink = self.zip.finish().map_err(|e| Error::io(&self.path, "write to")(e.into()))?;
+        sink.into_inner().finish()
+    }
+}
+
+/// Begins an array; without a date, so that equal results are equal files.
+fn start(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str) -> io::Result<()> {
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
+    Ok(zip.start_file(format!("{name}.npy"), options)?)
+}
+
+/// An array of strings, a lone one without a shape: UTF-32 of the length of the longest, zeros behind.
+fn strings(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str, all: &[String], shape: &[u64]) -> io::Result<()> {
+    start(zip, name)?;
+    let width = all.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+    zip.write_all(&header(&format!("<U{width}"), shape))?;
+    for text in all {
+        let letters = text.chars().map(u32::from).chain(std::iter::repeat(0)).take(width);
+        zip.write_all(&letters.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?;
+    }
+    Ok(())
+}
