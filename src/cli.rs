@@ -10,6 +10,7 @@ use crate::archive::Access;
 use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
 use crate::recombine::components::ComponentList;
+use crate::recombine::reflectances::Snow;
 use crate::recombine::sky::SkyModel;
 use crate::recombine::span::Moment;
 
@@ -128,6 +129,32 @@ pub enum Share {
     None,
 }
 
+/// Group or material, and what it gets: `NAME=VALUE`.
+fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<(String, T), String> {
+    // A name may hold an equals sign, a number does not.
+    match text.rsplit_once('=') {
+        Some((name, value)) if !name.is_empty() => {
+            let value = value.trim().parse().map_err(|error| format!("`{value}`: {error}"))?;
+            Ok((name.to_string(), value))
+        }
+        _ => Err("give a group or a material, an equals sign and a value".into()),
+    }
+}
+
+fn parse_reflectance(text: &str) -> Result<(String, f64), String> {
+    match parse_named(text)? {
+        (name, value) if (0.0..=1.0).contains(&value) => Ok((name, value)),
+        (_, value) => Err(format!("a reflectance is from 0 to 1, not {value}")),
+    }
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("give a number from 0 to 1".into()),
+    }
+}
+
 /// What query and replay have in common.
 #[derive(Args, Debug)]
 pub struct RecombineArgs {
@@ -161,6 +188,9 @@ pub struct RecombineArgs {
     /// How the archive is read [default: map, or pread if the archive is large beside --memory]
     #[arg(long, value_enum)]
     pub io: Option<Access>,
+    /// Change a diffuse reflectance: GROUP=0.6, or a material's name in place of the group; may be repeated, the last one counts
+    #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
+    pub reflectance: Vec<(String, f64)>,
 }
 
 #[derive(Args, Debug)]
@@ -191,6 +221,16 @@ pub struct ReplayArgs {
     /// Sun positions within each interval of the weather file
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=60))]
     pub steps: u16,
+    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each row of the weather file, or 12 lines,
+    /// one a month; may be repeated
+    #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
+    pub schedule: Vec<(String, PathBuf)>,
+    /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
+    #[arg(long, value_enum)]
+    pub snow: Option<Snow>,
+    /// Diffuse reflectance of snow
+    #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
+    pub snow_reflectance: f64,
 }
 
 #[derive(Args, Debug)]

@@ -1,8 +1,8 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
 pub mod build;
-mod copy;
 mod chosen;
+mod copy;
 pub mod inspect;
 mod interrupt;
 mod pack;

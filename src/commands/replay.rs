@@ -6,7 +6,8 @@ use std::path::Path;
 use super::chosen::Chosen;
 use super::progress::bar;
 use super::{Outcome, guard_output, warn};
-use crate::archive::{Access, Archive};
+use crate::archive::tables::Materials;
+use crate::archive::{Access, Archive, format};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::error::Result;
 use crate::outputs::layout::{By, Labels, Layout};
@@ -17,22 +18,47 @@ use crate::recombine::bins::Bins;
 use crate::recombine::components::ComponentList;
 use crate::recombine::conditions::{Condition, read_conditions};
 use crate::recombine::epw::read_epw;
+use crate::recombine::reflectances::Changes;
 use crate::recombine::replay::{Replay, ReplaySettings};
 use crate::recombine::span::Span;
+use crate::recombine::states::Schedule;
+use crate::recombine::weather::Row;
 use crate::recombine::years::Years;
+
+/// What results are made of.
+struct Series<'a> {
+    conditions: &'a [Condition],
+    kind: Labels,
+    labels: &'a [String],
+    /// Which label a condition adds to.
+    bins: &'a Bins,
+    changes: Changes,
+    /// Rows of the weather file, and which of them the conditions are; none in a query.
+    rows: (&'a [Row], &'a [bool]),
+}
 
 /// `heliotile query`.
 pub fn query(args: &QueryArgs) -> Result<Outcome> {
-    guard(&args.common, &args.conditions)?;
+    guard(&args.common, &[&args.conditions])?;
     let file = read_conditions(&args.conditions)?;
     file.warnings.iter().for_each(|w| warn(w));
     let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
-    run(&args.common, &file.conditions, Labels::Conditions, &labels, &Bins::each(labels.len()))
+    let series = Series {
+        conditions: &file.conditions,
+        kind: Labels::Conditions,
+        labels: &labels,
+        bins: &Bins::each(labels.len()),
+        changes: Changes { constant: args.common.reflectance.clone(), ..Changes::default() },
+        rows: (&[], &[]),
+    };
+    run(&args.common, &series)
 }
 
 /// `heliotile replay`.
 pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
-    guard(&args.common, &args.weather)?;
+    let mut inputs = vec![args.weather.as_path()];
+    inputs.extend(args.schedule.iter().map(|(_, file)| file.as_path()));
+    guard(&args.common, &inputs)?;
     let span = Span::new(args.from, args.to)?;
     let weather = read_epw(&args.weather)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
@@ -41,18 +67,27 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let conditions: Vec<Condition> = {
         let all = weather.conditions(usize::from(args.steps)).into_iter();
-        all.zip(chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
+        all.zip(&chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
     };
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let periods = Periods::new(args.every, years, &stamped);
-    match args.every {
-        Every::Hour => run(&args.common, &conditions, Labels::Times, &periods.labels, &Bins::each(conditions.len())),
-        _ => run(&args.common, &conditions, Labels::Sums, &periods.labels, &periods.bins()),
-    }
+    let (kind, bins) = match args.every {
+        Every::Hour => (Labels::Times, Bins::each(conditions.len())),
+        _ => (Labels::Sums, periods.bins()),
+    };
+    let changes = Changes {
+        constant: args.common.reflectance.clone(),
+        scheduled: args.schedule.clone(),
+        snow: args.snow.map(|snow| (snow, args.snow_reflectance)),
+    };
+    let rows = (weather.rows.as_slice(), chosen.as_slice());
+    let series = Series { conditions: &conditions, kind, labels: &periods.labels, bins: &bins, changes, rows };
+    run(&args.common, &series)
 }
 
-fn guard(args: &RecombineArgs, forcing: &Path) -> Result<()> {
-    let mut inputs = vec![args.archive.as_path(), forcing];
+fn guard(args: &RecombineArgs, forcing: &[&Path]) -> Result<()> {
+    let mut inputs = vec![args.archive.as_path()];
+    inputs.extend(forcing);
     inputs.extend(args.receivers.as_deref());
     match args.output == Path::new("-") {
         true => Ok(()),
@@ -66,20 +101,34 @@ fn access(args: &RecombineArgs) -> Access {
     args.io.unwrap_or_else(|| if large() { Access::Read } else { Access::Mapped })
 }
 
-/// Streams all tiles into a table; `bins` says which row a condition adds to.
-fn run(
-    args: &RecombineArgs,
-    conditions: &[Condition],
-    kind: Labels,
-    labels: &[String],
-    bins: &Bins,
-) -> Result<Outcome> {
+/// Schedules of reflectances over the conditions.
+fn schedules(archive: &Archive, series: &Series) -> Result<Vec<Schedule>> {
+    if series.changes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let materials = Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    let (rows, chosen) = series.rows;
+    if rows.is_empty() {
+        return series.changes.constant(archive.path(), &materials, series.conditions.len());
+    }
+    let (mut schedules, warnings) = series.changes.over(archive.path(), &materials, rows)?;
+    warnings.iter().for_each(|w| warn(w));
+    for schedule in &mut schedules {
+        let mut chosen = chosen.iter();
+        schedule.values.retain(|_| chosen.next() == Some(&true));
+    }
+    Ok(schedules)
+}
+
+/// Streams all tiles into a table.
+fn run(args: &RecombineArgs, series: &Series) -> Result<Outcome> {
+    let labels = series.labels;
     // Before anything is computed.
     Format::of(&args.output)?;
     let archive = Archive::open_with(&args.archive, access(args))?;
     let chosen = Chosen::of(args, &archive)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
-    let layout = Layout { labels: kind, by: args.by, components };
+    let layout = Layout { labels: series.kind, by: args.by, components };
     let mut means = match args.by {
         By::Receiver => None,
         By::Surface => {
@@ -94,7 +143,8 @@ fn run(
         components: layout.components.set(),
         memory_bytes: args.memory.0,
     };
-    let replay = Replay::summed(&archive, conditions, settings, bins)?;
+    let schedules = schedules(&archive, series)?;
+    let replay = Replay::scheduled(&archive, series.conditions, settings, series.bins, &schedules)?;
     let names = || match &means {
         Some(means) => Ok(means.surfaces().names().to_vec()),
         None => chosen.receivers(&archive).map(|receiver| Ok(receiver?.id)).collect(),

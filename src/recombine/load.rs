@@ -104,16 +104,25 @@ pub fn tile_view(archive: &Archive, tile: u32) -> Result<TileView> {
     TileView::new(&receivers, &hit, origin(archive.manifest()), settings(archive)?.hit as usize)
 }
 
-/// Ids, normals and sky bits of a tile, with the responses to use, `[state][receiver]`.
-pub fn tile_layers(archive: &Archive, tile: u32, responses: Vec<Vec<Response>>) -> Result<(Vec<String>, TileLayers)> {
+/// Ids and normals of a tile, its sky bits if they are read, and the responses to use, `[state][receiver]`.
+pub fn tile_layers(
+    archive: &Archive,
+    tile: u32,
+    reads_sky: bool,
+    responses: Vec<Vec<Response>>,
+) -> Result<(Vec<String>, TileLayers)> {
     let receivers = archive.block(format::RECEIVERS, tile)?;
     let table = tables::Receivers::from_block(&receivers)?;
     let rows = table.ids.len();
     if let Some(other) = responses.iter().find(|of_state| of_state.len() != rows) {
         return Err(receivers.corrupt(format!("{rows} receivers"), format!("{}, one per response", other.len())));
     }
-    let (block, sides) = sky_block(archive, tile, rows)?;
-    let sky = Mosaic::unpack(block.bytes(), rows, sides.sky_base, sides.sky_fine).ok_or_else(|| other_sky(&block))?;
+    let sky = if reads_sky {
+        let (block, sides) = sky_block(archive, tile, rows)?;
+        Mosaic::unpack(block.bytes(), rows, sides.sky_base, sides.sky_fine).ok_or_else(|| other_sky(&block))?
+    } else {
+        Vec::new()
+    };
     let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
     Ok((table.ids, TileLayers { normals, sky, responses }))
 }

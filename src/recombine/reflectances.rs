@@ -1,7 +1,7 @@
 //! Reflectances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out: schedules of materials,
 //! checked.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::schedule_csv::read_schedule;
 use super::states::Schedule;
@@ -38,22 +38,23 @@ impl Changes {
         self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none()
     }
 
-    /// Schedules over `conditions` conditions that have no date.
-    pub fn constant(&self, materials: &Materials, conditions: usize) -> Result<Vec<Schedule>> {
+    /// Schedules over `conditions` conditions that have no date; `site` is the archive of the materials.
+    pub fn constant(&self, site: &Path, materials: &Materials, conditions: usize) -> Result<Vec<Schedule>> {
         let mut schedules = Vec::with_capacity(self.constant.len());
         for (name, value) in &self.constant {
-            schedules.push(schedule(materials, members(materials, name)?, vec![*value; conditions])?);
+            schedules.push(schedule(site, materials, members(site, materials, name)?, vec![*value; conditions])?);
         }
         Ok(schedules)
     }
 
     /// Schedules over the rows of a weather file, and what the user should know about them.
-    pub fn over(&self, materials: &Materials, rows: &[Row]) -> Result<(Vec<Schedule>, Vec<String>)> {
-        let mut schedules = self.constant(materials, rows.len())?;
+    pub fn over(&self, site: &Path, materials: &Materials, rows: &[Row]) -> Result<(Vec<Schedule>, Vec<String>)> {
+        let mut schedules = self.constant(site, materials, rows.len())?;
         let mut warnings = Vec::new();
         let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
         for (name, path) in &self.scheduled {
-            schedules.push(schedule(materials, members(materials, name)?, read_schedule(path, &dates)?)?);
+            let members = members(site, materials, name)?;
+            schedules.push(schedule(site, materials, members, read_schedule(path, &dates)?)?);
         }
         if let Some((snow, reflectance)) = self.snow {
             let cover = |row: &Row| match snow {
@@ -74,7 +75,7 @@ impl Changes {
                 let scheduled = before.iter().rev().find(|schedule| schedule.materials.contains(&material));
                 let bare = |row: usize| scheduled.map_or(materials.diffuse[material], |s| s.values[row]);
                 let values = covers.iter().enumerate().map(|(row, cover)| cover.unwrap_or_else(|| bare(row)));
-                schedules.push(schedule(materials, vec![material], values.collect())?);
+                schedules.push(schedule(site, materials, vec![material], values.collect())?);
             }
         }
         Ok((schedules, warnings))
@@ -85,7 +86,7 @@ impl Changes {
 const GROUND: u8 = 1;
 
 /// Materials of a group; where there is no such group, the material of that name.
-fn members(materials: &Materials, name: &str) -> Result<Vec<usize>> {
+fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>> {
     let all = |names: &[String]| (0..names.len()).filter(|&i| names[i] == name).collect::<Vec<_>>();
     let found = match all(&materials.group) {
         group if group.is_empty() || name.is_empty() => all(&materials.name),
@@ -101,26 +102,25 @@ fn members(materials: &Materials, name: &str) -> Result<Vec<usize>> {
             names => names.join(", "),
         };
         let names: Vec<&str> = materials.name.iter().map(String::as_str).collect();
-        return Err(Error::Unsupported {
-            what: "group or material whose reflectance is to change".into(),
-            found: format!("`{name}`"),
-            supported: format!("groups: {}; materials: {}", listed(&groups), listed(&names)),
-        });
+        let what = format!("there is no group and no material `{name}`");
+        let hint = format!("name one of the groups ({}) or of the materials ({})", listed(&groups), listed(&names));
+        return Err(Error::input(site, None, what, hint));
     }
     Ok(found)
 }
 
 /// A schedule that leaves room for what its materials reflect like mirrors.
-fn schedule(materials: &Materials, members: Vec<usize>, values: Vec<f64>) -> Result<Schedule> {
+fn schedule(site: &Path, materials: &Materials, members: Vec<usize>, values: Vec<f64>) -> Result<Schedule> {
     let largest = values.iter().copied().fold(0.0, f64::max);
     for &material in &members {
         let specular = materials.specular[material];
         if largest + specular > 1.0 + 1e-9 {
-            return Err(Error::Unsupported {
-                what: format!("diffuse reflectance of material `{}`", materials.name[material]),
-                found: largest.to_string(),
-                supported: format!("at most {}, it has a specular reflectance of {specular}", 1.0 - specular),
-            });
+            let what = format!(
+                "material `{}` would reflect {largest} diffusely and {specular} like a mirror, more than arrives",
+                materials.name[material]
+            );
+            let hint = format!("its diffuse reflectance can be at most {}", 1.0 - specular);
+            return Err(Error::input(site, None, what, hint));
         }
     }
     Ok(Schedule { materials: members, values })
@@ -169,7 +169,7 @@ mod tests {
         {
             let changes =
                 Changes { constant: vec![("ground".into(), 0.3)], snow: Some((snow, 0.6)), ..Changes::default() };
-            let (schedules, warnings) = changes.over(&materials(), &rows()).expect("schedules");
+            let (schedules, warnings) = changes.over(Path::new("a.helio"), &materials(), &rows()).expect("schedules");
             assert!(warnings.is_empty());
             let of =
                 |material| schedules.iter().rev().find(|s| s.materials.contains(&material)).map(|s| s.values.clone());
@@ -177,7 +177,7 @@ mod tests {
         }
         let bare = [rows()[1]];
         let changes = Changes { snow: Some((Snow::Depth, 0.6)), ..Changes::default() };
-        let (schedules, warnings) = changes.over(&materials(), &bare).expect("schedules");
+        let (schedules, warnings) = changes.over(Path::new("a.helio"), &materials(), &bare).expect("schedules");
         assert_eq!(warnings.len(), 1);
         assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
     }
@@ -187,13 +187,18 @@ mod tests {
     #[test]
     fn names() {
         let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };
-        let schedules = change("facade", 0.5).constant(&materials(), 2).expect("schedules");
+        let schedules = change("facade", 0.5).constant(Path::new("a.helio"), &materials(), 2).expect("schedules");
         assert_eq!(schedules, [Schedule { materials: vec![2, 3], values: vec![0.5, 0.5] }]);
-        assert_eq!(change("lawn", 0.5).constant(&materials(), 1).expect("schedules")[0].materials, [0]);
-        let text = change("roof", 0.5).constant(&materials(), 1).expect_err("unknown").to_string();
-        assert!(text.contains("groups: facade, ground; materials: lawn, street, wall, glass"), "{text}");
-        let text = change("facade", 0.6).constant(&materials(), 1).expect_err("too much").to_string();
+        assert_eq!(
+            change("lawn", 0.5).constant(Path::new("a.helio"), &materials(), 1).expect("schedules")[0].materials,
+            [0]
+        );
+        let text =
+            change("roof", 0.5).constant(Path::new("a.helio"), &materials(), 1).expect_err("unknown").to_string();
+        assert!(text.contains("groups (facade, ground) or of the materials (lawn, street, wall, glass)"), "{text}");
+        let text =
+            change("facade", 0.6).constant(Path::new("a.helio"), &materials(), 1).expect_err("too much").to_string();
         assert!(text.contains("`glass`") && text.contains("at most 0.5"), "{text}");
-        assert!(change("", 0.6).constant(&materials(), 1).is_err());
+        assert!(change("", 0.6).constant(Path::new("a.helio"), &materials(), 1).is_err());
     }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::bins::Bins;
 use super::bounces::Depth;
-use super::components::ComponentSet;
+use super::components::{Component, ComponentSet};
 use super::conditions::Condition;
 use super::load::{Tables, cached_responses, sides, tile_layers, tile_view};
 use super::patches::Patches;
@@ -28,6 +28,19 @@ pub struct ReplaySettings {
     pub components: ComponentSet,
     /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
     pub memory_bytes: u64,
+}
+
+impl Default for ReplaySettings {
+    /// Perez skies of 577 patches, all bounces, all components, 4 GiB.
+    fn default() -> Self {
+        ReplaySettings {
+            sky: SkyModel::Perez,
+            patches: 577,
+            depth: Depth::All,
+            components: ComponentSet::ALL,
+            memory_bytes: 4 << 30,
+        }
+    }
 }
 
 /// An archive with its weather, ready to give tile after tile.
@@ -66,19 +79,19 @@ impl<'a> Replay<'a> {
         schedules: &[Schedule],
     ) -> Result<Self> {
         let patches = Patches::new(settings.patches)?;
-        let mut ways = Vec::new();
-        let mut responder = None;
-        if settings.depth != Depth::All || !schedules.is_empty() {
-            let tables = Tables::load(archive)?;
-            let stored = tables.reflectors.iter().map(|r| r.diffuse).collect();
-            let states = States::new(&stored, schedules, conditions.len())?;
-            ways = states.ways(bins);
-            let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
-            let solved = Responder::with_states(&tables, states.reflectances, settings.depth, memory, &folder)?;
-            responder = Some((tables, solved));
+        let asked = (settings.sky, settings.components);
+        let forced = |ways: &[Bins]| Ok(Forcing::new(conditions, bins, ways, asked, &patches, sides(archive)?));
+        let reflects = [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
+        if !reflects || settings.depth == Depth::All && schedules.is_empty() {
+            return Ok(Replay { archive, forcing: forced(&[])?, responder: None });
         }
-        let forcing = Forcing::new(conditions, bins, &ways, settings.sky, &patches, sides(archive)?);
-        Ok(Replay { archive, forcing, responder })
+        let tables = Tables::load(archive)?;
+        let reflectance = tables.reflectors.iter().map(|r| r.diffuse).collect();
+        let states = States::new(&reflectance, schedules, conditions.len())?;
+        let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
+        let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
+        let responder = Responder::with_states(&tables, states.reflectances, settings.depth, memory, &folder)?;
+        Ok(Replay { archive, forcing, responder: Some((tables, responder)) })
     }
 
     /// Number of tiles.
@@ -90,6 +103,7 @@ impl<'a> Replay<'a> {
     pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let responses: Vec<Vec<Vec<Response>>> = match &self.responder {
+            _ if !self.forcing.reads_responses() => vec![Vec::new(); tiles.len()],
             None => {
                 let cached = |tile| Ok(vec![cached_responses(self.archive, tile)?]);
                 tiles.par_iter().copied().map(cached).collect::<Result<_>>()?
@@ -100,7 +114,7 @@ impl<'a> Replay<'a> {
             }
         };
         let result = |(tile, responses): (u32, Vec<Vec<Response>>)| {
-            let (ids, layers) = tile_layers(self.archive, tile, responses)?;
+            let (ids, layers) = tile_layers(self.archive, tile, self.forcing.reads_sky(), responses)?;
             Ok((ids, self.forcing.replay(&layers)))
         };
         tiles.into_par_iter().zip(responses).map(result).collect()

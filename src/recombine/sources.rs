@@ -46,6 +46,11 @@ impl Sources {
         Sources { results: terms.chunk_by(|a, b| a.0 == b.0).map(of_bin).collect() }
     }
 
+    /// Whether there is no sun.
+    pub fn is_empty(&self) -> bool {
+        self.results.is_empty()
+    }
+
     /// Adds the reflected irradiance of a receiver with this response, `[texel][axis]`, to `out[result]`.
     pub fn irradiance(&self, response: &[[f32; 3]], out: &mut [f64]) {
         for Source { bin, texels } in &self.results {

@@ -75,6 +75,11 @@ impl Suns {
         found
     }
 
+    /// Whether there is no sun.
+    pub fn is_empty(&self) -> bool {
+        self.suns.is_empty()
+    }
+
     /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
     pub fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
         for sun in &self.suns {

@@ -4,6 +4,8 @@
 use glam::DVec3;
 
 use super::bins::Bins;
+use super::components::Component::{self, SkyDiffuse, SkyDirect, SunDiffuse, SunDirect, Total};
+use super::components::ComponentSet;
 use super::conditions::Condition;
 use super::patches::Patches;
 use super::projection::Projection;
@@ -16,12 +18,6 @@ use crate::layers::bits::BitSquare;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::layers::sky::half_texel;
-
-const SUN_DIRECT: usize = 0;
-const SKY_DIRECT: usize = 1;
-const SUN_DIFFUSE: usize = 2;
-const SKY_DIFFUSE: usize = 3;
-const TOTAL: usize = 6;
 
 /// Points per texel side when textures are projected on patches.
 const PROJECTION_SAMPLES: usize = 8;
@@ -37,8 +33,9 @@ pub struct TextureSides {
 /// Decoded layers of one tile.
 pub struct TileLayers {
     pub normals: Vec<DVec3>,
+    /// Empty where a [`Forcing`] does not read them.
     pub sky: Vec<Mosaic>,
-    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with.
+    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with; likewise.
     pub responses: Vec<Vec<Response>>,
 }
 
@@ -52,6 +49,7 @@ pub struct Forcing {
     reflected: Vec<Reflected>,
     sky_projection: Projection,
     response_projection: Projection,
+    components: ComponentSet,
 }
 
 /// The weather of one state of the reflectances.
@@ -62,21 +60,23 @@ struct Reflected {
 }
 
 impl Forcing {
-    /// Looks up suns and skies of all conditions. `states`: how conditions add to the results in each state of the reflectances;
-    /// empty if there is but one.
+    /// Looks up suns and skies of all conditions, as far as the components need them. `states`: how conditions add to the results in
+    /// each state of the reflectances; empty if there is but one.
     pub fn new(
         conditions: &[Condition],
         bins: &Bins,
         states: &[Bins],
-        model: SkyModel,
+        (model, components): (SkyModel, ComponentSet),
         patches: &Patches,
         sides: TextureSides,
     ) -> Self {
+        let when = |needed: bool| -> &[Condition] { if needed { conditions } else { &[] } };
+        let skies_of = when(components.needs(SkyDirect) || components.needs(SkyDiffuse));
         let sky_projection = Projection::new(patches, sides.sky_base, PROJECTION_SAMPLES);
         let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
-        let mut skies = Skies::new(conditions, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
+        let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
         let all = skies.next();
-        let sources = |bins| Sources::new(conditions, bins, sides.response);
+        let sources = |bins| Sources::new(when(components.needs(SunDiffuse)), bins, sides.response);
         let mut reflected: Vec<Reflected> =
             states.iter().zip(skies).map(|(bins, s)| Reflected { sources: sources(bins), skies: Some(s) }).collect();
         if reflected.is_empty() {
@@ -84,12 +84,24 @@ impl Forcing {
         }
         Forcing {
             bins: bins.count,
-            suns: Suns::new(conditions, bins, sides),
+            suns: Suns::new(when(components.needs(SunDirect)), bins, sides),
             skies: all.unwrap_or_default(),
             reflected,
             response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
             sky_projection,
+            components,
         }
+    }
+
+    /// Whether what is asked for needs the receivers' sky textures.
+    pub fn reads_sky(&self) -> bool {
+        !self.suns.is_empty() || self.components.needs(SkyDirect) && !self.skies.is_empty()
+    }
+
+    /// Whether it needs their responses.
+    pub fn reads_responses(&self) -> bool {
+        self.reflected.iter().any(|state| !state.sources.is_empty())
+            || self.components.needs(SkyDiffuse) && !self.skies.is_empty()
     }
 
     /// Irradiance of every receiver of a tile.
@@ -97,29 +109,33 @@ impl Forcing {
         let mut out = TileValues::new(tile.normals.len(), self.bins);
         self.add_direct(tile, &mut out);
         self.add_diffuse(tile, &mut out);
-        let mut total = vec![0.0_f32; self.bins];
-        for receiver in 0..tile.normals.len() {
-            total.fill(0.0);
-            for component in 0..TOTAL {
-                total.iter_mut().zip(out.row(component, receiver)).for_each(|(total, v)| *total += v);
+        if self.components.contains(Total) {
+            let mut total = vec![0.0_f32; self.bins];
+            for receiver in 0..tile.normals.len() {
+                total.fill(0.0);
+                for part in Component::ALL.into_iter().filter(|part| *part != Total) {
+                    total.iter_mut().zip(out.row(part as usize, receiver)).for_each(|(total, v)| *total += v);
+                }
+                out.row_mut(Total as usize, receiver).copy_from_slice(&total);
             }
-            out.row_mut(TOTAL, receiver).copy_from_slice(&total);
         }
         out
     }
 
     fn add_direct(&self, tile: &TileLayers, out: &mut TileValues) {
+        let sky_direct = self.components.needs(SkyDirect) && !self.skies.is_empty();
         let mut sums = vec![0.0_f64; self.bins];
         let mut coefficients = Vec::new();
         for (receiver, (&normal, sky)) in tile.normals.iter().zip(&tile.sky).enumerate() {
             sums.fill(0.0);
             self.suns.direct(normal, sky, &mut sums);
-            put(&sums, out.row_mut(SUN_DIRECT, receiver));
-            if !self.skies.is_empty() {
+            put(&sums, out.row_mut(SunDirect as usize, receiver));
+            if sky_direct {
                 sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
             }
         }
-        self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SKY_DIRECT, receiver)[bin] = v.max(0.0));
+        let each = |receiver, bin, v: f32| out.row_mut(SkyDirect as usize, receiver)[bin] = v.max(0.0);
+        self.skies.irradiance(&coefficients, each);
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
@@ -128,11 +144,12 @@ impl Forcing {
         let mut skies = vec![0.0_f32; receivers * self.bins];
         for (state, responses) in self.reflected.iter().zip(&tile.responses) {
             let of_state = state.skies.as_ref().unwrap_or(&self.skies);
+            let sky_diffuse = self.components.needs(SkyDiffuse) && !of_state.is_empty();
             let mut coefficients = Vec::new();
             for (response, sums) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))) {
                 let response = response.vectors();
                 state.sources.irradiance(&response, sums);
-                if !of_state.is_empty() {
+                if sky_diffuse {
                     response_coefficients(&self.response_projection, &response, &mut coefficients);
                 }
             }
@@ -140,8 +157,8 @@ impl Forcing {
         }
         for receiver in 0..receivers {
             let range = receiver * self.bins..(receiver + 1) * self.bins;
-            put(&suns[range.clone()], out.row_mut(SUN_DIFFUSE, receiver));
-            let row = out.row_mut(SKY_DIFFUSE, receiver);
+            put(&suns[range.clone()], out.row_mut(SunDiffuse as usize, receiver));
+            let row = out.row_mut(SkyDiffuse as usize, receiver);
             row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
         }
     }

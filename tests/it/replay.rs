@@ -7,7 +7,6 @@ use heliotile::layers::bits::BitSquare;
 use heliotile::layers::response::Response;
 use heliotile::layers::sky::SkyTexture;
 use heliotile::recombine::bins::Bins;
-use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::conditions::Condition;
 use heliotile::recombine::disc::disc_texels;
 use heliotile::recombine::epw::read_epw;
@@ -87,7 +86,7 @@ fn plain_path() {
     let weather = data("../weather/golden_tmy3.epw");
     let conditions = read_epw(&weather).expect("weather").conditions(1);
     let replay = |bins: &Bins| {
-        let settings = ReplaySettings { sky: SkyModel::Perez, patches: 577, depth: Depth::All, memory_bytes: 1 << 30 };
+        let settings = ReplaySettings::default();
         let replay = Replay::summed(&archive, &conditions, settings, bins).expect("a replay");
         replay.run(0..1).expect("a tile").remove(0).1
     };
