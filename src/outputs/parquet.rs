@@ -34,6 +34,9 @@ const DICTIONARY_BYTES: usize = 32 << 20;
 /// a Bloom filter of 80 bytes does.
 const NAMES_OF_TILE: u64 = 64;
 
+/// Rows of a receiver whose name is handed over at a time.
+const NAMES_AT_ONCE: usize = 512;
+
 /// Rows of a data page: a reader skips by page, so not too many; each has a header, so not too few.
 const PAGE_ROWS: usize = 1 << 17;
 const PAGE_BYTES: usize = 1 << 20;
@@ -110,11 +113,17 @@ impl Table for ParquetTable {
                     let repeated = receivers.iter().map(|_| self.labels.as_slice());
                     self.encode(column, repeated, write_strings)
                 }
-                (1, _) => {
-                    let names = receivers.iter().map(|r| ByteArray::from(r.as_str()));
-                    let repeated = names.map(|name| vec![name; self.labels.len()]);
-                    self.encode(column, repeated, |writer, names| write_strings(writer, &names))
-                }
+                (1, _) => self.encode(column, receivers.iter(), |writer, name| {
+                    // A short part again and again: a clone for each row would take longer than all values.
+                    let part = vec![ByteArray::from(name.as_str()); self.labels.len().min(NAMES_AT_ONCE)];
+                    let mut rows_left = self.labels.len();
+                    while rows_left > 0 {
+                        let rows = rows_left.min(part.len());
+                        write_strings(writer, part.get(..rows).unwrap_or_default())?;
+                        rows_left -= rows;
+                    }
+                    Ok(())
+                }),
                 _ => {
                     let component = self.components.as_slice().get(i - 2);
                     let parts = component.map(|c| values.component(*c as usize)).into_iter();
