@@ -9,6 +9,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use pulp::Arch;
 use rayon::prelude::*;
 
 use super::load::CellSource;
@@ -153,6 +154,27 @@ impl Closed {
         self.keys.binary_search(key).ok()
     }
 
+    /// Largest value of a linear combination of the states, as a share of the largest value of all; of some thousand cells.
+    pub fn combination(&self, coefficients: &[f64]) -> Result<f64> {
+        let step = self.keys.len().div_ceil(4096).max(1);
+        let cells: Vec<usize> = (0..self.keys.len()).step_by(step).collect();
+        let of_cell = |cell: &usize| {
+            let (mut sum, mut one) = (vec![0.0_f64; self.width], vec![0.0_f32; self.width]);
+            let mut largest = 0.0_f64;
+            for (state, coefficient) in coefficients.iter().enumerate() {
+                self.read(state, *cell, &mut one)?;
+                for (sum, x) in sum.iter_mut().zip(&one) {
+                    *sum += coefficient * f64::from(*x);
+                    largest = largest.max(f64::from(x.abs()));
+                }
+            }
+            Ok((sum.into_iter().map(f64::abs).fold(0.0, f64::max), largest))
+        };
+        let each = cells.par_iter().map(of_cell).collect::<Result<Vec<(f64, f64)>>>()?;
+        let (sum, largest) = each.into_iter().fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
+        Ok(if largest > 0.0 { sum / largest } else { 0.0 })
+    }
+
     /// Writes the values of one cell in a state, [axis][texel], to `out`.
     pub fn read(&self, state: usize, cell: usize, out: &mut [f32]) -> Result<()> {
         for (block, part) in out[..self.width].chunks_mut(BLOCK).enumerate() {
@@ -219,23 +241,29 @@ impl<'a> System<'a> {
             self.rules.source(&self.cells, i, rho(state, key), columns.clone(), source);
         }
         let mut now = source.clone();
+        next.resize(source.len(), [0.0_f32; BLOCK]);
         for _ in 0..self.rules.steps(state) {
-            next.clear();
-            next.extend(source.iter().zip(&self.cells.keys).zip(self.starts.windows(2)).map(
-                |((source, key), range)| {
-                    let (mut sum, rho) = (*source, rho(state, key));
-                    for &(cell, weight) in &self.rows[range[0]..range[1]] {
-                        let weight = weight * rho;
-                        for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
-                            *s += weight * x;
-                        }
-                    }
-                    sum
-                },
-            ));
+            // Compiled for the processor at hand; sums and products only, so with the same bits everywhere.
+            Arch::new().dispatch(|| self.step(state, source, &now, next));
             std::mem::swap(&mut now, next);
         }
         now
+    }
+
+    /// One Jacobi step.
+    #[inline(always)]
+    fn step(&self, state: &Reflectance, source: &[[f32; BLOCK]], now: &[[f32; BLOCK]], next: &mut [[f32; BLOCK]]) {
+        let rows = self.cells.keys.iter().zip(self.starts.windows(2));
+        for ((next, source), (key, range)) in next.iter_mut().zip(source).zip(rows) {
+            let (mut sum, rho) = (*source, rho(state, key));
+            for &(cell, weight) in &self.rows[range[0]..range[1]] {
+                let weight = weight * rho;
+                for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
+                    *s += weight * x;
+                }
+            }
+            *next = sum;
+        }
     }
 }
 

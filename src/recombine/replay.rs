@@ -87,10 +87,18 @@ impl<'a> Replay<'a> {
         }
         let tables = Tables::load(archive)?;
         let reflectance = tables.reflectors.iter().map(|r| r.diffuse).collect();
-        let states = States::new(&reflectance, schedules, conditions.len())?;
-        let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
         let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
-        let responder = Responder::with_states(&tables, states.reflectances, settings.depth, memory, &folder)?;
+        let solved = |finer| -> Result<(States, Responder)> {
+            let states = States::new(&reflectance, schedules, conditions.len(), finer)?;
+            let of_states = states.reflectances.clone();
+            let responder = Responder::with_states(&tables, of_states, settings.depth, memory, &folder)?;
+            Ok((states, responder))
+        };
+        let (mut states, mut responder) = solved(false)?;
+        if !responder.interpolates(&states.checks)? {
+            (states, responder) = solved(true)?;
+        }
+        let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
         Ok(Replay { archive, forcing, responder: Some((tables, responder)) })
     }
 

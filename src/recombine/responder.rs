@@ -9,16 +9,19 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::bounces::{Closed, Depth, Reflectance, Rules, Surround, centres_f32, rho, seen, surround};
+use super::bounces::{Closed, Depth, Reflectance, Rules, Surround, Weighted, centres_f32, rho, seen, surround};
 use super::load::{Tables, TileView};
 use super::response::{Reflector, Shape, Viewer, class_index, hit_weights};
 use super::slots::Slots;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::hemisphere::{bilinear, texel_centres};
 use crate::layers::cells::Cells;
 use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
 use crate::scene::cells::CellKey;
+
+/// Most by which radiosity may differ from an interpolation with half of the nodes. The error with all of them is about its square.
+const MOST_BENT: f64 = 5e-3;
 
 /// Derives responses from an archive's cells for some states of its reflectances. Only the closed system is solved as a whole; the
 /// cells near some tiles are read and solved when these tiles are asked for.
@@ -72,9 +75,14 @@ impl Responder {
         })
     }
 
-    /// Number of states.
-    pub fn states(&self) -> usize {
-        self.states.len()
+    /// Whether states are close enough to be interpolated between, see [`States::checks`](super::states::States::checks).
+    pub fn interpolates(&self, checks: &[Vec<f64>]) -> Result<bool> {
+        for check in checks {
+            if self.closed.combination(check)? > MOST_BENT {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Responses of all receivers of some tiles, which had better be neighbours: [tile][state][receiver].
@@ -85,17 +93,21 @@ impl Responder {
             responses.append(&mut self.derive(tables, second)?);
             return Ok(responses);
         };
-        let of_tile = |tile: &TileView| -> Vec<Vec<Response>> {
+        let lights = |tile: &TileView| -> Vec<Light> {
             let viewers = tile.viewers.par_iter().enumerate();
-            let receivers: Vec<Vec<Response>> =
-                viewers.map(|(index, viewer)| group.derive(&tile.hits, index, viewer)).collect();
-            let mut states = vec![Vec::with_capacity(receivers.len()); self.states.len()];
-            for receiver in receivers {
-                states.iter_mut().zip(receiver).for_each(|(state, response)| state.push(response));
-            }
-            states
+            viewers.map(|(index, viewer)| group.light(&tile.hits, index, viewer)).collect()
         };
-        Ok(tiles.par_iter().map(of_tile).collect())
+        let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect();
+        let mut responses: Vec<Vec<Vec<Response>>> = tiles.iter().map(|_| Vec::new()).collect();
+        let mut radiosity = Vec::new();
+        for state in 0..self.states.len() {
+            group.solve(tables, state, &mut radiosity)?;
+            let of_tile = |(lights, responses): (&Vec<Light>, &mut Vec<Vec<Response>>)| {
+                responses.push(lights.par_iter().map(|light| group.response(light, state, &radiosity)).collect());
+            };
+            lights.par_iter().zip(&mut responses).for_each(of_tile);
+        }
+        Ok(responses)
     }
 
     /// Reads and solves what some tiles need; `None` if it is too much for more than one tile at a time.
@@ -110,7 +122,7 @@ impl Responder {
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.seen.clone() };
         while !wave.is_empty() {
             wave.retain(|key| known.insert(*key) && !self.rules.closes(key));
-            let bytes = (known.len() * self.rules.width() * self.states.len()) as u64 * 4;
+            let bytes = (known.len() * self.rules.width()) as u64 * 4;
             if tiles.len() > 1 && bytes > self.memory {
                 return Ok(None);
             }
@@ -122,94 +134,36 @@ impl Responder {
             .into_par_iter()
             .map(|i| surround(probes.normals[i], probes.bits_of(i), &self.centres))
             .collect();
-        let missing = |key: &CellKey| tables.bounces.missing(key);
-        let radiosity = self.radiosity(known, &fine, &missing)?;
-        let place = |key: &CellKey| if first_only { Ok(0) } else { radiosity.find(key).ok_or_else(|| missing(key)) };
-        let places = probes.seen.iter().map(place).collect::<Result<_>>()?;
-        Ok(Some(Group { responder: self, probes, surrounds, radiosity, places }))
-    }
-
-    /// Radiosities of the `known` cells: closed ones as solved, then `fine` ones from those that they see, coarser first.
-    fn radiosity(
-        &self,
-        known: HashSet<CellKey>,
-        fine: &[Cells],
-        missing: &(dyn Fn(&CellKey) -> Error + Sync),
-    ) -> Result<Radiosity> {
-        let width = self.rules.width();
         let mut keys: Vec<CellKey> = known.into_iter().collect();
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
         let mut places: Vec<(CellKey, u32)> = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
         places.sort_unstable();
-        let values = vec![vec![0.0; keys.len() * width]; self.states.len()];
-        let mut radiosity = Radiosity { width, places, values };
+        let place = |key: &CellKey| {
+            let found = places.binary_search_by_key(key, |place| place.0);
+            found.map(|i| places[i].1 as usize).map_err(|_| tables.bounces.missing(key))
+        };
+        let of_probe = |key: &CellKey| if first_only { Ok(0) } else { place(key) };
+        let seen = probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
         let closed = keys.partition_point(|key| self.rules.closes(key));
-        for (state, values) in radiosity.values.iter_mut().enumerate() {
-            let read = |(out, key): (&mut [f32], &CellKey)| {
-                let cell = self.closed.find(key).ok_or_else(|| missing(key))?;
-                self.closed.read(state, cell, out)
-            };
-            values[..closed * width].par_chunks_mut(width).zip(&keys).try_for_each(read)?;
-        }
         let mut rows: Vec<Row> = Vec::with_capacity(keys.len() - closed);
-        for cells in fine {
+        for (part, cells) in fine.iter().enumerate() {
             let of_cell = |row: usize| {
-                let place = |key: &CellKey| radiosity.find(key).ok_or_else(|| missing(key));
-                let seen = self.rules.row(cells, row, &self.bounce_centres).into_iter();
-                let seen = seen.map(|(cell, w)| Ok((place(&cells.seen[cell as usize])?, w))).collect::<Result<_>>()?;
-                Ok(Row { place: place(&cells.keys[row])?, cells, row, seen })
+                let weighted = self.rules.row(cells, row, &self.bounce_centres).into_iter();
+                let seen = weighted.map(|(cell, w)| Ok((place(&cells.seen[cell as usize])? as u32, w)));
+                Ok(Row { place: place(&cells.keys[row])?, part, row, seen: seen.collect::<Result<_>>()? })
             };
-            rows.par_extend((0..cells.keys.len()).into_par_iter().map(of_cell).collect::<Result<Vec<Row>>>()?);
+            rows.append(&mut (0..cells.keys.len()).into_par_iter().map(of_cell).collect::<Result<_>>()?);
         }
         rows.sort_unstable_by_key(|row| row.place);
         for level in rows.chunk_by(|a, b| keys[a.place].level == keys[b.place].level) {
             // A cell sees coarser ones only, or this would never end.
             let first = level[0].place;
-            if let Some(row) = level.iter().find(|row| row.seen.iter().any(|(place, _)| *place >= first)) {
-                return Err(missing(&keys[row.place]));
-            }
-            for (reflectance, values) in self.states.iter().zip(&mut radiosity.values) {
-                let (before, here) = values.split_at_mut(first * width);
-                let solve = |(out, row): (&mut [f32], &Row)| {
-                    let rho = rho(reflectance, &keys[row.place]);
-                    self.rules.source(row.cells, row.row, rho, 0..width, out);
-                    for &(place, weight) in &row.seen {
-                        let (from, weight) = (place * width, weight * rho);
-                        out.iter_mut().zip(&before[from..from + width]).for_each(|(o, x)| *o += weight * x);
-                    }
-                };
-                here.par_chunks_mut(width).zip(level).for_each(solve);
+            if let Some(row) = level.iter().find(|row| row.seen.iter().any(|seen| seen.0 as usize >= first)) {
+                return Err(tables.bounces.missing(&keys[row.place]));
             }
         }
-        Ok(radiosity)
+        Ok(Some(Group { responder: self, probes, surrounds, seen, keys, closed, fine, rows }))
     }
-}
-
-/// A fine cell: its place among the radiosities, where it stands in its table, and the places and weights of what it sees.
-struct Row<'c> {
-    place: usize,
-    cells: &'c Cells,
-    row: usize,
-    seen: Vec<(usize, f32)>,
-}
-
-/// Radiosities of some bounce cells.
-struct Radiosity {
-    width: usize,
-    /// Sorted by key.
-    places: Vec<(CellKey, u32)>,
-    /// [state][cell][axis][texel], per unit normal irradiance.
-    values: Vec<Vec<f32>>,
-}
-
-impl Radiosity {
-    fn find(&self, key: &CellKey) -> Option<usize> {
-        find(&self.places, key)
-    }
-}
-
-fn find(places: &[(CellKey, u32)], key: &CellKey) -> Option<usize> {
-    places.binary_search_by_key(key, |place| place.0).ok().map(|i| places[i].1 as usize)
 }
 
 /// Everything that some neighbouring tiles see.
@@ -217,9 +171,29 @@ struct Group<'r> {
     responder: &'r Responder,
     probes: Cells,
     surrounds: Vec<Surround>,
-    radiosity: Radiosity,
-    /// Where the radiosity of each cell that probes see stands.
-    places: Vec<usize>,
+    /// Place in `keys` of each cell that probes see.
+    seen: Vec<usize>,
+    /// Bounce cells, coarser first: closed ones, then those of `rows`.
+    keys: Vec<CellKey>,
+    closed: usize,
+    fine: Vec<Cells>,
+    rows: Vec<Row>,
+}
+
+/// A fine bounce cell: its place in the group's keys, where its textures are, and the places and weights of what it sees.
+struct Row {
+    place: usize,
+    part: usize,
+    row: usize,
+    seen: Weighted,
+}
+
+/// What a receiver sees, before reflectances that vary.
+struct Light {
+    /// `[slot]`: first bounces, the fixed materials together, those that vary per unit of reflectance.
+    first: Vec<Vec<f32>>,
+    /// By cell and class.
+    indirect: Vec<Indirect>,
 }
 
 /// What a bounce cell's radiosity is worth to a receiver.
@@ -232,18 +206,43 @@ struct Indirect {
 }
 
 impl Group<'_> {
-    /// Responses of receiver `index` of a tile of the group, one a state.
-    fn derive(&self, tile: &HitTile, index: usize, viewer: &Viewer) -> Vec<Response> {
-        let Responder { shape, slots, .. } = self.responder;
+    /// Radiosities in a state, [cell of `keys`][axis][texel], per unit normal irradiance: closed cells as solved, the others from those
+    /// that they see.
+    fn solve(&self, tables: &Tables, state: usize, values: &mut Vec<f32>) -> Result<()> {
+        let Responder { rules, closed, states, .. } = self.responder;
+        let width = rules.width();
+        values.resize(self.keys.len() * width, 0.0);
+        let read = |(out, key): (&mut [f32], &CellKey)| {
+            let cell = closed.find(key).ok_or_else(|| tables.bounces.missing(key))?;
+            closed.read(state, cell, out)
+        };
+        values[..self.closed * width].par_chunks_mut(width).zip(&self.keys).try_for_each(read)?;
+        for level in self.rows.chunk_by(|a, b| self.keys[a.place].level == self.keys[b.place].level) {
+            let (before, here) = values.split_at_mut(level[0].place * width);
+            let solve = |(out, row): (&mut [f32], &Row)| {
+                let rho = rho(&states[state], &self.keys[row.place]);
+                rules.source(&self.fine[row.part], row.row, rho, 0..width, out);
+                for &(place, weight) in &row.seen {
+                    let (from, weight) = (place as usize * width, weight * rho);
+                    out.iter_mut().zip(&before[from..from + width]).for_each(|(o, x)| *o += weight * x);
+                }
+            };
+            here.par_chunks_mut(width).zip(level).for_each(solve);
+        }
+        Ok(())
+    }
+
+    /// What receiver `index` of a tile of the group sees.
+    fn light(&self, tile: &HitTile, index: usize, viewer: &Viewer) -> Light {
+        let Responder { shape, slots, reflectors, rules, .. } = self.responder;
         let per_receiver = shape.hit * shape.hit;
         let texels = shape.probe * shape.probe;
         let weights = hit_weights(&tile.texels[index * per_receiver..(index + 1) * per_receiver], viewer);
-        // First bounces, slot by slot: the fixed materials together, those that vary per unit of reflectance.
         let mut first = vec![vec![0.0_f32; Response::len(shape.probe)]; slots.len()];
         let mut indirect: Vec<Indirect> = Vec::new();
         for (cell, weight) in weights.cells {
             let key = tile.palette[cell];
-            let Some(reflector) = self.responder.reflectors.get(usize::from(key.material)) else { continue };
+            let Some(reflector) = reflectors.get(usize::from(key.material)) else { continue };
             // The group holds all keys of its tiles' palettes.
             let Ok(probe) = self.probes.keys.binary_search(&key) else { continue };
             let class = class_index(reflector.class);
@@ -252,7 +251,7 @@ impl Group<'_> {
             let normal = self.probes.normals[probe].map(|c| c * worth as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
             add_bits(out, self.probes.bits_of(probe), normal, texels);
-            if self.responder.rules.depth != Depth::Count(1) {
+            if rules.depth != Depth::Count(1) {
                 let around = self.surrounds[probe];
                 let (above, below) = seen(self.probes.hits_of(probe));
                 for (list, share) in [(above, around.up), (below, around.down)] {
@@ -265,27 +264,28 @@ impl Group<'_> {
         indirect.sort_by_key(|w| (w.cell, w.class, w.slot));
         let merge = |same: &[Indirect]| Indirect { worth: same.iter().map(|w| w.worth).sum(), ..same[0] };
         let same = |a: &Indirect, b: &Indirect| (a.cell, a.class, a.slot) == (b.cell, b.class, b.slot);
-        let merged: Vec<Indirect> = indirect.chunk_by(same).map(merge).collect();
-        (0..self.responder.states.len())
-            .map(|state| {
-                let factors = slots.factors(state);
-                let mut values = first[0].clone();
-                for (slot, factor) in first.iter().zip(factors).skip(1) {
-                    values.iter_mut().zip(slot).for_each(|(value, v)| *value += factor * v);
-                }
-                self.add_indirect(&mut values, &merged, factors, &self.radiosity.values[state]);
-                Response { values }
-            })
-            .collect()
+        Light { first, indirect: indirect.chunk_by(same).map(merge).collect() }
+    }
+
+    /// A receiver's response in a state.
+    fn response(&self, light: &Light, state: usize, radiosity: &[f32]) -> Response {
+        let factors = self.responder.slots.factors(state);
+        let mut slots = light.first.iter().zip(factors);
+        let mut values = slots.next().map_or_else(Vec::new, |(fixed, _)| fixed.clone());
+        for (slot, factor) in slots {
+            values.iter_mut().zip(slot).for_each(|(value, v)| *value += factor * v);
+        }
+        self.add_indirect(&mut values, &light.indirect, factors, radiosity);
+        Response { values }
     }
 
     /// Adds the light that the probes themselves get from other surfaces.
     fn add_indirect(&self, values: &mut [f32], worth: &[Indirect], factors: &[f32], radiosity: &[f32]) {
-        let width = self.radiosity.width;
+        let width = self.responder.rules.width();
         let mut coarse = vec![0.0_f32; CLASSES * width];
         for of_cell in worth.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class)) {
             let sum: f32 = of_cell.iter().map(|w| w.worth * factors[w.slot]).sum();
-            let (from, class) = (self.places[of_cell[0].cell as usize] * width, of_cell[0].class);
+            let (from, class) = (self.seen[of_cell[0].cell as usize] * width, of_cell[0].class);
             let x = &radiosity[from..from + width];
             coarse[class * width..(class + 1) * width].iter_mut().zip(x).for_each(|(o, x)| *o += sum * x);
         }

@@ -35,7 +35,6 @@ impl Slots {
     }
 
     /// Number of slots, at least 1.
-    #[expect(clippy::len_without_is_empty, reason = "there is always the slot of what never changes")]
     pub fn len(&self) -> usize {
         self.factors.first().map_or(1, Vec::len)
     }

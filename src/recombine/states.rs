@@ -9,11 +9,11 @@ use super::bins::Bins;
 use super::bounces::Reflectance;
 use crate::error::{Error, Result};
 
-/// Most states that are solved as they are.
-const MOST: usize = 24;
+/// Nodes of an interpolation, and of a finer one; the former are among the latter.
+const NODES: [usize; 2] = [5, 9];
 
-/// Nodes where one series of values is interpolated, and where two are.
-const NODES: [usize; 2] = [8, 5];
+/// Most states that are solved as they are, where they cannot be interpolated.
+const MOST: usize = 100;
 
 /// Reflectances of some materials.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,34 +29,35 @@ pub struct States {
     pub reflectances: Vec<Reflectance>,
     /// `[condition]`: states and their shares, which sum to 1.
     pub of_condition: Vec<Vec<(usize, f64)>>,
+    /// Combinations of states that show how far light is from what half of the nodes give; none where nothing is interpolated.
+    pub checks: Vec<Vec<f64>>,
 }
 
 impl States {
-    /// Where several schedules name a material, the last one counts.
-    pub fn new(stored: &Reflectance, schedules: &[Schedule], conditions: usize) -> Result<States> {
+    /// Where several schedules name a material, the last one counts. `finer` interpolates between more nodes.
+    pub fn new(stored: &Reflectance, schedules: &[Schedule], conditions: usize, finer: bool) -> Result<States> {
         let distinct = States::distinct(stored, schedules, conditions);
-        if distinct.reflectances.len() <= MOST {
-            return Ok(distinct);
-        }
         let mut series: Vec<&[f64]> = schedules.iter().map(|s| s.values.as_slice()).collect();
         series.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         series.dedup();
         series.retain(|values| values.iter().any(|v| *v != values[0]));
-        let Some(&nodes) = series.len().checked_sub(1).and_then(|extra| NODES.get(extra)) else {
-            return Err(Error::Limit {
-                what: format!("states of {} reflectances that change independently", series.len()),
-                value: distinct.reflectances.len() as u64,
-                max: MOST as u64,
-            });
+        let nodes = NODES[usize::from(finer)];
+        let count = nodes.checked_pow(series.len() as u32).filter(|count| *count <= MOST);
+        let Some(count) = count.filter(|count| *count < distinct.reflectances.len()) else {
+            let found = distinct.reflectances.len();
+            if found > MOST {
+                let what = format!("states of {} reflectances that change independently", series.len());
+                return Err(Error::Limit { what, value: found as u64, max: MOST as u64 });
+            }
+            return Ok(distinct);
         };
         let axes: Vec<Vec<f64>> = series.iter().map(|values| chebyshev(values, nodes)).collect();
-        let count = nodes.pow(series.len() as u32);
-        let node = |state: usize, axis: usize| axes[axis][state / nodes.pow(axis as u32) % nodes];
+        let place = |state: usize, axis: usize| state / nodes.pow(axis as u32) % nodes;
         let reflectance = |state: usize| {
             let mut reflectance = stored.clone();
             for schedule in schedules {
                 let axis = series.iter().position(|values| *values == schedule.values);
-                let value = axis.map_or(schedule.values[0], |axis| node(state, axis));
+                let value = axis.map_or(schedule.values[0], |axis| axes[axis][place(state, axis)]);
                 schedule.materials.iter().for_each(|&material| reflectance[material] = value);
             }
             reflectance
@@ -64,21 +65,20 @@ impl States {
         let shares = |condition: usize| {
             let weights: Vec<Vec<f64>> =
                 axes.iter().zip(&series).map(|(axis, values)| lagrange(axis, values[condition])).collect();
-            let share = |state: usize| {
-                let of_axis = |axis: usize| weights[axis][state / nodes.pow(axis as u32) % nodes];
-                (state, (0..axes.len()).map(of_axis).product())
-            };
+            let share = |state| (state, (0..axes.len()).map(|axis| weights[axis][place(state, axis)]).product());
             (0..count).map(share).filter(|share: &(usize, f64)| share.1 != 0.0).collect()
         };
         Ok(States {
             reflectances: (0..count).map(reflectance).collect(),
             of_condition: (0..conditions).map(shares).collect(),
+            checks: (0..axes.len()).flat_map(|axis| checks(&axes[axis], count, |state| place(state, axis))).collect(),
         })
     }
 
     /// A state for every set of reflectances that occurs.
     fn distinct(stored: &Reflectance, schedules: &[Schedule], conditions: usize) -> States {
-        let mut states = States { reflectances: Vec::new(), of_condition: Vec::with_capacity(conditions) };
+        let of_condition = Vec::with_capacity(conditions);
+        let mut states = States { reflectances: Vec::new(), of_condition, checks: Vec::new() };
         let mut known: std::collections::HashMap<Vec<u64>, usize> = std::collections::HashMap::new();
         for condition in 0..conditions {
             let values: Vec<f64> = schedules.iter().map(|s| s.values[condition]).collect();
@@ -117,6 +117,25 @@ fn chebyshev(values: &[f64], nodes: usize) -> Vec<f64> {
     (0..nodes).map(|k| node(k).clamp(low, high)).collect()
 }
 
+/// For every second node of an axis: the state there less its interpolation between the other nodes of the axis, the other axes at
+/// their first nodes.
+fn checks(axis: &[f64], states: usize, place: impl Fn(usize) -> usize) -> Vec<Vec<f64>> {
+    let even: Vec<f64> = axis.iter().step_by(2).copied().collect();
+    let check = |node: usize| {
+        let weights = lagrange(&even, axis[node]);
+        let mut check = vec![0.0; states];
+        // The first state of each place on the axis has all others at their first nodes.
+        for k in 0..axis.len() {
+            let coefficient = if k % 2 == 0 { -weights[k / 2] } else { f64::from(u8::from(k == node)) };
+            if let Some(state) = (0..states).find(|&state| place(state) == k) {
+                check[state] = coefficient;
+            }
+        }
+        check
+    };
+    (1..axis.len()).step_by(2).map(check).collect()
+}
+
 /// Values of Lagrange's polynomials of some nodes at a point.
 fn lagrange(nodes: &[f64], at: f64) -> Vec<f64> {
     let polynomial = |k: usize| -> f64 {
@@ -139,18 +158,18 @@ mod tests {
     fn few_values() {
         let stored = vec![0.1, 0.2, 0.3];
         let a = schedule(&[0, 1], &[0.5, 0.6, 0.5, 0.7, 0.6]);
-        let states = States::new(&stored, &[a.clone(), schedule(&[1], &[0.9; 5])], 5).expect("states");
+        let states = States::new(&stored, &[a.clone(), schedule(&[1], &[0.9; 5])], 5, false).expect("states");
         assert_eq!(states.reflectances, [[0.5, 0.9, 0.3], [0.6, 0.9, 0.3], [0.7, 0.9, 0.3]]);
         assert_eq!(states.of_condition, [0, 1, 0, 2, 1].map(|state| vec![(state, 1.0)]));
         let bins = Bins { count: 1, of_condition: vec![(0, 2.0); 5] };
         let ways = states.ways(&bins);
         assert_eq!(ways[1].of_condition, [(0, 0.0), (0, 2.0), (0, 0.0), (0, 0.0), (0, 2.0)]);
-        let none = States::new(&stored, &[], 2).expect("states");
+        let none = States::new(&stored, &[], 2, false).expect("states");
         assert_eq!((none.reflectances, none.of_condition.len()), (vec![stored], 2));
     }
 
-    /// 1,000 values of one group are 8 states, of two groups 25; the shares reproduce 1 / (1 - rho / 2) to 1e-7 and 1e-4, and the
-    /// reflectances themselves; three independent groups are refused.
+    /// 1,000 values of one group are 5 or 9 states, of two groups 25 or 81; the shares reproduce 1 / (1 - rho / 2) and the like to 1e-3 and
+    /// 1e-6, and the checks are of the size of the square root of it; three independent groups are refused, 20 values are not.
     #[test]
     fn many_values() {
         let stored = vec![0.3; 3];
@@ -158,21 +177,31 @@ mod tests {
         let b: Vec<f64> = (0..1000).map(|i| 0.5 + 0.4 * (f64::from(i) * 0.11).cos()).collect();
         let one = [schedule(&[0], &a)];
         let two = [schedule(&[0], &a), schedule(&[2], &b)];
-        for (schedules, count, tolerance) in [(&one[..], 8, 1e-7), (&two[..], 25, 1e-4)] {
-            let states = States::new(&stored, schedules, 1000).expect("states");
+        let cases =
+            [(&one[..], false, 5, 1e-4), (&one, true, 9, 1e-7), (&two, false, 25, 1e-3), (&two, true, 81, 1e-6)];
+        for (schedules, finer, count, tolerance) in cases {
+            let states = States::new(&stored, schedules, 1000, finer).expect("states");
             assert_eq!(states.reflectances.len(), count);
             let light = |r: &[f64]| 1.0 / (1.0 - r[0] / 2.0) + r[2] / (1.0 - r[2] / 3.0);
             for i in 0..1000 {
                 let sum: f64 = states.of_condition[i].iter().map(|(s, w)| w * light(&states.reflectances[*s])).sum();
-                let expected = light(&[a[i], 0.3, if count == 8 { 0.3 } else { b[i] }]);
+                let expected = light(&[a[i], 0.3, if schedules.len() == 1 { 0.3 } else { b[i] }]);
                 assert!((sum - expected).abs() < tolerance * expected, "{sum} {expected}");
                 let shares: f64 = states.of_condition[i].iter().map(|s| s.1).sum();
                 assert!((shares - 1.0).abs() < 1e-12);
             }
+            let bent = |check: &Vec<f64>| {
+                let sum: f64 = check.iter().zip(&states.reflectances).map(|(c, r)| c * light(r)).sum();
+                sum.abs()
+            };
+            let worst = states.checks.iter().map(bent).fold(0.0, f64::max);
+            assert!(worst > tolerance && worst < 10.0 * tolerance.sqrt(), "{worst}");
         }
         let c: Vec<f64> = a.iter().map(|v| v * v).collect();
         let three = [two[0].clone(), two[1].clone(), schedule(&[1], &c)];
-        let text = States::new(&stored, &three, 1000).expect_err("too many").to_string();
+        let text = States::new(&stored, &three, 1000, false).expect_err("too many").to_string();
         assert!(text.contains("3 reflectances"), "{text}");
+        let few = three.map(|s| Schedule { values: s.values[..20].to_vec(), ..s });
+        assert_eq!(States::new(&stored, &few, 20, false).expect("states").reflectances.len(), 20);
     }
 }

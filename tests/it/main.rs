@@ -9,6 +9,7 @@ mod kaitai;
 mod numerics;
 mod physics;
 mod reader;
+mod reflectance;
 mod replay;
 mod response;
 mod results;
