@@ -1,6 +1,8 @@
 //! Squares of bits: what all one-bit textures are made of. In: bits by column and row, or bytes. Out: counts, neighbours, the
 //! same square with twice the side.
 
+use pulp::Arch;
+
 /// A square of bits, row-major, rows padded to whole words, texel 0 = column 0, row 0 = lowest bit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BitSquare {
@@ -81,47 +83,86 @@ impl BitSquare {
 
     /// Those of the `within` bits whose 3 x 3 neighbourhood, as far as it lies within, holds both values of this square.
     pub(super) fn mixed(&self, within: &Self) -> Self {
-        let stride = self.stride;
-        let mut wide = vec![[0_u64; 2]; self.words.len()];
-        let rows = self.words.chunks_exact(stride).zip(within.words.chunks_exact(stride));
-        for ((bits, within), wide) in rows.zip(wide.chunks_exact_mut(stride)) {
-            let both = |i: usize| [bits[i] & within[i], !bits[i] & within[i]];
-            let (mut before, mut here) = ([0; 2], both(0));
-            for (i, wide) in wide.iter_mut().enumerate() {
-                let after = if i + 1 < stride { both(i + 1) } else { [0; 2] };
-                *wide =
-                    std::array::from_fn(|k| here[k] | here[k] << 1 | before[k] >> 63 | here[k] >> 1 | after[k] << 63);
-                (before, here) = (here, after);
-            }
-        }
         let mut out = BitSquare::new(self.n);
-        for (i, out) in out.words.iter_mut().enumerate() {
-            let inside = within.words[i];
-            if inside != 0 {
-                let above = if i >= stride { wide[i - stride] } else { [0; 2] };
-                let below = wide.get(i + stride).copied().unwrap_or_default();
-                let [ones, zeros]: [u64; 2] = std::array::from_fn(|k| above[k] | wide[i][k] | below[k]);
-                *out = ones & zeros & inside;
+        // Compiled for the processor at hand.
+        Arch::new().dispatch(|| self.mix(within, &mut out));
+        out
+    }
+
+    #[inline(always)]
+    fn mix(&self, within: &Self, out: &mut Self) {
+        let stride = self.stride;
+        // Ones and zeros of three rows, each widened by its neighbours to the left and right: [row of three][value][word].
+        let mut wide = vec![0_u64; 6 * stride];
+        // With an empty word at either end.
+        let mut plain = vec![0_u64; stride + 2];
+        for row in 0..=self.n {
+            for value in 0..2 {
+                let wide = &mut wide[(row % 3 * 2 + value) * stride..][..stride];
+                if row == self.n {
+                    wide.fill(0);
+                    continue;
+                }
+                let range = row * stride..(row + 1) * stride;
+                let flip = if value == 0 { 0 } else { u64::MAX };
+                for ((p, bits), within) in
+                    plain[1..].iter_mut().zip(&self.words[range.clone()]).zip(&within.words[range])
+                {
+                    *p = (bits ^ flip) & within;
+                }
+                for ((w, here), (before, after)) in wide.iter_mut().zip(&plain[1..]).zip(plain.iter().zip(&plain[2..]))
+                {
+                    *w = here | here << 1 | before >> 63 | here >> 1 | after << 63;
+                }
+            }
+            if row > 0 {
+                // In the first row all of the row above is still 0.
+                let range = (row - 1) * stride..row * stride;
+                let (first, second) = wide.split_at(2 * stride);
+                let (second, third) = second.split_at(2 * stride);
+                let words = out.words[range.clone()].iter_mut().zip(&within.words[range]);
+                for (i, (out, within)) in words.enumerate() {
+                    let ones = first[i] | second[i] | third[i];
+                    let zeros = first[stride + i] | second[stride + i] | third[stride + i];
+                    *out = ones & zeros & within;
+                }
             }
         }
-        out
     }
 
     /// Each bit becomes 2 x 2 bits.
     pub(super) fn double(&self) -> Self {
         let mut out = BitSquare::new(self.n * 2);
-        for row in 0..self.n {
-            let words = &self.words[row * self.stride..(row + 1) * self.stride];
-            let start = row * 2 * out.stride;
-            for (i, &word) in words.iter().enumerate() {
-                for half in 0..2 {
-                    if let Some(w) = out.words[start..start + out.stride].get_mut(i * 2 + half) {
-                        *w = spread((word >> (32 * half)) as u32);
-                    }
+        Arch::new().dispatch(|| self.double_into(&mut out));
+        out
+    }
+
+    #[inline(always)]
+    fn double_into(&self, out: &mut Self) {
+        let stride = out.stride;
+        for (words, rows) in self.words.chunks_exact(self.stride).zip(out.words.chunks_exact_mut(2 * stride)) {
+            let (upper, lower) = rows.split_at_mut(stride);
+            for (pair, &word) in upper.chunks_mut(2).zip(words) {
+                for (half, w) in pair.iter_mut().enumerate() {
+                    *w = spread((word >> (32 * half)) as u32);
                 }
             }
-            let (upper, lower) = out.words[start..start + 2 * out.stride].split_at_mut(out.stride);
             lower.copy_from_slice(upper);
+        }
+    }
+
+    /// The square with twice the side: texels that are `refined` take their four bits, two texels to a byte in the order of
+    /// [`BitSquare::ones`], each with its columns side by side; the others their one.
+    pub(super) fn refine(&self, refined: &Self, nibbles: &[u8]) -> Self {
+        let mut out = self.double();
+        for (i, (column, row)) in refined.ones().enumerate() {
+            let nibble = u64::from(nibbles[i / 2] >> (i % 2 * 4));
+            // Two columns never lie in two words.
+            let (place, shift) = (2 * row as usize * out.stride + column as usize / 32, column % 32 * 2);
+            for (place, bits) in [(place, nibble & 3), (place + out.stride, nibble >> 2 & 3)] {
+                let word = &mut out.words[place];
+                *word = *word & !(3 << shift) | bits << shift;
+            }
         }
         out
     }
@@ -149,6 +190,7 @@ impl BitSquare {
 }
 
 /// Every bit of `x` twice (Morton spreading).
+#[inline(always)]
 fn spread(x: u32) -> u64 {
     let mut v = u64::from(x);
     v = (v | v << 16) & 0x0000_ffff_0000_ffff;

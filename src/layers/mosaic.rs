@@ -1,6 +1,8 @@
 //! A decoded sky texture for lookups: open and closed texels of the base square are one bit each, only those with an edge in them
 //! keep their fine bits. 5 to 20 kB a receiver where the whole square takes 128.
 
+use pulp::Arch;
+
 use super::bits::BitSquare;
 use super::sky::{Decoded, decode};
 
@@ -33,7 +35,7 @@ const WIDEST: usize = 64;
 impl Mosaic {
     /// The mosaics of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<Mosaic>> {
-        Some(decode(raw, count, base, fine)?.iter().map(|texture| Mosaic::from_decoded(texture, base, fine)).collect())
+        decode(raw, count, base, fine, |texture| Mosaic::from_decoded(texture, base, fine))
     }
 
     /// The mosaic of a square of fine bits; `base` divides its side.
@@ -72,13 +74,14 @@ impl Mosaic {
             return Mosaic::of(&texture.dense(), base);
         };
         let mut mosaic = Mosaic::closed(base, block);
-        mosaic.classify(&texture.half, refined);
+        Arch::new().dispatch(|| mosaic.classify(&texture.half, refined));
         mosaic.fill(&texture.half, refined, nibbles);
         mosaic.ranks = ranks(&mosaic.mixed);
         mosaic
     }
 
     /// Finds the open texels and those that may be mixed: many at a time, by words of the halved square.
+    #[inline(always)]
     fn classify(&mut self, half: &BitSquare, refined: &BitSquare) {
         let (side, stride) = (self.block / 2, half.stride);
         let steps = side.trailing_zeros();
@@ -124,15 +127,16 @@ impl Mosaic {
                 let plain = spread(half.words[at] >> shift & low);
                 let mut rows = [plain | plain << 1; 2];
                 let mut edge = refined.words[at] >> shift & low;
-                let mut rank = (before[at] + (refined.words[at] & ((1 << shift) - 1)).count_ones()) as usize;
-                while edge != 0 {
-                    let c = edge.trailing_zeros();
-                    let nibble = u64::from(nibbles[rank / 2] >> (rank % 2 * 4));
-                    for (k, row) in rows.iter_mut().enumerate() {
-                        *row = *row & !(3 << (2 * c)) | (nibble >> (2 * k) & 3) << (2 * c);
+                if edge != 0 {
+                    let mut rank = (before[at] + (refined.words[at] & ((1 << shift) - 1)).count_ones()) as usize;
+                    while edge != 0 {
+                        let c = edge.trailing_zeros();
+                        let nibble = u64::from(nibbles[rank / 2] >> (rank % 2 * 4));
+                        rows[0] = rows[0] & !(3 << (2 * c)) | (nibble & 3) << (2 * c);
+                        rows[1] = rows[1] & !(3 << (2 * c)) | (nibble >> 2 & 3) << (2 * c);
+                        rank += 1;
+                        edge &= edge - 1;
                     }
-                    rank += 1;
-                    edge &= edge - 1;
                 }
                 for (k, bits) in rows.into_iter().enumerate() {
                     let first = (2 * r + k) * self.block;
@@ -228,6 +232,7 @@ fn ranks(square: &BitSquare) -> Vec<u32> {
 }
 
 /// Keeps every 2^steps-th bit of a word, moved together.
+#[inline(always)]
 fn every(word: u64, steps: u32) -> u64 {
     (0..steps).fold(word, |w, _| {
         let mut w = w & 0x5555_5555_5555_5555;

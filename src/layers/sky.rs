@@ -70,7 +70,7 @@ impl SkyTexture {
     /// Inverse of [`SkyTexture::pack`]: the `fine` x `fine` bits of each receiver; `None` if the bytes do not describe
     /// `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<BitSquare>> {
-        Some(decode(raw, count, base, fine)?.iter().map(Decoded::dense).collect())
+        decode(raw, count, base, fine, |texture| texture.dense())
     }
 
     /// The textures that were packed, each with the bits that it describes; `None` as for [`SkyTexture::unpack`].
@@ -79,7 +79,7 @@ impl SkyTexture {
             let levels = d.levels.iter().map(|level| level.to_vec()).collect();
             (SkyTexture { front: d.front.clone(), base: d.base.clone(), levels }, d.dense())
         };
-        Some(decode(raw, count, base, fine)?.iter().map(texture).collect())
+        decode(raw, count, base, fine, texture)
     }
 }
 
@@ -90,22 +90,44 @@ pub(super) struct Decoded<'a> {
     levels: Vec<&'a [u8]>,
     /// The bits before the last refinement, half as many a side as the finest; those of `base` if nothing is refined.
     pub half: BitSquare,
+    /// The surface's half of the hemisphere at that size.
+    mask: BitSquare,
     /// Which of them are refined once more, and their four bits each, two to a byte; `None` if base and finest are one.
     pub last: Option<(BitSquare, &'a [u8])>,
 }
 
-impl Decoded<'_> {
+impl<'a> Decoded<'a> {
     /// The finest square.
     pub fn dense(&self) -> BitSquare {
         match &self.last {
-            Some((refined, nibbles)) => refine(&self.half, refined, nibbles),
+            Some((refined, nibbles)) => self.half.refine(refined, nibbles),
             None => self.half.clone(),
         }
     }
+
+    /// Follows one more refinement, whose bits come first in `rest`.
+    fn follow(&mut self, rest: &mut &'a [u8]) -> Option<()> {
+        if let Some((refined, nibbles)) = self.last.take() {
+            self.half = self.half.refine(&refined, nibbles);
+            self.mask = self.mask.double();
+        }
+        let refined = self.half.mixed(&self.mask);
+        let (level, tail) = rest.split_at_checked((refined.count() as usize).div_ceil(2))?;
+        *rest = tail;
+        self.levels.push(level);
+        self.last = Some((refined, level));
+        Some(())
+    }
 }
 
-/// The textures of a raw block; `None` if the bytes do not describe `count` of them exactly.
-pub(super) fn decode(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<Decoded<'_>>> {
+/// What `each` makes of the textures of a raw block; `None` if the bytes do not describe `count` of them exactly.
+pub(super) fn decode<'a, T>(
+    raw: &'a [u8],
+    count: usize,
+    base: usize,
+    fine: usize,
+    each: impl Fn(&Decoded<'a>) -> T,
+) -> Option<Vec<T>> {
     // Zero doubled stays zero.
     if base == 0 {
         return None;
@@ -114,41 +136,28 @@ pub(super) fn decode(raw: &[u8], count: usize, base: usize, fine: usize) -> Opti
     let (planes, mut rest) = raw.split_at_checked(plane.checked_mul(count)?.checked_mul(2)?)?;
     let squares: Vec<BitSquare> = planes.chunks(plane.max(1)).map(|p| BitSquare::from_bytes(base, p)).collect();
     let (fronts, bits) = squares.split_at_checked(count)?;
-    let mut masks = fronts.to_vec();
     let texture = |(front, base): (&BitSquare, &BitSquare)| Decoded {
         front: front.clone(),
         base: base.clone(),
         levels: Vec::new(),
         half: base.clone(),
+        mask: front.clone(),
         last: None,
     };
-    let mut textures: Vec<Decoded> = fronts.iter().zip(bits).map(texture).collect();
-    for _ in sides(base, fine) {
-        for (texture, mask) in textures.iter_mut().zip(&mut masks) {
-            if let Some((refined, nibbles)) = texture.last.take() {
-                texture.half = refine(&texture.half, &refined, nibbles);
-                *mask = mask.double();
-            }
-            let refined = texture.half.mixed(mask);
-            let (level, tail) = rest.split_at_checked((refined.count() as usize).div_ceil(2))?;
-            rest = tail;
-            texture.levels.push(level);
-            texture.last = Some((refined, level));
-        }
+    let mut textures: Vec<Decoded<'a>> = fronts.iter().zip(bits).map(texture).collect();
+    let levels = sides(base, fine).count();
+    for _ in 1..levels {
+        textures.iter_mut().try_for_each(|texture| texture.follow(&mut rest))?;
     }
-    rest.is_empty().then_some(textures)
-}
-
-/// The square with twice the side: refined texels take their four bits, the others their one.
-fn refine(bits: &BitSquare, refined: &BitSquare, nibbles: &[u8]) -> BitSquare {
-    let mut out = bits.double();
-    for (i, parent) in refined.ones().enumerate() {
-        let nibble = nibbles[i / 2] >> (i % 2 * 4);
-        for (k, (c, r)) in children_of(parent).into_iter().enumerate() {
-            out.set(c as usize, r as usize, nibble >> k & 1 == 1);
+    // The last refinement is the largest: one texture after the other, and then forgotten.
+    let finish = |mut texture: Decoded<'a>| {
+        if levels > 0 {
+            texture.follow(&mut rest)?;
         }
-    }
-    out
+        Some(each(&texture))
+    };
+    let found = textures.into_iter().map(finish).collect::<Option<Vec<T>>>()?;
+    rest.is_empty().then_some(found)
 }
 
 /// Sides of the refined levels: twice the base, four times, ... up to `fine`.

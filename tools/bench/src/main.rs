@@ -1,8 +1,10 @@
 //! Rays per second of one core: heliotile's packets at every CPU level, its single rays and obvhs' own, on three scenes.
 //! Prints one table; `--rays FOLDER` writes scenes and rays for the Embree program, `--quick` leaves the largest scene out,
-//! `--textures` compares adaptive and flat sky textures instead.
+//! `--textures` compares adaptive and flat sky textures instead, `--replay WEATHER SITE...` tells what replay costs, `--archive SITE
+//! CONDITIONS` what trust costs.
 
 mod archives;
+mod replays;
 mod scenes;
 mod textures;
 
@@ -118,6 +120,11 @@ fn main() {
         textures::table(&scenes::town(), 32);
         textures::table(&scenes::city(), 32);
         return;
+    }
+    if let Some(at) = arguments.iter().position(|a| a == "--replay") {
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+        let weather = arguments[at + 1].as_ref();
+        return one.install(|| arguments[at + 2..].iter().for_each(|site| replays::run(site.as_ref(), weather)));
     }
     if let Some(at) = arguments.iter().position(|a| a == "--archive") {
         archives::open(100_000);

@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use glam::{DVec2, DVec3};
 use heliotile::hemisphere::{Centres, texel_direction};
-use heliotile::layers::sky::{BitSquare, SkyTexture};
+use heliotile::layers::bits::BitSquare;
+use heliotile::layers::sky::SkyTexture;
 use heliotile::trace::Tracer;
 use heliotile::trace::receiver::Viewpoint;
 
