@@ -129,7 +129,7 @@ pub enum Share {
     None,
 }
 
-/// Group or material, and what it gets: `NAME=VALUE`.
+/// Group, material or class, and what it gets: `NAME=VALUE`.
 fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<(String, T), String> {
     // A name may hold an equals sign, a number does not.
     match text.rsplit_once('=') {
@@ -188,7 +188,8 @@ pub struct RecombineArgs {
     /// How the archive is read [default: map, or pread if the archive is large beside --memory]
     #[arg(long, value_enum)]
     pub io: Option<Access>,
-    /// Change a diffuse reflectance: GROUP=0.6, or a material's name in place of the group; may be repeated, the last one counts
+    /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
+    /// the last one counts
     #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
     pub reflectance: Vec<(String, f64)>,
 }

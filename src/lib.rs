@@ -21,4 +21,6 @@ pub mod spill;
 pub mod trace;
 pub mod units;
 
+pub use archive::Archive;
 pub use error::{Error, Result};
+pub use recombine::replay::{Replay, ReplaySettings};

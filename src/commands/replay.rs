@@ -152,17 +152,14 @@ fn run(args: &RecombineArgs, series: &Series) -> Result<Outcome> {
     let count = means.as_ref().map_or(chosen.count(), |means| means.surfaces().names().len() as u64);
     let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names })?;
     let progress = bar("receivers", Some(chosen.count()));
-    // As many tiles in memory as there are cores.
-    for tiles in chosen.tiles().chunks(rayon::current_num_threads()) {
-        let results = replay.run(tiles.iter().map(|tile| tile.number))?;
-        for (tile, result) in tiles.iter().zip(results) {
-            let (receivers, values) = chosen.results(*tile, result);
-            match &mut means {
-                Some(means) => means.add(&values),
-                None => table.write_tile(&receivers, &values)?,
-            }
-            progress.inc(receivers.len() as u64);
+    let results = replay.results(chosen.tiles().iter().map(|tile| tile.number));
+    for (tile, result) in chosen.tiles().iter().zip(results) {
+        let (receivers, values) = chosen.results(*tile, result?);
+        match &mut means {
+            Some(means) => means.add(&values),
+            None => table.write_tile(&receivers, &values)?,
         }
+        progress.inc(receivers.len() as u64);
         if table.is_closed() {
             break;
         }

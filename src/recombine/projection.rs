@@ -43,6 +43,9 @@ impl Projection {
             .map(|texel| {
                 let corner = DVec2::new((texel % n) as f64, (texel / n) as f64);
                 let mut found: Vec<(u16, u32)> = Vec::new();
+                if let Some(patch) = whole(patches, corner, n) {
+                    return (vec![(patch as u16, 1.0)], mean_direction(corner, n));
+                }
                 let shift = shift(texel);
                 for &point in &lattice {
                     let (turns, z) = azimuth_and_z((corner + wrapped(point, shift)) / n as f64);
@@ -117,12 +120,31 @@ impl Projection {
     }
 }
 
+/// Whether a diagonal of the square, where the map has a crease, crosses the texel of an n x n texture at `corner`.
+fn creased(corner: DVec2, n: usize) -> bool {
+    corner.x == corner.y || corner.x + corner.y + 1.0 == n as f64
+}
+
+/// The patch that a texel lies in wholly, if its four corners say so: off the diagonals both are convex.
+fn whole(patches: &Patches, corner: DVec2, n: usize) -> Option<usize> {
+    if creased(corner, n) {
+        return None;
+    }
+    const INSIDE: [f64; 2] = [1e-9, 1.0 - 1e-9];
+    let at = |i: usize| {
+        let (turns, z) = azimuth_and_z((corner + DVec2::new(INSIDE[i % 2], INSIDE[i / 2])) / n as f64);
+        patches.patch_at(turns, z)
+    };
+    let first = at(0);
+    // A patch that goes half round the sky, as the cap does, is not convex.
+    (first + 1 < patches.len() && (1..4).all(|i| at(i) == first)).then_some(first)
+}
+
 /// Mean direction of the texel of an n x n texture at `corner`, by Gauss rules: 2 x 2 points for n >= 64, more where texels are large
 /// and on the diagonals, where the map has a crease.
 fn mean_direction(corner: DVec2, n: usize) -> DVec3 {
     const GAUSS: f64 = 0.288_675_134_594_812_9;
-    let crease = corner.x == corner.y || corner.x + corner.y + 1.0 == n as f64;
-    let rules = (64 / n).clamp(1, 8) * if crease { 4 } else { 1 };
+    let rules = (64 / n).clamp(1, 8) * if creased(corner, n) { 4 } else { 1 };
     let at = |i: usize| ((i / 2) as f64 + 0.5 + [-GAUSS, GAUSS][i % 2]) / rules as f64;
     let points = (0..4 * rules * rules).map(|i| DVec2::new(at(i % (2 * rules)), at(i / (2 * rules))));
     let sum: DVec3 = points.map(|inside| direction_of((corner + inside) / n as f64)).sum();
@@ -151,6 +173,7 @@ fn wrapped(a: DVec2, b: DVec2) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hemisphere::texel_direction;
 
     /// Shares of each texel sum to 1 (1e-6), patch solid angles to 2 pi (1e-9) and open coefficients to pi (1e-5 at n = 128), for three
     /// texture sides and the three subdivisions.
@@ -171,6 +194,27 @@ mod tests {
                 assert!(p.of_texel(n * n).is_empty());
             }
         }
+    }
+
+    /// Texels that are given to one patch by their corners have all of 16 x 16 points in it: for n = 16 and 128 and three subdivisions.
+    #[test]
+    fn whole_texels() {
+        let mut found = 0;
+        for (count, n) in [(145, 16), (577, 16), (145, 128), (577, 128), (2305, 128)] {
+            let patches = Patches::new(count).expect("known count");
+            for texel in 0..n * n {
+                let corner = DVec2::new((texel % n) as f64, (texel / n) as f64);
+                if let Some(patch) = whole(&patches, corner, n) {
+                    found += 1;
+                    for i in 0..256 {
+                        let inside = DVec2::new(f64::from(i % 16) + 0.5, f64::from(i / 16) + 0.5) / 16.0;
+                        let direction = texel_direction(texel % n, texel / n, n, inside);
+                        assert_eq!(patches.patch_of(direction), patch, "{count} {n} {texel}");
+                    }
+                }
+            }
+        }
+        assert!(found > 20_000, "{found}");
     }
 
     /// At n = 128 and 8 x 8 points the texels count each of the 577 patches within 1 % of its exact solid angle.

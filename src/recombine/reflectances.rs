@@ -24,9 +24,9 @@ const COVER_CM: f64 = 1.0;
 /// What is changed. Later entries win over earlier ones, schedules over constants, snow over both.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
-    /// Group, or material, and its diffuse reflectance.
+    /// Group, material or class, and its diffuse reflectance.
     pub constant: Vec<(String, f64)>,
-    /// Group, or material, and the file of its schedule.
+    /// Group, material or class, and the file of its schedule.
     pub scheduled: Vec<(String, PathBuf)>,
     /// Where it comes from, and the reflectance of snow.
     pub snow: Option<(Snow, f64)>,
@@ -82,15 +82,20 @@ impl Changes {
     }
 }
 
-/// Class of ground in the table of materials.
+/// Classes in the table of materials.
 const GROUND: u8 = 1;
+const OBSTRUCTION: u8 = 0;
 
-/// Materials of a group; where there is no such group, the material of that name.
+/// Materials of a group; where there is no such group, the material of that name, or else those of that class.
 fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>> {
     let all = |names: &[String]| (0..names.len()).filter(|&i| names[i] == name).collect::<Vec<_>>();
-    let found = match all(&materials.group) {
-        group if group.is_empty() || name.is_empty() => all(&materials.name),
-        group => group,
+    let of_class = |class| (0..materials.rows()).filter(|&m| materials.class.get(m) == Some(&class)).collect();
+    let found = [all(&materials.group), all(&materials.name)].into_iter().find(|members| !members.is_empty());
+    let found: Vec<usize> = match (found, name) {
+        (Some(found), _) if !name.is_empty() => found,
+        (_, "ground") => of_class(GROUND),
+        (_, "obstruction") => of_class(OBSTRUCTION),
+        _ => Vec::new(),
     };
     if found.is_empty() {
         let mut groups: Vec<&str> = materials.group.iter().map(String::as_str).filter(|g| !g.is_empty()).collect();
@@ -103,7 +108,8 @@ fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>>
         };
         let names: Vec<&str> = materials.name.iter().map(String::as_str).collect();
         let what = format!("there is no group and no material `{name}`");
-        let hint = format!("name one of the groups ({}) or of the materials ({})", listed(&groups), listed(&names));
+        let hint =
+            format!("name a group ({}), a material ({}), `ground` or `obstruction`", listed(&groups), listed(&names));
         return Err(Error::input(site, None, what, hint));
     }
     Ok(found)
@@ -182,7 +188,7 @@ mod tests {
         assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
     }
 
-    /// A group takes in its 2 materials, a material's name stands for itself; an unknown name lists the 2 groups and 4 materials; 0.6 on
+    /// A group takes in its 2 materials, a class its 2, a material's name stands for itself; an unknown name lists the 2 groups and 4 materials; 0.6 on
     /// a facade with half of its light mirrored is refused with the 0.5 that is left.
     #[test]
     fn names() {
@@ -195,7 +201,12 @@ mod tests {
         );
         let text =
             change("roof", 0.5).constant(Path::new("a.helio"), &materials(), 1).expect_err("unknown").to_string();
-        assert!(text.contains("groups (facade, ground) or of the materials (lawn, street, wall, glass)"), "{text}");
+        assert!(
+            text.contains(
+                "a group (facade, ground), a material (lawn, street, wall, glass), `ground` or `obstruction`"
+            ),
+            "{text}"
+        );
         let text =
             change("facade", 0.6).constant(Path::new("a.helio"), &materials(), 1).expect_err("too much").to_string();
         assert!(text.contains("`glass`") && text.contains("at most 0.5"), "{text}");

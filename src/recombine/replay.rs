@@ -44,6 +44,32 @@ impl Default for ReplaySettings {
 }
 
 /// An archive with its weather, ready to give tile after tile.
+///
+/// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
+/// [`Bins`], such as kWh/m2 ([`Replay::summed`]). Diffuse reflectances may change from condition to condition
+/// ([`Replay::scheduled`]). Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
+///
+/// ```no_run
+/// use std::path::Path;
+/// use heliotile::recombine::components::Component;
+/// use heliotile::recombine::epw::read_epw;
+/// use heliotile::{Archive, Replay, ReplaySettings};
+///
+/// # fn main() -> heliotile::Result<()> {
+/// let archive = Archive::open(Path::new("site.helio"))?;
+/// let conditions = read_epw(Path::new("x.epw"))?.conditions(1);
+/// let replay = Replay::new(&archive, &conditions, ReplaySettings::default())?;
+/// for tile in replay.results(0..replay.tiles()) {
+///     let (ids, values) = tile?;
+///     for (receiver, id) in ids.iter().enumerate() {
+///         // [condition], W/m2.
+///         let total = values.row(Component::Total as usize, receiver);
+///         println!("{id}: {:.0} W/m2 at most", total.iter().copied().fold(0.0, f32::max));
+///     }
+/// }
+/// # Ok(())
+/// # }
+/// ```
 pub struct Replay<'a> {
     archive: &'a Archive,
     forcing: Forcing,
@@ -105,6 +131,18 @@ impl<'a> Replay<'a> {
     /// Number of tiles.
     pub fn tiles(&self) -> u32 {
         self.archive.tiles()
+    }
+
+    /// Results of some tiles one after the other, in the order asked for. As many as there are cores are made at a time.
+    pub fn results(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<TileResult>> {
+        let tiles: Vec<u32> = tiles.into_iter().collect();
+        let step = rayon::current_num_threads().max(1);
+        (0..tiles.len()).step_by(step).flat_map(move |first| {
+            match self.run(tiles.iter().copied().skip(first).take(step)) {
+                Ok(results) => results.into_iter().map(Ok).collect(),
+                Err(error) => vec![Err(error)],
+            }
+        })
     }
 
     /// Results of some tiles, all in memory at once.

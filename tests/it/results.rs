@@ -185,6 +185,49 @@ fn surfaces() {
     }
 }
 
+/// Brighter ground adds reflected light and nothing else: constants, a schedule of twelve equal months, and snow by albedo. Golden's
+/// three days have an albedo and no snow (a warning). 9 wrong requests end with exit code 2 and say what is allowed.
+#[test]
+fn reflectances() {
+    let folder = site();
+    let year = |rest: &str| table(&replay(&folder, &format!("--every total -o - {rest}"))).1;
+    let months = |value: f64| format!("reflectance\n{}", format!("{value}\n").repeat(12));
+    folder.write("months.csv", &months(0.6));
+    let (stored, constant) = (year(""), year("--reflectance ground=0.6"));
+    assert_eq!(constant, year("--schedule ground=months.csv"));
+    assert_eq!(constant, year("--schedule ground=months.csv --reflectance ground=0.1"));
+    let albedo = year("--snow albedo");
+    for (place, before) in &stored {
+        for changed in [&constant[place], &albedo[place]] {
+            assert_eq!((before[0], before[1]), (changed[0], changed[1]), "{place:?}");
+        }
+        if place.1 == "low" {
+            assert!(constant[place][2] > 1.5 * before[2] && constant[place][3] > 1.5 * before[3], "{place:?}");
+        }
+    }
+    let output = replay(&folder, "--every total -o - --snow depth");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(0) && said.contains("never has 1 cm of snow"), "{said}");
+
+    folder.write("short.csv", "reflectance\n0.5\n");
+    folder.write("bad.csv", &months(1.5));
+    for (rest, expected) in [
+        ("--reflectance lawn=0.5", "no group and no material `lawn`"),
+        ("--reflectance ground=1.5", "from 0 to 1"),
+        ("--reflectance ground", "an equals sign"),
+        ("--reflectance ground=x", "invalid float"),
+        ("--schedule ground=none.csv", "none.csv"),
+        ("--schedule ground=short.csv", "1 values for a weather file of 72 rows"),
+        ("--schedule ground=bad.csv", "line 2: column `reflectance` holds `1.5`"),
+        ("--snow deep", "possible values: depth, albedo"),
+        ("--snow-reflectance 0.5", "--snow"),
+    ] {
+        let output = replay(&folder, &format!("--every total -o - {rest}"));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.contains(expected), "{rest}: {said}");
+    }
+}
+
 /// The bytes of all 6 formats do not depend on the number of threads, by receiver and by surface: 12 pairs, and an array has its
 /// axes beside it.
 #[test]
