@@ -130,20 +130,24 @@ impl Closed {
         let system = System::load(source, rules, &keys)?;
         let blocks = width.div_ceil(BLOCK);
         let bytes = (states.len() * keys.len() * blocks * size_of::<[f32; BLOCK]>()) as u64;
+        // A thread that solves a block holds three of its size: no more of them at a time than fit.
+        let of_thread = 3 * (keys.len() * size_of::<[f32; BLOCK]>()) as u64;
+        let at_once = (memory / of_thread.max(1)).clamp(1, rayon::current_num_threads() as u64) as usize;
         let solve = |state: &Reflectance| {
-            let solved = (0..blocks)
-                .into_par_iter()
-                .map_init(Default::default, |space, block| system.solve(state, block, space));
-            if bytes <= memory {
-                return Ok(Values::Memory(solved.collect()));
+            let mut solved =
+                if bytes <= memory { Values::Memory(Vec::new()) } else { Values::Disk(Scratch::new(folder)?) };
+            for first in (0..blocks).step_by(at_once) {
+                let some = (first..blocks.min(first + at_once)).into_par_iter();
+                let some = some.map_init(Default::default, |space, block| (block, system.solve(state, block, space)));
+                match &mut solved {
+                    Values::Memory(values) => values.par_extend(some.map(|(_, values)| values)),
+                    Values::Disk(scratch) => some.try_for_each(|(block, values)| {
+                        let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+                        scratch.write(bytes.len() as u64 * block as u64, &bytes)
+                    })?,
+                }
             }
-            let scratch = Scratch::new(folder)?;
-            let write = |(block, values): (usize, Vec<[f32; BLOCK]>)| {
-                let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-                scratch.write(bytes.len() as u64 * block as u64, &bytes)
-            };
-            solved.enumerate().try_for_each(write)?;
-            Ok(Values::Disk(scratch))
+            Ok(solved)
         };
         let values = states.iter().map(solve).collect::<Result<_>>()?;
         Ok(Closed { keys, width, values })
