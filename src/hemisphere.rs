@@ -199,6 +199,11 @@ impl Frame {
     pub fn to_world(&self, local: DVec3) -> DVec3 {
         self.u * local.x + self.v * local.y + self.n * local.z
     }
+
+    /// Direction in this frame of a direction of the world.
+    pub fn to_local(&self, world: DVec3) -> DVec3 {
+        DVec3::new(self.u.dot(world), self.v.dot(world), self.n.dot(world))
+    }
 }
 
 /// The four texels and weights (sum 1) that a bilinear lookup in an n x n texture reads; clamped at the horizon.
@@ -258,13 +263,15 @@ mod tests {
         }
     }
 
-    /// Frames are right-handed and orthonormal to 1e-12, also for vertical normals.
+    /// Frames are right-handed and orthonormal to 1e-12, also for vertical normals; to the world and back is where one was.
     #[test]
     fn frames() {
         for n in [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::new(1e-9, 0.0, 1.0), DVec3::new(0.3, -0.5, 0.81)] {
             let f = Frame::of(n.normalize());
             assert!((f.u.cross(f.v) - f.n).length() < 1e-12);
             assert!(f.u.z.abs() < 2e-9);
+            let local = DVec3::new(0.2, -0.3, 0.9);
+            assert!((f.to_local(f.to_world(local)) - local).length() < 1e-12);
         }
     }
 }

@@ -45,9 +45,29 @@ pub struct HitWeights {
     pub cells: Vec<(usize, f64)>,
 }
 
-/// Weights of the hits of a receiver. Rays above the horizon share what the (much finer) sky texture leaves, rays below
-/// share the lower part of the hemisphere; so sky and surfaces add up to one exactly.
+/// Weights of the hits of a receiver, cell by cell.
 pub fn hit_weights(texels: &[u32], viewer: &Viewer) -> HitWeights {
+    let weights = texel_weights(texels, viewer);
+    let mut hits: Vec<(usize, f64)> = texels
+        .iter()
+        .zip(weights)
+        .filter(|(cell, _)| **cell != 0)
+        .map(|(&cell, weight)| (cell as usize - 1, weight))
+        .collect();
+    hits.sort_by_key(|h| h.0);
+    hits.dedup_by(|later, first| {
+        let same = later.0 == first.0;
+        if same {
+            first.1 += later.1;
+        }
+        same
+    });
+    HitWeights { cells: hits }
+}
+
+/// Cosine-weighted share of the hemisphere that each texel stands for; 0 where nothing is met. Rays above the horizon share what the
+/// (much finer) sky texture leaves, rays below share the lower part of the hemisphere; so sky and surfaces add up to one exactly.
+pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
     let n = texels.len().isqrt();
     let frame = Frame::of(viewer.normal);
     let (mut above, mut below) = (0.0, 0.0);
@@ -67,21 +87,11 @@ pub fn hit_weights(texels: &[u32], viewer: &Viewer) -> HitWeights {
     let ratio = |share: f64, sum: f64| if sum > 0.0 { share.max(0.0) / sum } else { 0.0 };
     let up_scale = ratio(upper_half - viewer.sky_view, above);
     let down_scale = ratio(1.0 - upper_half, below);
-    let mut hits: Vec<(usize, f64)> = texels
-        .iter()
-        .zip(rays)
-        .filter(|(cell, _)| **cell != 0)
-        .map(|(&cell, (cos, up))| (cell as usize - 1, cos * if up { up_scale } else { down_scale }))
-        .collect();
-    hits.sort_by_key(|h| h.0);
-    hits.dedup_by(|later, first| {
-        let same = later.0 == first.0;
-        if same {
-            first.1 += later.1;
-        }
-        same
-    });
-    HitWeights { cells: hits }
+    let weight = |(&cell, (cos, up))| match cell {
+        0 => 0.0,
+        _ => cos * if up { up_scale } else { down_scale },
+    };
+    texels.iter().zip(rays).map(weight).collect()
 }
 
 /// Shares of a receiver's hemisphere whose first hit is ground and obstruction.

@@ -1,0 +1,267 @@
+//! Maps of one receiver: what its layers say of each direction. In: a [`ReceiverView`], and optionally a sun and a sky. Out: textures
+//! with named channels.
+//!
+//! One rule holds for all of them: the sum over the texels of a channel named like a column of results, times the channel
+//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth.
+
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::bounces::Depth;
+use super::conditions::Condition;
+use super::disc::disc_texels;
+use super::load::{Tables, TileView, sides};
+use super::patches::Patches;
+use super::projection::Projection;
+use super::receiver_view::ReceiverView;
+use super::responder::Responder;
+use super::response::{Viewer, class_index, hit_weights, texel_weights};
+use super::sky::SkyModel;
+use crate::archive::Archive;
+use crate::error::Result;
+use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, bilinear, direction_of};
+use crate::layers::hit::HitTile;
+use crate::layers::response::{CLASSES, Response};
+use crate::scene::cells::CellKey;
+
+/// Frames that textures are in.
+pub const WORLD: &str = "world";
+pub const SURFACE: &str = "surface";
+
+/// A texture and its channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    pub name: &'static str,
+    /// [`WORLD`] or [`SURFACE`].
+    pub frame: &'static str,
+    /// Texels a side.
+    pub side: usize,
+    pub channels: Vec<Channel>,
+}
+
+/// One value for each texel, row-major as in the layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub values: Vec<f32>,
+}
+
+const RADIANCE: &str = "W/m2 sr";
+
+impl Map {
+    fn add(&mut self, name: &'static str, unit: &'static str, values: Vec<f32>) {
+        self.channels.push(Channel { name, unit, values });
+    }
+}
+
+/// Points a side of a texel in which patches are sampled, as replay does for its base texels.
+const SAMPLES: usize = 8;
+
+/// Sun and sky ready for the textures of an archive.
+pub struct Light {
+    condition: Condition,
+    depth: Depth,
+    patches: Patches,
+    /// `[patch]`, W/m2 sr.
+    radiances: Vec<f64>,
+    /// Patches on the response texture, and its radiance, `[texel]`.
+    projection: Projection,
+    on_response: Vec<f64>,
+}
+
+impl Light {
+    pub fn new(archive: &Archive, condition: Condition, model: SkyModel, patches: usize, depth: Depth) -> Result<Self> {
+        let sides = sides(archive)?;
+        let patches = Patches::new(patches)?;
+        let open = Projection::new(&patches, sides.sky_base, SAMPLES).open_horizontal_sr;
+        let radiances = patches.radiances(model, &condition, &open);
+        let projection = Projection::new(&patches, sides.response, SAMPLES);
+        let radiance = |t| projection.of_texel(t).iter().map(|&(p, s)| radiances[usize::from(p)] * f64::from(s)).sum();
+        let on_response = (0..sides.response * sides.response).map(radiance).collect();
+        Ok(Light { condition, depth, patches, radiances, projection, on_response })
+    }
+
+    /// What a response makes of it, W/m2: sun and sky.
+    fn reflected(&self, response: &Response) -> [f64; 2] {
+        let g = response.vectors();
+        let vector = |t: usize| DVec3::from(g[t].map(f64::from));
+        let of_sun = |sun: DVec3| -> f64 {
+            bilinear(sun, self.projection.side()).into_iter().map(|(t, w)| w * sun.dot(vector(t))).sum()
+        };
+        let suns: f64 = self.condition.suns.iter().map(|instant| instant.weight * of_sun(instant.sun)).sum();
+        let texels = self.projection.mean_directions.iter().zip(&self.on_response).enumerate();
+        let sky: f64 = texels.map(|(t, (d, radiance))| radiance * d.dot(vector(t))).sum();
+        [suns * self.condition.dni_w_m2, sky * self.projection.texel_sr()]
+    }
+}
+
+/// All maps of a receiver; those of `light` only where there is one.
+pub fn maps(
+    archive: &Archive,
+    view: &ReceiverView,
+    light: Option<&Light>,
+    memory: u64,
+    folder: &Path,
+) -> Result<Vec<Map>> {
+    let mut hit = hit_map(view);
+    let mut response = None;
+    if let Some(light) = light {
+        let lit = lit_cells(archive, view, light, memory, folder)?;
+        let of = |channel: usize| -> Vec<f32> {
+            // Number 0 is nothing, the others are places in the palette + 1.
+            let place = |t: u32| lit.cells.binary_search(&(t as usize).checked_sub(1)?).ok();
+            let texel = |&t: &u32| place(t).map_or(0.0, |i| lit.radiances[i][channel] as f32);
+            view.texels.iter().map(texel).collect()
+        };
+        hit.add("sun_diffuse", RADIANCE, of(0));
+        hit.add("sky_diffuse", RADIANCE, of(1));
+        if light.depth != Depth::All {
+            response = Some(lit.response);
+        }
+    }
+    let response = match response {
+        Some(derived) => derived,
+        None => view.response(archive)?,
+    };
+    Ok(vec![sky_map(view, light), hit, response_map(&response, light)])
+}
+
+/// What is sky, and with a light the sky and the sun that are seen in it.
+fn sky_map(view: &ReceiverView, light: Option<&Light>) -> Map {
+    let sky = &view.sky;
+    let side = sky.side() * sky.block();
+    let texel_sr = HEMISPHERE_SR / (side * side) as f64;
+    let texel = |t: usize| sky_texel(view.receiver.normal, light, side, t);
+    let texels: Vec<SkyTexel> = (0..side * side).into_par_iter().with_min_len(side).map(texel).collect();
+    // Bits reach a little behind the surface.
+    let visible: Vec<bool> =
+        texels.iter().enumerate().map(|(t, texel)| texel.cos > 0.0 && sky.get(t % side, t / side)).collect();
+    let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
+    map.add("visible", "1 where sky is seen, else 0", visible.iter().map(|v| f32::from(u8::from(*v))).collect());
+    map.add("weight_sr", "sr", texels.iter().map(|t| (f64::from(t.cos) * texel_sr) as f32).collect());
+    let Some(light) = light else { return map };
+    // As replay does on its texels: an open horizontal receiver gets DHI exactly.
+    let open: f64 = texels.iter().map(|t| f64::from(t.horizontal)).sum::<f64>() * texel_sr;
+    let scale = if open > 0.0 { light.condition.dhi_w_m2 / open } else { 0.0 };
+    let seen =
+        |(texel, visible): (&SkyTexel, &bool)| if *visible { (f64::from(texel.radiance) * scale) as f32 } else { 0.0 };
+    map.add("sky_direct", RADIANCE, texels.iter().zip(&visible).map(seen).collect());
+    let mut sun = vec![0.0_f32; side * side];
+    for instant in &light.condition.suns {
+        // Replay takes the cosine of the middle for the whole disc.
+        let normal_w_m2 = light.condition.dni_w_m2 * instant.weight * view.receiver.normal.dot(instant.sun).max(0.0);
+        for (column, row, share) in disc_texels(instant.sun, side) {
+            let t = row as usize * side + column as usize;
+            if visible[t] {
+                sun[t] += (normal_w_m2 * f64::from(share) / (f64::from(texels[t].cos) * texel_sr)) as f32;
+            }
+        }
+    }
+    map.add("sun_direct", RADIANCE, sun);
+    map
+}
+
+/// Means over a texel of the sky.
+struct SkyTexel {
+    /// Cosine on the receiver.
+    cos: f32,
+    /// Radiance by its patches, and that times the cosine on a horizontal surface.
+    radiance: f32,
+    horizontal: f32,
+}
+
+fn sky_texel(normal: DVec3, light: Option<&Light>, side: usize, t: usize) -> SkyTexel {
+    // Points 1/2048 of the square apart: 4 in a texel of the usual 1024.
+    let samples = (2048 / side).max(1);
+    let (mut cos, mut radiance, mut horizontal) = (0.0, 0.0, 0.0);
+    for i in 0..samples * samples {
+        let inside = (DVec2::new((i % samples) as f64, (i / samples) as f64) + 0.5) / samples as f64;
+        let square = (DVec2::new((t % side) as f64, (t / side) as f64) + inside) / side as f64;
+        cos += normal.dot(direction_of(square)).max(0.0);
+        if let Some(light) = light {
+            let (turns, z) = azimuth_and_z(square);
+            let of_patch = light.radiances[light.patches.patch_at(turns, z)];
+            radiance += of_patch;
+            horizontal += of_patch * z;
+        }
+    }
+    let mean = |sum: f64| (sum / (samples * samples) as f64) as f32;
+    SkyTexel { cos: mean(cos), radiance: mean(radiance), horizontal: mean(horizontal) }
+}
+
+/// Which cells are met, and what they are worth.
+fn hit_map(view: &ReceiverView) -> Map {
+    let side = view.texels.len().isqrt();
+    let mut map = Map { name: "hit", frame: SURFACE, side, channels: Vec::new() };
+    let class = |t| view.class(t).map_or(0.0, |class| 1.0 + class_index(class) as f32);
+    let material = |t| view.cell(t).map_or(0.0, |cell| 1.0 + f32::from(cell.material));
+    let texels = 0..view.texels.len();
+    map.add("class", "0 nothing, 1 ground, 2 obstruction", texels.clone().map(class).collect());
+    map.add("material", "0 nothing, else place in `materials`, from 1", texels.map(material).collect());
+    let cells = view.texels.iter().map(|&t| t as f32).collect();
+    map.add("cell", "0 nothing, else place among the cells that the tile sees, from 1", cells);
+    // Shares of the hemisphere, whose weight is pi.
+    let weights = texel_weights(&view.texels, &view.viewer);
+    map.add("weight_sr", "sr", weights.iter().map(|w| (w * HEMISPHERE_SR / 2.0) as f32).collect());
+    map
+}
+
+/// What each direction of the sky is worth by way of reflections.
+fn response_map(response: &Response, light: Option<&Light>) -> Map {
+    const NAMES: [&str; CLASSES * 3] =
+        ["ground.x", "ground.y", "ground.z", "obstruction.x", "obstruction.y", "obstruction.z"];
+    let texels = response.values.len() / NAMES.len();
+    let side = texels.isqrt();
+    let mut map = Map { name: "response", frame: WORLD, side, channels: Vec::new() };
+    for (name, values) in NAMES.into_iter().zip(response.values.chunks(texels.max(1))) {
+        map.add(name, "W/m2 for 1 W/m2 at normal incidence", values.to_vec());
+    }
+    if let Some(light) = light {
+        let worth = |(d, g): (&DVec3, [f32; 3])| d.dot(DVec3::from(g.map(f64::from))) * light.projection.texel_sr();
+        let weights = light.projection.mean_directions.iter().zip(response.vectors()).map(|pair| worth(pair) as f32);
+        map.add("weight_sr", "sr", weights.collect());
+        map.add("sky_diffuse", RADIANCE, light.on_response.iter().map(|&l| l as f32).collect());
+    }
+    map
+}
+
+/// Light that the cells around a receiver send.
+struct Lit {
+    /// Places in the palette, rising, and the radiance of these cells: by the sun, by the sky.
+    cells: Vec<usize>,
+    radiances: Vec<[f64; 2]>,
+    /// Of the receiver, as the sum of all.
+    response: Response,
+}
+
+/// Cells that responses are derived for at a time: some 25 MB.
+const CELLS_AT_ONCE: usize = 1024;
+
+fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64, folder: &Path) -> Result<Lit> {
+    let mut tables = Tables::load(archive)?;
+    // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
+    tables.shape.hit = 1;
+    let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
+    let responder = Responder::new(&tables, light.depth, memory, folder)?;
+    let shares = hit_weights(&view.texels, &view.viewer).cells;
+    let mut lit = Lit {
+        cells: shares.iter().map(|share| share.0).collect(),
+        radiances: Vec::with_capacity(shares.len()),
+        response: Response { values: vec![0.0; Response::len(tables.shape.probe)] },
+    };
+    for part in shares.chunks(CELLS_AT_ONCE) {
+        let palette: Vec<CellKey> = part.iter().map(|(cell, _)| view.palette[*cell]).collect();
+        let hits = HitTile { palette, texels: (1..=part.len() as u32).collect() };
+        let tile = TileView { ids: Vec::new(), viewers: vec![viewer; part.len()], hits };
+        let responses = responder.derive(&tables, &[tile])?;
+        for (response, (_, share)) in responses.into_iter().flatten().flatten().zip(part) {
+            lit.radiances.push(light.reflected(&response).map(|e| e / (HEMISPHERE_SR / 2.0)));
+            let sum = lit.response.values.iter_mut().zip(&response.values);
+            sum.for_each(|(sum, value)| *sum += *share as f32 * value);
+        }
+    }
+    Ok(lit)
+}
