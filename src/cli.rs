@@ -1,5 +1,7 @@
 //! The command line: clap types of every subcommand, nothing else.
 
+mod export;
+
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -13,6 +15,8 @@ use crate::recombine::components::ComponentList;
 use crate::recombine::reflectances::Snow;
 use crate::recombine::sky::SkyModel;
 use crate::recombine::span::Moment;
+
+pub use self::export::{ExportArgs, SunPosition};
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]
@@ -44,6 +48,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// What two archives do not share; exit code 1 if they differ
     Diff(DiffArgs),
+    /// Layers of a receiver as images, view factors of all receivers as a table
+    Export(ExportArgs),
 }
 
 #[derive(Args, Debug)]

@@ -3,6 +3,7 @@
 pub mod build;
 mod chosen;
 mod copy;
+pub mod export;
 pub mod inspect;
 mod interrupt;
 mod pack;
@@ -42,6 +43,7 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Extract(args) => transfer::extract::run(args),
         Command::Merge(args) => transfer::merge::run(args),
         Command::Diff(args) => transfer::diff::run(args),
+        Command::Export(args) => export::run(args),
     }
 }
 

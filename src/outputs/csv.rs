@@ -85,7 +85,7 @@ impl Table for CsvTable {
 }
 
 /// A cell, quoted if it holds a comma, a quote or a line end.
-fn quoted(cell: &str) -> String {
+pub(super) fn quoted(cell: &str) -> String {
     if cell.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_string() }
 }
 

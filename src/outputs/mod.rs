@@ -1,10 +1,14 @@
-//! Outputs: one row model for all results, as CSV, Parquet, Arrow or arrays of NumPy.
+//! Outputs: one row model for all results, as CSV, Parquet, Arrow or arrays of NumPy; the layers of a receiver as pictures.
 //!
-//! In: receivers, labels (conditions, hours or periods) and seven f32 values of each pair. Out: a table file, complete or not
-//! there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy sums.
+//! In: receivers, labels (conditions, hours or periods) and seven f32 values of each pair; maps of a receiver. Out: a file,
+//! complete or not there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy
+//! sums.
 
 mod arrow;
+mod canvas;
 mod csv;
+pub mod exr;
+pub mod fisheye;
 #[cfg(test)]
 mod format_tests;
 pub mod layout;
@@ -15,3 +19,4 @@ pub mod periods;
 pub mod sink;
 pub mod surfaces;
 pub mod table;
+pub mod view_factors;

@@ -3,6 +3,7 @@
 mod archive;
 mod cli;
 mod damage;
+mod export;
 mod hostile;
 mod interrupt;
 mod kaitai;

@@ -1,0 +1,149 @@
+//! Layers that people can look at: archive -> maps of a receiver -> EXR or PNG; view factors -> CSV.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::transfer::rows::Rows;
+use super::{Outcome, guard_output, temporary_folder, warn};
+use crate::archive::{Archive, format};
+use crate::cli::ExportArgs;
+use crate::error::{Error, Result};
+use crate::outputs::exr::exr;
+use crate::outputs::fisheye::{Overlay, fisheye};
+use crate::outputs::sink::Sink;
+use crate::outputs::view_factors::ViewFactorTable;
+use crate::recombine::conditions::Condition;
+use crate::recombine::epw::read_epw;
+use crate::recombine::maps::{Light, maps};
+use crate::recombine::receiver_view::ReceiverView;
+use crate::recombine::sun::Site;
+use crate::recombine::sun_path::SunPath;
+
+/// Kinds of images.
+enum Image {
+    Exr,
+    Png,
+}
+
+impl Image {
+    fn of(output: &Path) -> Result<Self> {
+        let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        match ending.as_deref() {
+            Some("exr") => Ok(Image::Exr),
+            Some("png") => Ok(Image::Png),
+            _ => Err(Error::Unsupported {
+                what: "ending of the image".into(),
+                found: format!("`{}`", output.display()),
+                supported: ".exr (values) and .png (a picture)".into(),
+            }),
+        }
+    }
+}
+
+/// `heliotile export`.
+pub fn run(args: &ExportArgs) -> Result<Outcome> {
+    if args.output != Path::new("-") {
+        let inputs: Vec<&Path> =
+            [Some(args.archive.as_path()), args.weather.as_deref()].into_iter().flatten().collect();
+        guard_output(&args.output, &inputs)?;
+    }
+    match &args.receiver {
+        None => view_factors(args),
+        Some(id) => {
+            let image = Image::of(&args.output)?;
+            // Before the archive: a wrong weather file is found at once.
+            let overlay = overlay(args, &image)?;
+            let archive = Archive::open_with(&args.archive, args.io)?;
+            let view = ReceiverView::load(&archive, id)?;
+            let bytes = match image {
+                Image::Png => fisheye(&view, &overlay)?,
+                Image::Exr => layers(args, &archive, &view)?,
+            };
+            let mut sink = Sink::file(&args.output)?;
+            sink.write_all(&bytes).map_err(Error::io(&args.output, "write to"))?;
+            sink.finish()?;
+            Ok(Outcome::Fine)
+        }
+    }
+}
+
+/// Maps of a receiver as EXR.
+fn layers(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Result<Vec<u8>> {
+    let light = match args.sun {
+        None => None,
+        Some(sun) => {
+            if args.dni == 0.0 && args.dhi == 0.0 {
+                warn("neither --dni nor --dhi: the maps of light are dark");
+            }
+            let direction = sun.direction();
+            let condition = Condition::new("export".into(), &[direction], direction, args.dni, args.dhi);
+            Some(Light::new(archive, condition, args.sky, args.patches, args.bounces)?)
+        }
+    };
+    let folder = temporary_folder(&args.output);
+    let maps = maps(archive, view, light.as_ref(), args.memory.0 / 2, folder)?;
+    exr(&maps, &about(args, archive, view))
+}
+
+/// What stands in every part of an EXR file.
+fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<String, Value> {
+    let receiver = &view.receiver;
+    let mut about = Map::new();
+    about.insert("receiver".into(), json!(receiver.id));
+    about.insert("position_m".into(), json!(receiver.position.to_array()));
+    about.insert("normal".into(), json!(receiver.normal.to_array()));
+    about.insert("materials".into(), json!(view.materials.name));
+    about.insert("archive_root".into(), json!(format::hex(&archive.root())));
+    if let Some(sun) = args.sun {
+        about.insert("sun_azimuth_deg".into(), json!(sun.azimuth_deg));
+        about.insert("sun_altitude_deg".into(), json!(sun.altitude_deg));
+        about.insert("dni_w_m2".into(), json!(args.dni));
+        about.insert("dhi_w_m2".into(), json!(args.dhi));
+        about.insert("sky".into(), json!(args.sky.to_string()));
+    }
+    about
+}
+
+/// What is drawn over a picture.
+fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
+    if matches!(image, Image::Exr) && (args.weather.is_some() || args.latitude.is_some()) {
+        return Err(Error::Unsupported {
+            what: "paths of the sun (--weather, --latitude)".into(),
+            found: format!("`{}`", args.output.display()),
+            supported: "them in a .png".into(),
+        });
+    }
+    let path = match (&args.weather, args.latitude) {
+        (Some(file), _) => {
+            let weather = read_epw(file)?;
+            // Names are filled up with blanks in some files.
+            let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
+            let zone = weather.site.zone_hours;
+            Some((SunPath::of(&weather.site), format!("{place}, hours of UTC{zone:+}")))
+        }
+        (None, Some(latitude)) => {
+            let refuse = |what| Error::input(&args.output, None, what, "give --latitude in degrees, north positive");
+            let site = Site::new(latitude, 0.0, 0.0, 0.0).map_err(refuse)?;
+            Some((SunPath::of(&site), format!("latitude {latitude}\u{b0}, hours of mean solar time")))
+        }
+        (None, None) => None,
+    };
+    Ok(Overlay { path, sun: args.sun.map(|sun| sun.direction()) })
+}
+
+/// View factors of all receivers as CSV.
+fn view_factors(args: &ExportArgs) -> Result<Outcome> {
+    let archive = Archive::open_with(&args.archive, args.io)?;
+    let mut table = ViewFactorTable::create(&args.output)?;
+    for row in Rows::<()>::new(&archive) {
+        let row = row?;
+        table.row(&row.receiver.id, row.views)?;
+        if table.is_closed() {
+            break;
+        }
+    }
+    table.finish()?;
+    Ok(Outcome::Fine)
+}

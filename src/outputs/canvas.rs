@@ -1,0 +1,194 @@
+//! A picture that lines and words are drawn on. In: shapes, in points of a page. Out: PNG bytes, its lines smooth.
+
+use std::convert::Infallible;
+
+use embedded_graphics::mono_font::iso_8859_1::{FONT_7X13, FONT_9X15_BOLD};
+use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
+use embedded_graphics::pixelcolor::Rgb888;
+use embedded_graphics::prelude::*;
+use embedded_graphics::primitives::{Circle, Polyline, PrimitiveStyle, Rectangle};
+use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+
+/// Red, green, blue.
+pub type Rgb = [u8; 3];
+
+/// Pixels of the drawing a side of a pixel of the picture.
+const FINE: usize = 3;
+
+/// A page of some points, top left (0, 0), x to the right and y down.
+pub struct Canvas {
+    width: usize,
+    height: usize,
+    /// `[row][column]` of fine pixels.
+    pixels: Vec<Rgb>,
+    /// Words are drawn last: their letters are made of pixels and would only blur.
+    words: Vec<Word>,
+}
+
+struct Word {
+    text: String,
+    at: (f64, f64),
+    colour: Rgb,
+    large: bool,
+    alignment: Alignment,
+}
+
+/// Where a word stands beside its point.
+pub use embedded_graphics::text::Alignment as Side;
+
+impl Canvas {
+    /// Paints every fine pixel by the position of its centre.
+    pub fn painted(width: usize, height: usize, paint: impl Fn(f64, f64) -> Rgb + Sync) -> Self {
+        let columns = width * FINE;
+        let at = |i: usize| (i as f64 + 0.5) / FINE as f64;
+        let pixel = |i: usize| paint(at(i % columns), at(i / columns));
+        let pixels = (0..columns * height * FINE).into_par_iter().with_min_len(columns).map(pixel).collect();
+        Canvas { width, height, pixels, words: Vec::new() }
+    }
+
+    /// A line through some points, `thick` points wide.
+    pub fn line(&mut self, points: &[(f64, f64)], thick: f64, colour: Rgb) {
+        let points: Vec<Point> = points.iter().map(|&p| fine(p)).collect();
+        let style = PrimitiveStyle::with_stroke(rgb(colour), (thick * FINE as f64).round().max(1.0) as u32);
+        // Drawing into memory cannot fail.
+        let _ = Polyline::new(&points).into_styled(style).draw(&mut Fine(self));
+    }
+
+    /// A circle, not filled.
+    pub fn ring(&mut self, centre: (f64, f64), radius: f64, thick: f64, colour: Rgb) {
+        let style = PrimitiveStyle::with_stroke(rgb(colour), (thick * FINE as f64).round().max(1.0) as u32);
+        let diameter = (2.0 * radius * FINE as f64).round() as u32;
+        let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut Fine(self));
+    }
+
+    /// A filled circle.
+    pub fn dot(&mut self, centre: (f64, f64), radius: f64, colour: Rgb) {
+        let diameter = (2.0 * radius * FINE as f64).round() as u32;
+        let style = PrimitiveStyle::with_fill(rgb(colour));
+        let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut Fine(self));
+    }
+
+    /// A filled square of some points a side, its top left corner given.
+    pub fn square(&mut self, corner: (f64, f64), side: f64, colour: Rgb) {
+        let size = Size::new_equal((side * FINE as f64).round() as u32);
+        let style = PrimitiveStyle::with_fill(rgb(colour));
+        let _ = Rectangle::new(fine(corner), size).into_styled(style).draw(&mut Fine(self));
+    }
+
+    /// A word in the middle of a height; letters that Latin-1 lacks become question marks.
+    pub fn word(&mut self, text: &str, at: (f64, f64), side: Side, colour: Rgb) {
+        self.words.push(Word { text: text.to_string(), at, colour, large: false, alignment: side });
+    }
+
+    /// The same in large letters.
+    pub fn headline(&mut self, text: &str, at: (f64, f64), side: Side, colour: Rgb) {
+        self.words.push(Word { text: text.to_string(), at, colour, large: true, alignment: side });
+    }
+
+    /// The picture as PNG.
+    pub fn png(self) -> Result<Vec<u8>> {
+        let mut page = Page { width: self.width, height: self.height, pixels: self.means() };
+        for word in &self.words {
+            let font: &MonoFont = if word.large { &FONT_9X15_BOLD } else { &FONT_7X13 };
+            let style = TextStyleBuilder::new().alignment(word.alignment).baseline(Baseline::Middle).build();
+            let at = Point::new(word.at.0.round() as i32, word.at.1.round() as i32);
+            let letters = MonoTextStyle::new(font, rgb(word.colour));
+            let _ = Text::with_text_style(&word.text, at, letters, style).draw(&mut page);
+        }
+        let refuse = |e: png::EncodingError| Error::Unsupported {
+            what: "writing a picture".into(),
+            found: e.to_string(),
+            supported: "what PNG can hold".into(),
+        };
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        // Flat areas pack better as they are.
+        encoder.set_filter(png::Filter::NoFilter);
+        let mut writer = encoder.write_header().map_err(refuse)?;
+        writer.write_image_data(page.pixels.as_flattened()).map_err(refuse)?;
+        writer.finish().map_err(refuse)?;
+        Ok(bytes)
+    }
+
+    /// Means of the fine pixels of each pixel.
+    fn means(&self) -> Vec<Rgb> {
+        let pixel = |i: usize| {
+            let (column, row) = (i % self.width * FINE, i / self.width * FINE);
+            let mut sums = [0_u32; 3];
+            for k in 0..FINE * FINE {
+                let pixel = self.pixels[(row + k / FINE) * self.width * FINE + column + k % FINE];
+                sums.iter_mut().zip(pixel).for_each(|(sum, value)| *sum += u32::from(value));
+            }
+            sums.map(|sum| (sum / (FINE * FINE) as u32) as u8)
+        };
+        (0..self.width * self.height).into_par_iter().map(pixel).collect()
+    }
+}
+
+fn rgb([r, g, b]: Rgb) -> Rgb888 {
+    Rgb888::new(r, g, b)
+}
+
+/// A point of the page in fine pixels.
+fn fine((x, y): (f64, f64)) -> Point {
+    Point::new((x * FINE as f64).round() as i32, (y * FINE as f64).round() as i32)
+}
+
+/// Puts pixels where they lie within the picture.
+fn put(pixels: &mut [Rgb], width: usize, drawn: impl IntoIterator<Item = Pixel<Rgb888>>) {
+    for Pixel(at, colour) in drawn {
+        if let (Ok(x), Ok(y)) = (usize::try_from(at.x), usize::try_from(at.y))
+            && x < width
+            && let Some(pixel) = pixels.get_mut(y * width + x)
+        {
+            *pixel = [colour.r(), colour.g(), colour.b()];
+        }
+    }
+}
+
+/// The fine pixels as a target of shapes.
+struct Fine<'a>(&'a mut Canvas);
+
+impl OriginDimensions for Fine<'_> {
+    fn size(&self) -> Size {
+        Size::new((self.0.width * FINE) as u32, (self.0.height * FINE) as u32)
+    }
+}
+
+impl DrawTarget for Fine<'_> {
+    type Color = Rgb888;
+    type Error = Infallible;
+
+    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, drawn: I) -> std::result::Result<(), Infallible> {
+        put(&mut self.0.pixels, self.0.width * FINE, drawn);
+        Ok(())
+    }
+}
+
+/// The picture's own pixels as a target of words.
+struct Page {
+    width: usize,
+    height: usize,
+    pixels: Vec<Rgb>,
+}
+
+impl OriginDimensions for Page {
+    fn size(&self) -> Size {
+        Size::new(self.width as u32, self.height as u32)
+    }
+}
+
+impl DrawTarget for Page {
+    type Color = Rgb888;
+    type Error = Infallible;
+
+    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, drawn: I) -> std::result::Result<(), Infallible> {
+        put(&mut self.pixels, self.width, drawn);
+        Ok(())
+    }
+}

@@ -1,0 +1,64 @@
+//! Maps of a receiver as an OpenEXR file: one part a map, one channel each, f32, losslessly compressed (ZIP).
+//!
+//! The first line of a part is the top of its texture (v = side - 1: north, or up the surface), as viewers show it. What
+//! everything means stands in the attribute `heliotile` of each part, as JSON: one attribute, for the crate writes several in
+//! the order of a hash map, and here equal inputs give equal bytes.
+
+use std::io::Cursor;
+
+use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
+use exr::meta::header::{ImageAttributes, LayerAttributes};
+use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, Vec2, WritableImage};
+use serde_json::{Map as Object, Value, json};
+
+use crate::error::{Error, Result};
+use crate::recombine::maps::{Channel, Map};
+
+/// Name of the attribute that says what a part holds.
+pub const ATTRIBUTE: &str = "heliotile";
+
+/// How a texel is found from a direction.
+const MAPPING: &str =
+    "Shirley-Chiu square, texels of equal solid angle (schema/layers.md); the first line is v = side - 1";
+/// What channels and `weight_sr` are for.
+const RULE: &str = "sum over texels of a channel named like a column of results x weight_sr = that column, W/m2";
+
+/// The bytes of an EXR file of some maps; `about` stands in all of them.
+pub fn exr(maps: &[Map], about: &Object<String, Value>) -> Result<Vec<u8>> {
+    // The display window is one for the whole file.
+    let widest = maps.iter().map(|map| map.side).max().unwrap_or(1);
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(Vec2(widest, widest)));
+    let layers: Vec<_> = maps.iter().map(|map| layer(map, about)).collect();
+    let mut bytes = Cursor::new(Vec::new());
+    let refuse = |e: exr::error::Error| Error::Unsupported {
+        what: "writing layers".into(),
+        found: e.to_string(),
+        supported: "what OpenEXR can hold".into(),
+    };
+    Image::from_layers(attributes, layers).write().to_buffered(&mut bytes).map_err(refuse)?;
+    Ok(bytes.into_inner())
+}
+
+fn layer(map: &Map, about: &Object<String, Value>) -> Layer<AnyChannels<FlatSamples>> {
+    let mut all = about.clone();
+    let units: Object<String, Value> = map.channels.iter().map(|c| (c.name.to_string(), json!(c.unit))).collect();
+    for (key, value) in [
+        ("frame", json!(map.frame)),
+        ("mapping", json!(MAPPING)),
+        ("rule", json!(RULE)),
+        ("units", Value::Object(units)),
+    ] {
+        all.insert(key.to_string(), value);
+    }
+    let mut attributes = LayerAttributes::named(map.name);
+    let text = Text::from_slice_unchecked(Value::Object(all).to_string().as_bytes());
+    attributes.other.insert(Text::from(ATTRIBUTE), AttributeValue::Text(text));
+    let channels = map.channels.iter().map(|c| AnyChannel::new(c.name, FlatSamples::F32(upright(c, map.side))));
+    let size = Vec2(map.side, map.side);
+    Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels.collect()))
+}
+
+/// Values line by line, the last row first.
+fn upright(channel: &Channel, side: usize) -> Vec<f32> {
+    channel.values.chunks(side).rev().flatten().copied().collect()
+}

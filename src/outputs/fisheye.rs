@@ -1,0 +1,221 @@
+//! What a receiver sees of the world's upper hemisphere, drawn for people: sky, what hides it, the paths of the sun.
+//!
+//! Equidistant: the distance from the middle is the angle from the zenith, so rings of altitude are evenly spaced. North is up and
+//! east is right, as on a map that the picture is laid on and as on printed sun-path diagrams; who looks up has east at
+//! the left hand.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+
+use super::canvas::{Canvas, Rgb, Side};
+use crate::error::Result;
+use crate::hemisphere::{Frame, texel_of};
+use crate::recombine::receiver_view::ReceiverView;
+use crate::recombine::sun_path::{DAYS, SunPath};
+use crate::scene::materials::Class;
+use crate::units::direction_from_degrees;
+
+/// Width and height of the picture.
+pub const SIZE: (usize, usize) = (900, 980);
+/// Where the zenith is, and how far the horizon is from it.
+const CENTRE: (f64, f64) = (450.0, 500.0);
+const RADIUS: f64 = 390.0;
+
+pub const SKY: Rgb = [198, 225, 247];
+pub const OBSTRUCTION: Rgb = [172, 170, 178];
+pub const GROUND: Rgb = [196, 172, 132];
+/// Sky and anything else behind the receiver's own surface.
+pub const BEHIND: Rgb = [236, 234, 228];
+const PAPER: Rgb = [255, 255, 255];
+const GRID: Rgb = [140, 150, 162];
+const INK: Rgb = [30, 30, 40];
+const DAY: Rgb = [178, 46, 0];
+const HOUR: Rgb = [228, 126, 10];
+const SUN: Rgb = [255, 220, 0];
+
+/// Letters of the receiver's name that fit.
+const NAME: usize = 60;
+
+/// What is drawn over the view.
+#[derive(Default)]
+pub struct Overlay {
+    /// Paths of the sun, and what the place and its clock are called.
+    pub path: Option<(SunPath, String)>,
+    /// One sun.
+    pub sun: Option<DVec3>,
+}
+
+/// The picture as PNG.
+pub fn fisheye(view: &ReceiverView, overlay: &Overlay) -> Result<Vec<u8>> {
+    let frame = Frame::of(view.receiver.normal);
+    let paint = |x: f64, y: f64| direction_at(x, y).map_or(PAPER, |direction| colour(view, &frame, direction));
+    let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
+    draw_grid(&mut canvas);
+    if let Some((path, _)) = &overlay.path {
+        draw_path(&mut canvas, path);
+    }
+    if let Some(sun) = overlay.sun.filter(|sun| sun.z >= 0.0) {
+        canvas.dot(place_of(sun), 8.0, INK);
+        canvas.dot(place_of(sun), 6.5, SUN);
+    }
+    draw_words(&mut canvas, view, overlay);
+    canvas.png()
+}
+
+/// Where a direction above the horizon is drawn: x to the right, y down.
+pub fn place_of(direction: DVec3) -> (f64, f64) {
+    let horizontal = direction.x.hypot(direction.y);
+    let r = RADIUS * horizontal.atan2(direction.z) / FRAC_PI_2;
+    let scale = if horizontal > 0.0 { r / horizontal } else { 0.0 };
+    (CENTRE.0 + direction.x * scale, CENTRE.1 - direction.y * scale)
+}
+
+/// The direction that is drawn at a place; `None` outside the horizon.
+fn direction_at(x: f64, y: f64) -> Option<DVec3> {
+    let (east, north) = (x - CENTRE.0, CENTRE.1 - y);
+    let r = east.hypot(north);
+    let zenith_rad = r / RADIUS * FRAC_PI_2;
+    let scale = if r > 0.0 { zenith_rad.sin() / r } else { 0.0 };
+    (r <= RADIUS).then(|| DVec3::new(east * scale, north * scale, zenith_rad.cos()))
+}
+
+fn colour(view: &ReceiverView, frame: &Frame, direction: DVec3) -> Rgb {
+    let local = frame.to_local(direction);
+    if local.z <= 0.0 {
+        return BEHIND;
+    }
+    let (column, row) = texel_of(direction, view.sky.side() * view.sky.block());
+    if view.sky.get(column, row) {
+        return SKY;
+    }
+    // The hit texture is coarse: a texel at the edge of the sky may hold the sky, its neighbours hold what is seen.
+    let n = view.texels.len().isqrt();
+    let (column, row) = texel_of(local, n);
+    let near = |at: usize| at.saturating_sub(1)..(at + 2).min(n);
+    let around = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
+    let found = std::iter::once(row * n + column).chain(around).find_map(|texel| view.class(texel));
+    if found == Some(Class::Ground) { GROUND } else { OBSTRUCTION }
+}
+
+/// Altitude rings every 15 degrees, azimuth rays every 30.
+fn draw_grid(canvas: &mut Canvas) {
+    for altitude in [15.0, 30.0, 45.0, 60.0, 75.0] {
+        canvas.ring(CENTRE, RADIUS * (1.0 - altitude / 90.0), 0.7, GRID);
+        let at = (CENTRE.0 + 4.0, CENTRE.1 - RADIUS * (1.0 - altitude / 90.0) - 7.0);
+        canvas.word(&format!("{altitude}\u{b0}"), at, Side::Left, INK);
+    }
+    for azimuth in (0..360).step_by(30) {
+        let ray = |altitude| place_of(direction_from_degrees(f64::from(azimuth), altitude));
+        canvas.line(&[ray(75.0), ray(0.0)], 0.7, GRID);
+        let (sin, cos) = (f64::from(azimuth) * PI / 180.0).sin_cos();
+        let at = (CENTRE.0 + (RADIUS + 20.0) * sin, CENTRE.1 - (RADIUS + 16.0) * cos);
+        match azimuth {
+            0 => canvas.headline("N", at, Side::Center, INK),
+            90 => canvas.headline("E", at, Side::Center, INK),
+            180 => canvas.headline("S", at, Side::Center, INK),
+            270 => canvas.headline("W", at, Side::Center, INK),
+            _ => canvas.word(&format!("{azimuth}\u{b0}"), at, Side::Center, INK),
+        }
+    }
+    canvas.ring(CENTRE, RADIUS, 1.3, INK);
+}
+
+fn draw_path(canvas: &mut Canvas, path: &SunPath) {
+    path.hours.iter().for_each(|hour| draw_sky_line(canvas, hour, 0.7, HOUR));
+    path.days.iter().for_each(|day| draw_sky_line(canvas, day, 1.4, DAY));
+    for (hour, points) in path.hours.iter().enumerate() {
+        // The loop's highest point is by the summer solstice: there it is named, a little further in.
+        if let Some(top) = points.iter().copied().max_by(|a, b| a.z.total_cmp(&b.z)).filter(|top| top.z > 0.05) {
+            let (x, y) = place_of(top);
+            let inwards = 13.0 / (CENTRE.0 - x).hypot(CENTRE.1 - y).max(13.0);
+            let at = (x + (CENTRE.0 - x) * inwards, y + (CENTRE.1 - y) * inwards);
+            canvas.word(&hour.to_string(), at, Side::Center, DAY);
+        }
+    }
+    for (day, (_, _, name)) in path.days.iter().zip(DAYS) {
+        // Beside the sun that is about to set.
+        if let Some(two) = day.windows(2).rev().find(|two| two[0].z >= NAMED_Z && two[1].z < NAMED_Z) {
+            let (x, y) = place_of(two[0]);
+            canvas.word(name, (x + 9.0, y - 9.0), Side::Left, DAY);
+        }
+    }
+}
+
+/// Sine of the altitude at which days are named.
+const NAMED_Z: f64 = 0.1;
+
+/// Draws what of a line lies above the horizon.
+fn draw_sky_line(canvas: &mut Canvas, line: &[DVec3], thick: f64, colour: Rgb) {
+    let mut run: Vec<(f64, f64)> = Vec::new();
+    for two in line.windows(2) {
+        let (a, b) = (two[0], two[1]);
+        let crossing = || place_of(a.lerp(b, a.z / (a.z - b.z)));
+        match (a.z >= 0.0, b.z >= 0.0) {
+            (true, true) => run.extend([place_of(a), place_of(b)]),
+            (false, true) => run.extend([crossing(), place_of(b)]),
+            (true, false) => {
+                run.extend([place_of(a), crossing()]);
+                canvas.line(&std::mem::take(&mut run), thick, colour);
+            }
+            (false, false) => {}
+        }
+    }
+    canvas.line(&run, thick, colour);
+}
+
+fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
+    let receiver = &view.receiver;
+    let name: String = receiver.id.chars().take(NAME).collect();
+    canvas.headline(&name, (20.0, 22.0), Side::Left, INK);
+    let n = receiver.normal;
+    let azimuth = (n.x.atan2(n.y) / TAU).rem_euclid(1.0) * 360.0;
+    let tilt = n.z.clamp(-1.0, 1.0).acos().to_degrees();
+    let towards = if n.x.hypot(n.y) < 1e-6 { String::new() } else { format!(" towards {azimuth:.0}\u{b0}") };
+    let at = receiver.position;
+    let place = format!("at {:.2}, {:.2}, {:.2} m, tilted {tilt:.0}\u{b0}{towards}", at.x, at.y, at.z);
+    canvas.word(&place, (20.0, 42.0), Side::Left, INK);
+    let [sky, ground, obstruction] = view.views;
+    let shares = format!("view factors: sky {sky:.3}, ground {ground:.3}, obstructions {obstruction:.3}");
+    canvas.word(&shares, (20.0, 59.0), Side::Left, INK);
+    let right = SIZE.0 as f64 - 20.0;
+    canvas.word("seen on a map: east is right", (right, 42.0), Side::Right, INK);
+    canvas.word("equidistant: rings of altitude", (right, 59.0), Side::Right, INK);
+    let low = SIZE.1 as f64 - 22.0;
+    for (i, (colour, what)) in
+        [(SKY, "sky"), (OBSTRUCTION, "obstruction"), (GROUND, "ground"), (BEHIND, "behind the surface")]
+            .into_iter()
+            .enumerate()
+    {
+        let x = 20.0 + [0.0, 62.0, 182.0, 268.0][i];
+        canvas.square((x, low - 6.0), 13.0, INK);
+        canvas.square((x + 1.0, low - 5.0), 11.0, colour);
+        canvas.word(what, (x + 18.0, low), Side::Left, INK);
+    }
+    if let Some((_, clock)) = &overlay.path {
+        canvas.word(clock, (right, low), Side::Right, DAY);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The zenith is in the middle, north up, east right; 45 degrees of altitude is half way; places of 500 directions lead back to them.
+    #[test]
+    fn equidistant() {
+        assert_eq!(place_of(DVec3::Z), CENTRE);
+        for (azimuth, x, y) in [(0.0, 0.0, -1.0), (90.0, 1.0, 0.0), (180.0, 0.0, 1.0), (270.0, -1.0, 0.0)] {
+            for (altitude, r) in [(0.0, RADIUS), (45.0, RADIUS / 2.0)] {
+                let at = place_of(direction_from_degrees(azimuth, altitude));
+                assert!((at.0 - CENTRE.0 - r * x).abs() < 1e-9 && (at.1 - CENTRE.1 - r * y).abs() < 1e-9, "{at:?}");
+            }
+        }
+        for i in 0..500 {
+            let d = direction_from_degrees(f64::from(i) * 137.5, f64::from(i % 90) + 0.5);
+            let (x, y) = place_of(d);
+            assert!(direction_at(x, y).is_some_and(|back| (back - d).length() < 1e-12));
+        }
+        assert_eq!(direction_at(CENTRE.0 + RADIUS + 1.0, CENTRE.1), None);
+    }
+}

@@ -1,0 +1,312 @@
+//! Layers that people look at: maps of a receiver against results and closed forms, EXR and PNG files read back, view factors.
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
+use glam::DVec3;
+use heliotile::archive::{Archive, format};
+use heliotile::commands::build::BuildSettings;
+use heliotile::outputs::fisheye::{BEHIND, GROUND, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::maps::{Light, Map, maps};
+use heliotile::recombine::receiver_view::ReceiverView;
+use heliotile::recombine::sky::SkyModel;
+use heliotile::recombine::sun::Site as Place;
+use heliotile::recombine::sun_path::SunPath;
+use heliotile::units::direction_from_degrees;
+
+use crate::cli::{Folder, golden, stdout};
+use crate::scenes::*;
+
+fn channel<'a>(maps: &'a [Map], map: &str, channel: &str) -> &'a [f32] {
+    let found = maps.iter().find(|m| m.name == map).and_then(|m| m.channels.iter().find(|c| c.name == channel));
+    found.map(|c| c.values.as_slice()).unwrap_or_else(|| panic!("no {map}.{channel}"))
+}
+
+/// Sum of a channel times `weight_sr`.
+fn weighted(maps: &[Map], map: &str, name: &str) -> f64 {
+    let values = channel(maps, map, name).iter().zip(channel(maps, map, "weight_sr"));
+    values.map(|(v, w)| f64::from(*v) * f64::from(*w)).sum()
+}
+
+fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, Depth, &[f64; 4])>) -> Vec<Map> {
+    let archive = Archive::open(path).expect("an archive");
+    let view = ReceiverView::load(&archive, id).expect("a receiver");
+    let light = light.map(|(sky, depth, &[azimuth, altitude, dni, dhi])| {
+        Light::new(&archive, sun(azimuth, altitude, dni, dhi), sky, 577, depth).expect("a light")
+    });
+    maps(&archive, &view, light.as_ref(), 1 << 28, &std::env::temp_dir()).expect("maps")
+}
+
+/// Five receivers among twelve blocks, three suns, two skies, one and all bounces: each of the columns is the sum of its map times
+/// `weight_sr`, within 1e-3 of it (or of 1 W/m2); sky diffuse also by the directions that it comes from.
+#[test]
+fn maps_sum_to_results() {
+    let receivers: Vec<_> = (0..5)
+        .map(|i| {
+            let along = f64::from(i) * 18.1 - 40.0;
+            receiver(
+                &format!("r{i}"),
+                v(along, 3.3 - along / 3.0, 0.5 + along.abs()),
+                tilted(f64::from(i) * 20.0, 77.0 * f64::from(i)),
+            )
+        })
+        .collect();
+    let site = site(&scene(&town(), &[0.25, 0.5]), &receivers, &BuildSettings::default());
+    let (mut checked, mut worst) = (0, 0.0_f64);
+    for (light, model, depth) in [
+        ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez, Depth::All),
+        ([255.0, 21.0, 500.0, 60.0], SkyModel::Perez, Depth::Count(1)),
+        ([20.0, 72.0, 0.0, 250.0], SkyModel::Uniform, Depth::Count(3)),
+    ] {
+        let rows = site.replay(&[sun(light[0], light[1], light[2], light[3])], model, depth);
+        for (id, rows) in &rows {
+            let maps = maps_of(&site.path, id, Some((model, depth, &light)));
+            for (map, name, expected) in [
+                ("sky", "sun_direct", rows[0].sun_direct),
+                ("sky", "sky_direct", rows[0].sky_direct),
+                ("hit", "sun_diffuse", rows[0].sun_diffuse),
+                ("hit", "sky_diffuse", rows[0].sky_diffuse),
+                ("response", "sky_diffuse", rows[0].sky_diffuse),
+            ] {
+                let sum = weighted(&maps, map, name);
+                assert!((sum - expected).abs() < 1e-3 * expected.max(1.0), "{id} {map}.{name}: {sum}, not {expected}");
+                if expected > 1.0 {
+                    checked += 1;
+                    worst = worst.max((sum / expected - 1.0).abs());
+                }
+            }
+        }
+    }
+    println!("off by {worst:.1e} of the sum at worst; {checked} sums above 1 W/m2");
+    assert!(checked > 45, "{checked}");
+}
+
+/// A black wall as high as it is far, to the south, and one of ground to the north at twice the distance.
+fn between_walls() -> Site {
+    let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
+    let scene = scene(&[ground(5000.0, 0.0, 0), wall(-10.0, 1), wall(20.0, 0)].concat(), &[0.0, 0.0]);
+    let receivers = [receiver("up", v(0.0, 0.0, 0.0), DVec3::Z), receiver("south", v(0.0, 0.0, 0.001), DVec3::NEG_Y)];
+    site(&scene, &receivers, &BuildSettings::default())
+}
+
+/// A wall up to 45 degrees hides a quarter of the sky, (1 - cos 45)/2 of a horizontal receiver's view, 1/4 of a vertical one's upper half;
+/// shares within 0.003; the classes of the hits hold the same shares, and all weights together are pi within 1e-4 of it.
+#[test]
+fn walls_in_maps() {
+    let site = between_walls();
+    let maps = maps_of(&site.path, "up", None);
+    let north = (10.0_f64 / 20.0).atan();
+    let expected = [0.25 + north / PI, (1.0 - 0.5_f64.sqrt()) / 2.0, (1.0 - north.cos()) / 2.0];
+    let visible = channel(&maps, "sky", "visible");
+    let hidden = 1.0 - visible.iter().sum::<f32>() as f64 / visible.len() as f64;
+    let share = |class: f32| -> f64 {
+        let texels = channel(&maps, "hit", "class").iter().zip(channel(&maps, "hit", "weight_sr"));
+        texels.filter(|(c, _)| **c == class).map(|(_, w)| f64::from(*w) / PI).sum()
+    };
+    let sky = weighted(&maps, "sky", "visible") / PI;
+    for (got, expected) in [hidden, share(2.0), share(1.0)].into_iter().zip(expected) {
+        assert!((got - expected).abs() < 0.003, "{got} {expected}");
+    }
+    assert!((sky - 1.0 + expected[1] + expected[2]).abs() < 0.003, "{sky}");
+    assert!((sky + share(1.0) + share(2.0) - 1.0).abs() < 1e-4);
+    // cos 45 of the half above, and the ground: half the hemisphere, lit or not.
+    let south = maps_of(&site.path, "south", None);
+    let sky = weighted(&south, "sky", "visible") / PI;
+    assert!((sky - (1.0 - 0.5_f64.sqrt()) / 2.0).abs() < 0.003, "{sky}");
+    // Without a sun there is nothing of light.
+    let names: Vec<&str> = maps.iter().flat_map(|m| m.channels.iter().map(|c| c.name)).collect();
+    assert_eq!(names[..6], ["visible", "weight_sr", "class", "material", "cell", "weight_sr"]);
+    assert_eq!(names.len(), 12);
+}
+
+/// Colour of a picture where a direction is drawn.
+fn pixel(picture: &(usize, Vec<u8>), azimuth_deg: f64, altitude_deg: f64) -> [u8; 3] {
+    let (x, y) = place_of(direction_from_degrees(azimuth_deg, altitude_deg));
+    let at = (y as usize * picture.0 + x as usize) * 3;
+    [picture.1[at], picture.1[at + 1], picture.1[at + 2]]
+}
+
+/// Width and RGB bytes of a PNG.
+fn decoded(bytes: &[u8]) -> (usize, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let frame = reader.next_frame(&mut pixels).expect("pixels");
+    assert_eq!((frame.color_type, frame.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
+    (frame.width as usize, pixels)
+}
+
+/// The picture shows sky, obstruction, ground and what is behind a surface where they are, 12 of 12 pixels, none under a line; the sun and
+/// its path change pixels where they stand.
+#[test]
+fn fisheye_shows_what_is_there() {
+    let site = between_walls();
+    let archive = Archive::open(&site.path).expect("an archive");
+    let draw = |id: &str, overlay: &Overlay| {
+        decoded(&fisheye(&ReceiverView::load(&archive, id).expect("a receiver"), overlay).expect("a picture"))
+    };
+    let (up, south) = (draw("up", &Overlay::default()), draw("south", &Overlay::default()));
+    assert_eq!((up.0, up.1.len()), (900, 900 * 980 * 3));
+    for (azimuth, altitude, colour) in [
+        (170.0, 50.0, SKY),
+        (190.0, 40.0, OBSTRUCTION),
+        (170.0, 5.0, OBSTRUCTION),
+        (100.0, 5.0, OBSTRUCTION),
+        (355.0, 22.0, GROUND),
+        (355.0, 32.0, SKY),
+        (85.0, 7.0, SKY),
+        (20.0, 3.0, GROUND),
+    ] {
+        assert_eq!(pixel(&up, azimuth, altitude), colour, "{azimuth} {altitude}");
+    }
+    for (azimuth, altitude, colour) in
+        [(170.0, 50.0, SKY), (190.0, 40.0, OBSTRUCTION), (10.0, 50.0, BEHIND), (280.0, 20.0, BEHIND)]
+    {
+        assert_eq!(pixel(&south, azimuth, altitude), colour, "{azimuth} {altitude}");
+    }
+    let place = Place::new(52.0, 0.0, 0.0, 0.0).expect("a place");
+    let path = SunPath::of(&place);
+    let noon = path.days[1][144];
+    let overlay = Overlay { path: Some((path, "52 N".into())), sun: Some(direction_from_degrees(170.0, 50.0)) };
+    let lit = draw("up", &overlay);
+    let (azimuth, altitude) = (noon.x.atan2(noon.y).to_degrees(), noon.z.asin().to_degrees());
+    assert!((altitude - 38.0).abs() < 0.3, "{altitude}");
+    assert_ne!(pixel(&lit, azimuth, altitude), pixel(&up, azimuth, altitude));
+    assert_eq!(pixel(&lit, 170.0, 50.0), [255, 220, 0]);
+}
+
+/// Parts of an EXR file with their names, sides and channels.
+fn parts(image: &FlatImage) -> Vec<(String, usize, Vec<String>)> {
+    let part = |layer: &exr::image::Layer<exr::image::AnyChannels<FlatSamples>>| {
+        let names = layer.channel_data.list.iter().map(|c| c.name.to_string()).collect();
+        (layer.attributes.layer_name.as_ref().map(ToString::to_string).unwrap_or_default(), layer.size.width(), names)
+    };
+    image.layer_data.iter().map(part).collect()
+}
+
+/// `export` writes the 3 parts with their channels and JSON, twice the same bytes; the file's sums are the columns of `query` within 1e-3,
+/// the top of `sky` is north, and without a sun the maps of light are absent.
+#[test]
+fn exr_files() {
+    let folder = Folder::new();
+    assert_eq!(folder.build().status.code(), Some(0));
+    for name in ["a.exr", "b.exr"] {
+        let out = folder.run(&format!("export site.helio --receiver south --sun 180,50 --dni 800 --dhi 100 -o {name}"));
+        assert_eq!((out.status.code(), out.stderr.len()), (Some(0), 0), "{}", String::from_utf8_lossy(&out.stderr));
+    }
+    assert_eq!(fs::read(folder.path("a.exr")).expect("a file"), fs::read(folder.path("b.exr")).expect("a file"));
+    let image = read_all_flat_layers_from_file(folder.path("a.exr")).expect("an EXR file");
+    let list = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
+    let expected = [
+        ("sky", 1024, "sky_direct sun_direct visible weight_sr"),
+        ("hit", 32, "cell class material sky_diffuse sun_diffuse weight_sr"),
+        ("response", 32, "ground.x ground.y ground.z obstruction.x obstruction.y obstruction.z sky_diffuse weight_sr"),
+    ];
+    assert_eq!(parts(&image), expected.map(|(name, side, channels)| (name.to_string(), side, list(channels))));
+    let values = |part: usize, name: &str| -> Vec<f64> {
+        let channel = image.layer_data[part].channel_data.list.iter().find(|c| c.name.to_string() == name);
+        channel.expect("a channel").sample_data.values_as_f32().map(f64::from).collect()
+    };
+    let sum = |part: usize, name: &str| -> f64 {
+        values(part, name).iter().zip(values(part, "weight_sr")).map(|(v, w)| v * w).sum()
+    };
+    let table = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let row = table.lines().find(|l| l.starts_with("noon,south,")).expect("a row");
+    let columns: Vec<f64> = row.split(',').skip(2).map(|c| c.parse().expect("a number")).collect();
+    let sums = [sum(0, "sun_direct"), sum(0, "sky_direct"), sum(1, "sun_diffuse"), sum(1, "sky_diffuse")];
+    for (sum, column) in sums.into_iter().zip(columns) {
+        assert!(column > 1.0 && (sum - column).abs() < 1e-3 * column, "{sum} {column}");
+    }
+    // The wall looks south: the upper half of the picture, north, is behind it.
+    let visible = values(0, "visible");
+    let (top, bottom) = visible.split_at(visible.len() / 2);
+    assert_eq!((top.iter().sum::<f64>(), bottom.iter().sum::<f64>() > 0.9 * bottom.len() as f64), (0.0, true));
+    let about = image.layer_data[1].attributes.other.iter().find(|(name, _)| name.as_slice() == b"heliotile");
+    let exr::meta::attribute::AttributeValue::Text(text) = about.expect("the attribute").1 else { panic!("no text") };
+    let about: serde_json::Value = serde_json::from_str(&text.to_string()).expect("JSON");
+    assert_eq!((about["receiver"].as_str(), about["frame"].as_str()), (Some("south"), Some("surface")));
+    assert_eq!((about["normal"][1].as_f64(), about["units"]["sky_diffuse"].as_str()), (Some(-1.0), Some("W/m2 sr")));
+
+    assert_eq!(folder.run("export site.helio --receiver roof -o dark.exr").status.code(), Some(0));
+    let dark = read_all_flat_layers_from_file(folder.path("dark.exr")).expect("an EXR file");
+    assert_eq!(parts(&dark).iter().map(|p| p.2.len()).collect::<Vec<_>>(), [2, 4, 6]);
+}
+
+/// View factors of the receivers sum to 1 within 1e-6, with what meets nothing; a roof sees the sky alone; a PNG is made with the path of
+/// the sun over the place of a weather file and over a latitude.
+#[test]
+fn view_factors_and_pictures() {
+    let folder = Folder::new();
+    folder.build();
+    let table = stdout(&folder.run("export site.helio --view-factors -o -"));
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("receiver,sky_view,ground_view,obstruction_view,nothing_view"));
+    let mut ids = Vec::new();
+    for line in lines {
+        let (id, rest) = line.split_once(',').expect("columns");
+        let views: Vec<f64> = rest.split(',').map(|v| v.parse().expect("a number")).collect();
+        assert!(views.len() == 4 && (views.iter().sum::<f64>() - 1.0).abs() < 1e-6, "{line}");
+        assert!(id != "roof" || (views[0] - 1.0).abs() < 1e-3, "{line}");
+        ids.push(id.to_string());
+    }
+    ids.sort_unstable();
+    assert_eq!(ids, ["lawn", "roof", "south"]);
+    assert_eq!(folder.run("export site.helio --view-factors -o vf.csv").status.code(), Some(0));
+    assert_eq!(fs::read_to_string(folder.path("vf.csv")).expect("a file"), table);
+    let weather = golden();
+    for rest in [format!("--weather {}", weather.display()), "--latitude -33.5 --sun 30,40".to_string(), String::new()]
+    {
+        let out = folder.run(&format!("export site.helio -r south -o south.png {rest}"));
+        assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+        assert_eq!(decoded(&fs::read(folder.path("south.png")).expect("a picture")).0, 900);
+    }
+}
+
+/// 16 wrong requests end with exit code 2 and what to do; nothing is written.
+#[test]
+fn wrong_requests() {
+    let folder = Folder::new();
+    folder.build();
+    for (arguments, parts) in [
+        ("-r rof -o r.exr", ["no receiver `rof`", "such as roof"]),
+        ("-r r -o r.jpg", ["`r.jpg`", ".exr"]),
+        ("-r roof -o -", ["`-`", ".png"]),
+        ("-r roof -o site.helio", ["site.helio", "also an input"]),
+        ("-o r.exr", ["--receiver", "--view-factors"]),
+        ("-r roof --view-factors -o r.csv", ["--receiver", "--view-factors"]),
+        ("--view-factors -o r.exr", ["`r.exr`", ".csv"]),
+        ("--view-factors --sun 180,4 -o r.csv", ["--sun", "--view-factors"]),
+        ("-r roof --sun 180,-3 -o r.exr", ["-3 degrees", "not above the horizon"]),
+        ("-r roof --sun 180,0 -o r.exr", ["0 degrees", "not above the horizon"]),
+        ("-r roof --sun 180,91 -o r.exr", ["altitude is 91", "at most 90"]),
+        ("-r roof --sun 180 -o r.exr", ["azimuth,altitude", "180,45"]),
+        ("-r roof --dni 800 -o r.exr", ["--sun", "AZIMUTH"]),
+        ("-r roof --sun 1,2 --dni -5 -o r.exr", ["-5", "W/M2"]),
+        ("-r roof --latitude 91 -o r.png", ["latitude is 91", "-90 to 90"]),
+        ("-r roof --latitude 51 -o r.exr", ["--latitude", ".png"]),
+    ] {
+        folder.refused(&format!("export site.helio {arguments}"), &parts);
+    }
+    assert!(!["r.exr", "r.csv", "r.png"].iter().any(|name| folder.path(name).exists()));
+}
+
+/// A byte changed in any of the 5 layers that an image reads is an error that names the block, with exit code 2; no image is written.
+#[test]
+fn damage_is_named() {
+    let folder = Folder::new();
+    folder.build();
+    let path = folder.path("site.helio");
+    let good = fs::read(&path).expect("an archive");
+    let archive = Archive::open(&path).expect("an archive");
+    for kind in [format::RECEIVERS, format::SKY, format::HIT, format::RESPONSE, format::MATERIALS] {
+        let entry = archive.entries_of(kind)[0];
+        let mut bad = good.clone();
+        bad[entry.offset as usize + entry.stored as usize / 2] ^= 4;
+        fs::write(folder.path("bad.helio"), bad).expect("a file");
+        let name = format!("block {}", format::block_name(kind, 0));
+        folder.refused("export bad.helio -r lawn --sun 90,45 --dni 500 -o r.exr", &[&name, "heliotile verify"]);
+    }
+    assert!(!folder.path("r.exr").exists());
+}
