@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Table> {
-        parse_toml(text, Path::new("materials.toml"))
+        parse_toml(text, Path::new("materials.toml")).map(|read| read.0)
     }
 
     fn used(names: &[(&str, usize)]) -> Vec<MaterialUse> {

@@ -7,13 +7,15 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::endless_ground::{self, EndlessGround};
 use super::materials::{Class, Material, Table, table_header};
+use super::obj::MAX_COORDINATE_M;
 use super::text::{excerpt, line_of_offset, without_byte_order_mark};
 use crate::error::{Error, Result};
 
 const KEYS: &str = "valid keys are `diffuse` and `specular` (numbers from 0 to 1), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
 
-pub(super) fn read_toml(path: &Path) -> Result<Table> {
+pub(super) fn read_toml(path: &Path) -> Result<(Table, Option<EndlessGround>)> {
     let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
     let bytes = without_byte_order_mark(&bytes);
     let text = std::str::from_utf8(bytes).map_err(|bad| {
@@ -22,8 +24,8 @@ pub(super) fn read_toml(path: &Path) -> Result<Table> {
     parse_toml(text, path)
 }
 
-/// Checks every table, used or not: a misspelt key must not wait for the next scene.
-pub(super) fn parse_toml(text: &str, file: &Path) -> Result<Table> {
+/// Checks every table, used or not: a misspelt key must not wait for the next scene. The endless ground is a material too.
+pub(super) fn parse_toml(text: &str, file: &Path) -> Result<(Table, Option<EndlessGround>)> {
     let reader = Reader { text, file };
     let document = DeTable::parse(text).map_err(|error| {
         let hint = "write one table per material, names with blanks or dots in quotes: [\"flat roof\"]";
@@ -31,12 +33,15 @@ pub(super) fn parse_toml(text: &str, file: &Path) -> Result<Table> {
     })?;
     let mut entries: Vec<_> = document.get_ref().iter().collect();
     entries.sort_by_key(|(name, _)| name.span().start);
-    let mut table = Table::new();
+    let (mut table, mut ground) = (Table::new(), None);
     for (name, value) in entries {
-        let material = reader.material(name.get_ref(), name.span(), value.get_ref())?;
+        let (material, elevation_m) = reader.material(name.get_ref(), name.span(), value.get_ref())?;
+        if material.name == endless_ground::NAME {
+            ground = Some(EndlessGround { elevation_m });
+        }
         table.insert(material.name.clone(), material);
     }
-    Ok(table)
+    Ok((table, ground))
 }
 
 struct Reader<'t> {
@@ -49,27 +54,22 @@ impl Reader<'_> {
         Error::input(self.file, line_of_offset(self.text.as_bytes(), span.start), what, hint)
     }
 
-    fn material(&self, name: &str, place: Range<usize>, value: &DeValue) -> Result<Material> {
+    /// A material, and the elevation of the endless ground if it is that.
+    fn material(&self, name: &str, place: Range<usize>, value: &DeValue) -> Result<(Material, Option<f64>)> {
         let shown = excerpt(name.as_bytes());
-        if name == "endless_ground" {
-            let line = line_of_offset(self.text.as_bytes(), place.start);
-            return Err(Error::Unsupported {
-                what: format!("{}, line {line}", self.file.display()),
-                found: "the reserved table [endless_ground]".to_owned(),
-                supported: "materials of the OBJ file only".to_owned(),
-            });
-        }
+        let endless = name == endless_ground::NAME;
         let DeValue::Table(keys) = value else {
             let hint = format!("begin a table with its name: {}; {KEYS}", table_header("roof"));
             return Err(self.error(place, format!("key `{shown}` stands outside any material"), hint));
         };
         let mut entries: Vec<_> = keys.iter().collect();
         entries.sort_by_key(|(key, _)| key.span().start);
-        let (mut diffuse, mut specular, mut class, mut group) = (None, 0.0, None, None);
+        let (mut diffuse, mut specular, mut class, mut group, mut elevation) = (None, 0.0, None, None, None);
         for (key, value) in entries {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("diffuse", _) => diffuse = Some(self.reflectance(name, "diffuse", value)?),
                 ("specular", _) => specular = self.reflectance(name, "specular", value)?,
+                ("elevation", _) if endless => elevation = Some(self.elevation(value)?),
                 ("class", DeValue::String(text)) if text == "ground" => class = Some(Class::Ground),
                 ("class", DeValue::String(text)) if text == "obstruction" => class = Some(Class::Obstruction),
                 ("group", DeValue::String(text)) if !text.trim().is_empty() => group = Some(text.to_string()),
@@ -94,22 +94,20 @@ impl Reader<'_> {
         };
         Material::check_reflectances(diffuse, specular)
             .map_err(|what| self.error(place, format!("material `{shown}`: {what}"), KEYS))?;
-        Ok(Material {
-            name: name.to_owned(),
-            diffuse,
-            specular,
-            class: class.unwrap_or_else(|| Class::of_name(name)),
-            group,
+        let class = class.unwrap_or_else(|| Class::of_name(name));
+        Ok((Material { name: name.to_owned(), diffuse, specular, class, group }, elevation))
+    }
+
+    fn elevation(&self, value: &Spanned<DeValue>) -> Result<f64> {
+        let highest = MAX_COORDINATE_M / 10.0;
+        number(value).filter(|number| number.abs() <= highest).ok_or_else(|| {
+            let what = format!("`elevation` is {}", self.quote(value));
+            self.error(value.span(), what, "give the height of the endless ground in metres, or leave it out")
         })
     }
 
     fn reflectance(&self, name: &str, key: &str, value: &Spanned<DeValue>) -> Result<f64> {
-        let number = match value.get_ref() {
-            DeValue::Float(float) => float.as_str().parse().ok(),
-            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
-            _ => None,
-        };
-        number.filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
+        number(value).filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
             let what = format!(
                 "`{key}` of material `{}` is {}, not a number from 0 to 1",
                 excerpt(name.as_bytes()),
@@ -125,12 +123,20 @@ impl Reader<'_> {
     }
 }
 
+fn number(value: &Spanned<DeValue>) -> Option<f64> {
+    match value.get_ref() {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Table> {
-        parse_toml(text, Path::new("materials.toml"))
+        parse_toml(text, Path::new("materials.toml")).map(|read| read.0)
     }
 
     /// Quoted names, optional keys and integers are read; `specular` is 0 and the class follows the name where not given.
@@ -166,7 +172,10 @@ mod tests {
             ("[roof.red]\ndiffuse = 0.2", 1, "[\"roof.red\"]"),
             ("[roof]\ndiffuse = 0.2\n[roof]\ndiffuse = 0.3", 3, "duplicate key"),
             ("[roof\ndiffuse = 0.2", 1, "quotes"),
-            ("\n[endless_ground]\nalbedo = 0.2", 2, "[endless_ground]"),
+            ("\n[endless_ground]\nalbedo = 0.2", 3, "unknown key `albedo`"),
+            ("[endless_ground]\ndiffuse = 0.2\nelevation = \"low\"", 3, "`elevation` is \"low\""),
+            ("[endless_ground]\ndiffuse = 0.2\nelevation = inf", 3, "`elevation` is inf"),
+            ("[roof]\ndiffuse = 0.2\nelevation = 2", 3, "unknown key `elevation`"),
         ] {
             let message = parse(text).expect_err(text).to_string();
             assert!(message.starts_with(&format!("materials.toml, line {line}")), "{text:?}: {message}");

@@ -3,6 +3,7 @@
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
 pub mod cells;
+mod endless_ground;
 pub mod materials;
 mod materials_toml;
 pub mod mesh;
@@ -58,6 +59,17 @@ impl Scene {
     pub fn load(obj: &Path, materials: Option<&Path>) -> Result<Scene> {
         let mut file = ObjFile::read(obj)?;
         let mut cut = polygon::triangulate(&file)?;
+        let stated = materials.map(materials_toml::read_toml).transpose()?;
+        let ground = stated.as_ref().and_then(|(_, ground)| *ground);
+        let hidden = ground.and_then(|ground| {
+            let names = &mut file.material_names;
+            let known = names.iter().position(|name| name == endless_ground::NAME);
+            let material = known.unwrap_or_else(|| {
+                names.push(endless_ground::NAME.to_owned());
+                names.len() - 1
+            });
+            ground.add(&mut file.vertices, &mut cut.triangles, material as u32)
+        });
         let names = rank_by_name(&file.material_names, &mut cut.triangles);
         let Canonical { mesh, used, dropped } = canonical(&file.vertices, cut.triangles)?;
         if mesh.triangles.is_empty() {
@@ -80,8 +92,9 @@ impl Scene {
             ));
         }
         report.warnings.extend(contested_warning(dropped.contested));
-        let table = match materials {
-            Some(path) => materials_toml::read_toml(path)?,
+        report.warnings.extend(hidden);
+        let table = match stated {
+            Some((table, _)) => table,
             None => mtl::read_libraries(obj, &file.libraries, &mut report.warnings)?,
         };
         let (selected, unused) = materials::select(table, &report.materials, materials.unwrap_or(obj))?;

@@ -4,6 +4,7 @@ mod archive;
 mod cli;
 mod damage;
 mod export;
+mod ground;
 mod hostile;
 mod interrupt;
 mod kaitai;

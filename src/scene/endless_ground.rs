@@ -1,0 +1,93 @@
+//! The endless ground: a horizontal plane under the whole scene, lit and shadowed like any surface near it. In: its table in
+//! `materials.toml` and the corners of the scene. Out: two triangles so large that what lies beyond is next to nothing.
+
+use glam::DVec3;
+
+use super::mesh::RawTriangle;
+
+/// Name of its table and its material.
+pub(super) const NAME: &str = "endless_ground";
+
+/// The plane reaches so far beyond the scene, and so many times the scene's height above it: seen from there, what is missing is
+/// 0.003 rad below the horizon, 0.1 % of what a wall sees.
+const BEYOND_M: f64 = 20_000.0;
+const HEIGHTS: f64 = 400.0;
+
+/// What the table says besides the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndlessGround {
+    /// Height of the plane; the scene's lowest point if it is not given.
+    pub elevation_m: Option<f64>,
+}
+
+impl EndlessGround {
+    /// Adds the plane to a scene's corners and triangles; gives a sentence if it hides a part of the scene.
+    pub(super) fn add(
+        self,
+        corners: &mut Vec<DVec3>,
+        triangles: &mut Vec<RawTriangle>,
+        material: u32,
+    ) -> Option<String> {
+        let used = triangles.iter().flat_map(|t| t.corners).filter_map(|i| corners.get(i as usize));
+        let (low, high) =
+            used.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+        if !(low.is_finite() && high.is_finite()) {
+            return None;
+        }
+        let z = self.elevation_m.unwrap_or(low.z);
+        let middle = (low + high) / 2.0;
+        let half = (high - low).truncate().max_element() / 2.0 + BEYOND_M.max(HEIGHTS * (high.z - z));
+        let first = corners.len() as u32;
+        for (x, y) in [(-half, -half), (half, -half), (half, half), (-half, half)] {
+            corners.push(DVec3::new(middle.x + x, middle.y + y, z));
+        }
+        for [b, c] in [[1, 2], [2, 3]] {
+            triangles.push(RawTriangle { corners: [first, first + b, first + c], material });
+        }
+        let hidden = z - low.z;
+        (hidden > 0.01).then(|| {
+            format!("the scene reaches {hidden:.2} m below the endless ground at {z} m, which hides what lies there")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scene;
+
+    const BOX: &str = "v 0 0 2\nv 4 0 2\nv 4 6 2\nv 0 6 2\nv 0 0 5\nv 4 0 5\nv 4 6 5\nv 0 6 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\n\
+                       f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+    fn load(obj: &str, toml: &str) -> Scene {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (obj_path, toml_path) = (folder.path().join("s.obj"), folder.path().join("m.toml"));
+        std::fs::write(&obj_path, obj).expect("written");
+        std::fs::write(&toml_path, format!("[roof]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\n{toml}")).expect("written");
+        Scene::load(&obj_path, Some(&toml_path)).expect("a scene")
+    }
+
+    /// The plane is that of two triangles of 40,006 m in the OBJ file, at the lowest point or where it is stated; one above the foot of
+    /// the walls is named with the 0.50 m that it hides, one below is not.
+    #[test]
+    fn same_as_triangles() {
+        let ground = |z: f64| {
+            format!(
+                "v -20001 -20000 {z}\nv 20005 -20000 {z}\nv 20005 20006 {z}\nv -20001 20006 {z}\nusemtl earth\nf -4 -3 -2 -1\n"
+            )
+        };
+        let plain = "[endless_ground]\ndiffuse = 0.25\n";
+        for (z, stated, warnings) in [(2.0, "", 0), (1.5, "elevation = 1.5\n", 0), (2.5, "elevation = 2.5\n", 1)] {
+            let endless = load(BOX, &format!("{plain}{stated}"));
+            let explicit = load(&format!("{BOX}{}", ground(z)), "[earth]\ndiffuse = 0.25\n");
+            assert_eq!(endless.mesh.triangles.len(), 12);
+            assert_eq!(
+                (&endless.mesh.vertices, &endless.mesh.triangles),
+                (&explicit.mesh.vertices, &explicit.mesh.triangles)
+            );
+            let named =
+                endless.report.warnings.iter().filter(|w| w.contains("0.50 m below the endless ground")).count();
+            assert_eq!((named, endless.report.warnings.len()), (warnings, warnings));
+        }
+        assert_eq!(load(BOX, "").mesh.triangles.len(), 10);
+    }
+}
