@@ -17,6 +17,9 @@ use crate::archive::Archive;
 use crate::error::Result;
 use crate::layers::response::Response;
 
+/// Bytes of results that are made at a time, beyond one tile a core.
+const RESULT_BYTES: usize = 48 << 20;
+
 /// Choices of a replay that the weather does not make.
 #[derive(Clone, Copy, Debug)]
 pub struct ReplaySettings {
@@ -133,10 +136,12 @@ impl<'a> Replay<'a> {
         self.archive.tiles()
     }
 
-    /// Results of some tiles one after the other, in the order asked for. As many as there are cores are made at a time.
+    /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, and
+    /// as many as neighbours that share what they see had better be, while their results are small.
     pub fn results(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
-        let step = rayon::current_num_threads().max(1);
+        let cores = rayon::current_num_threads().max(1);
+        let step = (RESULT_BYTES / self.forcing.tile_bytes().max(1)).clamp(cores, 16 * cores);
         (0..tiles.len()).step_by(step).flat_map(move |first| {
             match self.run(tiles.iter().copied().skip(first).take(step)) {
                 Ok(results) => results.into_iter().map(Ok).collect(),

@@ -18,6 +18,7 @@ use crate::layers::bits::BitSquare;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::layers::sky::half_texel;
+use crate::scene::receivers::TILE;
 
 /// Points per texel side when textures are projected on patches.
 const PROJECTION_SAMPLES: usize = 8;
@@ -91,6 +92,11 @@ impl Forcing {
             sky_projection,
             components,
         }
+    }
+
+    /// Bytes of the results of a full tile.
+    pub fn tile_bytes(&self) -> usize {
+        TILE * Component::ALL.len() * size_of::<f32>() * self.bins
     }
 
     /// Whether what is asked for needs the receivers' sky textures.
