@@ -184,6 +184,10 @@ impl BitSquare {
                 padded[..bytes.len()].copy_from_slice(bytes);
                 *word = u64::from_le_bytes(padded);
             }
+            // Bits behind the last column are no texels, whatever the bytes say.
+            if let Some(last) = row.last_mut().filter(|_| !n.is_multiple_of(64)) {
+                *last &= (1 << (n % 64)) - 1;
+            }
         }
         square
     }

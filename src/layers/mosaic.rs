@@ -297,4 +297,16 @@ mod tests {
             assert!((0..raw.len()).step_by(97).all(|cut| Mosaic::unpack(&raw[..cut], 3, base, fine).is_none()));
         }
     }
+
+    /// Bits behind the last of 33 columns are no texels: of an all open texture whose bytes have them set 1,089 texels are seen.
+    #[test]
+    fn padding() {
+        let raw = [0xff; 2 * 5 * 33];
+        let mosaics = Mosaic::unpack(&raw, 1, 33, 66).unwrap_or_default();
+        let dense = SkyTexture::unpack(&raw, 1, 33, 66).unwrap_or_default();
+        assert_eq!(mosaics, [Mosaic::of(&dense[0], 33)]);
+        let mut seen = Vec::new();
+        mosaics[0].for_visible(|texel, share| seen.push((texel, share)));
+        assert_eq!(seen, (0..1089).map(|texel| (texel, 1.0)).collect::<Vec<_>>());
+    }
 }

@@ -17,7 +17,7 @@ use crate::archive::Archive;
 use crate::error::Result;
 use crate::layers::response::Response;
 
-/// Bytes of results that are made at a time, beyond one tile a core.
+/// Bytes of results and responses that are made at a time, beyond one tile a core.
 const RESULT_BYTES: usize = 48 << 20;
 
 /// Choices of a replay that the weather does not make.

@@ -94,9 +94,10 @@ impl Forcing {
         }
     }
 
-    /// Bytes of the results of a full tile.
+    /// Bytes of the results of a full tile, and of the responses that they are made of.
     pub fn tile_bytes(&self) -> usize {
-        TILE * Component::ALL.len() * size_of::<f32>() * self.bins
+        let responses = self.reflected.len() * Response::len(self.response_projection.side());
+        TILE * (Component::ALL.len() * self.bins + responses) * size_of::<f32>()
     }
 
     /// Whether what is asked for needs the receivers' sky textures.

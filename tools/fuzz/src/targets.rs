@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use heliotile::archive::format::{self, CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
 use heliotile::archive::tables::{Cells, Index, Materials, Receivers};
 use heliotile::archive::{Access, Archive, Block, Job, Manifest, Writer, encode, manifest, verify};
-use heliotile::layers::{hit::HitTile, response, sky::SkyTexture};
+use heliotile::layers::{hit::HitTile, mosaic::Mosaic, response, sky::SkyTexture};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::conditions::read_conditions;
@@ -217,7 +217,10 @@ fn shape(data: &[u8]) -> Option<(usize, usize, usize, &[u8])> {
 fn sky(data: &[u8]) {
     let Some((count, base, fine, raw)) = shape(data) else { return };
     let squares = SkyTexture::unpack(raw, count, base, fine);
-    assert!(squares.is_none_or(|squares| squares.len() == count));
+    // Both ways to read a block agree.
+    let mosaics = Mosaic::unpack(raw, count, base, fine);
+    assert_eq!(mosaics, squares.map(|all| all.iter().map(|square| Mosaic::of(square, base)).collect()));
+    assert!(mosaics.is_none_or(|mosaics| mosaics.len() == count));
 }
 
 fn hit(data: &[u8]) {
