@@ -195,7 +195,7 @@ impl BitSquare {
 
 /// Every bit of `x` twice (Morton spreading).
 #[inline(always)]
-fn spread(x: u32) -> u64 {
+pub(super) fn spread(x: u32) -> u64 {
     let mut v = u64::from(x);
     v = (v | v << 16) & 0x0000_ffff_0000_ffff;
     v = (v | v << 8) & 0x00ff_00ff_00ff_00ff;

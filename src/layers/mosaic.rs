@@ -3,7 +3,7 @@
 
 use pulp::Arch;
 
-use super::bits::BitSquare;
+use super::bits::{BitSquare, spread};
 use super::sky::{Decoded, decode};
 
 /// Bits of one receiver.
@@ -124,8 +124,7 @@ impl Mosaic {
             let (first, shift) = (column as usize * side / 64, column as usize * side % 64);
             for r in 0..side {
                 let at = (row as usize * side + r) * half.stride + first;
-                let plain = spread(half.words[at] >> shift & low);
-                let mut rows = [plain | plain << 1; 2];
+                let mut rows = [spread((half.words[at] >> shift & low) as u32); 2];
                 let mut edge = refined.words[at] >> shift & low;
                 if edge != 0 {
                     let mut rank = (before[at] + (refined.words[at] & ((1 << shift) - 1)).count_ones()) as usize;
@@ -242,16 +241,6 @@ fn every(word: u64, steps: u32) -> u64 {
         w = (w | w >> 8) & 0x0000_ffff_0000_ffff;
         (w | w >> 16) & 0xffff_ffff
     })
-}
-
-/// Moves bit i to 2i, for the lower half of a word.
-fn spread(bits: u64) -> u64 {
-    let mut w = bits & 0xffff_ffff;
-    w = (w | w << 16) & 0x0000_ffff_0000_ffff;
-    w = (w | w << 8) & 0x00ff_00ff_00ff_00ff;
-    w = (w | w << 4) & 0x0f0f_0f0f_0f0f_0f0f;
-    w = (w | w << 2) & 0x3333_3333_3333_3333;
-    (w | w << 1) & 0x5555_5555_5555_5555
 }
 
 #[cfg(test)]
