@@ -36,7 +36,15 @@ enums:
     5: probes
     6: bounce
     7: index
+    8: mirror
+    9: canopy
     10: materials
+    11: optics
+    12: probe-mirror
+    13: bounce-mirror
+    14: probe-canopy
+    15: bounce-canopy
+    16: mirrors
 types:
   slot:
     seq:
@@ -132,6 +140,17 @@ types:
       voxel: { pos: 'columns[0].start', type: s4, repeat: expr, repeat-expr: 'columns[0].count * 3' }
       tag: { pos: 'columns[1].start', type: u4, repeat: expr, repeat-expr: 'columns[1].count' }
       material: { pos: 'columns[2].start', type: u2, repeat: expr, repeat-expr: 'columns[2].count' }
+  table_optics:
+    instances:
+      columns: { pos: _io.size - 24, type: 'column(_io.size - 24 + 8 * _index)', repeat: expr, repeat-expr: 3 }
+      panes: { pos: 'columns[0].start', type: u1, repeat: expr, repeat-expr: 'columns[0].count' }
+      canopy: { pos: 'columns[1].start', type: u1, repeat: expr, repeat-expr: 'columns[1].count' }
+      transmittance: { pos: 'columns[2].start', type: f8, repeat: expr, repeat-expr: 'columns[2].count' }
+  table_mirrors:
+    instances:
+      columns: { pos: _io.size - 16, type: 'column(_io.size - 16 + 8 * _index)', repeat: expr, repeat-expr: 2 }
+      normal: { pos: 'columns[0].start', type: f8, repeat: expr, repeat-expr: 'columns[0].count * 3' }
+      material: { pos: 'columns[1].start', type: u2, repeat: expr, repeat-expr: 'columns[1].count' }
   layer_hit:
     doc: The rest is four byte planes of the texels, lowest first.
     seq:

@@ -12,6 +12,7 @@ Canonical bytes of an array are its values without gaps, little-endian; strings:
   sky        sky: R planes of sky_fine^2 bits, each packed row-major, lowest bit first, and filled up to a byte
   hit        level i8, facing u8, material u16, voxel 3 x i32, one a key; texels u32 [receiver][texel], 0 or key + 1
   response   g: f32 [receiver][class][axis][texel]
+  rows of bytes (3.9)  lengths: u32 [row]; bytes: all rows
 """
 import json
 import math
@@ -54,8 +55,14 @@ RECEIVERS = [
 MATERIALS = [("name", "s", text(1)), ("diffuse", "1d", share), ("specular", "1d", share), ("class", "1B", share),
              ("group", "s", text(0))]
 # kind: name, schema, columns of a table.
+OPTICS = [("panes", "1B", lambda p: p <= 2), ("canopy", "1B", share), ("transmittance", "1d", share)]
+MIRRORS = [("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("material", "1H", None)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 2, None), 4: ("response", 1, None),
-         5: ("probes", 2, CELLS), 6: ("bounce", 2, CELLS), 7: ("index", 1, KEY), 10: ("materials", 1, MATERIALS)}
+         5: ("probes", 2, CELLS), 6: ("bounce", 2, CELLS), 7: ("index", 1, KEY), 8: ("mirror", 1, None),
+         9: ("canopy", 1, None), 10: ("materials", 1, MATERIALS), 11: ("optics", 1, OPTICS),
+         12: ("probe-mirror", 1, None), 13: ("bounce-mirror", 1, None), 14: ("probe-canopy", 1, None),
+         15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS)}
+EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
 
 
 class Damage(Exception):
@@ -248,6 +255,13 @@ def response(raw, rows, side):
     return {"g": struct.pack(f"<{count}f", *values)}
 
 
+def rows_of_bytes(raw, rows):
+    need(len(raw) >= 4 * rows, "lengths of rows are missing")
+    lengths = struct.unpack_from(f"<{rows}I", raw)
+    need(4 * rows + sum(lengths) == len(raw), "rows of another length")
+    return {"lengths": raw[:4 * rows], "bytes": raw[4 * rows:]}
+
+
 def name_of(e):
     return f"{KINDS[e.kind][0] if e.kind in KINDS else e.kind}/{e.tile}"
 
@@ -379,6 +393,10 @@ class Checker:
     def decode(self, e, raw):
         kind, _, columns = KINDS[e.kind]
         s = self.settings
+        if e.kind in EXTRAS:
+            of = next((o.items for o in self.archive.of(EXTRAS[e.kind]) if o.tile == e.tile), None)
+            need(of == e.items, f"{e.items} rows, {EXTRAS[e.kind]} have {of}")
+            return rows_of_bytes(raw, e.items)
         if kind in ("sky", "hit", "response"):
             need(self.rows.get(e.tile, e.items) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")
         if kind == "sky":
@@ -405,6 +423,10 @@ class Checker:
             need(e.tile == 0 and 1 <= e.items <= MAX_MATERIALS, f"{e.items} materials in tile {e.tile}")
             need(len(set(values["name"])) == e.items, "two materials of one name")
             need(all(d + s <= 1 + 1e-9 for d, s in zip(values["diffuse"], values["specular"])), "reflectances above 1")
+        elif kind == "optics":
+            need(e.tile == 0 and e.items == self.materials, f"optics of {e.items} of {self.materials} materials")
+        elif kind == "mirrors":
+            need(e.tile == 0 and all(m < self.materials for m in values["material"]), "a material that does not exist")
         elif kind == "index":
             need(e.tile in (0, 1), f"index {e.tile}")
             self.first[e.tile] = self.key_column(values)

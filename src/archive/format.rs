@@ -45,10 +45,26 @@ pub const RESPONSE: u32 = 4;
 pub const PROBES: u32 = 5;
 pub const BOUNCE: u32 = 6;
 pub const INDEX: u32 = 7;
+pub const MIRROR: u32 = 8;
+pub const CANOPY: u32 = 9;
 pub const MATERIALS: u32 = 10;
+pub const OPTICS: u32 = 11;
+pub const PROBE_MIRROR: u32 = 12;
+pub const BOUNCE_MIRROR: u32 = 13;
+pub const PROBE_CANOPY: u32 = 14;
+pub const BOUNCE_CANOPY: u32 = 15;
+pub const MIRRORS: u32 = 16;
+
+/// Kinds of the layers that only some scenes call for, in the order of [`crate::layers::extras`].
+pub const RECEIVER_EXTRAS: [u32; 2] = [MIRROR, CANOPY];
+
+/// The same for chunks of cells of a kind; their tile is the chunk's.
+pub fn cell_extras(kind: u32) -> [u32; 2] {
+    if kind == PROBES { [PROBE_MIRROR, PROBE_CANOPY] } else { [BOUNCE_MIRROR, BOUNCE_CANOPY] }
+}
 
 /// Kinds that this release knows: id, name, schema id of their raw bytes.
-pub const KINDS: [(u32, &str, u16); 8] = [
+pub const KINDS: [(u32, &str, u16); 16] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 2),
@@ -56,7 +72,15 @@ pub const KINDS: [(u32, &str, u16); 8] = [
     (PROBES, "probes", 2),
     (BOUNCE, "bounce", 2),
     (INDEX, "index", 1),
+    (MIRROR, "mirror", 1),
+    (CANOPY, "canopy", 1),
     (MATERIALS, "materials", 1),
+    (OPTICS, "optics", 1),
+    (PROBE_MIRROR, "probe-mirror", 1),
+    (BOUNCE_MIRROR, "bounce-mirror", 1),
+    (PROBE_CANOPY, "probe-canopy", 1),
+    (BOUNCE_CANOPY, "bounce-canopy", 1),
+    (MIRRORS, "mirrors", 1),
 ];
 
 /// Name of a kind; a kind of a later release gets its number.

@@ -67,7 +67,7 @@ fn the_journal_is_that_of_the_code() {
     assert!(text.split_whitespace().collect::<Vec<_>>().join(" ").contains(&due), "{due}");
 }
 
-/// The 10 limits, 8 kinds and 1 required bit of the text are those of the code.
+/// The 10 limits, 16 kinds and 1 required bit of the text are those of the code.
 #[test]
 fn limits_and_kinds_are_those_of_the_code() {
     let text = text("heliotile-1.md");

@@ -6,11 +6,12 @@ use rayon::prelude::*;
 
 use super::codec::Block;
 use super::format::{
-    self, BOUNCE, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
+    self, BOUNCE, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRRORS, OPTICS, PROBES, RECEIVERS, RESPONSE, SKY,
+    SLOT_OFFSETS, SLOT_SIZE,
 };
 use super::reader::{Archive, by_place};
 use super::source::Access;
-use super::tables::{Cells, Index, Materials, Receivers};
+use super::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
 use crate::error::{Error, Result};
 use crate::layers::hit::HitTile;
 use crate::layers::response;
@@ -136,6 +137,11 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         RECEIVERS => Receivers::from_block(&block).map(|_| ()),
         MATERIALS if entry.tile > 0 => Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only")),
         MATERIALS => Materials::from_block(&block).map(|_| ()),
+        OPTICS => {
+            let optics = Optics::from_block(&block)?;
+            if optics.rows() as u64 == site.materials { Ok(()) } else { shape(false) }
+        }
+        MIRRORS => check_materials(&block, Mirrors::from_block(&block)?.material.into_iter(), site),
         INDEX => Index::from_block(&block).map(|_| ()),
         PROBES => check_cells(&block, &site.probes, site),
         BOUNCE => check_cells(&block, &site.bounces, site),

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use super::extras::Extras;
 use crate::scene::cells::CellKey;
 
 /// Some cells: what each sees of the sky and which coarse cells.
@@ -18,6 +19,8 @@ pub struct Cells {
     pub seen: Vec<CellKey>,
     /// [cell][ray], equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the horizon; [`MISS`] for nothing.
     pub hits: Vec<u32>,
+    /// `[layer][cell]`, see [`super::extras`]; no rows for a layer that no cell has.
+    pub extras: [Vec<Vec<u8>>; 2],
 }
 
 /// Flag of a ray that goes below the horizon.
@@ -42,6 +45,7 @@ pub struct Cell {
     pub normal: [f32; 3],
     pub bits: Vec<u8>,
     pub seen: Vec<(bool, Option<CellKey>)>,
+    pub extras: Extras,
 }
 
 impl Cell {
@@ -49,6 +53,10 @@ impl Cell {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes: Vec<u8> = self.normal.iter().flat_map(|n| n.to_le_bytes()).collect();
         bytes.extend(&self.bits);
+        for layer in &self.extras {
+            bytes.extend((layer.len() as u32).to_le_bytes());
+            bytes.extend(layer);
+        }
         for (up, key) in &self.seen {
             bytes.push(u8::from(*up) | u8::from(key.is_some()) << 1);
             bytes.extend(key.map_or([0; CellKey::BYTES], CellKey::to_bytes));
@@ -63,14 +71,22 @@ impl Cell {
             key.copy_from_slice(bytes);
             CellKey::from_bytes(&key)
         };
-        let (head, seen) = cell.split_at(12 + bits);
+        let (head, mut rest) = cell.split_at(12 + bits);
+        let extras = std::array::from_fn(|_| {
+            let (length, tail) = rest.split_at(4);
+            let length = [0, 1, 2, 3].map(|i| length[i]);
+            let (layer, tail) = tail.split_at(u32::from_le_bytes(length) as usize);
+            rest = tail;
+            layer.to_vec()
+        });
         let float = |axis: usize| f32::from_le_bytes([0, 1, 2, 3].map(|i| head[4 * axis + i]));
         let ray = |ray: &[u8]| (ray[0] & 1 == 1, (ray[0] & 2 == 2).then(|| key_of(&ray[1..])));
         Cell {
             key: key_of(key),
             normal: [float(0), float(1), float(2)],
             bits: head[12..].to_vec(),
-            seen: seen.chunks_exact(1 + CellKey::BYTES).map(ray).collect(),
+            seen: rest.chunks_exact(1 + CellKey::BYTES).map(ray).collect(),
+            extras,
         }
     }
 }
@@ -104,6 +120,7 @@ impl Cells {
             bits: cells.iter().flat_map(|c| c.bits.iter().copied()).collect(),
             seen,
             hits,
+            extras: std::array::from_fn(|layer| gathered(cells.iter().map(|c| c.extras[layer].as_slice()))),
         }
     }
 
@@ -130,6 +147,7 @@ impl Cells {
             bits: rows.iter().flat_map(|&row| self.bits_of(row).iter().copied()).collect(),
             seen,
             hits: hits().map(|hit| renumber(hit, &numbers)).collect(),
+            extras: std::array::from_fn(|layer| gathered(rows.iter().map(|&row| self.extra(layer, row)))),
         }
     }
 
@@ -150,7 +168,21 @@ impl Cells {
             bits: parts.iter().flat_map(|p| p.bits.iter().copied()).collect(),
             hits: hits.collect(),
             seen,
+            extras: std::array::from_fn(|layer| {
+                let rows = |part| (0..Cells::rows(part)).map(move |row| part.extra(layer, row));
+                gathered(parts.iter().flat_map(rows))
+            }),
         }
+    }
+
+    /// Number of cells.
+    pub fn rows(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// What a cell has of a layer of [`super::extras`].
+    pub fn extra(&self, layer: usize, cell: usize) -> &[u8] {
+        self.extras[layer].get(cell).map_or(&[], Vec::as_slice)
     }
 
     /// Sky bits of a cell.
@@ -173,8 +205,14 @@ impl Cells {
             normal: self.normals[cell],
             bits: self.bits_of(cell).to_vec(),
             seen: self.hits_of(cell).iter().map(seen).collect(),
+            extras: std::array::from_fn(|layer| self.extra(layer, cell).to_vec()),
         }
     }
+}
+
+/// Rows of a layer, none if all are empty.
+fn gathered<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Vec<Vec<u8>> {
+    if rows.clone().all(<[u8]>::is_empty) { Vec::new() } else { rows.map(<[u8]>::to_vec).collect() }
 }
 
 /// A hit under the new numbers of what is seen.
@@ -196,6 +234,7 @@ mod tests {
                 normal: [0.0, 0.6, 0.8],
                 bits: vec![i as u8; 8],
                 seen: vec![(true, Some(key(7))), (true, Some(key(9 + i))), (true, None), (false, Some(key(7)))],
+                extras: [vec![i as u8; i as usize], Vec::new()],
             })
             .collect();
         let table = Cells::new(&cells);
@@ -208,6 +247,10 @@ mod tests {
             assert_eq!(back, cell);
         }
         let parts = [table.select(&[0]), table.select(&[1, 2])];
+        assert_eq!(
+            (parts[0].extras.each_ref().map(Vec::len), parts[1].extras.each_ref().map(Vec::len)),
+            ([0, 0], [2, 0])
+        );
         assert_eq!((parts[0].seen.len(), Cells::join(&parts)), (2, table));
         for rays in 0..40_000 {
             assert!((1..=4096).contains(&cells_per_chunk(rays)) && cells_per_chunk(rays) * rays.min(32_767) <= 32_767);

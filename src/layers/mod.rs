@@ -3,6 +3,7 @@
 
 pub mod bits;
 pub mod cells;
+pub mod extras;
 pub mod hit;
 pub mod mosaic;
 pub mod response;

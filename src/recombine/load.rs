@@ -11,12 +11,12 @@ use crate::archive::{Archive, Block, Blocks, Manifest, format, tables};
 use crate::error::{Error, Result};
 use crate::layers::bits::BitSquare;
 use crate::layers::cells::{Cell, Cells};
+use crate::layers::extras::{self, Extras};
 use crate::layers::hit::HitTile;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
-use crate::scene::materials::Class;
 
 /// Receivers of one tile and what they see: enough to derive their response.
 #[derive(Clone, Debug)]
@@ -97,11 +97,52 @@ pub fn origin(manifest: &Manifest) -> DVec3 {
     DVec3::from(manifest.scene.origin_m)
 }
 
+/// What materials do besides reflecting diffusely, if some do.
+fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics>> {
+    if !blocks.has(format::OPTICS, 0) {
+        return Ok(None);
+    }
+    let block = blocks.block(format::OPTICS, 0)?;
+    let optics = tables::Optics::from_block(&block)?;
+    if optics.rows() != materials {
+        return Err(block.corrupt(format!("{} rows", optics.rows()), format!("{materials}, one per material")));
+    }
+    Ok(Some(optics))
+}
+
 /// Receivers and hits of a tile.
 pub fn tile_view(archive: &Archive, tile: u32) -> Result<TileView> {
     let receivers = archive.block(format::RECEIVERS, tile)?;
     let hit = archive.block(format::HIT, tile)?;
     TileView::new(&receivers, &hit, origin(archive.manifest()), settings(archive)?.hit as usize)
+}
+
+/// Layers of a tile of so many receivers that only some scenes call for.
+pub fn tile_extras(archive: &Archive, tile: u32, rows: usize) -> Result<Vec<Extras>> {
+    let [mut mirror, mut canopy] = extras_of(archive, format::RECEIVER_EXTRAS, tile, rows)?;
+    let row = |layer: &mut Vec<Vec<u8>>, i: usize| layer.get_mut(i).map(std::mem::take).unwrap_or_default();
+    Ok((0..rows).map(|i| [row(&mut mirror, i), row(&mut canopy, i)]).collect())
+}
+
+/// `[layer][row]` of the blocks of some kinds; no rows where there is no block.
+fn extras_of(blocks: &dyn Blocks, kinds: [u32; 2], tile: u32, rows: usize) -> Result<[Vec<Vec<u8>>; 2]> {
+    let mut found: [Vec<Vec<u8>>; 2] = Default::default();
+    for (layer, kind) in found.iter_mut().zip(kinds) {
+        if blocks.has(kind, tile) {
+            let block = blocks.block(kind, tile)?;
+            *layer = extras::unpack(block.bytes(), rows)
+                .ok_or_else(|| block.corrupt("a layer of another shape", format!("{rows} rows")))?;
+        }
+    }
+    Ok(found)
+}
+
+/// The cells of a chunk, whose block is read, with all their layers.
+pub fn cells_of(blocks: &dyn Blocks, block: &Block) -> Result<Cells> {
+    let mut cells = tables::Cells::from_block(block)?.into_cells();
+    let entry = block.entry();
+    cells.extras = extras_of(blocks, format::cell_extras(entry.kind), entry.tile, cells.rows())?;
+    Ok(cells)
 }
 
 /// Ids and normals of a tile, its sky bits if they are read, and the responses to use, `[state][receiver]`.
@@ -178,11 +219,8 @@ impl<'a> Tables<'a> {
     /// The tables among some blocks, made with some settings.
     pub fn of(blocks: &'a dyn Blocks, settings: Settings) -> Result<Self> {
         let materials = tables::Materials::from_block(&blocks.block(format::MATERIALS, 0)?)?;
-        let reflector = |(&diffuse, &class): (&f64, &u8)| {
-            let class = if class == 1 { Class::Ground } else { Class::Obstruction };
-            Reflector { diffuse, class }
-        };
-        let reflectors: Vec<Reflector> = materials.diffuse.iter().zip(&materials.class).map(reflector).collect();
+        let optics = optics(blocks, materials.rows())?;
+        let reflectors = Reflector::of_tables(&materials, optics.as_ref());
         let shape = shape(&settings);
         let probes = CellSource::probes(blocks, &settings, reflectors.len())?;
         let bounces = CellSource::bounces(blocks, &settings, reflectors.len())?;
@@ -245,7 +283,7 @@ impl<'a> CellSource<'a> {
     /// All cells of a chunk.
     pub fn chunk(&self, chunk: usize) -> Result<Cells> {
         let block = self.blocks.block(self.kind, chunk as u32)?;
-        let cells = tables::Cells::from_block(&block)?.into_cells();
+        let cells = cells_of(self.blocks, &block)?;
         let (rows, form) = (cells.keys.len(), self.form);
         if cells.keys.first() != self.firsts.get(chunk) {
             return Err(block.corrupt("another first cell", "the one of the index"));

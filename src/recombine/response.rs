@@ -3,10 +3,11 @@
 
 use glam::DVec3;
 
+use crate::archive::tables::{Materials, Optics};
 use crate::hemisphere::{Frame, jitter, texel_direction};
 use crate::layers::hit::HitTile;
 use crate::layers::response::CLASSES;
-use crate::scene::materials::Class;
+use crate::scene::materials::{Class, Glass, Material};
 
 /// Sizes that give the tables their shape.
 #[derive(Clone, Copy, Debug)]
@@ -21,11 +22,42 @@ pub struct Shape {
     pub closed_level: i8,
 }
 
-/// Reflecting properties of a material that recombination needs.
+/// Optical properties of a material that recombination needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector {
     pub diffuse: f64,
     pub class: Class,
+    /// Specular reflectance at any angle; 0 for glass.
+    pub specular: f64,
+    /// Panes of clear glass.
+    pub panes: u8,
+    /// Of a canopy; `None` is opaque.
+    pub transmittance: Option<f64>,
+}
+
+impl Reflector {
+    /// The properties of a material of the scene.
+    pub fn of(material: &Material) -> Self {
+        Reflector {
+            diffuse: material.diffuse,
+            class: material.class,
+            specular: material.specular,
+            panes: material.glass.map_or(0, Glass::panes),
+            transmittance: material.transmittance,
+        }
+    }
+
+    /// The rows of an archive's tables; without a table of optics all are opaque and no glass.
+    pub fn of_tables(materials: &Materials, optics: Option<&Optics>) -> Vec<Self> {
+        let reflector = |row: usize| Reflector {
+            diffuse: materials.diffuse[row],
+            class: if materials.class[row] == 1 { Class::Ground } else { Class::Obstruction },
+            specular: materials.specular[row],
+            panes: optics.map_or(0, |o| o.panes[row]),
+            transmittance: optics.and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
+        };
+        (0..materials.rows()).map(reflector).collect()
+    }
 }
 
 /// What is needed of a receiver besides its hits.

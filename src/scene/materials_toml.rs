@@ -8,12 +8,13 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::endless_ground::{self, EndlessGround};
-use super::materials::{Class, Material, Table, table_header};
+use super::materials::{Class, Glass, Material, Table, table_header};
 use super::obj::MAX_COORDINATE_M;
 use super::text::{excerpt, line_of_offset, without_byte_order_mark};
 use crate::error::{Error, Result};
 
-const KEYS: &str = "valid keys are `diffuse` and `specular` (numbers from 0 to 1), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
+const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1), `glass` (true, \"single\" or \
+                    \"double\"), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
 
 pub(super) fn read_toml(path: &Path) -> Result<(Table, Option<EndlessGround>)> {
     let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
@@ -64,16 +65,24 @@ impl Reader<'_> {
         };
         let mut entries: Vec<_> = keys.iter().collect();
         entries.sort_by_key(|(key, _)| key.span().start);
-        let (mut diffuse, mut specular, mut class, mut group, mut elevation) = (None, 0.0, None, None, None);
+        let (mut diffuse, mut class, mut elevation) = (None, None, None);
+        let mut material = Material::matt(name, 0.0, Class::of_name(name));
         for (key, value) in entries {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("diffuse", _) => diffuse = Some(self.reflectance(name, "diffuse", value)?),
-                ("specular", _) => specular = self.reflectance(name, "specular", value)?,
+                ("specular", _) => material.specular = self.reflectance(name, "specular", value)?,
+                ("transmittance", _) => {
+                    material.transmittance = Some(self.reflectance(name, "transmittance", value)?)
+                }
+                ("glass", DeValue::Boolean(true)) => material.glass = Some(Glass::Single),
+                ("glass", DeValue::Boolean(false)) => material.glass = None,
+                ("glass", DeValue::String(text)) if text == "single" => material.glass = Some(Glass::Single),
+                ("glass", DeValue::String(text)) if text == "double" => material.glass = Some(Glass::Double),
                 ("elevation", _) if endless => elevation = Some(self.elevation(value)?),
                 ("class", DeValue::String(text)) if text == "ground" => class = Some(Class::Ground),
                 ("class", DeValue::String(text)) if text == "obstruction" => class = Some(Class::Obstruction),
-                ("group", DeValue::String(text)) if !text.trim().is_empty() => group = Some(text.to_string()),
-                ("class" | "group", _) => {
+                ("group", DeValue::String(text)) if !text.trim().is_empty() => material.group = Some(text.to_string()),
+                ("class" | "group" | "glass", _) => {
                     let what = format!("`{}` of material `{shown}` is {}", key.get_ref(), self.quote(value));
                     return Err(self.error(value.span(), what, KEYS));
                 }
@@ -89,13 +98,14 @@ impl Reader<'_> {
                 }
             }
         }
-        let Some(diffuse) = diffuse else {
+        // What lets light through reflects none.
+        let Some(diffuse) = diffuse.or(material.transmittance.map(|_| 0.0)) else {
             return Err(self.error(place, format!("material `{shown}` has no `diffuse`"), "add a line: diffuse = 0.2"));
         };
-        Material::check_reflectances(diffuse, specular)
-            .map_err(|what| self.error(place, format!("material `{shown}`: {what}"), KEYS))?;
-        let class = class.unwrap_or_else(|| Class::of_name(name));
-        Ok((Material { name: name.to_owned(), diffuse, specular, class, group }, elevation))
+        material.diffuse = diffuse;
+        material.class = class.unwrap_or(material.class);
+        material.check().map_err(|what| self.error(place, format!("material `{shown}`: {what}"), KEYS))?;
+        Ok((material, elevation))
     }
 
     fn elevation(&self, value: &Spanned<DeValue>) -> Result<f64> {

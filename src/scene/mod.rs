@@ -112,7 +112,7 @@ impl Scene {
         let refuse = |what: String, hint: &str| Err(Error::input(Path::new("triangles in memory"), None, what, hint));
         let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
         for material in &materials {
-            if let Err(what) = Material::check_reflectances(material.diffuse, material.specular) {
+            if let Err(what) = material.check() {
                 return refuse(format!("material `{}`: {what}", material.name), "give shares of the light from 0 to 1");
             }
         }
@@ -192,6 +192,14 @@ impl Scene {
             }]);
             // A name of length 0 is none: groups are never empty.
             content.bytes(material.group.as_deref().unwrap_or_default().as_bytes());
+            if let Some(glass) = material.glass {
+                content.bytes(b"glass");
+                content.0.update(&[glass.panes()]);
+            }
+            if let Some(transmittance) = material.transmittance {
+                content.bytes(b"transmittance");
+                content.0.update(&(transmittance + 0.0).to_le_bytes());
+            }
         }
         *content.0.finalize().as_bytes()
     }

@@ -143,7 +143,7 @@ fn finish(block: Block, file: &Path, table: &mut Table, warnings: &mut Vec<Strin
             .push(format!("{place} has a texture or is transparent, which is ignored: it is opaque, of its plain Kd"));
     }
     let class = Class::of_name(&block.name);
-    table.insert(block.name.clone(), Material { name: block.name, diffuse, specular, class, group: None });
+    table.insert(block.name.clone(), Material { specular, ..Material::matt(block.name, diffuse, class) });
     Ok(())
 }
 

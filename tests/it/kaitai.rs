@@ -43,7 +43,7 @@ fn fields(ksy: &str, kind: &str) -> Vec<(String, usize)> {
 }
 
 /// The 16 fields of a slot and the 11 of an entry have the names, sizes and order of the code, 512 and 80 bytes; magic, both
-/// slot offsets and the 8 kinds, 2 states and 2 codecs are its own.
+/// slot offsets and the 16 kinds, 2 states and 2 codecs are its own.
 #[test]
 fn the_container_is_that_of_the_code() {
     let ksy = text("heliotile.ksy");

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use heliotile::archive::manifest::Settings;
-use heliotile::archive::tables::{Cells, Index, Materials, Receivers};
+use heliotile::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
 use heliotile::archive::{Archive, Block, format};
 use heliotile::commands::build::{BuildSettings, build};
 use heliotile::layers::bits::BitSquare;
+use heliotile::layers::extras;
 use heliotile::layers::hit::HitTile;
 use heliotile::layers::response;
 use heliotile::layers::sky::SkyTexture;
@@ -121,6 +122,25 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
             vec![("g", tile.iter().flat_map(|r| le(&r.values, f32::to_le_bytes)).collect())]
         }
         format::PROBES | format::BOUNCE => cells(&Cells::from_block(block).expect("cells")),
+        format::OPTICS => {
+            let t = Optics::from_block(block).expect("optics");
+            vec![("panes", t.panes), ("canopy", t.canopy), ("transmittance", le(&t.transmittance, f64::to_le_bytes))]
+        }
+        format::MIRRORS => {
+            let t = Mirrors::from_block(block).expect("mirrors");
+            let normal = le(&t.normal.concat(), f64::to_le_bytes);
+            vec![("normal", normal), ("material", le(&t.material, u16::to_le_bytes))]
+        }
+        format::MIRROR
+        | format::CANOPY
+        | format::PROBE_MIRROR
+        | format::BOUNCE_MIRROR
+        | format::PROBE_CANOPY
+        | format::BOUNCE_CANOPY => {
+            let found = extras::unpack(raw, rows).expect("rows of bytes");
+            let lengths: Vec<u32> = found.iter().map(|row| row.len() as u32).collect();
+            vec![("lengths", le(&lengths, u32::to_le_bytes)), ("bytes", found.concat())]
+        }
         format::INDEX => index(&Index::from_block(block).expect("an index")),
         format::MATERIALS => materials(&Materials::from_block(block).expect("materials")),
         other => panic!("kind {other} has no canonical bytes"),
@@ -156,11 +176,9 @@ fn small_site(path: &Path) {
     triangles.extend(block(v(0.0, 0.0, 0.0), v(10.0, 10.0, 10.0), 1));
     triangles.extend(block(v(18.0, 2.0, 0.0), v(26.0, 14.0, 6.0), 2));
     let material = |name: &str, diffuse, class, group: Option<&str>| Material {
-        name: name.into(),
-        diffuse,
         specular: 0.1,
-        class,
         group: group.map(Into::into),
+        ..Material::matt(name, diffuse, class)
     };
     let materials = vec![
         material("grass", 0.25, Class::Ground, Some("snow cover")),

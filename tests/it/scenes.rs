@@ -66,12 +66,8 @@ pub fn scene(triangles: &Triangles, diffuse: &[f64]) -> Scene {
     let materials = diffuse
         .iter()
         .enumerate()
-        .map(|(i, &diffuse)| Material {
-            name: format!("m{i}"),
-            diffuse,
-            specular: 0.0,
-            class: if i == 0 { Class::Ground } else { Class::Obstruction },
-            group: None,
+        .map(|(i, &diffuse)| {
+            Material::matt(format!("m{i}"), diffuse, if i == 0 { Class::Ground } else { Class::Obstruction })
         })
         .collect();
     Scene::from_triangles(triangles, materials).expect("a valid scene")

@@ -80,6 +80,7 @@ impl Cells {
             hits: self.hits.iter().map(widen).collect(),
             normals: self.normal,
             bits: self.bits,
+            extras: Default::default(),
         }
     }
 

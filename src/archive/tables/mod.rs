@@ -4,6 +4,7 @@
 mod cells;
 mod index;
 mod materials;
+mod optics;
 mod receivers;
 
 use std::fmt::Debug;
@@ -13,6 +14,7 @@ use crate::error::Error;
 pub use cells::{Cells, pack_tag, unpack_tag};
 pub use index::Index;
 pub use materials::Materials;
+pub use optics::{Mirrors, Optics};
 pub use receivers::Receivers;
 
 /// What is wrong with a table's values.

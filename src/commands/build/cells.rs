@@ -11,6 +11,8 @@ use crate::commands::pack::Chunks;
 use crate::commands::progress::bar;
 use crate::error::Result;
 use crate::layers::cells::{Cell, Cells};
+use crate::layers::extras::Extras;
+use crate::recombine::load::cells_of;
 use crate::scene::cells::{CellKey, level_of};
 use crate::spill::Sorter;
 use crate::trace::bounce::{BounceSettings, trace_bounce};
@@ -56,7 +58,10 @@ impl Job<'_> {
         let probe = trace_probe(key, texture, mesh, tracer);
         let seen = surroundings(key, &probe, texture, s.probe_hits, level_of(s.closed_m), mesh, tracer);
         let normal = probe.normal.as_vec3().to_array();
-        (Cell { key, normal, bits: probe.bits, seen: pairs(seen) }, probe.rays + s.probe_hits as u64)
+        (
+            Cell { key, normal, bits: probe.bits, seen: pairs(seen), extras: Extras::default() },
+            probe.rays + s.probe_hits as u64,
+        )
     }
 
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
@@ -80,7 +85,10 @@ impl Job<'_> {
                 let trace = |key| {
                     let cell = trace_bounce(key, &texture, settings, mesh, tracer);
                     let normal = cell.normal.as_vec3().to_array();
-                    (Cell { key, normal, bits: cell.bits, seen: pairs(cell.seen) }, cell.cast)
+                    (
+                        Cell { key, normal, bits: cell.bits, seen: pairs(cell.seen), extras: Extras::default() },
+                        cell.cast,
+                    )
                 };
                 let (cells, cast) = trace_missing(part, self.known.bounces(part), trace);
                 rays.bounce += cast;
@@ -132,19 +140,18 @@ impl Job<'_> {
             .map(|(i, keys)| {
                 let number = first + i as u32;
                 if writer.has(chunks.kind(), number) {
-                    let chunk = tables::Cells::from_block(&writer.block(chunks.kind(), number)?)?.into_cells();
-                    return Ok((chunk, None, 0));
+                    return Ok((cells_of(writer, &writer.block(chunks.kind(), number)?)?, Vec::new(), 0));
                 }
                 let (traced, cast) = trace(keys);
                 let chunk = Cells::new(&traced);
-                let block = chunks.encode(number, &chunk)?;
-                Ok((chunk, Some(block), cast))
+                let blocks = chunks.encode(number, &chunk)?;
+                Ok((chunk, blocks, cast))
             })
             .collect();
         let mut rays = 0;
         for part in done {
-            let (chunk, block, cast) = part?;
-            chunks.add(&chunk, block, writer)?;
+            let (chunk, blocks, cast) = part?;
+            chunks.add(&chunk, blocks, writer)?;
             see(&chunk);
             rays += cast;
         }

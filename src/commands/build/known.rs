@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use crate::archive::{Archive, format, tables};
 use crate::layers::bits::BitSquare;
 use crate::layers::cells::Cell;
+use crate::layers::extras::Extras;
 use crate::layers::sky::SkyTexture;
-use crate::recombine::load::{CellSource, hits_of, settings, tile_sky};
+use crate::recombine::load::{CellSource, hits_of, settings, tile_extras, tile_sky};
 use crate::scene::cells::CellKey;
 use crate::scene::receivers::Receiver;
 
@@ -19,6 +20,7 @@ pub(super) struct KnownReceiver {
     /// The bits that `sky` describes.
     pub dense: BitSquare,
     pub hits: Vec<Option<CellKey>>,
+    pub extras: Extras,
 }
 
 /// Archives to look things up in.
@@ -116,8 +118,9 @@ impl Earlier<'_> {
         let count = hit.items() as usize;
         let hits = hits_of(&hit, count, self.hit).ok()?;
         let textures = tile_sky(self.archive, tile, count).ok()?;
-        let layers = textures.into_iter().zip(hits.split(count));
-        Some(layers.map(|((sky, dense), hits)| Some(KnownReceiver { sky, dense, hits })).collect())
+        let extras = tile_extras(self.archive, tile, count).ok()?;
+        let layers = textures.into_iter().zip(hits.split(count)).zip(extras);
+        Some(layers.map(|(((sky, dense), hits), extras)| Some(KnownReceiver { sky, dense, hits, extras })).collect())
     }
 }
 

@@ -5,7 +5,7 @@ use crate::archive::manifest::{self, Creator, Manifest, ReceiverSummary, SceneSu
 use crate::archive::{EncodedBlock, format, tables};
 use crate::commands::pack::COMPRESSION;
 use crate::error::Result;
-use crate::scene::materials::Class;
+use crate::scene::materials::{Class, Glass};
 use crate::scene::receivers::TILE;
 
 /// What a build counted.
@@ -28,6 +28,20 @@ impl Job<'_> {
             group: materials.iter().map(|m| m.group.clone().unwrap_or_default()).collect(),
         };
         table.encode(format::MATERIALS, 0, COMPRESSION)
+    }
+
+    /// What materials do besides reflecting diffusely, if some do.
+    pub(super) fn optics_block(&self) -> Result<Option<EncodedBlock>> {
+        let materials = &self.scene.materials;
+        if !materials.iter().any(|m| m.mirrors() || m.transmittance.is_some()) {
+            return Ok(None);
+        }
+        let table = tables::Optics {
+            panes: materials.iter().map(|m| m.glass.map_or(0, Glass::panes)).collect(),
+            canopy: materials.iter().map(|m| u8::from(m.transmittance.is_some())).collect(),
+            transmittance: materials.iter().map(|m| m.transmittance.unwrap_or(0.0)).collect(),
+        };
+        table.encode(format::OPTICS, 0, COMPRESSION).map(Some)
     }
 
     pub(super) fn manifest(&self, counts: &Counts, layers: Vec<manifest::LayerSummary>) -> Manifest {

@@ -69,7 +69,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn reflectors(&self) -> Vec<Reflector> {
-        self.scene.materials.iter().map(|m| Reflector { diffuse: m.diffuse, class: m.class }).collect()
+        self.scene.materials.iter().map(Reflector::of).collect()
     }
 
     /// Makes what was written survive a crash, every now and then; and ends the build if the user wants it to end.
@@ -213,6 +213,7 @@ fn trace(
 
     if !writer.has(format::MATERIALS, 0) {
         writer.append(job.materials_block()?)?;
+        job.optics_block()?.map_or(Ok(()), |block| writer.append(block))?;
     }
     let tiles = receivers.tile_count() as u32;
     let counts = Counts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };

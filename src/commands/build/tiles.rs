@@ -10,6 +10,7 @@ use crate::commands::{counted, pack};
 use crate::error::Result;
 use crate::hemisphere::Centres;
 use crate::layers::bits::BitSquare;
+use crate::layers::extras::Extras;
 use crate::layers::hit::HitTile;
 use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
@@ -89,6 +90,7 @@ struct Traced {
     sky: SkyTexture,
     hits: HitTrace,
     viewer: Viewer,
+    extras: Extras,
     rays: Rays,
 }
 
@@ -190,16 +192,18 @@ impl Job<'_> {
             .collect();
         let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
         let mut rays = Rays::default();
-        let (mut sky, mut cells, mut viewers) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut sky, mut cells, mut viewers, mut extras) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for t in traced {
             rays.sky += t.rays.sky;
             rays.hit += t.rays.hit;
             sky.push(t.sky);
             cells.push(t.hits.cells);
             viewers.push(t.viewer);
+            extras.push(t.extras);
         }
         let hits = HitTile::new(&cells);
-        let blocks = pack::tile(number, &self.receivers_table(receivers, &hits, &viewers), &sky, &hits)?.into();
+        let table = self.receivers_table(receivers, &hits, &viewers);
+        let blocks = pack::tile(number, &table, &sky, &hits, &extras)?;
         Ok(TracedTile { blocks, cells: hits.palette, rays, misplaced })
     }
 
@@ -207,7 +211,7 @@ impl Job<'_> {
     fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, centres: &Centres) -> Traced {
         let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY };
         let viewer = viewer(&self.viewpoint(receiver), &known.dense, centres);
-        Traced { sky: known.sky, hits, viewer, rays: Rays::default() }
+        Traced { sky: known.sky, hits, viewer, extras: known.extras, rays: Rays::default() }
     }
 
     fn viewpoint(&self, receiver: &Receiver) -> Viewpoint {
@@ -226,7 +230,7 @@ impl Job<'_> {
         let cells = CellSettings { factor: settings.cell_factor(), floor_m: settings.cell_floor_m };
         let hits = view.hits(settings.hit, cells, &self.scene.mesh, tracer);
         let viewer = viewer(&view, &dense, centres);
-        Traced { sky, hits, viewer, rays }
+        Traced { sky, hits, viewer, extras: Extras::default(), rays }
     }
 
     /// What is wrong with where a receiver lies.

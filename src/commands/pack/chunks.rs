@@ -1,6 +1,6 @@
 //! Chunks of one kind of cells on their way into an archive, and the index that finds them.
 
-use super::COMPRESSION;
+use super::{COMPRESSION, extras};
 use crate::archive::{EncodedBlock, Writer, format, tables};
 use crate::error::Result;
 use crate::layers::cells::{Cells, cells_per_chunk};
@@ -49,14 +49,19 @@ impl Chunks {
         self.firsts.len() as u32
     }
 
-    /// The block of a chunk.
-    pub fn encode(&self, number: u32, chunk: &Cells) -> Result<EncodedBlock> {
-        tables::Cells::new(chunk).encode(self.kind, number, COMPRESSION)
+    /// The blocks of a chunk.
+    pub fn encode(&self, number: u32, chunk: &Cells) -> Result<Vec<EncodedBlock>> {
+        let mut blocks = vec![tables::Cells::new(chunk).encode(self.kind, number, COMPRESSION)?];
+        let rows = |layer| (0..chunk.rows()).map(move |row| chunk.extra(layer, row));
+        for (layer, kind) in format::cell_extras(self.kind).into_iter().enumerate() {
+            blocks.extend(extras(kind, number, rows(layer))?);
+        }
+        Ok(blocks)
     }
 
-    /// Writes the next chunk; `block` is `None` if the file holds it already.
-    pub fn add(&mut self, chunk: &Cells, block: Option<EncodedBlock>, writer: &mut Writer) -> Result<()> {
-        block.map_or(Ok(()), |block| writer.append(block))?;
+    /// Writes the next chunk; without blocks if the file holds it already.
+    pub fn add(&mut self, chunk: &Cells, blocks: Vec<EncodedBlock>, writer: &mut Writer) -> Result<()> {
+        blocks.into_iter().try_for_each(|block| writer.append(block))?;
         self.firsts.extend(chunk.keys.first());
         self.count += chunk.keys.len() as u64;
         Ok(())

@@ -5,6 +5,7 @@ mod chunks;
 mod tile;
 
 pub use chunks::Chunks;
+use tile::extras;
 pub use tile::{responses, tile};
 
 /// Level of the block compressor: textures are written once and read for years.

@@ -3,6 +3,7 @@
 use super::COMPRESSION;
 use crate::archive::{EncodedBlock, encode, format, tables};
 use crate::error::{Error, Result};
+use crate::layers::extras::{self, Extras};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
@@ -13,12 +14,27 @@ pub fn tile(
     receivers: &tables::Receivers,
     sky: &[SkyTexture],
     hits: &HitTile,
-) -> Result<[EncodedBlock; 3]> {
-    Ok([
+    extras: &[Extras],
+) -> Result<Vec<EncodedBlock>> {
+    let mut blocks = vec![
         receivers.encode(format::RECEIVERS, number, COMPRESSION)?,
         layer(format::SKY, number, receivers.rows(), &SkyTexture::pack(sky))?,
         layer(format::HIT, number, receivers.rows(), &hits.pack())?,
-    ])
+    ];
+    for (i, kind) in format::RECEIVER_EXTRAS.into_iter().enumerate() {
+        blocks.extend(self::extras(kind, number, extras.iter().map(|of| of[i].as_slice()))?);
+    }
+    Ok(blocks)
+}
+
+/// The block of a layer that only some scenes call for, if anything is in it.
+pub fn extras<'a>(
+    kind: u32,
+    number: u32,
+    rows: impl ExactSizeIterator<Item = &'a [u8]> + Clone,
+) -> Result<Option<EncodedBlock>> {
+    let items = rows.len();
+    extras::pack(rows).map(|raw| layer(kind, number, items, &raw)).transpose()
 }
 
 /// The responses of a tile.

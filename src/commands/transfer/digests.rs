@@ -7,7 +7,7 @@ use crate::layers::sky::SkyTexture;
 use crate::scene::cells::CellKey;
 
 /// Parts of a receiver, in the order of the hashes.
-const PARTS: [&str; 5] = ["place", "receivers", "sky", "hit", "response"];
+const PARTS: [&str; 7] = ["place", "receivers", "sky", "hit", "response", "mirror", "canopy"];
 
 /// Hashes of a receiver's place and normal, of its other columns, and of its layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,8 @@ impl Digests {
         let hits: Vec<u8> = traced.hits.iter().flat_map(key).collect();
         let sky = SkyTexture::pack(std::slice::from_ref(&traced.sky));
         let response = response::pack(std::slice::from_ref(response));
-        Digests([place, columns, sky, hits, response].map(|bytes| *blake3::hash(&bytes).as_bytes()))
+        let [mirror, canopy] = traced.extras.clone();
+        Digests([place, columns, sky, hits, response, mirror, canopy].map(|bytes| *blake3::hash(&bytes).as_bytes()))
     }
 
     /// Names of the parts that differ.
@@ -59,7 +60,7 @@ pub fn same_cell(a: &Cell, b: &Cell) -> bool {
         seen
     };
     let bits = |cell: &Cell| cell.normal.map(f32::to_bits);
-    bits(a) == bits(b) && a.bits == b.bits && rays(a) == rays(b)
+    bits(a) == bits(b) && a.bits == b.bits && a.extras == b.extras && rays(a) == rays(b)
 }
 
 /// A cell as people read it: level/facing/material/voxel.

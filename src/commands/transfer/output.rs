@@ -11,6 +11,7 @@ use crate::commands::progress::bar;
 use crate::commands::warn;
 use crate::error::Result;
 use crate::layers::cells::{Cell, Cells};
+use crate::layers::extras::Extras;
 use crate::layers::hit::HitTile;
 use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
@@ -56,7 +57,8 @@ impl Output {
             let hits: Vec<_> = rows.iter().map(|row| row.layers.hits.as_slice()).collect();
             let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
             let table = tables::Receivers::new(rows.iter().map(|row| (&row.receiver, row.views)));
-            Ok(pack::tile(number, &table, &sky, &HitTile::new(&hits))?.into())
+            let extras: Vec<Extras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
+            pack::tile(number, &table, &sky, &HitTile::new(&hits), &extras)
         })?;
         Ok(())
     }
@@ -76,7 +78,16 @@ impl Output {
     /// Writes the materials of an archive.
     pub fn materials(&mut self, archive: &Archive) -> Result<()> {
         let table = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
-        self.writer.append(table.encode(format::MATERIALS, 0, pack::COMPRESSION)?)
+        self.writer.append(table.encode(format::MATERIALS, 0, pack::COMPRESSION)?)?;
+        if archive.has(format::OPTICS, 0) {
+            let table = tables::Optics::from_block(&archive.block(format::OPTICS, 0)?)?;
+            self.writer.append(table.encode(format::OPTICS, 0, pack::COMPRESSION)?)?;
+        }
+        if archive.has(format::MIRRORS, 0) {
+            let table = tables::Mirrors::from_block(&archive.block(format::MIRRORS, 0)?)?;
+            self.writer.append(table.encode(format::MIRRORS, 0, pack::COMPRESSION)?)?;
+        }
+        Ok(())
     }
 
     /// Writes the responses of the receivers, in the same order as before.
@@ -166,12 +177,12 @@ impl Output {
             let first = chunks.next();
             let encode = |(i, cells): (usize, &[Cell])| {
                 let chunk = Cells::new(cells);
-                let block = chunks.encode(first + i as u32, &chunk)?;
-                Ok((chunk, block))
+                let blocks = chunks.encode(first + i as u32, &chunk)?;
+                Ok((chunk, blocks))
             };
-            let done: Vec<(Cells, EncodedBlock)> =
+            let done: Vec<(Cells, Vec<EncodedBlock>)> =
                 batch.par_chunks(chunks.size()).enumerate().map(encode).collect::<Result<_>>()?;
-            done.into_iter().try_for_each(|(chunk, block)| chunks.add(&chunk, Some(block), &mut self.writer))?;
+            done.into_iter().try_for_each(|(chunk, blocks)| chunks.add(&chunk, blocks, &mut self.writer))?;
         }
     }
 }

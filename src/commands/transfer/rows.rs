@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use crate::archive::{Archive, format, tables};
 use crate::error::Result;
 use crate::layers::cells::Cell;
+use crate::layers::extras::Extras;
 use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
-use crate::recombine::load::{CellSource, cached_responses, hits_of, origin, settings, tile_sky};
+use crate::recombine::load::{CellSource, cached_responses, hits_of, origin, settings, tile_extras, tile_sky};
 use crate::scene::cells::CellKey;
 use crate::scene::receivers::{Receiver, morton_key};
 
@@ -46,6 +47,7 @@ pub struct Traced {
     pub sky: SkyTexture,
     /// One key a texel of the hit texture.
     pub hits: Vec<Option<CellKey>>,
+    pub extras: Extras,
 }
 
 impl Layers for () {
@@ -58,7 +60,8 @@ impl Layers for Traced {
     fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let sky = tile_sky(archive, tile, receivers)?;
         let hits = hits_of(&archive.block(format::HIT, tile)?, receivers, settings(archive)?.hit as usize)?;
-        Ok(sky.into_iter().zip(hits.split(receivers)).map(|((sky, _), hits)| Traced { sky, hits }).collect())
+        let layers = sky.into_iter().zip(hits.split(receivers)).zip(tile_extras(archive, tile, receivers)?);
+        Ok(layers.map(|(((sky, _), hits), extras)| Traced { sky, hits, extras }).collect())
     }
 }
 

@@ -59,13 +59,7 @@ fn house(out: &mut Triangles, places: &mut Vec<(DVec3, DVec3)>, low: DVec3, size
 }
 
 fn finish(name: &'static str, triangles: Triangles, places: Vec<(DVec3, DVec3)>, count: usize) -> Site {
-    let material = |name: &str, diffuse| Material {
-        name: name.into(),
-        diffuse,
-        specular: 0.0,
-        class: Class::Obstruction,
-        group: None,
-    };
+    let material = |name: &str, diffuse| Material::matt(name, diffuse, Class::Obstruction);
     let materials = vec![material("ground", 0.2), material("wall", 0.4), material("roof", 0.2)];
     let scene = Scene::from_triangles(&triangles, materials).expect("a valid scene");
     let step = (places.len() / count).max(1);
