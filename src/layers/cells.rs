@@ -3,7 +3,8 @@
 
 use std::collections::HashMap;
 
-use super::extras::Extras;
+use super::extras::{Extras, MIRROR};
+use super::mirror::CellMirrors;
 use crate::scene::cells::CellKey;
 
 /// Some cells: what each sees of the sky and which coarse cells.
@@ -49,6 +50,12 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// The cells that it sees, some of them in mirrors.
+    pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
+        let mirrors = CellMirrors::from_bytes(&self.extras[MIRROR], self.bits.len()).unwrap_or_default();
+        self.seen.iter().filter_map(|seen| seen.1).chain(mirrors.paths.into_iter().map(|path| path.cell))
+    }
+
     /// All but the key, for sorting outside memory.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes: Vec<u8> = self.normal.iter().flat_map(|n| n.to_le_bytes()).collect();
@@ -183,6 +190,24 @@ impl Cells {
     /// What a cell has of a layer of [`super::extras`].
     pub fn extra(&self, layer: usize, cell: usize) -> &[u8] {
         self.extras[layer].get(cell).map_or(&[], Vec::as_slice)
+    }
+
+    /// What a cell sees in mirrors; nothing if its bytes are damaged.
+    pub fn mirrors(&self, cell: usize) -> CellMirrors {
+        CellMirrors::from_bytes(self.extra(MIRROR, cell), self.bits_of(cell).len()).unwrap_or_default()
+    }
+
+    /// Whether what cells see in mirrors can be read.
+    pub fn mirrors_are_whole(&self) -> bool {
+        let whole =
+            |(cell, bytes): (usize, &Vec<u8>)| CellMirrors::from_bytes(bytes, self.bits_of(cell).len()).is_some();
+        self.extras[MIRROR].iter().enumerate().all(whole)
+    }
+
+    /// All cells that are seen, some of them in mirrors; not sorted.
+    pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
+        let in_mirrors = (0..self.extras[MIRROR].len()).flat_map(|cell| self.mirrors(cell).paths);
+        self.seen.iter().copied().chain(in_mirrors.map(|path| path.cell))
     }
 
     /// Sky bits of a cell.

@@ -5,6 +5,7 @@ pub mod bits;
 pub mod cells;
 pub mod extras;
 pub mod hit;
+pub mod mirror;
 pub mod mosaic;
 pub mod response;
 pub mod sky;

@@ -27,9 +27,18 @@ impl SkyTexture {
         base: usize,
         fine: usize,
         normal: DVec3,
+        visible: impl FnMut(usize, &[(u32, u32)]) -> Vec<bool>,
+    ) -> (Self, BitSquare) {
+        SkyTexture::trace_within(front_of(base, normal), fine, visible)
+    }
+
+    /// The same for those texels of a base square that are set in `front`; all others are 0 and make no edges.
+    pub fn trace_within(
+        front: BitSquare,
+        fine: usize,
         mut visible: impl FnMut(usize, &[(u32, u32)]) -> Vec<bool>,
     ) -> (Self, BitSquare) {
-        let front = front_of(base, normal);
+        let base = front.side();
         let mut dense = BitSquare::new(base);
         let texels = front.ones_in_blocks();
         for (&(c, r), sky) in texels.iter().zip(visible(base, &texels)) {

@@ -6,13 +6,16 @@
 //! fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
 //! depends on the cells reachable from it, not on which others are in the table.
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::load::CellSource;
+use super::load::Tables;
+use super::mirrors::{Chains, left};
+use super::response::Reflector;
 use super::scratch::Scratch;
 use crate::error::Result;
 use crate::hemisphere::{bit, texel_centres};
@@ -77,20 +80,32 @@ impl Rules {
         }
     }
 
-    /// What cell `i` of a table sees, as indices into `seen`, with the shares of its hemisphere.
-    pub fn row(&self, cells: &Cells, i: usize, centres: &[[f32; 3]]) -> Weighted {
+    /// What cell `i` of a table sees, some of it in mirrors, with the shares of its hemisphere.
+    pub fn row(&self, cells: &Cells, i: usize, centres: &[[f32; 3]], reflectors: &[Reflector]) -> Weighted<CellKey> {
         let around = surround(cells.normals[i], cells.bits_of(i), centres);
         let (above, below) = seen(cells.hits_of(i));
-        let scaled = |list: Weighted, share: f64| list.into_iter().map(move |(cell, w)| (cell, w * share as f32));
-        scaled(above, around.up).chain(scaled(below, around.down)).collect()
+        let scaled = |list: Weighted<u32>, share: f64| {
+            list.into_iter().map(move |(cell, w)| (cells.seen[cell as usize], w * share as f32))
+        };
+        let mut row: Weighted<CellKey> = scaled(above, around.up).chain(scaled(below, around.down)).collect();
+        let each = each_ray(cells.hits_of(i), around);
+        let in_mirrors = cells.mirrors(i).paths.into_iter();
+        row.extend(in_mirrors.map(|p| (p.cell, (each[usize::from(p.up)] * left(&p.steps, reflectors)) as f32)));
+        row
     }
 
-    /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky.
-    pub fn source(&self, cells: &Cells, i: usize, rho: f32, columns: Range<usize>, out: &mut [f32]) {
+    /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky, and what comes by
+    /// mirrors.
+    pub fn source(&self, cells: &Cells, i: usize, rho: f32, columns: Range<usize>, by_mirrors: &Lit, out: &mut [f32]) {
         let (texels, bits) = (self.side * self.side, cells.bits_of(i));
         let lit = cells.normals[i].map(|n| rho * n);
-        for (value, column) in out.iter_mut().zip(columns) {
+        for (value, column) in out.iter_mut().zip(columns.clone()) {
             *value = if bit(bits, column % texels) { lit[column / texels] } else { 0.0 };
+        }
+        for (column, value) in by_mirrors.iter().map(|&(column, value)| (column as usize, value)) {
+            if columns.contains(&column) {
+                out[column - columns.start] += rho * value;
+            }
         }
     }
 }
@@ -113,21 +128,15 @@ enum Values {
 
 impl Closed {
     /// Solves the system of an archive's cells for each state. Values beyond `memory` bytes go to temporary files in `folder`.
-    pub fn solve(
-        source: &CellSource,
-        rules: &Rules,
-        states: &[Reflectance],
-        memory: u64,
-        folder: &Path,
-    ) -> Result<Self> {
-        let width = rules.width();
+    pub fn solve(tables: &Tables, rules: &Rules, states: &[Reflectance], memory: u64, folder: &Path) -> Result<Self> {
+        let (width, source) = (rules.width(), &tables.bounces);
         let mut keys = Vec::new();
         if rules.depth != Depth::Count(1) {
             for chunk in 0..source.chunks() {
                 keys.extend(source.chunk(chunk)?.keys.into_iter().filter(|k| rules.closes(k)));
             }
         }
-        let system = System::load(source, rules, &keys)?;
+        let system = System::load(tables, rules, &keys)?;
         let blocks = width.div_ceil(BLOCK);
         let bytes = (states.len() * keys.len() * blocks * size_of::<[f32; BLOCK]>()) as u64;
         // A thread that solves a block holds three of its size: no more of them at a time than fit.
@@ -205,27 +214,31 @@ struct System<'a> {
     cells: Cells,
     /// Starts of the cells' rows, and all rows: (cell, weight).
     starts: Vec<usize>,
-    rows: Weighted,
+    rows: Weighted<u32>,
+    /// What the cells get by mirrors.
+    lit: Vec<Lit>,
 }
 
 impl<'a> System<'a> {
     /// Reads the cells of `keys`, which are all closed cells in order.
-    fn load(source: &CellSource, rules: &'a Rules, keys: &[CellKey]) -> Result<Self> {
-        let centres = centres_f32(rules.side);
-        let mut system = System { rules, cells: Cells::default(), starts: vec![0], rows: Vec::new() };
+    fn load(tables: &Tables, rules: &'a Rules, keys: &[CellKey]) -> Result<Self> {
+        let (source, reflectors, centres) = (&tables.bounces, &tables.reflectors, centres_f32(rules.side));
+        let mut system = System { rules, cells: Cells::default(), starts: vec![0], rows: Vec::new(), lit: Vec::new() };
         if keys.is_empty() {
             return Ok(system);
         }
         for number in 0..source.chunks() {
             let chunk = source.chunk(number)?;
+            let chains = Chains::of_cells(&chunk, tables, &centres);
             // Cells of the closed system see cells of it only.
-            let place: Vec<Option<u32>> =
-                chunk.seen.iter().map(|key| keys.binary_search(key).ok().map(|i| i as u32)).collect();
+            let place: HashMap<CellKey, u32> =
+                chunk.reached().filter_map(|key| Some((key, keys.binary_search(&key).ok()? as u32))).collect();
             for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
-                for (cell, weight) in rules.row(&chunk, i, &centres) {
-                    let cell = place[cell as usize].ok_or_else(|| source.missing(&chunk.seen[cell as usize]))?;
+                for (key, weight) in rules.row(&chunk, i, &centres, reflectors) {
+                    let cell = *place.get(&key).ok_or_else(|| source.missing(&key))?;
                     system.rows.push((cell, weight));
                 }
+                system.lit.push(in_mirrors_lit(&chunk, i, &chains));
                 system.starts.push(system.rows.len());
                 system.cells.keys.push(chunk.keys[i]);
                 system.cells.normals.push(chunk.normals[i]);
@@ -242,7 +255,7 @@ impl<'a> System<'a> {
         source.clear();
         source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
         for (i, (source, key)) in source.iter_mut().zip(&self.cells.keys).enumerate() {
-            self.rules.source(&self.cells, i, rho(state, key), columns.clone(), source);
+            self.rules.source(&self.cells, i, rho(state, key), columns.clone(), &self.lit[i], source);
         }
         let mut now = source.clone();
         next.resize(source.len(), [0.0_f32; BLOCK]);
@@ -301,16 +314,39 @@ pub fn centres_f32(n: usize) -> Vec<[f32; 3]> {
 }
 
 /// Cells and their weights.
-pub type Weighted = Vec<(u32, f32)>;
+pub type Weighted<T> = Vec<(T, f32)>;
+
+/// Columns and what a cell gets in them per unit of reflectance.
+pub type Lit = Vec<(u32, f32)>;
+
+/// Share of a cell's hemisphere that each of its rays stands for: below the horizon, above it.
+pub fn each_ray(hits: &[u32], around: Surround) -> [f64; 2] {
+    let below = hits.iter().filter(|&&h| h & DOWN != 0).count();
+    let above = hits.iter().filter(|&&h| h & DOWN == 0 && h != MISS).count();
+    [around.down / below.max(1) as f64, around.up / above.max(1) as f64]
+}
+
+/// What a bounce cell gets by mirrors per unit of reflectance: column and value.
+pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> Lit {
+    let mirrors = cells.mirrors(row);
+    let mut lit: Lit = Vec::new();
+    for window in &mirrors.windows {
+        let Some((image, shares)) = chains.image(&window.chain, cells.normals[row]) else { continue };
+        for (t, share) in shares.iter().enumerate().filter(|(t, _)| bit(&window.bits, *t)) {
+            lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * share)));
+        }
+    }
+    lit
+}
 
 /// Weights of the cells that one cell sees, for its rays above and below the horizon apart: each list sums to the share of
 /// rays that met something (of the rays that met something, for the upper ones). Sorted by first ray.
-pub fn seen(hits: &[u32]) -> (Weighted, Weighted) {
+pub fn seen(hits: &[u32]) -> (Weighted<u32>, Weighted<u32>) {
     let below: Vec<u32> = hits.iter().filter(|&&h| h & DOWN != 0).map(|h| h & !DOWN).collect();
     let above: Vec<u32> = hits.iter().filter(|&&h| h & DOWN == 0 && h != MISS).copied().collect();
     let merge = |rays: &[u32]| {
         let weight = 1.0 / rays.len().max(1) as f32;
-        let mut merged: Weighted = Vec::with_capacity(rays.len());
+        let mut merged: Weighted<u32> = Vec::with_capacity(rays.len());
         for &cell in rays.iter().filter(|&&h| h != MISS) {
             match merged.iter_mut().find(|m| m.0 == cell) {
                 Some(m) => m.1 += weight,

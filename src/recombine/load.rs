@@ -5,6 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::response::{Reflector, Shape, Viewer};
+use super::specular::{MirrorTable, MirrorView};
 use super::tile::{TextureSides, TileLayers};
 use crate::archive::manifest::Settings;
 use crate::archive::{Archive, Block, Blocks, Manifest, format, tables};
@@ -13,10 +14,12 @@ use crate::layers::bits::BitSquare;
 use crate::layers::cells::{Cell, Cells};
 use crate::layers::extras::{self, Extras};
 use crate::layers::hit::HitTile;
+use crate::layers::mirror::{Path, ReceiverMirrors};
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
 use crate::scene::cells::{CellKey, level_of, receiver_seed};
+use crate::scene::mirrors::Orientation;
 
 /// Receivers of one tile and what they see: enough to derive their response.
 #[derive(Clone, Debug)]
@@ -24,20 +27,28 @@ pub struct TileView {
     pub ids: Vec<String>,
     pub viewers: Vec<Viewer>,
     pub hits: HitTile,
+    /// `[receiver]`: surfaces that are seen in mirrors; empty where no receiver sees any.
+    pub mirrored: Vec<Vec<Path>>,
 }
 
 impl TileView {
-    /// From a tile's `receivers` and `hit` blocks; `origin` of the scene, `side` of the hit texture.
-    pub fn new(receivers: &Block, hit: &Block, origin: DVec3, side: usize) -> Result<Self> {
-        let table = tables::Receivers::from_block(receivers)?;
-        let hits = hits_of(hit, table.rows(), side)?;
+    /// A tile of an archive, or of blocks read back while one is built; `origin` of the scene.
+    pub fn of(blocks: &dyn Blocks, tile: u32, origin: DVec3, settings: &Settings) -> Result<Self> {
+        let table = tables::Receivers::from_block(&blocks.block(format::RECEIVERS, tile)?)?;
+        let hits = hits_of(&blocks.block(format::HIT, tile)?, table.rows(), settings.hit as usize)?;
+        let mirrored = receiver_mirrors(blocks, tile, table.rows(), settings)?.into_iter().map(|m| m.paths).collect();
         let viewer = |i: usize| {
             let (position, normal) = (DVec3::from(table.position[i]), DVec3::from(table.normal[i]));
             let sky_view = f64::from(table.sky_view[i]);
             Viewer { normal, seed: receiver_seed(position - origin, normal), sky_view }
         };
         let viewers = (0..table.ids.len()).map(viewer).collect();
-        Ok(TileView { ids: table.ids, viewers, hits })
+        Ok(TileView { ids: table.ids, viewers, hits, mirrored })
+    }
+
+    /// All cells that its receivers see.
+    pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
+        self.hits.palette.iter().copied().chain(self.mirrored.iter().flatten().map(|path| path.cell))
     }
 }
 
@@ -110,11 +121,40 @@ fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics
     Ok(Some(optics))
 }
 
+/// Orientations of the mirrors, if there are any.
+pub fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<Orientation>> {
+    if !blocks.has(format::MIRRORS, 0) {
+        return Ok(Vec::new());
+    }
+    let block = blocks.block(format::MIRRORS, 0)?;
+    let table = tables::Mirrors::from_block(&block)?;
+    if table.material.iter().any(|&material| usize::from(material) >= materials) {
+        return Err(block.corrupt("an unknown material", "rows of the materials table"));
+    }
+    let rows = table.normal.into_iter().zip(table.material);
+    Ok(rows.map(|(normal, material)| Orientation { normal: DVec3::from(normal), material }).collect())
+}
+
 /// Receivers and hits of a tile.
 pub fn tile_view(archive: &Archive, tile: u32) -> Result<TileView> {
-    let receivers = archive.block(format::RECEIVERS, tile)?;
-    let hit = archive.block(format::HIT, tile)?;
-    TileView::new(&receivers, &hit, origin(archive.manifest()), settings(archive)?.hit as usize)
+    TileView::of(archive, tile, origin(archive.manifest()), settings(archive)?)
+}
+
+/// What the receivers of a tile of so many rows see in mirrors; empty where none sees any.
+pub fn receiver_mirrors(
+    blocks: &dyn Blocks,
+    tile: u32,
+    rows: usize,
+    settings: &Settings,
+) -> Result<Vec<ReceiverMirrors>> {
+    if !blocks.has(format::MIRROR, tile) {
+        return Ok(Vec::new());
+    }
+    let block = blocks.block(format::MIRROR, tile)?;
+    let (base, hit) = (settings.sky_base as usize, settings.hit as usize);
+    let found = extras::unpack(block.bytes(), rows)
+        .and_then(|rows| rows.iter().map(|row| ReceiverMirrors::from_bytes(row, base, hit)).collect());
+    found.ok_or_else(|| block.corrupt("mirrors of another shape", format!("those of {rows} receivers")))
 }
 
 /// Layers of a tile of so many receivers that only some scenes call for.
@@ -142,14 +182,37 @@ pub fn cells_of(blocks: &dyn Blocks, block: &Block) -> Result<Cells> {
     let mut cells = tables::Cells::from_block(block)?.into_cells();
     let entry = block.entry();
     cells.extras = extras_of(blocks, format::cell_extras(entry.kind), entry.tile, cells.rows())?;
-    Ok(cells)
+    if cells.mirrors_are_whole() { Ok(cells) } else { Err(block.corrupt("mirrors of another shape", "those of cells")) }
 }
 
-/// Ids and normals of a tile, its sky bits if they are read, and the responses to use, `[state][receiver]`.
+/// The mirrors of an archive, if it has any.
+pub fn mirror_table(archive: &Archive) -> Result<Option<MirrorTable>> {
+    let materials = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    let orientations = orientations(archive, materials.rows())?;
+    if orientations.is_empty() {
+        return Ok(None);
+    }
+    let reflectors = Reflector::of_tables(&materials, optics(archive, materials.rows())?.as_ref());
+    Ok(Some(MirrorTable { orientations, reflectors }))
+}
+
+/// What the receivers of a tile of so many rows see in mirrors; empty where none sees any.
+fn mirror_views(archive: &Archive, tile: u32, rows: usize, table: &MirrorTable) -> Result<Vec<Vec<MirrorView>>> {
+    let (settings, sides) = (settings(archive)?, sides(archive)?);
+    let block = sides.sky_fine / sides.sky_base;
+    let views = |of: &ReceiverMirrors| of.windows.iter().map(|w| MirrorView::new(w, table, block)).collect();
+    let found = receiver_mirrors(archive, tile, rows, settings)?.par_iter().map(views).collect::<Option<_>>();
+    match found {
+        Some(found) => Ok(found),
+        None => Err(archive.block(format::MIRROR, tile)?.corrupt("windows of another shape", "the manifest's")),
+    }
+}
+
+/// Ids and normals of a tile, its sky bits and mirrors if they are read, and the responses to use, `[state][receiver]`.
 pub fn tile_layers(
     archive: &Archive,
     tile: u32,
-    reads_sky: bool,
+    (reads_sky, mirrors): (bool, Option<&MirrorTable>),
     responses: Vec<Vec<Response>>,
 ) -> Result<(Vec<String>, TileLayers)> {
     let receivers = archive.block(format::RECEIVERS, tile)?;
@@ -165,7 +228,8 @@ pub fn tile_layers(
         Vec::new()
     };
     let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
-    Ok((table.ids, TileLayers { normals, sky, responses }))
+    let mirrors = mirrors.map_or(Ok(Vec::new()), |mirrors| mirror_views(archive, tile, rows, mirrors))?;
+    Ok((table.ids, TileLayers { normals, sky, mirrors, responses }))
 }
 
 /// Sky textures of a tile of so many receivers, each with the bits that it describes.
@@ -206,6 +270,8 @@ pub fn cached_responses(archive: &Archive, tile: u32) -> Result<Vec<Response>> {
 pub struct Tables<'a> {
     pub shape: Shape,
     pub reflectors: Vec<Reflector>,
+    /// Of the mirrors.
+    pub orientations: Vec<Orientation>,
     pub probes: CellSource<'a>,
     pub bounces: CellSource<'a>,
 }
@@ -224,7 +290,8 @@ impl<'a> Tables<'a> {
         let shape = shape(&settings);
         let probes = CellSource::probes(blocks, &settings, reflectors.len())?;
         let bounces = CellSource::bounces(blocks, &settings, reflectors.len())?;
-        Ok(Tables { shape, reflectors, probes, bounces })
+        let orientations = orientations(blocks, reflectors.len())?;
+        Ok(Tables { shape, reflectors, orientations, probes, bounces })
     }
 }
 
@@ -294,7 +361,8 @@ impl<'a> CellSource<'a> {
         if cells.bits.len() != rows * form.bytes || cells.hits.len() != rows * form.rays {
             return Err(block.corrupt("cells of another shape", "textures and rays as in the manifest"));
         }
-        if cells.keys.iter().chain(&cells.seen).any(|k| usize::from(k.material) >= form.materials) {
+        let unknown = |key: CellKey| usize::from(key.material) >= form.materials;
+        if cells.keys.iter().copied().any(unknown) || cells.reached().any(unknown) {
             return Err(block.corrupt("an unknown material", "rows of the materials table"));
         }
         Ok(cells)

@@ -255,7 +255,7 @@ fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64,
     for part in shares.chunks(CELLS_AT_ONCE) {
         let palette: Vec<CellKey> = part.iter().map(|(cell, _)| view.palette[*cell]).collect();
         let hits = HitTile { palette, texels: (1..=part.len() as u32).collect() };
-        let tile = TileView { ids: Vec::new(), viewers: vec![viewer; part.len()], hits };
+        let tile = TileView { ids: Vec::new(), viewers: vec![viewer; part.len()], hits, mirrored: Vec::new() };
         let responses = responder.derive(&tables, &[tile])?;
         for (response, (_, share)) in responses.into_iter().flatten().flatten().zip(part) {
             lit.radiances.push(light.reflected(&response).map(|e| e / (HEMISPHERE_SR / 2.0)));

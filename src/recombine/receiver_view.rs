@@ -35,7 +35,7 @@ impl ReceiverView {
     pub fn load(archive: &Archive, id: &str) -> Result<Self> {
         let (tile, row, table) = find(archive, id)?;
         let view = tile_view(archive, tile)?;
-        let (_, layers) = tile_layers(archive, tile, true, Vec::new())?;
+        let (_, layers) = tile_layers(archive, tile, (true, None), Vec::new())?;
         let per_receiver = view.hits.texels.len() / table.rows().max(1);
         let texels = view.hits.texels.iter().skip(row * per_receiver).take(per_receiver).copied().collect();
         let defect = || Error::input(archive.path(), None, format!("receiver `{id}` is cut off"), "report this defect");

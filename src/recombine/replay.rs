@@ -6,10 +6,11 @@ use super::bins::Bins;
 use super::bounces::Depth;
 use super::components::{Component, ComponentSet};
 use super::conditions::Condition;
-use super::load::{Tables, cached_responses, sides, tile_layers, tile_view};
+use super::load::{Tables, cached_responses, mirror_table, sides, tile_layers, tile_view};
 use super::patches::Patches;
 use super::responder::Responder;
 use super::sky::SkyModel;
+use super::specular::MirrorTable;
 use super::states::{Schedule, States};
 use super::tile::Forcing;
 use super::values::TileValues;
@@ -76,6 +77,8 @@ impl Default for ReplaySettings {
 pub struct Replay<'a> {
     archive: &'a Archive,
     forcing: Forcing,
+    /// Only where there are mirrors, and they are asked for.
+    mirrors: Option<MirrorTable>,
     /// Only where the archive's own responses do not serve.
     responder: Option<(Tables<'a>, Responder)>,
 }
@@ -112,7 +115,7 @@ impl<'a> Replay<'a> {
         let forced = |ways: &[Bins]| Ok(Forcing::new(conditions, bins, ways, asked, &patches, sides(archive)?));
         let reflects = [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
         if !reflects || settings.depth == Depth::All && schedules.is_empty() {
-            return Ok(Replay { archive, forcing: forced(&[])?, responder: None });
+            return Replay::with(archive, forced(&[])?, None);
         }
         let tables = Tables::load(archive)?;
         let reflectance = tables.reflectors.iter().map(|r| r.diffuse).collect();
@@ -128,7 +131,12 @@ impl<'a> Replay<'a> {
             (states, responder) = solved(true)?;
         }
         let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
-        Ok(Replay { archive, forcing, responder: Some((tables, responder)) })
+        Replay::with(archive, forcing, Some((tables, responder)))
+    }
+
+    fn with(archive: &'a Archive, forcing: Forcing, responder: Option<(Tables<'a>, Responder)>) -> Result<Self> {
+        let mirrors = if forcing.reads_mirrors() { mirror_table(archive)? } else { None };
+        Ok(Replay { archive, forcing, mirrors, responder })
     }
 
     /// Number of tiles.
@@ -165,7 +173,8 @@ impl<'a> Replay<'a> {
             }
         };
         let result = |(tile, responses): (u32, Vec<Vec<Response>>)| {
-            let (ids, layers) = tile_layers(self.archive, tile, self.forcing.reads_sky(), responses)?;
+            let reads = (self.forcing.reads_sky(), self.mirrors.as_ref());
+            let (ids, layers) = tile_layers(self.archive, tile, reads, responses)?;
             Ok((ids, self.forcing.replay(&layers)))
         };
         tiles.into_par_iter().zip(responses).map(result).collect()

@@ -4,19 +4,22 @@
 //!
 //! G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] ): linear in the sources, so one texture serves every sun and sky.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::bounces::{Closed, Depth, Reflectance, Rules, Surround, Weighted, centres_f32, rho, seen, surround};
+use super::bounces::{
+    Closed, Depth, Lit, Reflectance, Rules, Surround, Weighted, centres_f32, each_ray, in_mirrors_lit, rho, seen,
+    surround,
+};
 use super::load::{Tables, TileView};
-use super::response::{Reflector, Shape, Viewer, class_index, hit_weights};
+use super::mirrors::{Chains, left};
+use super::response::{Reflector, Shape, Viewer, class_index, hit_weights, texel_weights};
 use super::slots::Slots;
 use crate::error::Result;
-use crate::hemisphere::{bilinear, texel_centres};
+use crate::hemisphere::{bilinear, bit, texel_centres};
 use crate::layers::cells::Cells;
-use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
 use crate::scene::cells::CellKey;
 
@@ -60,7 +63,7 @@ impl Responder {
         let (shape, reflectors) = (tables.shape, tables.reflectors.clone());
         let rules = Rules { side: shape.bounce_sky, closed_level: shape.closed_level, depth };
         let memory = memory / 2;
-        let closed = Closed::solve(&tables.bounces, &rules, &states, memory, folder)?;
+        let closed = Closed::solve(tables, &rules, &states, memory, folder)?;
         Ok(Responder {
             closed,
             slots: Slots::new(&states),
@@ -95,7 +98,7 @@ impl Responder {
         };
         let lights = |tile: &TileView| -> Vec<Light> {
             let viewers = tile.viewers.par_iter().enumerate();
-            viewers.map(|(index, viewer)| group.light(&tile.hits, index, viewer)).collect()
+            viewers.map(|(index, viewer)| group.light(tile, index, viewer)).collect()
         };
         let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect();
         let mut responses: Vec<Vec<Vec<Response>>> = tiles.iter().map(|_| Vec::new()).collect();
@@ -112,22 +115,23 @@ impl Responder {
 
     /// Reads and solves what some tiles need; `None` if it is too much for more than one tile at a time.
     fn group(&self, tables: &Tables, tiles: &[TileView]) -> Result<Option<Group<'_>>> {
-        let mut keys: Vec<CellKey> = tiles.iter().flat_map(|t| t.hits.palette.iter().copied()).collect();
+        let mut keys: Vec<CellKey> = tiles.iter().flat_map(TileView::reached).collect();
         keys.sort_unstable();
         keys.dedup();
         let probes = tables.probes.fetch(&keys)?;
         let first_only = self.rules.depth == Depth::Count(1);
         let mut known: HashSet<CellKey> = HashSet::new();
         let mut fine = Vec::new();
-        let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.seen.clone() };
+        let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.reached().collect() };
         while !wave.is_empty() {
             wave.retain(|key| known.insert(*key) && !self.rules.closes(key));
+            wave.sort_unstable();
             let bytes = (known.len() * self.rules.width()) as u64 * 4;
             if tiles.len() > 1 && bytes > self.memory {
                 return Ok(None);
             }
             let cells = tables.bounces.fetch(&wave)?;
-            wave.clone_from(&cells.seen);
+            wave = cells.reached().collect();
             fine.push(cells);
         }
         let surrounds = (0..keys.len())
@@ -144,13 +148,19 @@ impl Responder {
         };
         let of_probe = |key: &CellKey| if first_only { Ok(0) } else { place(key) };
         let seen = probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
+        let in_mirrors = |key: CellKey| Ok((key, of_probe(&key)?));
+        let in_mirrors = (0..probes.rows()).flat_map(|i| probes.mirrors(i).paths).map(|path| in_mirrors(path.cell));
+        let mirrored = in_mirrors.collect::<Result<_>>()?;
+        let probe_chains = Chains::of_cells(&probes, tables, &self.centres);
         let closed = keys.partition_point(|key| self.rules.closes(key));
         let mut rows: Vec<Row> = Vec::with_capacity(keys.len() - closed);
         for (part, cells) in fine.iter().enumerate() {
+            let chains = Chains::of_cells(cells, tables, &self.bounce_centres);
             let of_cell = |row: usize| {
-                let weighted = self.rules.row(cells, row, &self.bounce_centres).into_iter();
-                let seen = weighted.map(|(cell, w)| Ok((place(&cells.seen[cell as usize])? as u32, w)));
-                Ok(Row { place: place(&cells.keys[row])?, part, row, seen: seen.collect::<Result<_>>()? })
+                let weighted = self.rules.row(cells, row, &self.bounce_centres, &self.reflectors).into_iter();
+                let seen = weighted.map(|(cell, w)| Ok((place(&cell)? as u32, w))).collect::<Result<_>>()?;
+                let lit = in_mirrors_lit(cells, row, &chains);
+                Ok(Row { place: place(&cells.keys[row])?, part, row, seen, lit })
             };
             rows.append(&mut (0..cells.keys.len()).into_par_iter().map(of_cell).collect::<Result<_>>()?);
         }
@@ -162,7 +172,18 @@ impl Responder {
                 return Err(tables.bounces.missing(&keys[row.place]));
             }
         }
-        Ok(Some(Group { responder: self, probes, surrounds, seen, keys, closed, fine, rows }))
+        Ok(Some(Group {
+            responder: self,
+            probes,
+            surrounds,
+            seen,
+            mirrored,
+            chains: probe_chains,
+            keys,
+            closed,
+            fine,
+            rows,
+        }))
     }
 }
 
@@ -173,6 +194,10 @@ struct Group<'r> {
     surrounds: Vec<Surround>,
     /// Place in `keys` of each cell that probes see.
     seen: Vec<usize>,
+    /// The same of each cell that probes see in mirrors.
+    mirrored: HashMap<CellKey, usize>,
+    /// By which chains probes see the sky.
+    chains: Chains,
     /// Bounce cells, coarser first: closed ones, then those of `rows`.
     keys: Vec<CellKey>,
     closed: usize,
@@ -185,7 +210,9 @@ struct Row {
     place: usize,
     part: usize,
     row: usize,
-    seen: Weighted,
+    seen: Weighted<u32>,
+    /// By mirrors.
+    lit: Lit,
 }
 
 /// What a receiver sees, before reflectances that vary.
@@ -196,10 +223,10 @@ struct Light {
     indirect: Vec<Indirect>,
 }
 
-/// What a bounce cell's radiosity is worth to a receiver.
+/// What a bounce cell's radiosity is worth to a receiver; its place in the group's keys.
 #[derive(Clone, Copy)]
 struct Indirect {
-    cell: u32,
+    cell: usize,
     class: usize,
     slot: usize,
     worth: f32,
@@ -221,7 +248,7 @@ impl Group<'_> {
             let (before, here) = values.split_at_mut(level[0].place * width);
             let solve = |(out, row): (&mut [f32], &Row)| {
                 let rho = rho(&states[state], &self.keys[row.place]);
-                rules.source(&self.fine[row.part], row.row, rho, 0..width, out);
+                rules.source(&self.fine[row.part], row.row, rho, 0..width, &row.lit, out);
                 for &(place, weight) in &row.seen {
                     let (from, weight) = (place as usize * width, weight * rho);
                     out.iter_mut().zip(&before[from..from + width]).for_each(|(o, x)| *o += weight * x);
@@ -233,31 +260,59 @@ impl Group<'_> {
     }
 
     /// What receiver `index` of a tile of the group sees.
-    fn light(&self, tile: &HitTile, index: usize, viewer: &Viewer) -> Light {
+    fn light(&self, tile: &TileView, index: usize, viewer: &Viewer) -> Light {
         let Responder { shape, slots, reflectors, rules, .. } = self.responder;
         let per_receiver = shape.hit * shape.hit;
         let texels = shape.probe * shape.probe;
-        let weights = hit_weights(&tile.texels[index * per_receiver..(index + 1) * per_receiver], viewer);
+        let texels_of = &tile.hits.texels[index * per_receiver..(index + 1) * per_receiver];
         let mut first = vec![vec![0.0_f32; Response::len(shape.probe)]; slots.len()];
         let mut indirect: Vec<Indirect> = Vec::new();
-        for (cell, weight) in weights.cells {
-            let key = tile.palette[cell];
-            let Some(reflector) = reflectors.get(usize::from(key.material)) else { continue };
+        let direct = hit_weights(texels_of, viewer).cells.into_iter().map(|(cell, weight)| {
+            let key = tile.hits.palette[cell];
+            (key, key.material, weight)
+        });
+        let paths = tile.mirrored.get(index).map_or(&[][..], Vec::as_slice);
+        let on_texels = if paths.is_empty() { Vec::new() } else { texel_weights(texels_of, viewer) };
+        // The class is that of what is seen first: the mirror.
+        let in_mirrors = paths.iter().filter_map(|path| {
+            let weight = on_texels.get(path.texel as usize)? * left(&path.steps, reflectors);
+            Some((path.cell, path.steps.first()?.0, weight))
+        });
+        for (key, seen_first, weight) in direct.chain(in_mirrors) {
+            let Some(reflector) = reflectors.get(usize::from(seen_first)) else { continue };
             // The group holds all keys of its tiles' palettes.
             let Ok(probe) = self.probes.keys.binary_search(&key) else { continue };
             let class = class_index(reflector.class);
             let (slot, fixed) = slots.of(key.material);
             let worth = weight * fixed;
-            let normal = self.probes.normals[probe].map(|c| c * worth as f32);
+            let scaled = |normal: [f32; 3]| normal.map(|c| c * worth as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
-            add_bits(out, self.probes.bits_of(probe), normal, texels);
+            add_bits(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), texels);
+            let mirrors = self.probes.mirrors(probe);
+            for window in &mirrors.windows {
+                if let Some((image, shares)) = self.chains.image(&window.chain, self.probes.normals[probe]) {
+                    add_shares(out, &window.bits, scaled(image), shares);
+                }
+            }
             if rules.depth != Depth::Count(1) {
                 let around = self.surrounds[probe];
                 let (above, below) = seen(self.probes.hits_of(probe));
                 for (list, share) in [(above, around.up), (below, around.down)] {
                     let share = (worth * share) as f32;
-                    let entry = |(cell, w)| Indirect { cell, class, slot, worth: w * share };
+                    let entry = |(cell, w): (u32, f32)| Indirect {
+                        cell: self.seen[cell as usize],
+                        class,
+                        slot,
+                        worth: w * share,
+                    };
                     indirect.extend(list.into_iter().map(entry));
+                }
+                let each = each_ray(self.probes.hits_of(probe), around);
+                for path in &mirrors.paths {
+                    let share = each[usize::from(path.up)] * left(&path.steps, reflectors) * worth;
+                    // The group holds all that its probes see.
+                    let Some(&cell) = self.mirrored.get(&path.cell) else { continue };
+                    indirect.push(Indirect { cell, class, slot, worth: share as f32 });
                 }
             }
         }
@@ -285,7 +340,7 @@ impl Group<'_> {
         let mut coarse = vec![0.0_f32; CLASSES * width];
         for of_cell in worth.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class)) {
             let sum: f32 = of_cell.iter().map(|w| w.worth * factors[w.slot]).sum();
-            let (from, class) = (self.seen[of_cell[0].cell as usize] * width, of_cell[0].class);
+            let (from, class) = (of_cell[0].cell * width, of_cell[0].class);
             let x = &radiosity[from..from + width];
             coarse[class * width..(class + 1) * width].iter_mut().zip(x).for_each(|(o, x)| *o += sum * x);
         }
@@ -294,6 +349,15 @@ impl Group<'_> {
             for (value, corners) in plane.iter_mut().zip(upsample) {
                 *value += corners.iter().map(|&(t, w)| coarse[t] * w as f32).sum::<f32>();
             }
+        }
+    }
+}
+
+/// out[axis][t] += normal[axis] x shares[t] where bit t is set.
+fn add_shares(out: &mut [f32], bits: &[u8], normal: [f32; 3], shares: &[f32]) {
+    for (plane, n) in out.chunks_mut(shares.len()).zip(normal) {
+        for (t, (value, share)) in plane.iter_mut().zip(shares).enumerate() {
+            *value += if bit(bits, t) { n * share } else { 0.0 };
         }
     }
 }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::bins::Bins;
 use super::conditions::Condition;
 use super::disc::disc_texels;
+use super::specular::MirrorView;
 use super::tile::TextureSides;
 use crate::layers::mosaic::{Mosaic, Texel};
 
@@ -91,10 +92,31 @@ impl Suns {
         }
     }
 
+    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
+    pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
+        let image = view.reflection.image(normal);
+        for sun in &self.suns {
+            let cos = image.dot(sun.direction);
+            if cos > 0.0 {
+                let parts = self.parts[sun.parts.clone()].iter();
+                let visible: f32 =
+                    parts.map(|part| self.share(part, view.texel(part.column as usize, part.row as usize))).sum();
+                if visible > 0.0 {
+                    out[sun.bin] += sun.strength * cos * f64::from(visible) * view.reflection.share(sun.direction);
+                }
+            }
+        }
+    }
+
     /// Share of the disc that is seen in a base texel.
     #[inline]
     fn visible(&self, part: &Part, sky: &Mosaic) -> f32 {
-        match sky.texel(part.column as usize, part.row as usize) {
+        self.share(part, sky.texel(part.column as usize, part.row as usize))
+    }
+
+    #[inline]
+    fn share(&self, part: &Part, texel: Texel) -> f32 {
+        match texel {
             Texel::Closed => 0.0,
             Texel::Open => part.share,
             Texel::Mixed(bits) => {

@@ -4,7 +4,9 @@
 use glam::DVec3;
 
 use super::bins::Bins;
-use super::components::Component::{self, SkyDiffuse, SkyDirect, SunDiffuse, SunDirect, Total};
+use super::components::Component::{
+    self, SkyDiffuse, SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular, Total,
+};
 use super::components::ComponentSet;
 use super::conditions::Condition;
 use super::patches::Patches;
@@ -12,6 +14,7 @@ use super::projection::Projection;
 use super::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
 use super::sky::SkyModel;
 use super::sources::Sources;
+use super::specular::MirrorView;
 use super::suns::Suns;
 use super::values::TileValues;
 use crate::layers::bits::BitSquare;
@@ -36,6 +39,8 @@ pub struct TileLayers {
     pub normals: Vec<DVec3>,
     /// Empty where a [`Forcing`] does not read them.
     pub sky: Vec<Mosaic>,
+    /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
+    pub mirrors: Vec<Vec<MirrorView>>,
     /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with; likewise.
     pub responses: Vec<Vec<Response>>,
 }
@@ -72,7 +77,7 @@ impl Forcing {
         sides: TextureSides,
     ) -> Self {
         let when = |needed: bool| -> &[Condition] { if needed { conditions } else { &[] } };
-        let skies_of = when(components.needs(SkyDirect) || components.needs(SkyDiffuse));
+        let skies_of = when([SkyDirect, SkyDiffuse, SkySpecular].iter().any(|&c| components.needs(c)));
         let sky_projection = Projection::new(patches, sides.sky_base, PROJECTION_SAMPLES);
         let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
@@ -85,7 +90,7 @@ impl Forcing {
         }
         Forcing {
             bins: bins.count,
-            suns: Suns::new(when(components.needs(SunDirect)), bins, sides),
+            suns: Suns::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
             skies: all.unwrap_or_default(),
             reflected,
             response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
@@ -102,7 +107,14 @@ impl Forcing {
 
     /// Whether what is asked for needs the receivers' sky textures.
     pub fn reads_sky(&self) -> bool {
-        !self.suns.is_empty() || self.components.needs(SkyDirect) && !self.skies.is_empty()
+        self.components.needs(SunDirect) && !self.suns.is_empty()
+            || self.components.needs(SkyDirect) && !self.skies.is_empty()
+    }
+
+    /// Whether it needs what they see in mirrors.
+    pub fn reads_mirrors(&self) -> bool {
+        self.components.needs(SunSpecular) && !self.suns.is_empty()
+            || self.components.needs(SkySpecular) && !self.skies.is_empty()
     }
 
     /// Whether it needs their responses.
@@ -115,6 +127,7 @@ impl Forcing {
     pub fn replay(&self, tile: &TileLayers) -> TileValues {
         let mut out = TileValues::new(tile.normals.len(), self.bins);
         self.add_direct(tile, &mut out);
+        self.add_specular(tile, &mut out);
         self.add_diffuse(tile, &mut out);
         if self.components.contains(Total) {
             let mut total = vec![0.0_f32; self.bins];
@@ -131,17 +144,42 @@ impl Forcing {
 
     fn add_direct(&self, tile: &TileLayers, out: &mut TileValues) {
         let sky_direct = self.components.needs(SkyDirect) && !self.skies.is_empty();
+        let sun_direct = self.components.needs(SunDirect);
         let mut sums = vec![0.0_f64; self.bins];
         let mut coefficients = Vec::new();
         for (receiver, (&normal, sky)) in tile.normals.iter().zip(&tile.sky).enumerate() {
-            sums.fill(0.0);
-            self.suns.direct(normal, sky, &mut sums);
-            put(&sums, out.row_mut(SunDirect as usize, receiver));
+            if sun_direct {
+                sums.fill(0.0);
+                self.suns.direct(normal, sky, &mut sums);
+                put(&sums, out.row_mut(SunDirect as usize, receiver));
+            }
             if sky_direct {
                 sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
             }
         }
         let each = |receiver, bin, v: f32| out.row_mut(SkyDirect as usize, receiver)[bin] = v.max(0.0);
+        self.skies.irradiance(&coefficients, each);
+    }
+
+    fn add_specular(&self, tile: &TileLayers, out: &mut TileValues) {
+        let projection = &self.sky_projection;
+        let sky = self.components.needs(SkySpecular) && !self.skies.is_empty();
+        let sun = self.components.needs(SunSpecular);
+        let mut sums = vec![0.0_f64; self.bins];
+        let mut coefficients = Vec::new();
+        for (receiver, (&normal, views)) in tile.normals.iter().zip(&tile.mirrors).enumerate() {
+            if sun && !views.is_empty() {
+                sums.fill(0.0);
+                views.iter().for_each(|view| self.suns.by_mirrors(normal, view, &mut sums));
+                put(&sums, out.row_mut(SunSpecular as usize, receiver));
+            }
+            if sky {
+                let mut patches = vec![0.0_f64; projection.patches()];
+                views.iter().for_each(|view| view.add_patches(projection, normal, &mut patches));
+                coefficients.extend(patches.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+            }
+        }
+        let each = |receiver, bin, v: f32| out.row_mut(SkySpecular as usize, receiver)[bin] = v.max(0.0);
         self.skies.irradiance(&coefficients, each);
     }
 

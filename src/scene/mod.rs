@@ -7,6 +7,7 @@ mod endless_ground;
 pub mod materials;
 mod materials_toml;
 pub mod mesh;
+pub mod mirrors;
 mod morton;
 mod mtl;
 mod obj;

@@ -4,6 +4,7 @@
 pub mod beam;
 pub mod bounce;
 pub mod lanes;
+pub mod mirror;
 pub mod packet;
 pub mod planes;
 pub mod probe;

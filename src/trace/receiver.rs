@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::mirror::{Reflections, Start};
 use super::probe::lifted;
 use super::rays::{Ray, Tracer};
 use super::surroundings::cell_of;
@@ -17,6 +18,14 @@ pub struct CellSettings {
     pub floor_m: f64,
 }
 
+impl CellSettings {
+    /// Level of the cell of a hit at this distance, texels of the hit texture being so wide.
+    pub fn level(&self, distance_m: f64, texel_angle: f64) -> i8 {
+        let size = (self.factor * distance_m * texel_angle).max(self.floor_m);
+        if self.factor > 0.0 { level_of(size) } else { PRIVATE_LEVEL }
+    }
+}
+
 /// Level of a cell that holds nothing but its own hit: 2^-10 m.
 const PRIVATE_LEVEL: i8 = -10;
 
@@ -27,6 +36,8 @@ pub struct HitTrace {
     pub cells: Vec<Option<CellKey>>,
     /// Distance of the nearest surface met, metres.
     pub nearest_m: f64,
+    /// Texels whose ray meets a mirror.
+    pub mirrors: Vec<(usize, Start)>,
 }
 
 /// A receiver's place and normal relative to the scene origin.
@@ -63,7 +74,14 @@ impl Viewpoint {
     }
 
     /// Closest hits over the n x n texture of the surface's own hemisphere, one jittered ray a texel.
-    pub fn hits(&self, n: usize, cells: CellSettings, mesh: &Mesh, tracer: &Tracer) -> HitTrace {
+    pub fn hits(
+        &self,
+        n: usize,
+        cells: CellSettings,
+        mesh: &Mesh,
+        tracer: &Tracer,
+        reflections: Option<&Reflections>,
+    ) -> HitTrace {
         let origin = self.origin(tracer);
         let lifted_position = DVec3::from(origin.map(f64::from));
         let frame = Frame::of(self.normal);
@@ -76,14 +94,18 @@ impl Viewpoint {
             texels.iter().map(|&t| Ray { origin, direction: direction(t).as_vec3().to_array() }).collect();
         let mut nearest_m = f64::INFINITY;
         let mut keys = vec![None; n * n];
+        let mut mirrors = Vec::new();
         for (&texel, hit) in texels.iter().zip(tracer.closest_many(&rays)) {
             let Some(hit) = hit else { continue };
             nearest_m = nearest_m.min(f64::from(hit.t));
-            let size = (cells.factor * f64::from(hit.t) * texel_angle).max(cells.floor_m);
-            let level = if cells.factor > 0.0 { level_of(size) } else { PRIVATE_LEVEL };
-            keys[texel] = Some(cell_of(hit, direction(texel), level, mesh, lifted_position));
+            let direction = direction(texel);
+            let level = cells.level(f64::from(hit.t), texel_angle);
+            keys[texel] = Some(cell_of(hit, direction, level, mesh, lifted_position));
+            if reflections.is_some_and(|r| r.orientation(hit).is_some()) {
+                mirrors.push((texel, Start { from: lifted_position, direction, hit }));
+            }
         }
-        HitTrace { cells: keys, nearest_m }
+        HitTrace { cells: keys, nearest_m, mirrors }
     }
 
     /// Whether this lies below terrain or inside a solid: rays that go up from there cross surfaces an odd number of times, at least

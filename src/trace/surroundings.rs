@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::mirror::{Reflections, Start};
 use super::probe::{Directions, ProbeTrace, lifted, pick};
 use super::rays::{Hit, Ray, Tracer};
 use crate::hemisphere::{Frame, bit, direction_of, mix, texels_in_blocks, unit};
@@ -21,6 +22,24 @@ pub struct Seen {
     pub cell: Option<CellKey>,
 }
 
+/// How cells look around.
+#[derive(Clone, Copy, Debug)]
+pub struct SurroundingSettings {
+    /// Level of the cells that the closed system is made of at middle distance; cells nearby are finer, cells far away coarser.
+    pub closed_level: i8,
+    /// Rays of a cell.
+    pub rays: usize,
+}
+
+/// What some rays met.
+#[derive(Clone, Debug, Default)]
+pub struct Surroundings {
+    /// One for each ray.
+    pub seen: Vec<Seen>,
+    /// Of those rays that met a mirror: whether they go above the horizon, and where they met it.
+    pub mirrors: Vec<(bool, Start)>,
+}
+
 /// Surfaces at distance t are cut into cells of about t / 4, the footprint of a ray.
 const FAR_SHARE: f64 = 0.25;
 
@@ -30,18 +49,18 @@ const NEAR_SHARE: f64 = 1.0;
 /// A part of the hemisphere smaller than this gets no ray.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Casts `count` rays from a cell whose sky texture is traced; rays above the horizon count alike, and so do those below.
-/// `closed_level`: level of the cells that the closed system is made of at middle distance.
+/// Casts rays from a cell whose sky texture is traced; rays above the horizon count alike, and so do those below.
 pub fn surroundings(
     key: CellKey,
     probe: &ProbeTrace,
     texture: &Directions,
-    count: usize,
-    closed_level: i8,
+    settings: SurroundingSettings,
     mesh: &Mesh,
     tracer: &Tracer,
-) -> Vec<Seen> {
+    reflections: Option<&Reflections>,
+) -> Surroundings {
     let (n, directions) = (texture.n, texture.of(key));
+    let SurroundingSettings { closed_level, rays: count } = settings;
     let seed = key.seed();
     // Blocked texels above the horizon and their cosines.
     let mut blocked: Vec<(usize, f64)> = Vec::new();
@@ -90,25 +109,25 @@ pub fn surroundings(
     }
 
     let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();
-    let mut seen: Vec<Seen> = tracer
-        .closest_many(&cast)
-        .into_iter()
-        .zip(&rays)
-        .map(|(hit, &(position, ray, up))| {
-            let direction = DVec3::from(ray.direction.map(f64::from));
-            let cell = hit.map(|hit| {
-                let level = level_seen(f64::from(hit.t), key.level, closed_level);
-                cell_of(hit, direction, level, mesh, position).coarse(level)
-            });
-            Seen { up, cell }
-        })
-        .collect();
-    seen.resize(count, Seen { up: true, cell: None });
-    seen
+    let mut met = Surroundings::default();
+    for (hit, &(position, ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {
+        let direction = DVec3::from(ray.direction.map(f64::from));
+        let cell = hit.map(|hit| {
+            let level = level_seen(f64::from(hit.t), key.level, closed_level);
+            cell_of(hit, direction, level, mesh, position).coarse(level)
+        });
+        met.seen.push(Seen { up, cell });
+        if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
+            let from = DVec3::from(ray.origin.map(f64::from));
+            met.mirrors.push((up, Start { from, direction, hit }));
+        }
+    }
+    met.seen.resize(count, Seen { up: true, cell: None });
+    met
 }
 
 /// Level of a coarse cell seen at distance t from a cell of level `own`.
-fn level_seen(t: f64, own: i8, closed: i8) -> i8 {
+pub fn level_seen(t: f64, own: i8, closed: i8) -> i8 {
     let near = level_of(t * NEAR_SHARE).min(closed);
     let far = level_of(t * FAR_SHARE);
     // Coarser from bounce to bounce, or one well of fine cells would drag in a city of them. It also means that only the

@@ -85,12 +85,8 @@ mod tests {
     #[test]
     fn ranges_are_checked() {
         let good = Optics { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
-        let flaws: [fn(&mut Optics); 4] = [
-            |o| o.panes[0] = 3,
-            |o| o.canopy[1] = 2,
-            |o| o.transmittance[0] = f64::NAN,
-            |o| o.transmittance.clear(),
-        ];
+        let flaws: [fn(&mut Optics); 4] =
+            [|o| o.panes[0] = 3, |o| o.canopy[1] = 2, |o| o.transmittance[0] = f64::NAN, |o| o.transmittance.clear()];
         let refused = flaws.iter().filter(|flaw| {
             let mut wrong = good.clone();
             flaw(&mut wrong);

@@ -11,16 +11,28 @@ use crate::commands::pack::Chunks;
 use crate::commands::progress::bar;
 use crate::error::Result;
 use crate::layers::cells::{Cell, Cells};
-use crate::layers::extras::Extras;
 use crate::recombine::load::cells_of;
 use crate::scene::cells::{CellKey, level_of};
 use crate::spill::Sorter;
-use crate::trace::bounce::{BounceSettings, trace_bounce};
-use crate::trace::probe::{Directions, trace_probe};
-use crate::trace::surroundings::{Seen, surroundings};
+use crate::trace::bounce::trace_bounce;
+use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
+use crate::trace::surroundings::{Seen, SurroundingSettings, Surroundings, surroundings};
 
 /// Bounce cells traced at a time.
 const WAVE: usize = 8192;
+
+/// Rays cast for cells: those that any scene needs, and those by way of mirrors.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cast {
+    plain: u64,
+    mirror: u64,
+}
+
+impl Cast {
+    fn and(self, other: Self) -> Self {
+        Cast { plain: self.plain + other.plain, mirror: self.mirror + other.mirror }
+    }
+}
 
 /// Cells that have been written, and what the next stage needs of them.
 pub(super) struct Written {
@@ -46,22 +58,32 @@ impl Job<'_> {
             progress.inc(batch.len() as u64);
             let trace =
                 |keys: &[CellKey]| trace_missing(keys, self.known.probes(keys), |key| self.trace_probe(key, &texture));
-            rays.probe += self.write_chunks(&mut chunks, &batch, trace, writer, |chunk| seen.extend(&chunk.seen))?;
+            let cast = self.write_chunks(&mut chunks, &batch, trace, writer, |chunk| seen.extend(chunk.reached()))?;
+            rays.probe += cast.plain;
+            rays.mirror += cast.mirror;
         }
         progress.finish_and_clear();
         let count = chunks.finish(writer)?;
         Ok(Written { count, seen })
     }
 
-    fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, u64) {
+    fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
         let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
         let probe = trace_probe(key, texture, mesh, tracer);
-        let seen = surroundings(key, &probe, texture, s.probe_hits, level_of(s.closed_m), mesh, tracer);
+        let (reflections, closed) = (self.reflections.as_ref(), level_of(s.closed_m));
+        let settings = SurroundingSettings { closed_level: closed, rays: s.probe_hits };
+        let seen = surroundings(key, &probe, texture, settings, mesh, tracer, reflections);
+        self.cell(key, probe, seen, texture)
+    }
+
+    /// A traced cell, and the rays that were cast for it: for the cell itself, and for what it sees in mirrors.
+    fn cell(&self, key: CellKey, probe: ProbeTrace, seen: Surroundings, texture: &Directions) -> (Cell, Cast) {
+        let mut mirror = 0;
+        let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
+        let cast = Cast { plain: probe.rays + seen.seen.len() as u64, mirror };
         let normal = probe.normal.as_vec3().to_array();
-        (
-            Cell { key, normal, bits: probe.bits, seen: pairs(seen), extras: Extras::default() },
-            probe.rays + s.probe_hits as u64,
-        )
+        let extras = [mirrors.to_bytes(), Vec::new()];
+        (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), extras }, cast)
     }
 
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
@@ -72,7 +94,7 @@ impl Job<'_> {
             let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, chunk)?.items()));
             return (0..index.rows() as u32).map(items).sum();
         }
-        let settings = BounceSettings { closed_level: level_of(s.closed_m), hits: s.bounce_hits };
+        let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
         let texture = Directions::new(s.bounce_sky);
         let progress = bar("bounces", None);
         let mut sorter = Sorter::new(&self.folder, self.memory / 8);
@@ -83,17 +105,14 @@ impl Job<'_> {
             let mut next = Vec::new();
             for part in wave.chunks(WAVE) {
                 let trace = |key| {
-                    let cell = trace_bounce(key, &texture, settings, mesh, tracer);
-                    let normal = cell.normal.as_vec3().to_array();
-                    (
-                        Cell { key, normal, bits: cell.bits, seen: pairs(cell.seen), extras: Extras::default() },
-                        cell.cast,
-                    )
+                    let (probe, seen) = trace_bounce(key, &texture, settings, mesh, tracer, self.reflections.as_ref());
+                    self.cell(key, probe, seen, &texture)
                 };
                 let (cells, cast) = trace_missing(part, self.known.bounces(part), trace);
-                rays.bounce += cast;
+                rays.bounce += cast.plain;
+                rays.mirror += cast.mirror;
                 for cell in cells {
-                    next.extend(cell.seen.iter().filter_map(|seen| seen.1).filter(|key| met.insert(*key)));
+                    next.extend(cell.reached().filter(|key| met.insert(*key)));
                     sorter.push(&cell.key.to_bytes(), &cell.to_bytes())?;
                 }
                 progress.inc(part.len() as u64);
@@ -114,7 +133,7 @@ impl Job<'_> {
             let keys: Vec<CellKey> = batch.iter().map(|c| c.key).collect();
             let traced = |keys: &[CellKey]| {
                 let start = batch.partition_point(|c| c.key < keys[0]);
-                (batch[start..start + keys.len()].to_vec(), 0)
+                (batch[start..start + keys.len()].to_vec(), Cast::default())
             };
             self.write_chunks(&mut chunks, &keys, traced, writer, |_| {})?;
         }
@@ -129,10 +148,10 @@ impl Job<'_> {
         &self,
         chunks: &mut Chunks,
         keys: &[CellKey],
-        trace: impl Fn(&[CellKey]) -> (Vec<Cell>, u64) + Sync,
+        trace: impl Fn(&[CellKey]) -> (Vec<Cell>, Cast) + Sync,
         writer: &mut Writer,
         mut see: impl FnMut(&Cells),
-    ) -> Result<u64> {
+    ) -> Result<Cast> {
         let first = chunks.next();
         let done: Vec<Result<_>> = keys
             .par_chunks(chunks.size())
@@ -140,7 +159,7 @@ impl Job<'_> {
             .map(|(i, keys)| {
                 let number = first + i as u32;
                 if writer.has(chunks.kind(), number) {
-                    return Ok((cells_of(writer, &writer.block(chunks.kind(), number)?)?, Vec::new(), 0));
+                    return Ok((cells_of(writer, &writer.block(chunks.kind(), number)?)?, Vec::new(), Cast::default()));
                 }
                 let (traced, cast) = trace(keys);
                 let chunk = Cells::new(&traced);
@@ -148,12 +167,12 @@ impl Job<'_> {
                 Ok((chunk, blocks, cast))
             })
             .collect();
-        let mut rays = 0;
+        let mut rays = Cast::default();
         for part in done {
             let (chunk, blocks, cast) = part?;
             chunks.add(&chunk, blocks, writer)?;
             see(&chunk);
-            rays += cast;
+            rays = rays.and(cast);
         }
         self.checkpoint(writer)?;
         Ok(rays)
@@ -164,12 +183,12 @@ impl Job<'_> {
 fn trace_missing(
     keys: &[CellKey],
     mut known: Vec<Cell>,
-    trace: impl Fn(CellKey) -> (Cell, u64) + Sync,
-) -> (Vec<Cell>, u64) {
+    trace: impl Fn(CellKey) -> (Cell, Cast) + Sync,
+) -> (Vec<Cell>, Cast) {
     let is_known = |key: &CellKey| known.binary_search_by_key(key, |cell| cell.key).is_ok();
     let missing: Vec<CellKey> = keys.iter().filter(|key| !is_known(key)).copied().collect();
-    let traced: Vec<(Cell, u64)> = missing.par_iter().map(|&key| trace(key)).collect();
-    let cast = traced.iter().map(|t| t.1).sum();
+    let traced: Vec<(Cell, Cast)> = missing.par_iter().map(|&key| trace(key)).collect();
+    let cast = traced.iter().fold(Cast::default(), |sum, t| sum.and(t.1));
     let all_new = known.is_empty();
     known.extend(traced.into_iter().map(|t| t.0));
     if !all_new {

@@ -30,18 +30,27 @@ impl Job<'_> {
         table.encode(format::MATERIALS, 0, COMPRESSION)
     }
 
-    /// What materials do besides reflecting diffusely, if some do.
-    pub(super) fn optics_block(&self) -> Result<Option<EncodedBlock>> {
+    /// What materials do besides reflecting diffusely, and the orientations of the mirrors; nothing where none does.
+    pub(super) fn optics_blocks(&self) -> Result<Vec<EncodedBlock>> {
         let materials = &self.scene.materials;
         if !materials.iter().any(|m| m.mirrors() || m.transmittance.is_some()) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let table = tables::Optics {
             panes: materials.iter().map(|m| m.glass.map_or(0, Glass::panes)).collect(),
             canopy: materials.iter().map(|m| u8::from(m.transmittance.is_some())).collect(),
             transmittance: materials.iter().map(|m| m.transmittance.unwrap_or(0.0)).collect(),
         };
-        table.encode(format::OPTICS, 0, COMPRESSION).map(Some)
+        let mut blocks = vec![table.encode(format::OPTICS, 0, COMPRESSION)?];
+        if let Some(reflections) = &self.reflections {
+            let orientations = reflections.orientations();
+            let table = tables::Mirrors {
+                normal: orientations.iter().map(|o| o.normal.to_array()).collect(),
+                material: orientations.iter().map(|o| o.material).collect(),
+            };
+            blocks.push(table.encode(format::MIRRORS, 0, COMPRESSION)?);
+        }
+        Ok(blocks)
     }
 
     pub(super) fn manifest(&self, counts: &Counts, layers: Vec<manifest::LayerSummary>) -> Manifest {

@@ -3,11 +3,13 @@
 mod cells;
 mod known;
 mod manifest;
+mod mirrors;
 mod plan;
 mod settings;
 mod tiles;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::store::{Folder, Store, StoreKey, open_all};
@@ -18,9 +20,11 @@ pub use crate::cli::Share;
 use crate::error::{Error, Result};
 use crate::recombine::response::Reflector;
 use crate::scene::Scene;
+use crate::scene::mirrors::Mirrors;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
+use crate::trace::mirror::Reflections;
 use known::Known;
 pub use manifest::Counts;
 pub use plan::{BuildPlan, Start};
@@ -37,6 +41,8 @@ pub struct BuildReport {
     pub bytes: u64,
     pub root: [u8; 32],
     pub warnings: Vec<String>,
+    /// Largest share of a receiver's or cell's light that was lost behind the last mirror followed.
+    pub lost_in_mirrors: f64,
 }
 
 /// Rays cast, by purpose.
@@ -46,11 +52,13 @@ pub struct Rays {
     pub hit: u64,
     pub probe: u64,
     pub bounce: u64,
+    /// By way of mirrors, for receivers and cells.
+    pub mirror: u64,
 }
 
 impl Rays {
     pub fn total(&self) -> u64 {
-        self.sky + self.hit + self.probe + self.bounce
+        self.sky + self.hit + self.probe + self.bounce + self.mirror
     }
 }
 
@@ -65,6 +73,10 @@ struct Job<'a> {
     /// Bytes to work in, besides the scene.
     memory: usize,
     known: Known<'a>,
+    /// Only where there are mirrors.
+    reflections: Option<Reflections<'a>>,
+    /// Largest share of a looker's light that was lost behind the last mirror followed, as bits of an f64.
+    lost: AtomicU64,
 }
 
 impl Job<'_> {
@@ -166,8 +178,9 @@ pub fn build_with(
     let finish = |traced: Traced| {
         let summary = writer.finish(&traced.manifest)?;
         clock.lap("finish");
-        let Traced { counts, rays, warnings, .. } = traced;
-        Ok(BuildReport { counts, rays, seconds: clock.laps, bytes: summary.bytes, root: summary.root, warnings })
+        let Traced { counts, rays, warnings, lost_in_mirrors, .. } = traced;
+        let (bytes, root) = (summary.bytes, summary.root);
+        Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors })
     };
     traced.and_then(finish).map_err(|error| plan.start.kept(error, kept))
 }
@@ -178,6 +191,7 @@ struct Traced {
     rays: Rays,
     warnings: Vec<String>,
     manifest: Manifest,
+    lost_in_mirrors: f64,
 }
 
 /// Writes all blocks that a writer does not have.
@@ -190,6 +204,8 @@ fn trace(
     clock: &mut Clock,
 ) -> Result<Traced> {
     let tracer = Tracer::new(&scene.mesh)?;
+    let mirrors = Mirrors::find(&scene.mesh, &scene.materials)?;
+    let reflections = if mirrors.is_empty() { None } else { Some(Reflections::new(&scene.mesh, &tracer, &mirrors)?) };
     let job = Job {
         scene,
         tracer: &tracer,
@@ -198,6 +214,8 @@ fn trace(
         folder: temporary_folder(&plan.output).to_path_buf(),
         memory: plan.memory_bytes as usize,
         known: Known::new(earlier, scene.materials.len()),
+        reflections,
+        lost: AtomicU64::new(0),
     };
     clock.lap("tree");
     let farthest = receivers.farthest().and_then(|receiver| far_away(&tracer, scene, receiver));
@@ -213,14 +231,17 @@ fn trace(
 
     if !writer.has(format::MATERIALS, 0) {
         writer.append(job.materials_block()?)?;
-        job.optics_block()?.map_or(Ok(()), |block| writer.append(block))?;
+        for block in job.optics_blocks()? {
+            writer.append(block)?;
+        }
     }
     let tiles = receivers.tile_count() as u32;
     let counts = Counts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
     job.write_responses(tiles, writer, clock)?;
     let manifest = job.manifest(&counts, writer.layers());
     warnings.extend(tiles::warnings(&misplaced));
-    Ok(Traced { counts, rays, warnings, manifest })
+    let lost_in_mirrors = f64::from_bits(job.lost.load(Ordering::Relaxed));
+    Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
 }
 
 /// Seconds by stage.

@@ -10,12 +10,13 @@ use crate::commands::{counted, pack};
 use crate::error::Result;
 use crate::hemisphere::Centres;
 use crate::layers::bits::BitSquare;
-use crate::layers::extras::Extras;
+use crate::layers::extras::{Extras, MIRROR};
 use crate::layers::hit::HitTile;
+use crate::layers::mirror::ReceiverMirrors;
 use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
 use crate::recombine::bounces::Depth;
-use crate::recombine::load::{Tables, TileView, hits_of};
+use crate::recombine::load::{Tables, TileView, hits_of, receiver_mirrors};
 use crate::recombine::responder::Responder;
 use crate::recombine::response::{Viewer, view_factors};
 use crate::recombine::tile::sky_view_factor;
@@ -122,6 +123,7 @@ impl Job<'_> {
                 tile.cells.iter().try_for_each(|key| keys.push(&key.to_bytes(), &[]))?;
                 rays.sky += tile.rays.sky;
                 rays.hit += tile.rays.hit;
+                rays.mirror += tile.rays.mirror;
                 misplaced.extend(tile.misplaced);
             }
             first += batch.len() as u32;
@@ -144,7 +146,9 @@ impl Job<'_> {
             let table = tables::Receivers::from_block(&writer.block(format::RECEIVERS, number)?)?;
             let inside = receivers.iter().zip(&table.sky_view).filter(|(r, view)| self.inside(r, f64::from(**view)));
             let misplaced = inside.map(|(receiver, _)| Misplaced::Inside(receiver.id.clone())).collect();
-            return Ok(TracedTile { cells: hits.palette, misplaced, ..TracedTile::default() });
+            let mirrors = receiver_mirrors(writer, number, receivers.len(), &self.settings.stated())?;
+            let cells = hits.palette.into_iter().chain(cells_in(&mirrors)).collect();
+            return Ok(TracedTile { cells, misplaced, ..TracedTile::default() });
         }
         self.trace_tile(number, receivers, centres)
     }
@@ -161,10 +165,7 @@ impl Job<'_> {
         clock.lap("solve");
         let progress = bar("responses", Some(u64::from(tiles)));
         for group in missing.chunks(GROUP) {
-            let view = |&tile: &u32| {
-                let (receivers, hits) = (writer.block(format::RECEIVERS, tile)?, writer.block(format::HIT, tile)?);
-                TileView::new(&receivers, &hits, self.scene.mesh.origin, self.settings.hit)
-            };
+            let view = |&tile: &u32| TileView::of(writer, tile, self.scene.mesh.origin, &settings);
             let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
             let responses = responder.derive(&Tables::of(writer, settings.clone())?, &views)?;
             // The stored reflectances are the only state.
@@ -196,6 +197,7 @@ impl Job<'_> {
         for t in traced {
             rays.sky += t.rays.sky;
             rays.hit += t.rays.hit;
+            rays.mirror += t.rays.mirror;
             sky.push(t.sky);
             cells.push(t.hits.cells);
             viewers.push(t.viewer);
@@ -204,12 +206,16 @@ impl Job<'_> {
         let hits = HitTile::new(&cells);
         let table = self.receivers_table(receivers, &hits, &viewers);
         let blocks = pack::tile(number, &table, &sky, &hits, &extras)?;
-        Ok(TracedTile { blocks, cells: hits.palette, rays, misplaced })
+        let (base, side) = (self.settings.sky_base, self.settings.hit);
+        let mirrors: Vec<ReceiverMirrors> =
+            extras.iter().filter_map(|of| ReceiverMirrors::from_bytes(&of[MIRROR], base, side)).collect();
+        let cells = hits.palette.into_iter().chain(cells_in(&mirrors)).collect();
+        Ok(TracedTile { blocks, cells, rays, misplaced })
     }
 
     /// A receiver that an earlier build traced, as if it had been traced now.
     fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, centres: &Centres) -> Traced {
-        let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY };
+        let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new() };
         let viewer = viewer(&self.viewpoint(receiver), &known.dense, centres);
         Traced { sky: known.sky, hits, viewer, extras: known.extras, rays: Rays::default() }
     }
@@ -228,9 +234,10 @@ impl Job<'_> {
         });
         rays.hit = (settings.hit * settings.hit) as u64;
         let cells = CellSettings { factor: settings.cell_factor(), floor_m: settings.cell_floor_m };
-        let hits = view.hits(settings.hit, cells, &self.scene.mesh, tracer);
+        let hits = view.hits(settings.hit, cells, &self.scene.mesh, tracer, self.reflections.as_ref());
         let viewer = viewer(&view, &dense, centres);
-        Traced { sky, hits, viewer, extras: Extras::default(), rays }
+        let mirrors = self.receiver_mirrors(&view, &hits, centres, &mut rays.mirror);
+        Traced { sky, hits, viewer, extras: [mirrors.to_bytes(), Vec::new()], rays }
     }
 
     /// What is wrong with where a receiver lies.
@@ -257,6 +264,11 @@ impl Job<'_> {
         });
         tables::Receivers::new(receivers.iter().zip(views))
     }
+}
+
+/// The cells that receivers see in mirrors.
+fn cells_in(mirrors: &[ReceiverMirrors]) -> impl Iterator<Item = CellKey> + '_ {
+    mirrors.iter().flat_map(|of| &of.paths).map(|path| path.cell)
 }
 
 /// What is needed of a receiver with these sky bits besides its hits.

@@ -61,7 +61,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Extracted> {
     let mut hits = keys();
     output.tiles(Rows::<Traced>::chosen(&archive, &kept).map(|row| {
         let row = row?;
-        let mut seen: Vec<_> = row.layers.hits.iter().flatten().copied().collect();
+        let mut seen: Vec<_> = row.layers.reached(&archive.manifest().settings).collect();
         seen.sort_unstable();
         seen.dedup();
         seen.into_iter().try_for_each(|key| hits.push(key))?;

@@ -56,7 +56,7 @@ impl Marks {
             if let Some(marks) = self.0.get_mut(number) {
                 marks.resize(chunk.keys.len(), false);
                 if !std::mem::replace(&mut marks[row], true) {
-                    chunk.cell(row).seen.into_iter().filter_map(|ray| ray.1).try_for_each(&mut see)?;
+                    chunk.cell(row).reached().try_for_each(&mut see)?;
                 }
             }
             open = Some((number, chunk));

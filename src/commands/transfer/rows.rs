@@ -5,10 +5,12 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
+use crate::archive::manifest::Settings;
 use crate::archive::{Archive, format, tables};
 use crate::error::Result;
 use crate::layers::cells::Cell;
-use crate::layers::extras::Extras;
+use crate::layers::extras::{Extras, MIRROR};
+use crate::layers::mirror::ReceiverMirrors;
 use crate::layers::response::Response;
 use crate::layers::sky::SkyTexture;
 use crate::recombine::load::{CellSource, cached_responses, hits_of, origin, settings, tile_extras, tile_sky};
@@ -48,6 +50,15 @@ pub struct Traced {
     /// One key a texel of the hit texture.
     pub hits: Vec<Option<CellKey>>,
     pub extras: Extras,
+}
+
+impl Traced {
+    /// The cells that the receiver sees, some of them in mirrors.
+    pub fn reached(&self, settings: &Settings) -> impl Iterator<Item = CellKey> + '_ {
+        let (base, hit) = (settings.sky_base as usize, settings.hit as usize);
+        let mirrors = ReceiverMirrors::from_bytes(&self.extras[MIRROR], base, hit).unwrap_or_default();
+        self.hits.iter().flatten().copied().chain(mirrors.paths.into_iter().map(|path| path.cell))
+    }
 }
 
 impl Layers for () {

@@ -1,0 +1,252 @@
+//! Mirrors: which triangles reflect like one, and their orientations. In: a mesh and its materials. Out: an orientation for every
+//! mirror, and chains of them with what they do to directions.
+//!
+//! What a mirror does to a direction depends on its normal only. So all parallel mirrors of one material are one orientation, a
+//! hundred recessed windows as well as a single pane; a curved mirror is many.
+
+use std::collections::HashMap;
+
+use glam::{DMat3, DVec3};
+
+use super::materials::Material;
+use super::mesh::Mesh;
+use crate::error::{Error, Result};
+
+/// Most mirrors that light meets one after the other.
+pub const MOST_MIRRORS: usize = 3;
+
+/// Normals within this angle are one orientation, radians: a mirrored sun is off by at most half a texel of the finest sky.
+const SAME: f64 = 5e-4;
+
+/// Most orientations of a scene: their numbers have 16 bits.
+const MOST_ORIENTATIONS: usize = 1 << 16;
+
+/// The parallel mirrors of one material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orientation {
+    /// Unit normal; its sign means nothing.
+    pub normal: DVec3,
+    pub material: u16,
+}
+
+impl Orientation {
+    /// A direction after reflection, or before it.
+    pub fn reflect(&self, direction: DVec3) -> DVec3 {
+        direction - self.normal * (2.0 * self.normal.dot(direction))
+    }
+}
+
+/// Orientations met one after the other from the looker on; at most [`MOST_MIRRORS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Chain {
+    /// Numbers + 1; 0 is none.
+    links: [u32; MOST_MIRRORS],
+}
+
+impl Chain {
+    pub fn new(numbers: &[u16]) -> Self {
+        let mut chain = Chain::default();
+        chain.links.iter_mut().zip(numbers).for_each(|(link, &number)| *link = u32::from(number) + 1);
+        chain
+    }
+
+    /// One mirror more, if there is room for it.
+    pub fn then(mut self, number: u16) -> Option<Self> {
+        let link = self.links.iter_mut().find(|link| **link == 0)?;
+        *link = u32::from(number) + 1;
+        Some(self)
+    }
+
+    pub fn numbers(&self) -> impl Iterator<Item = u16> + Clone + '_ {
+        self.links.iter().take_while(|link| **link > 0).map(|link| (link - 1) as u16)
+    }
+
+    pub fn len(&self) -> usize {
+        self.numbers().count()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.links == [0; MOST_MIRRORS]
+    }
+
+    /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the looker
+    /// sees it; `None` if an orientation does not exist.
+    pub fn seen_from(&self, orientations: &[Orientation]) -> Option<DMat3> {
+        self.numbers().try_fold(DMat3::IDENTITY, |map, number| {
+            let n = orientations.get(usize::from(number))?.normal;
+            Some(map * (DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z) * 2.0))
+        })
+    }
+}
+
+/// The mirrors of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Mirrors {
+    pub orientations: Vec<Orientation>,
+    /// `[triangle]`: number + 1; 0 is no mirror. Empty if there is none.
+    of_triangle: Vec<u32>,
+}
+
+impl Mirrors {
+    /// Finds the orientations; their numbers depend on the geometry only, not on the order of triangles.
+    pub fn find(mesh: &Mesh, materials: &[Material]) -> Result<Self> {
+        let mirrors = |triangle: &usize| {
+            let material = mesh.triangle_material.get(*triangle).copied().unwrap_or_default();
+            materials.get(usize::from(material)).is_some_and(Material::mirrors)
+        };
+        let mut faces: Vec<Face> =
+            (0..mesh.triangles.len()).filter(mirrors).map(|triangle| Face::new(mesh, triangle)).collect();
+        if faces.is_empty() {
+            return Ok(Mirrors::default());
+        }
+        let order = |f: &Face| (f.material, f.normal.to_array().map(f64::to_bits), f.area.to_bits(), f.triangle);
+        faces.sort_unstable_by_key(order);
+        let mut sums: Vec<(DVec3, DVec3)> = Vec::new();
+        let mut found = Mirrors { orientations: Vec::new(), of_triangle: vec![0; mesh.triangles.len()] };
+        // By material and by boxes of the normals, each as wide as an orientation.
+        let mut boxes: HashMap<(u16, [i32; 3]), Vec<usize>> = HashMap::new();
+        for face in &faces {
+            let place = (face.normal / SAME).floor().to_array().map(|x| x as i32);
+            let near = (0..27).flat_map(|i| {
+                let offset = [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1];
+                let key = std::array::from_fn(|axis| {
+                    place.get(axis).copied().unwrap_or(0) + offset.get(axis).copied().unwrap_or(0)
+                });
+                boxes.get(&(face.material, key)).into_iter().flatten().copied()
+            });
+            let same = |number: &usize| {
+                sums.get(*number).is_some_and(|(first, _)| first.distance_squared(face.normal) <= SAME * SAME)
+            };
+            let number = match near.filter(same).min() {
+                Some(number) => number,
+                None => {
+                    boxes.entry((face.material, place)).or_default().push(sums.len());
+                    sums.push((face.normal, DVec3::ZERO));
+                    found.orientations.push(Orientation { normal: face.normal, material: face.material });
+                    sums.len() - 1
+                }
+            };
+            if let (Some((_, sum)), Some(slot)) = (sums.get_mut(number), found.of_triangle.get_mut(face.triangle)) {
+                *sum += face.normal * face.area;
+                *slot = number as u32 + 1;
+            }
+        }
+        if sums.len() > MOST_ORIENTATIONS {
+            return Err(Error::Limit {
+                what: "the number of orientations of mirrors (make curved mirrors of fewer planes)".to_owned(),
+                value: sums.len() as u64,
+                max: MOST_ORIENTATIONS as u64,
+            });
+        }
+        for (orientation, (first, sum)) in found.orientations.iter_mut().zip(sums) {
+            orientation.normal = sum.try_normalize().unwrap_or(first);
+        }
+        Ok(found)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.orientations.is_empty()
+    }
+
+    /// Number of the orientation of a triangle, if it is a mirror.
+    pub fn of_triangle(&self, triangle: u32) -> Option<u16> {
+        let number = self.of_triangle.get(triangle as usize)?.checked_sub(1)?;
+        u16::try_from(number).ok()
+    }
+
+    /// Triangles that are mirrors, ascending.
+    pub fn triangles(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..).zip(&self.of_triangle).filter(|(_, number)| **number > 0).map(|(triangle, _)| triangle)
+    }
+}
+
+/// A triangle that is a mirror.
+struct Face {
+    material: u16,
+    /// With a sign of its own, so that both windings are one.
+    normal: DVec3,
+    area: f64,
+    triangle: usize,
+}
+
+impl Face {
+    fn new(mesh: &Mesh, triangle: usize) -> Self {
+        let [a, b, c] = mesh.triangle_points(triangle);
+        let n = mesh.normal(triangle);
+        let size = n.abs();
+        let largest = if size.z >= size.x && size.z >= size.y {
+            n.z
+        } else if size.x >= size.y {
+            n.x
+        } else {
+            n.y
+        };
+        Face {
+            material: mesh.triangle_material.get(triangle).copied().unwrap_or_default(),
+            // + 0.0 turns -0.0 into 0.0: equal normals have equal bits.
+            normal: n * largest.signum() + 0.0,
+            area: 0.5 * (b - a).cross(c - a).length(),
+            triangle,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scene;
+    use super::super::materials::{Class, Material};
+    use super::*;
+
+    fn mirror(name: &str) -> Material {
+        Material { specular: 0.8, ..Material::matt(name, 0.1, Class::Obstruction) }
+    }
+
+    /// Four panes in two parallel planes, wound either way and turned by 0.1 mrad, are 1 orientation of a material; a pane turned by
+    /// 2 mrad and one of another material are 2 more; a matt wall is none; and their order does not matter.
+    #[test]
+    fn orientations() {
+        let pane = |x: f64, y: f64, lean: f64| {
+            [DVec3::new(x, y, 0.0), DVec3::new(x + 1.0, y, 0.0), DVec3::new(x, y + lean, 1.0)]
+        };
+        let mut triangles: Vec<([DVec3; 3], u16)> = vec![
+            (pane(0.0, 0.0, 0.0), 0),
+            (pane(2.0, 0.3, 0.0), 0),
+            (pane(4.0, 0.0, 1e-4), 0),
+            (
+                {
+                    let [a, b, c] = pane(6.0, 0.0, 0.0);
+                    [a, c, b]
+                },
+                0,
+            ),
+            (pane(8.0, 0.0, 2e-3), 0),
+            (pane(10.0, 0.0, 0.0), 1),
+            (pane(12.0, 0.0, 0.0), 2),
+        ];
+        let materials = vec![mirror("a"), mirror("b"), Material::matt("wall", 0.3, Class::Obstruction)];
+        let find = |triangles: &[([DVec3; 3], u16)]| {
+            let scene = Scene::from_triangles(triangles, materials.clone()).expect("a scene");
+            Mirrors::find(&scene.mesh, &scene.materials).expect("few")
+        };
+        let found = find(&triangles);
+        assert_eq!((found.orientations.len(), found.triangles().count()), (3, 6));
+        triangles.reverse();
+        assert_eq!(find(&triangles).orientations, found.orientations);
+    }
+
+    /// A ray that meets two mirrors is sent by the chain's map from the direction that it leaves in to the one that it started in, to
+    /// 1e-15; chains hold 3 mirrors and no fourth.
+    #[test]
+    fn chains() {
+        let orientation = |normal: DVec3| Orientation { normal: normal.normalize(), material: 0 };
+        let both = [orientation(DVec3::new(1.0, 2.0, 0.0)), orientation(DVec3::new(0.0, 1.0, -3.0))];
+        let chain = Chain::new(&[0, 1]);
+        let start = DVec3::new(0.6, 0.0, 0.8);
+        let end = both[1].reflect(both[0].reflect(start));
+        let map = chain.seen_from(&both).expect("both exist");
+        assert!((map * end - start).length() < 1e-15);
+        assert_eq!(chain.seen_from(&both[..1]), None);
+        assert_eq!((chain.len(), chain.then(0).and_then(|c| c.then(1))), (2, None));
+        assert_eq!(chain.then(0).map(|c| c.numbers().collect()), Some(vec![0, 1, 0]));
+    }
+}
