@@ -15,6 +15,7 @@ use crate::recombine::components::ComponentList;
 use crate::recombine::reflectances::Snow;
 use crate::recombine::sky::SkyModel;
 use crate::recombine::span::Moment;
+use crate::recombine::temperatures::Temperature;
 
 pub use self::export::{ExportArgs, SunPosition};
 
@@ -176,7 +177,8 @@ pub struct RecombineArgs {
     /// What rows are about
     #[arg(long, value_enum, default_value_t = By::Receiver)]
     pub by: By,
-    /// Columns to write, in this order, such as total,sun_direct [default: the six components and their total]
+    /// Columns to write, in this order, such as total,sun_direct; `replay` also gives longwave [default: the six components
+    /// and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
     /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
@@ -238,6 +240,10 @@ pub struct ReplayArgs {
     /// Diffuse reflectance of snow
     #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
     pub snow_reflectance: f64,
+    /// Temperature of what the column `longwave` comes from, `ground` or `obstruction`: degrees Celsius, or a CSV as for --schedule with a
+    /// column `temperature_c`; may be repeated, the last one counts [default: the weather file's dry bulb temperature]
+    #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
+    pub temperature: Vec<Temperature>,
 }
 
 #[derive(Args, Debug)]

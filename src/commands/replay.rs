@@ -9,19 +9,20 @@ use super::{Outcome, guard_output, warn};
 use crate::archive::tables::Materials;
 use crate::archive::{Access, Archive, format};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::surfaces::{SurfaceMeans, Surfaces};
 use crate::outputs::table::{Format, Places, TableWriter, files_of};
 use crate::recombine::bins::Bins;
-use crate::recombine::components::ComponentList;
+use crate::recombine::components::{Component, ComponentList};
 use crate::recombine::conditions::{Condition, read_conditions};
-use crate::recombine::epw::read_epw;
+use crate::recombine::epw::{read_epw, read_epw_with_air};
 use crate::recombine::reflectances::Changes;
 use crate::recombine::replay::{Replay, ReplaySettings};
 use crate::recombine::span::Span;
 use crate::recombine::states::Schedule;
+use crate::recombine::temperatures::emissions;
 use crate::recombine::weather::Row;
 use crate::recombine::years::Years;
 
@@ -39,6 +40,13 @@ struct Series<'a> {
 
 /// `heliotile query`.
 pub fn query(args: &QueryArgs) -> Result<Outcome> {
+    if asks_longwave(&args.common) {
+        return Err(Error::Unsupported {
+            what: "column `longwave`".into(),
+            found: "`query`, whose conditions have no infrared radiation and no temperatures".into(),
+            supported: "it in `replay`, from a weather file".into(),
+        });
+    }
     guard(&args.common, &[&args.conditions])?;
     let file = read_conditions(&args.conditions)?;
     file.warnings.iter().for_each(|w| warn(w));
@@ -58,17 +66,30 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
 pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let mut inputs = vec![args.weather.as_path()];
     inputs.extend(args.schedule.iter().map(|(_, file)| file.as_path()));
+    inputs.extend(args.temperature.iter().filter_map(|temperature| temperature.file()));
     guard(&args.common, &inputs)?;
+    let longwave = asks_longwave(&args.common);
+    if !longwave && !args.temperature.is_empty() {
+        return Err(Error::Unsupported {
+            what: "--temperature".into(),
+            found: "no column that depends on it".into(),
+            supported: "it for `longwave`, as in --columns total,longwave".into(),
+        });
+    }
     let span = Span::new(args.from, args.to)?;
-    let weather = read_epw(&args.weather)?;
+    let weather = if longwave { read_epw_with_air(&args.weather)? } else { read_epw(&args.weather)? };
     weather.report.warnings.iter().for_each(|w| warn(w));
     let chosen = span.rows_of(&weather, &args.weather)?;
     // Labels are those of the whole file, whatever part of it is taken.
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
-    let conditions: Vec<Condition> = {
+    let mut conditions: Vec<Condition> = {
         let all = weather.conditions(usize::from(args.steps)).into_iter();
         all.zip(&chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
     };
+    if longwave {
+        let emissions = emissions(&weather, &args.weather, &chosen, &args.temperature)?;
+        conditions.iter_mut().zip(emissions).for_each(|(condition, emission)| condition.emission = Some(emission));
+    }
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let periods = Periods::new(args.every, years, &stamped);
     let (kind, bins) = match args.every {
@@ -83,6 +104,10 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let rows = (weather.rows.as_slice(), chosen.as_slice());
     let series = Series { conditions: &conditions, kind, labels: &periods.labels, bins: &bins, changes, rows };
     run(&args.common, &series)
+}
+
+fn asks_longwave(args: &RecombineArgs) -> bool {
+    args.columns.as_ref().is_some_and(|columns| columns.set().contains(Component::Longwave))
 }
 
 fn guard(args: &RecombineArgs, forcing: &[&Path]) -> Result<()> {

@@ -1,6 +1,6 @@
 //! Outputs: one row model for all results, as CSV, Parquet, Arrow or arrays of NumPy; the layers of a receiver as pictures.
 //!
-//! In: receivers, labels (conditions, hours or periods) and seven f32 values of each pair; maps of a receiver. Out: a file,
+//! In: receivers, labels (conditions, hours or periods) and f32 values of each pair, one a column; maps of a receiver. Out: a file,
 //! complete or not there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy
 //! sums.
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::recombine::components::Component;
+use crate::recombine::components::{Component, ComponentSet};
 use crate::recombine::values::TileValues;
 use crate::scene::receivers::Receiver;
 
@@ -151,8 +151,10 @@ impl SurfaceMeans {
 
     /// The means: names of some surfaces and their values, all other components zero.
     pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues)> + '_ {
-        self.surfaces.names.chunks(SURFACES_AT_ONCE).enumerate().map(|(i, names)| {
-            let mut values = TileValues::new(names.len(), self.labels);
+        let components: Vec<Component> = self.sums.iter().map(|(component, _)| *component).collect();
+        let set = ComponentSet::of(&components);
+        self.surfaces.names.chunks(SURFACES_AT_ONCE).enumerate().map(move |(i, names)| {
+            let mut values = TileValues::of(set, names.len(), self.labels);
             let first = i * SURFACES_AT_ONCE * self.labels;
             for (component, sums) in &self.sums {
                 let here = sums.iter().skip(first);

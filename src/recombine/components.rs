@@ -16,9 +16,12 @@ pub enum Component {
     SkySpecular,
     /// The sum of the six.
     Total,
+    /// Of sky, ground and obstructions by their temperatures; no part of the total.
+    Longwave,
 }
 
 impl Component {
+    /// All columns of light: those of results if nothing is chosen.
     pub const ALL: [Component; 7] = [
         Component::SunDirect,
         Component::SkyDirect,
@@ -29,6 +32,9 @@ impl Component {
         Component::Total,
     ];
 
+    /// Columns beyond them, for results that name them.
+    pub const FURTHER: [Component; 1] = [Component::Longwave];
+
     pub fn name(self) -> &'static str {
         match self {
             Component::SunDirect => "sun_direct",
@@ -38,6 +44,7 @@ impl Component {
             Component::SunSpecular => "sun_specular",
             Component::SkySpecular => "sky_specular",
             Component::Total => "total",
+            Component::Longwave => "longwave",
         }
     }
 }
@@ -47,6 +54,7 @@ impl Component {
 pub struct ComponentSet(u8);
 
 impl ComponentSet {
+    /// Of [`Component::ALL`].
     pub const ALL: ComponentSet = ComponentSet(0x7f);
 
     pub fn of(components: &[Component]) -> Self {
@@ -59,7 +67,13 @@ impl ComponentSet {
 
     /// Whether a component must be computed: it is asked for, or a part of the total that is.
     pub fn needs(self, component: Component) -> bool {
-        self.contains(component) || self.contains(Component::Total)
+        self.contains(component) || self.contains(Component::Total) && !Component::FURTHER.contains(&component)
+    }
+
+    /// Number of places for components, in the order of their numbers, that values need to hold the set.
+    pub fn places(self) -> usize {
+        let further = Component::FURTHER.iter().filter(|component| self.contains(**component)).count();
+        Component::ALL.len() + further
     }
 }
 
@@ -86,12 +100,13 @@ impl FromStr for ComponentList {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        let known = || Component::ALL.into_iter().chain(Component::FURTHER);
         let mut list = Vec::new();
         for part in text.split(',').map(str::trim) {
             let name = part.strip_suffix(SUM_SUFFIX).unwrap_or(part);
-            let Some(component) = Component::ALL.into_iter().find(|c| c.name() == name) else {
-                let names = Component::ALL.map(Component::name).join(", ");
-                return Err(format!("`{part}` is no column, name some of {names}"));
+            let Some(component) = known().find(|c| c.name() == name) else {
+                let names: Vec<&str> = known().map(Component::name).collect();
+                return Err(format!("`{part}` is no column, name some of {}", names.join(", ")));
             };
             if list.contains(&component) {
                 return Err(format!("`{name}` stands there twice"));
@@ -119,13 +134,24 @@ mod tests {
         assert_eq!(ComponentList::all().set(), ComponentSet::ALL);
     }
 
-    /// An unknown name is refused with all 7 names, an empty one and a repeated one too: 3 of 3.
+    /// Longwave irradiance is asked for by name, 1 of 1, is no part of the total, and takes an eighth place.
+    #[test]
+    fn longwave() {
+        let list: ComponentList = "longwave_kwh_m2".parse().expect("a name");
+        assert_eq!(list.as_slice(), [Component::Longwave]);
+        assert_eq!((list.set().places(), ComponentSet::ALL.places()), (8, 7));
+        assert!(list.set().needs(Component::Longwave) && !ComponentSet::ALL.needs(Component::Longwave));
+        assert!(!list.set().needs(Component::SunDirect));
+    }
+
+    /// An unknown name is refused with all 8 names, an empty one and a repeated one too: 3 of 3.
     #[test]
     fn refusals() {
         let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);
         let unknown = refused("sun");
         assert!(
-            Component::ALL.into_iter().all(|c| unknown.contains(c.name())) && unknown.contains("`sun`"),
+            Component::ALL.into_iter().chain(Component::FURTHER).all(|c| unknown.contains(c.name()))
+                && unknown.contains("`sun`"),
             "{unknown}"
         );
         assert!(refused("total,").contains("`` is no column"));

@@ -9,6 +9,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::calendar::Date;
+use super::longwave::Emission;
 use super::sun::SOLAR_CONSTANT_W_M2;
 use crate::error::{Error, Result};
 use crate::units::direction_from_degrees;
@@ -47,6 +48,8 @@ pub struct Condition {
     pub extraterrestrial_w_m2: f64,
     /// Present in a replay only.
     pub stamp: Option<Stamp>,
+    /// Present where longwave irradiance is asked for.
+    pub emission: Option<Emission>,
 }
 
 impl Condition {
@@ -66,6 +69,7 @@ impl Condition {
             dhi_w_m2,
             extraterrestrial_w_m2: SOLAR_CONSTANT_W_M2,
             stamp: None,
+            emission: None,
         }
     }
 }

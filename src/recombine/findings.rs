@@ -15,9 +15,10 @@ pub enum Finding {
     BelowHorizon,
     AboveExtraterrestrial,
     DhiAboveGhi,
+    ComputedInfrared,
 }
 
-const KINDS: [Finding; 8] = [
+const KINDS: [Finding; 9] = [
     Finding::ComputedDni,
     Finding::ComputedDhi,
     Finding::SplitGhi,
@@ -26,6 +27,7 @@ const KINDS: [Finding; 8] = [
     Finding::BelowHorizon,
     Finding::AboveExtraterrestrial,
     Finding::DhiAboveGhi,
+    Finding::ComputedInfrared,
 ];
 
 /// Rows of one kind.
@@ -85,6 +87,10 @@ impl Findings {
                 Finding::DhiAboveGhi => format!(
                     "DHI above GHI by more than 10 % in {hours} hours; DNI and DHI are used as they stand; check these rows"
                 ),
+                Finding::ComputedInfrared => format!(
+                    "missing infrared radiation of {hours} hours computed from dry bulb, dew point and opaque sky cover \
+                     (Clark and Allen 1978, Walton 1983)"
+                ),
             };
             (first_line, sentence)
         })
@@ -95,7 +101,7 @@ impl Findings {
 mod tests {
     use super::*;
 
-    /// Kinds stand in the list in the order of their numbers, 8 of 8, so that each is counted in its own place; the first
+    /// Kinds stand in the list in the order of their numbers, 9 of 9, so that each is counted in its own place; the first
     /// line is kept, hours and energy add up to 1.5 h and 1.6 kWh/m2.
     #[test]
     fn tallies() {

@@ -208,7 +208,7 @@ fn mirror_views(archive: &Archive, tile: u32, rows: usize, table: &MirrorTable) 
     }
 }
 
-/// Ids and normals of a tile, its sky bits and mirrors if they are read, and the responses to use, `[state][receiver]`.
+/// Ids, normals and view factors of a tile, its sky bits and mirrors if they are read, and the responses to use, `[state][receiver]`.
 pub fn tile_layers(
     archive: &Archive,
     tile: u32,
@@ -228,8 +228,9 @@ pub fn tile_layers(
         Vec::new()
     };
     let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
+    let views = table.views().collect();
     let mirrors = mirrors.map_or(Ok(Vec::new()), |mirrors| mirror_views(archive, tile, rows, mirrors))?;
-    Ok((table.ids, TileLayers { normals, sky, mirrors, responses }))
+    Ok((table.ids, TileLayers { normals, views, sky, mirrors, responses }))
 }
 
 /// Sky textures of a tile of so many receivers, each with the bits that it describes.

@@ -1,7 +1,8 @@
 //! Recombine: layers of an archive and the weather of an hour become irradiance. In: an archive, `conditions.csv` or an EPW
-//! file, the choice of a sky. Out: six components and their total for every receiver and condition. It never casts a ray:
-//! nothing here imports the trace stage.
+//! file, the choice of a sky. Out: six components and their total for every receiver and condition, and longwave irradiance where
+//! it is asked for. It never casts a ray: nothing here imports the trace stage.
 
+pub mod air;
 pub mod bins;
 pub mod bounces;
 pub mod calendar;
@@ -14,6 +15,7 @@ pub mod erbs;
 pub mod findings;
 pub mod fresnel;
 pub mod load;
+pub mod longwave;
 pub mod maps;
 pub mod mirrors;
 pub mod patches;
@@ -36,6 +38,7 @@ pub mod states;
 pub mod sun;
 pub mod sun_path;
 pub mod suns;
+pub mod temperatures;
 pub mod tile;
 pub mod values;
 pub mod weather;

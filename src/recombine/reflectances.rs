@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::schedule_csv::read_schedule;
+use super::schedule_csv::{Column, read_schedule};
 use super::states::Schedule;
 use super::weather::Row;
 use crate::archive::tables::Materials;
@@ -17,6 +17,9 @@ pub enum Snow {
     /// The column `albedo`, wherever it has a value
     Albedo,
 }
+
+/// The values of a schedule.
+const REFLECTANCE: Column = Column { name: "reflectance", low: 0.0, high: 1.0 };
 
 /// Depth from which snow covers the ground.
 const COVER_CM: f64 = 1.0;
@@ -54,7 +57,7 @@ impl Changes {
         let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
         for (name, path) in &self.scheduled {
             let members = members(site, materials, name)?;
-            schedules.push(schedule(site, materials, members, read_schedule(path, &dates)?)?);
+            schedules.push(schedule(site, materials, members, read_schedule(path, REFLECTANCE, &dates)?)?);
         }
         if let Some((snow, reflectance)) = self.snow {
             let cover = |row: &Row| match snow {

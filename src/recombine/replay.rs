@@ -7,6 +7,7 @@ use super::bounces::Depth;
 use super::components::{Component, ComponentSet};
 use super::conditions::Condition;
 use super::load::{Tables, cached_responses, mirror_table, sides, tile_layers, tile_view};
+use super::longwave::Longwave;
 use super::patches::Patches;
 use super::responder::Responder;
 use super::sky::SkyModel;
@@ -51,7 +52,8 @@ impl Default for ReplaySettings {
 ///
 /// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
 /// [`Bins`], such as kWh/m2 ([`Replay::summed`]). Diffuse reflectances may change from condition to condition
-/// ([`Replay::scheduled`]). Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
+/// ([`Replay::scheduled`]). Longwave irradiance needs conditions with an emission, as [`super::temperatures::emissions`] gives
+/// them. Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -112,7 +114,13 @@ impl<'a> Replay<'a> {
     ) -> Result<Self> {
         let patches = Patches::new(settings.patches)?;
         let asked = (settings.sky, settings.components);
-        let forced = |ways: &[Bins]| Ok(Forcing::new(conditions, bins, ways, asked, &patches, sides(archive)?));
+        let forced = |ways: &[Bins]| -> Result<Forcing> {
+            let forcing = Forcing::new(conditions, bins, ways, asked, &patches, sides(archive)?);
+            if !settings.components.contains(Component::Longwave) {
+                return Ok(forcing);
+            }
+            Ok(forcing.with_longwave(Longwave::new(conditions, bins, archive.path())?))
+        };
         let reflects = [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
         if !reflects || settings.depth == Depth::All && schedules.is_empty() {
             return Replay::with(archive, forced(&[])?, None);

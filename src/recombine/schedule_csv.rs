@@ -1,4 +1,4 @@
-//! Reader of schedules: one reflectance a line. In: a CSV file with a column `reflectance`, and the dates of a weather file's rows.
+//! Reader of schedules: one value a line. In: a CSV file with a column such as `reflectance`, and the dates of a weather file's rows.
 //! Out: a checked value for each row.
 
 use std::path::Path;
@@ -6,13 +6,25 @@ use std::path::Path;
 use super::calendar::Date;
 use crate::error::{Error, Result};
 
-/// The column that is read; further columns (a time, a note) are ignored.
-const COLUMN: &str = "reflectance";
+/// The column that is read, and what its values can be; further columns (a time, a note) are ignored.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    pub name: &'static str,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Column {
+    /// Whether a value can be; false for NaN.
+    pub fn holds(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
 
 /// Reads a schedule with a value for each of `dates`, or with twelve values, one a month.
-pub fn read_schedule(path: &Path, dates: &[Date]) -> Result<Vec<f64>> {
+pub fn read_schedule(path: &Path, column: Column, dates: &[Date]) -> Result<Vec<f64>> {
     let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
-    let values = parse(path, &bytes)?;
+    let values = parse(path, &bytes, column)?;
     match values.len() {
         count if count == dates.len() => Ok(values),
         12 => Ok(dates.iter().filter_map(|date| values.get(date.month as usize - 1).copied()).collect()),
@@ -28,7 +40,8 @@ pub fn read_schedule(path: &Path, dates: &[Date]) -> Result<Vec<f64>> {
     }
 }
 
-fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<f64>> {
+fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
+    let Column { name, low, high } = column;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
     let broken = |error: csv::Error| {
@@ -36,9 +49,9 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<f64>> {
         Error::input(path, line, error.to_string(), "save the file as CSV in UTF-8")
     };
     let header = reader.headers().map_err(broken)?;
-    let Some(place) = header.iter().position(|name| name == COLUMN) else {
-        let what = format!("column `{COLUMN}` is missing from the header");
-        return Err(Error::input(path, 1, what, format!("name the column of the values `{COLUMN}`")));
+    let Some(place) = header.iter().position(|cell| cell == name) else {
+        let what = format!("column `{name}` is missing from the header");
+        return Err(Error::input(path, 1, what, format!("name the column of the values `{name}`")));
     };
     let mut values = Vec::new();
     for record in reader.records() {
@@ -46,10 +59,10 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<f64>> {
         let line = record.position().map_or(0, |p| p.line() as usize);
         let text = record.get(place).unwrap_or_default();
         match text.parse::<f64>() {
-            Ok(value) if (0.0..=1.0).contains(&value) => values.push(value),
+            Ok(value) if column.holds(value) => values.push(value),
             _ => {
-                let what = format!("column `{COLUMN}` holds `{text}`");
-                return Err(Error::input(path, line, what, "write a number from 0 to 1"));
+                let what = format!("column `{name}` holds `{text}`");
+                return Err(Error::input(path, line, what, format!("write a number from {low} to {high}")));
             }
         }
     }
@@ -69,7 +82,7 @@ mod tests {
         let dates = [(1, 31), (2, 1), (12, 5)].map(|(month, day)| Date::new(2021, month, day).expect("a date"));
         let read = |text: &str| {
             std::fs::write(&path, text).expect("written");
-            read_schedule(&path, &dates)
+            read_schedule(&path, Column { name: "reflectance", low: 0.0, high: 1.0 }, &dates)
         };
         let months: String = (1..=12).map(|m| format!("{m},0.{m:02}\n")).collect();
         assert_eq!(read(&format!("month, reflectance\r\n{months}")).expect("months"), [0.01, 0.02, 0.12]);

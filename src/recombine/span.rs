@@ -179,7 +179,7 @@ mod tests {
             Row { line: 9, interval, sun, ghi_w_m2, dni_w_m2: 0.0, dhi_w_m2: 0.0, albedo, snow_depth_cm }
         };
         let rows = days.iter().flat_map(|day| (0..24).map(move |hour| row(day, hour))).collect();
-        Weather { place: String::new(), site, rows, interval_hours: 1.0, report: Report::default() }
+        Weather { place: String::new(), site, rows, air: Vec::new(), interval_hours: 1.0, report: Report::default() }
     }
 
     fn span(from: &str, to: &str) -> Result<Span> {

@@ -1,5 +1,5 @@
 //! One tile of receivers under a series of conditions. In: the tile's decoded layers and the weather prepared once. Out: six
-//! components and their total for every receiver and condition.
+//! components and their total for every receiver and condition, and longwave irradiance where it is asked for.
 
 use glam::DVec3;
 
@@ -9,6 +9,7 @@ use super::components::Component::{
 };
 use super::components::ComponentSet;
 use super::conditions::Condition;
+use super::longwave::Longwave;
 use super::patches::Patches;
 use super::projection::Projection;
 use super::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
@@ -37,6 +38,8 @@ pub struct TextureSides {
 /// Decoded layers of one tile.
 pub struct TileLayers {
     pub normals: Vec<DVec3>,
+    /// Shares of each hemisphere: sky, ground, obstructions.
+    pub views: Vec<[f32; 3]>,
     /// Empty where a [`Forcing`] does not read them.
     pub sky: Vec<Mosaic>,
     /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
@@ -56,6 +59,7 @@ pub struct Forcing {
     sky_projection: Projection,
     response_projection: Projection,
     components: ComponentSet,
+    longwave: Option<Longwave>,
 }
 
 /// The weather of one state of the reflectances.
@@ -96,13 +100,19 @@ impl Forcing {
             response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
             sky_projection,
             components,
+            longwave: None,
         }
+    }
+
+    /// The same with longwave irradiance.
+    pub fn with_longwave(self, longwave: Longwave) -> Self {
+        Forcing { longwave: Some(longwave), ..self }
     }
 
     /// Bytes of the results of a full tile, and of the responses that they are made of.
     pub fn tile_bytes(&self) -> usize {
         let responses = self.reflected.len() * Response::len(self.response_projection.side());
-        TILE * (Component::ALL.len() * self.bins + responses) * size_of::<f32>()
+        TILE * (self.components.places() * self.bins + responses) * size_of::<f32>()
     }
 
     /// Whether what is asked for needs the receivers' sky textures.
@@ -125,7 +135,7 @@ impl Forcing {
 
     /// Irradiance of every receiver of a tile.
     pub fn replay(&self, tile: &TileLayers) -> TileValues {
-        let mut out = TileValues::new(tile.normals.len(), self.bins);
+        let mut out = TileValues::of(self.components, tile.normals.len(), self.bins);
         self.add_direct(tile, &mut out);
         self.add_specular(tile, &mut out);
         self.add_diffuse(tile, &mut out);
@@ -137,6 +147,11 @@ impl Forcing {
                     total.iter_mut().zip(out.row(part as usize, receiver)).for_each(|(total, v)| *total += v);
                 }
                 out.row_mut(Total as usize, receiver).copy_from_slice(&total);
+            }
+        }
+        if let Some(longwave) = &self.longwave {
+            for (receiver, views) in tile.views.iter().enumerate() {
+                longwave.irradiance(*views, out.row_mut(Component::Longwave as usize, receiver));
             }
         }
         out

@@ -1,19 +1,30 @@
-//! Irradiance of a tile of receivers: the six components and their total, as recombination gives and outputs take them.
+//! Irradiance of a tile of receivers: the six components, their total and what else is asked for, as recombination gives and
+//! outputs take them.
 
-use super::components::Component;
+use super::components::ComponentSet;
 
-/// Values of one tile: `[component][receiver][label]`, row-major, components as in [`Component::ALL`].
+/// Values of one tile: `[component][receiver][label]`, row-major, components in the order of their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileValues {
     values: Vec<f32>,
+    components: usize,
     receivers: usize,
     labels: usize,
 }
 
 impl TileValues {
-    /// Zeros for a number of receivers and labels.
+    /// Zeros for all components of light and a number of receivers and labels.
     pub fn new(receivers: usize, labels: usize) -> Self {
-        TileValues { values: vec![0.0; Component::ALL.len() * receivers * labels], receivers, labels }
+        TileValues::of(ComponentSet::ALL, receivers, labels)
+    }
+
+    /// Zeros that have a place for every component of light and of a set.
+    pub fn of(set: ComponentSet, receivers: usize, labels: usize) -> Self {
+        TileValues::zeros(set.places(), receivers, labels)
+    }
+
+    fn zeros(components: usize, receivers: usize, labels: usize) -> Self {
+        TileValues { values: vec![0.0; components * receivers * labels], components, receivers, labels }
     }
 
     /// `[receiver][label]` of a component; empty for one that does not exist.
@@ -43,8 +54,8 @@ impl TileValues {
     /// The values of some receivers: those for which `kept` is true.
     pub fn select(&self, kept: &[bool]) -> TileValues {
         let rows: Vec<usize> = (0..self.receivers).filter(|row| kept.get(*row) == Some(&true)).collect();
-        let mut out = TileValues::new(rows.len(), self.labels);
-        for component in 0..Component::ALL.len() {
+        let mut out = TileValues::zeros(self.components, rows.len(), self.labels);
+        for component in 0..self.components {
             for (to, &from) in rows.iter().enumerate() {
                 out.row_mut(component, to).copy_from_slice(self.row(component, from));
             }

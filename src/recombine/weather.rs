@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use glam::DVec3;
 
+use super::air::Air;
 use super::closure::Closure;
 use super::conditions::{Condition, Stamp};
 use super::findings::Findings;
@@ -52,6 +53,8 @@ pub struct Weather {
     pub site: Site,
     /// In file order.
     pub rows: Vec<Row>,
+    /// `[row]`: its air; empty if only light was read.
+    pub air: Vec<Air>,
     /// Length of every row's interval.
     pub interval_hours: f64,
     pub report: Report,
@@ -103,7 +106,7 @@ mod tests {
                 }
             })
             .collect();
-        Weather { place: String::new(), site, rows, interval_hours: 1.0, report: Report::default() }
+        Weather { place: String::new(), site, rows, air: Vec::new(), interval_hours: 1.0, report: Report::default() }
     }
 
     /// In a sunrise hour all of the DNI goes to the sunlit part: six suns, all up, weights sum 1; labels are the start of the

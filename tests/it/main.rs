@@ -8,6 +8,7 @@ mod ground;
 mod hostile;
 mod interrupt;
 mod kaitai;
+mod longwave;
 mod mirrors;
 mod numerics;
 mod physics;

@@ -154,8 +154,11 @@ fn facing_mirrors() {
     let (length, height) = (4000.0, 8.0);
     let wall = |x: f64| quad(v(x, -length / 2.0, -1.0), v(0.0, length, 0.0), v(0.0, 0.0, height + 1.0), 0);
     let triangles = [wall(0.0), wall(6.0)].concat();
-    let places =
-        [("up", v(2.0, 0.0, 0.0), DVec3::Z), ("left", v(4.5, 1.0, 3.0), -DVec3::X), ("tilted", v(3.0, 0.0, 1.0), v(0.5, 0.2, 0.6))];
+    let places = [
+        ("up", v(2.0, 0.0, 0.0), DVec3::Z),
+        ("left", v(4.5, 1.0, 3.0), -DVec3::X),
+        ("tilted", v(3.0, 0.0, 1.0), v(0.5, 0.2, 0.6)),
+    ];
     let receivers: Vec<Receiver> = places.iter().map(|(id, p, n)| receiver(id, *p, *n)).collect();
     let site = built(&triangles, vec![mirror("mirror", 0.0, 0.9)], &receivers);
     let suns = suns();
@@ -190,7 +193,10 @@ fn facing_mirrors() {
             assert!((got - expected).abs() < 0.1, "{id} {sun}: {got} {expected}");
         }
     }
-    println!("facing mirrors: chains {of_chain:?}, {skipped} near edges, worst {worst:.4} W/m2, lost {:.4}", site.report.lost_in_mirrors);
+    println!(
+        "facing mirrors: chains {of_chain:?}, {skipped} near edges, worst {worst:.4} W/m2, lost {:.4}",
+        site.report.lost_in_mirrors
+    );
     assert!(of_chain[1..].iter().all(|&count| count > 200) && skipped < 2000, "{of_chain:?} {skipped}");
     // Each direction of the upper hemisphere leaves to the sky in the end: what is missing is lost behind the third mirror.
     let seen = site.sky_share("up", SkyDirect) + site.sky_share("up", SkySpecular);
@@ -216,7 +222,9 @@ fn lake_at_low_sun() {
         assert!((got - expected).abs() < 1e-3 * expected, "{altitude}: {got} {expected}");
     }
     assert!(rows["up"].iter().all(|&v| v == 0.0));
-    assert!(fresnel::panes(1, 3.0_f64.to_radians().sin()) > 0.75 && fresnel::panes(1, 40.0_f64.to_radians().sin()) < 0.2);
+    assert!(
+        fresnel::panes(1, 3.0_f64.to_radians().sin()) > 0.75 && fresnel::panes(1, 40.0_f64.to_radians().sin()) < 0.2
+    );
 }
 
 /// Before a boundless mirror wall of 0.8 a vertical receiver sees 0.4 of the open sky in it and none besides; ground of 0.3, which gets the
@@ -240,7 +248,8 @@ fn ground_before_a_mirror() {
     // Of the lower half, what lies between the receiver and the foot of the wall is seen directly: (1 - sin atan(20 / 0.5)) / 2 of it.
     let direct = 0.5 * (1.0 - 20.0 / 20.0_f64.hypot(0.5));
     let floor_seen = direct + 0.8 * (0.5 - direct);
-    let all = |depth| site.rows_at(&[sky_only()], SkyModel::Uniform, Component::SkyDiffuse, depth)["at wall"][0] / 100.0;
+    let all =
+        |depth| site.rows_at(&[sky_only()], SkyModel::Uniform, Component::SkyDiffuse, depth)["at wall"][0] / 100.0;
     near("floor, sky, all bounces", all(Depth::All), 0.3 * floor_gets * floor_seen);
     near("floor, sky, one bounce", all(Depth::Count(1)), 0.3 * floor_gets * floor_seen);
     let sunny = [sun(180.0, 40.0, 1000.0, 0.0)];
@@ -286,7 +295,8 @@ fn room_of_mirrors() {
     let mut receivers = Vec::new();
     let mut grid = |name: &str, at: DVec3, u: DVec3, w: DVec3, normal: DVec3| {
         for i in 0..n * n {
-            let place = at + u * ((f64::from(i % n) + 0.5) / f64::from(n)) + w * ((f64::from(i / n) + 0.5) / f64::from(n));
+            let place =
+                at + u * ((f64::from(i % n) + 0.5) / f64::from(n)) + w * ((f64::from(i / n) + 0.5) / f64::from(n));
             receivers.push(receiver(&format!("{name} {i}"), place + normal * 1e-3, normal));
         }
     };
@@ -313,7 +323,11 @@ fn room_of_mirrors() {
     let (left, came) = (mean("out") * a * a / 2.0, 100.0 * a * a / 2.0);
     let found = (absorbed + left) / came;
     println!("room of mirrors: {found:.4} of what comes in is found, lost {:.4}", site.report.lost_in_mirrors);
-    assert!(found < 1.01 && found > 1.0 - 0.02 - site.report.lost_in_mirrors, "{found} {}", site.report.lost_in_mirrors);
+    assert!(
+        found < 1.01 && found > 1.0 - 0.02 - site.report.lost_in_mirrors,
+        "{found} {}",
+        site.report.lost_in_mirrors
+    );
 }
 
 /// Where no surface is a mirror, or no receiver and no cell can see it, no ray is cast for mirrors beyond looking for them, and no block of

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::super::air::Air;
 use super::super::closure::Closure;
 use super::super::findings::Finding;
 use super::super::sun::{Site, extraterrestrial_w_m2};
@@ -21,14 +22,19 @@ const FARTHEST_CLOCK_HOURS: f64 = 3.0;
 const LARGEST_DIFFUSE_RATIO: f64 = 1.10;
 const SMALLEST_JUDGED_DHI_W_M2: f64 = 50.0;
 
-/// Fills what is missing, then judges the rows and the file as a whole.
-pub fn judged(path: &Path, header: Header, raw: &[RawRow]) -> Result<Weather> {
+/// Fills what is missing, then judges the rows and the file as a whole. `air` of the rows, if it is asked for.
+pub fn judged(path: &Path, header: Header, raw: &[RawRow], air: Vec<Air>) -> Result<Weather> {
     let site = header.site;
     let done: Vec<(Row, Vec<Finding>)> = raw.par_iter().map(|raw| judged_row(raw, &site)).collect();
     let mut report = Report::default();
     for (row, findings) in &done {
         for kind in findings {
             report.findings.add(*kind, row.line, row.interval.hours(), row.dni_w_m2);
+        }
+    }
+    for (raw, air) in raw.iter().zip(&air) {
+        if air.infrared_w_m2.is_none() && air.sky_w_m2().is_some() {
+            report.findings.add(Finding::ComputedInfrared, raw.line, raw.interval.hours(), 0.0);
         }
     }
     let lost = report.findings.of(Finding::Zeroed);
@@ -62,6 +68,7 @@ pub fn judged(path: &Path, header: Header, raw: &[RawRow]) -> Result<Weather> {
         place: header.place,
         site,
         rows: done.into_iter().map(|(row, _)| row).collect(),
+        air,
         interval_hours: 1.0 / f64::from(header.records_per_hour),
         report,
     })

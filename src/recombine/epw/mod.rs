@@ -3,8 +3,10 @@
 //! Format: Crawley, Hand and Lawrie, "Improving the weather information available to simulation programs", Building
 //! Simulation 1999, and EnergyPlus, "Auxiliary programs", chapter "EnergyPlus weather file (EPW) data dictionary". Rows carry
 //! the END of their interval: hour 1 of an hourly file is 00:00 to 01:00 of standard time. Radiation from 9999 up or
-//! empty, albedo of 0 or above 1 and snow depth 999 mean missing.
+//! empty, albedo of 0 or above 1 and snow depth 999 mean missing; so do temperatures of 99.9, opaque sky cover 99 and infrared
+//! radiation of 0, which no sky sends.
 
+mod air;
 mod gaps;
 mod header;
 mod judge;
@@ -12,24 +14,36 @@ mod row;
 
 use std::path::Path;
 
+use air::read_air;
 use header::Header;
 use judge::judged;
 use row::{DHI, RawRow};
 
+use super::air::Air;
 use super::weather::Weather;
 use crate::error::{Error, Result};
 
 /// Reads and checks a weather file. The text need not be UTF-8: only its numbers are used.
 pub fn read_epw(path: &Path) -> Result<Weather> {
-    let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(path, &bytes)
+    read(path, false)
 }
 
-fn parse(path: &Path, bytes: &[u8]) -> Result<Weather> {
+/// The same with the air of every row, which longwave irradiance is made of.
+pub fn read_epw_with_air(path: &Path) -> Result<Weather> {
+    read(path, true)
+}
+
+fn read(path: &Path, with_air: bool) -> Result<Weather> {
+    let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
+    parse(path, &bytes, with_air)
+}
+
+fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
     let mut lines =
         bytes.split(|b| *b == b'\n').zip(1_usize..).map(|(line, number)| (String::from_utf8_lossy(line), number));
     let header = Header::read(path, &mut lines)?;
     let mut raw: Vec<RawRow> = Vec::new();
+    let mut air: Vec<Air> = Vec::new();
     let mut columns = None;
     let mut gaps_left = header.periods.saturating_sub(1);
     let mut odd_minute = None;
@@ -61,12 +75,15 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Weather> {
             gaps_left -= 1;
         }
         raw.push(row);
+        if with_air {
+            air.push(read_air(path, line, &cells)?);
+        }
     }
     if raw.is_empty() {
         let hint = "an EPW file has its rows after the line DATA PERIODS";
         return Err(Error::input(path, None, "the file has no weather rows", hint));
     }
-    let mut weather = judged(path, header, &raw)?;
+    let mut weather = judged(path, header, &raw, air)?;
     let hours = raw.len() as f64 * weather.interval_hours;
     if hours < HOURS_OF_YEAR {
         weather.report.warnings.push(format!(

@@ -17,7 +17,7 @@ pub(super) fn read(rows: &str) -> Result<Weather> {
 }
 
 pub(super) fn file(text: &str) -> Result<Weather> {
-    parse(Path::new("w.epw"), text.as_bytes())
+    parse(Path::new("w.epw"), text.as_bytes(), false)
 }
 
 pub(super) fn hours(days: &[(u32, u32, u32)], light: &str) -> String {
@@ -146,5 +146,5 @@ fn errors_name_line_and_column() {
         let text = file(text).expect_err(expected).to_string();
         assert!(text.contains(expected), "{text}");
     }
-    assert!(parse(Path::new("w.epw"), &[0xff, 0, 10, 13, 200]).is_err());
+    assert!(parse(Path::new("w.epw"), &[0xff, 0, 10, 13, 200], false).is_err());
 }

@@ -11,9 +11,11 @@ use heliotile::layers::{hit::HitTile, mosaic::Mosaic, response, sky::SkyTexture}
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::conditions::read_conditions;
-use heliotile::recombine::epw::read_epw;
+use heliotile::recombine::epw::{read_epw, read_epw_with_air};
+use heliotile::recombine::longwave::Emission;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
+use heliotile::recombine::temperatures::emissions;
 use heliotile::scene::Scene;
 use heliotile::scene::receiver_tiles::ReceiverTiles;
 use heliotile::scene::receivers::read_receivers_with_warnings;
@@ -277,7 +279,16 @@ fn conditions(data: &[u8]) {
 }
 
 fn epw(data: &[u8]) {
-    let _ = read_epw(&file("year.epw", data));
+    let path = file("year.epw", data);
+    let light = read_epw(&path);
+    let Ok(weather) = read_epw_with_air(&path) else { return };
+    // Air takes nothing of the light away.
+    assert!(light.is_ok_and(|light| light.rows == weather.rows) && weather.air.len() == weather.rows.len());
+    if let Ok(emissions) = emissions(&weather, &path, &vec![true; weather.rows.len()], &[]) {
+        let finite =
+            |e: &Emission| [e.sky_w_m2, e.ground_w_m2, e.obstruction_w_m2].iter().all(|x| x.is_finite() && *x > 0.0);
+        assert!(emissions.len() == weather.rows.len() && emissions.iter().all(finite));
+    }
 }
 
 /// Weather as it is replayed: with the sun's places within each interval.
