@@ -20,6 +20,8 @@ use super::slots::Slots;
 use crate::error::Result;
 use crate::hemisphere::{bilinear, bit, texel_centres};
 use crate::layers::cells::Cells;
+use crate::layers::extras::MIRROR;
+use crate::layers::mirror::CellMirrors;
 use crate::layers::response::{CLASSES, Response};
 use crate::scene::cells::CellKey;
 
@@ -148,8 +150,8 @@ impl Responder {
         };
         let of_probe = |key: &CellKey| if first_only { Ok(0) } else { place(key) };
         let seen = probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
-        let in_mirrors = |key: CellKey| Ok((key, of_probe(&key)?));
-        let in_mirrors = (0..probes.rows()).flat_map(|i| probes.mirrors(i).paths).map(|path| in_mirrors(path.cell));
+        let mirrors: Vec<CellMirrors> = (0..probes.extras[MIRROR].len()).map(|i| probes.mirrors(i)).collect();
+        let in_mirrors = mirrors.iter().flat_map(CellMirrors::cells).map(|key| Ok((key, of_probe(&key)?)));
         let mirrored = in_mirrors.collect::<Result<_>>()?;
         let probe_chains = Chains::of_cells(&probes, tables, &self.centres);
         let closed = keys.partition_point(|key| self.rules.closes(key));
@@ -178,6 +180,7 @@ impl Responder {
             surrounds,
             seen,
             mirrored,
+            mirrors,
             chains: probe_chains,
             keys,
             closed,
@@ -196,6 +199,8 @@ struct Group<'r> {
     seen: Vec<usize>,
     /// The same of each cell that probes see in mirrors.
     mirrored: HashMap<CellKey, usize>,
+    /// `[probe]`: what it sees in mirrors; empty where none sees any.
+    mirrors: Vec<CellMirrors>,
     /// By which chains probes see the sky.
     chains: Chains,
     /// Bounce cells, coarser first: closed ones, then those of `rows`.
@@ -278,18 +283,25 @@ impl Group<'_> {
             let weight = on_texels.get(path.texel as usize)? * left(&path.steps, reflectors);
             Some((path.cell, path.steps.first()?.0, weight))
         });
-        for (key, seen_first, weight) in direct.chain(in_mirrors) {
+        let mut lights: Vec<(CellKey, u16, f64)> = direct.chain(in_mirrors).collect();
+        lights.sort_by_key(|light| (light.0, light.1));
+        let same = |a: &(CellKey, u16, f64), b: &(CellKey, u16, f64)| (a.0, a.1) == (b.0, b.1);
+        for lights in lights.chunk_by(same) {
+            let (key, seen_first, weight) = (lights[0].0, lights[0].1, lights.iter().map(|light| light.2).sum::<f64>());
             let Some(reflector) = reflectors.get(usize::from(seen_first)) else { continue };
             // The group holds all keys of its tiles' palettes.
             let Ok(probe) = self.probes.keys.binary_search(&key) else { continue };
             let class = class_index(reflector.class);
             let (slot, fixed) = slots.of(key.material);
             let worth = weight * fixed;
+            if worth == 0.0 {
+                continue;
+            }
             let scaled = |normal: [f32; 3]| normal.map(|c| c * worth as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
             add_bits(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), texels);
-            let mirrors = self.probes.mirrors(probe);
-            for window in &mirrors.windows {
+            let (windows, paths) = self.mirrors.get(probe).map_or((&[][..], &[][..]), |m| (&m.windows, &m.paths));
+            for window in windows {
                 if let Some((image, shares)) = self.chains.image(&window.chain, self.probes.normals[probe]) {
                     add_shares(out, &window.bits, scaled(image), shares);
                 }
@@ -308,7 +320,7 @@ impl Group<'_> {
                     indirect.extend(list.into_iter().map(entry));
                 }
                 let each = each_ray(self.probes.hits_of(probe), around);
-                for path in &mirrors.paths {
+                for path in paths {
                     let share = each[usize::from(path.up)] * left(&path.steps, reflectors) * worth;
                     // The group holds all that its probes see.
                     let Some(&cell) = self.mirrored.get(&path.cell) else { continue };

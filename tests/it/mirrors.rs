@@ -38,7 +38,6 @@ fn built(triangles: &Triangles, materials: Vec<Material>, receivers: &[Receiver]
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("site.helio");
     let report = build(&scene, &mut tiles(receivers, &scene), &plan(&BuildSettings::default(), &path)).expect("built");
-    println!("{:?} {:?} {:?}", report.counts, report.rays, report.seconds);
     Built { _folder: folder, archive: Archive::open(&path).expect("an archive"), report }
 }
 
@@ -88,7 +87,7 @@ fn suns() -> Vec<(DVec3, Condition)> {
 fn inside(from: DVec3, direction: DVec3, at: DVec3, a: DVec3, b: DVec3) -> f64 {
     let normal = a.cross(b).normalize();
     let t = (at - from).dot(normal) / direction.dot(normal);
-    if !(t > 0.0) {
+    if t.is_nan() || t <= 0.0 {
         return -1.0;
     }
     let p = from + direction * t - at;
@@ -193,14 +192,13 @@ fn facing_mirrors() {
             assert!((got - expected).abs() < 0.1, "{id} {sun}: {got} {expected}");
         }
     }
-    println!(
-        "facing mirrors: chains {of_chain:?}, {skipped} near edges, worst {worst:.4} W/m2, lost {:.4}",
-        site.report.lost_in_mirrors
-    );
+    println!("facing mirrors: chains {of_chain:?}, {skipped} near edges, worst {worst:.4} W/m2");
     assert!(of_chain[1..].iter().all(|&count| count > 200) && skipped < 2000, "{of_chain:?} {skipped}");
     // Each direction of the upper hemisphere leaves to the sky in the end: what is missing is lost behind the third mirror.
     let seen = site.sky_share("up", SkyDirect) + site.sky_share("up", SkySpecular);
-    assert!(seen < 1.0 && site.report.lost_in_mirrors > 0.0 && site.report.lost_in_mirrors < 0.4, "{seen}");
+    let lost = site.report.lost_in_mirrors[0];
+    println!("facing mirrors: {seen:.4} of the sky is seen, {lost:.4} is lost");
+    assert!(seen < 1.0 && 1.0 - seen < lost + 0.01 && lost < 0.3, "{seen} {lost}");
 }
 
 /// A lake of glass-like water before a facade: at sun altitudes of 3 to 40 degrees sun_specular on the facade is DNI n . s times Fresnel's
@@ -322,12 +320,9 @@ fn room_of_mirrors() {
     let absorbed: f64 = absorbed.iter().map(|(e, area, share)| e * area * share).sum();
     let (left, came) = (mean("out") * a * a / 2.0, 100.0 * a * a / 2.0);
     let found = (absorbed + left) / came;
-    println!("room of mirrors: {found:.4} of what comes in is found, lost {:.4}", site.report.lost_in_mirrors);
-    assert!(
-        found < 1.01 && found > 1.0 - 0.02 - site.report.lost_in_mirrors,
-        "{found} {}",
-        site.report.lost_in_mirrors
-    );
+    println!("room of mirrors: {found:.4} of what comes in is found, lost {:.4?}", site.report.lost_in_mirrors);
+    let lost = site.report.lost_in_mirrors.into_iter().fold(0.0, f64::max);
+    assert!(found < 1.01 && found > 1.0 - 0.02 - lost && lost < 0.1, "{found} {lost}");
 }
 
 /// Where no surface is a mirror, or no receiver and no cell can see it, no ray is cast for mirrors beyond looking for them, and no block of

@@ -1,6 +1,6 @@
 //! What receivers and cells see in mirrors: traced here, packed as `layers/mirror.rs` says.
 
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DMat3, DVec3};
 
@@ -43,7 +43,7 @@ impl Job<'_> {
             }
             paths.extend(met.into_iter().map(path));
         }
-        self.note_lost(lost * 2.0 / (self.settings.hit * self.settings.hit) as f64);
+        note_lost(&self.lost[0], lost * 2.0 / (self.settings.hit * self.settings.hit) as f64);
         let windows = self.windows(reflections, view, centres, rays);
         ReceiverMirrors { windows, paths }
     }
@@ -109,15 +109,15 @@ impl Job<'_> {
             };
             paths.extend(met.into_iter().map(path));
         }
-        self.note_lost(lost / surroundings.seen.len().max(1) as f64);
+        note_lost(&self.lost[1], lost / surroundings.seen.len().max(1) as f64);
         CellMirrors { windows: cell_windows(reflections, key, probe, texture, rays), paths }
     }
+}
 
-    /// Keeps the largest share of a looker's light that is lost behind the last mirror that is followed.
-    fn note_lost(&self, share: f64) {
-        // Numbers that are not negative sort as their bits do.
-        self.lost.fetch_max(share.max(0.0).to_bits(), Ordering::Relaxed);
-    }
+/// Keeps the largest share of light that is lost behind the last mirror that is followed.
+fn note_lost(largest: &AtomicU64, share: f64) {
+    // Numbers that are not negative sort as their bits do.
+    largest.fetch_max(share.max(0.0).to_bits(), Ordering::Relaxed);
 }
 
 /// The texels of the sky that a cell sees in mirrors: each from the point that it asks for the sky itself.

@@ -20,7 +20,7 @@ pub use crate::cli::Share;
 use crate::error::{Error, Result};
 use crate::recombine::response::Reflector;
 use crate::scene::Scene;
-use crate::scene::mirrors::Mirrors;
+use crate::scene::mirrors::{MOST_MIRRORS, Mirrors};
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
@@ -41,8 +41,8 @@ pub struct BuildReport {
     pub bytes: u64,
     pub root: [u8; 32],
     pub warnings: Vec<String>,
-    /// Largest share of a receiver's or cell's light that was lost behind the last mirror followed.
-    pub lost_in_mirrors: f64,
+    /// Largest share of a receiver's light, and of a cell's, that was lost behind the last mirror followed.
+    pub lost_in_mirrors: [f64; 2],
 }
 
 /// Rays cast, by purpose.
@@ -75,8 +75,8 @@ struct Job<'a> {
     known: Known<'a>,
     /// Only where there are mirrors.
     reflections: Option<Reflections<'a>>,
-    /// Largest share of a looker's light that was lost behind the last mirror followed, as bits of an f64.
-    lost: AtomicU64,
+    /// Largest share of light that was lost behind the last mirror followed, as bits of an f64: of a receiver's, of a cell's.
+    lost: [AtomicU64; 2],
 }
 
 impl Job<'_> {
@@ -191,7 +191,7 @@ struct Traced {
     rays: Rays,
     warnings: Vec<String>,
     manifest: Manifest,
-    lost_in_mirrors: f64,
+    lost_in_mirrors: [f64; 2],
 }
 
 /// Writes all blocks that a writer does not have.
@@ -215,7 +215,7 @@ fn trace(
         memory: plan.memory_bytes as usize,
         known: Known::new(earlier, scene.materials.len()),
         reflections,
-        lost: AtomicU64::new(0),
+        lost: Default::default(),
     };
     clock.lap("tree");
     let farthest = receivers.farthest().and_then(|receiver| far_away(&tracer, scene, receiver));
@@ -240,7 +240,7 @@ fn trace(
     job.write_responses(tiles, writer, clock)?;
     let manifest = job.manifest(&counts, writer.layers());
     warnings.extend(tiles::warnings(&misplaced));
-    let lost_in_mirrors = f64::from_bits(job.lost.load(Ordering::Relaxed));
+    let lost_in_mirrors = job.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
     Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
 }
 
@@ -289,9 +289,19 @@ fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
     let rays = report.rays.total();
     let each = |x: f64| x / counts.receivers.max(1) as f64;
     let stages: Vec<String> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
+    let mirrors = match report.lost_in_mirrors {
+        [0.0, 0.0] => String::new(),
+        lost => {
+            let [receivers, cells] = lost.map(|share| share * 100.0);
+            format!(
+                "  behind {MOST_MIRRORS} mirrors, where no light is followed, lies at most {receivers:.1} % of what a receiver sees, \
+                 {cells:.1} % of what a cell sees\n"
+            )
+        }
+    };
     format!(
         "{}: {} receivers, {} triangles\n  {} probes, {} bounce cells, {:.1} Mray ({:.0} a receiver), {:.2} MB ({:.0} bytes a \
-         receiver)\n  {total:.2} s: {}\n  root {}\n",
+         receiver)\n{mirrors}  {total:.2} s: {}\n  root {}\n",
         output.display(),
         counts.receivers,
         scene.mesh.triangles.len(),
