@@ -1,5 +1,6 @@
 //! The command line: clap types of every subcommand, nothing else.
 
+mod effects;
 mod export;
 
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ use crate::recombine::sky::SkyModel;
 use crate::recombine::span::Moment;
 use crate::recombine::temperatures::Temperature;
 
+pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
 
 /// Trace the sun and sky of a site once, replay any weather.
@@ -31,6 +33,8 @@ pub struct Cli {
 pub enum Command {
     /// Trace every receiver of a scene once and store its layers in an archive
     Build(BuildArgs),
+    /// What a build would trace, what it would cost, and what leaving an effect out could cost
+    Plan(PlanArgs),
     /// Irradiance of every receiver under the suns and skies of a conditions table
     Query(QueryArgs),
     /// Irradiance of every receiver through a weather file
@@ -78,6 +82,9 @@ pub struct BuildArgs {
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
     #[arg(long, value_enum, default_value_t = Share::Cells)]
     pub share: Share,
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors
+    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
+    pub effects: Wanted,
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
@@ -85,6 +92,27 @@ pub struct BuildArgs {
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}
+
+#[derive(Args, Debug)]
+pub struct PlanArgs {
+    /// Scene geometry, Wavefront OBJ, metres, x east, y north, z up
+    pub scene: PathBuf,
+    /// Reflectances, one table per OBJ material name; without it the OBJ's MTL files are used
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
+    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[arg(long, short)]
+    pub receivers: PathBuf,
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors
+    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
+    pub effects: Wanted,
+    /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
 }

@@ -101,6 +101,9 @@ pub struct Settings {
     pub bounces: String,
     /// Sky patches that errors were estimated with: 145, 577 or 2305.
     pub patches: u32,
+    /// Effects that the scene has and that were not traced.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
     #[serde(flatten)]
     pub other: Unknown,
 }

@@ -63,6 +63,9 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
         s.bounce_hits,
         s.share
     );
+    if !s.left_out.is_empty() {
+        line!(out, "  left out    {}", s.left_out.join(", "));
+    }
     line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
     line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");
     let mut stored = 0;

@@ -34,6 +34,7 @@ pub enum Outcome {
 pub fn run(command: &Command) -> Result<Outcome> {
     match command {
         Command::Build(args) => build::run(args),
+        Command::Plan(args) => build::plan(args),
         Command::Query(args) => replay::query(args),
         Command::Replay(args) => replay::replay(args),
         Command::Info(args) => inspect::info(args),

@@ -16,7 +16,7 @@ use super::states::{Schedule, States};
 use super::tile::Forcing;
 use super::values::TileValues;
 use crate::archive::Archive;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::layers::response::Response;
 
 /// Bytes of results and responses that are made at a time, beyond one tile a core.
@@ -85,6 +85,11 @@ pub struct Replay<'a> {
     responder: Option<(Tables<'a>, Responder)>,
 }
 
+/// Whether diffuse reflections were traced, or there are none.
+fn holds_diffuse(archive: &Archive) -> bool {
+    !archive.manifest().settings.left_out.iter().any(|effect| effect == "diffuse")
+}
+
 /// Receiver ids and irradiance of one tile: [component][receiver][result].
 pub type TileResult = (Vec<String>, TileValues);
 
@@ -121,7 +126,12 @@ impl<'a> Replay<'a> {
             }
             Ok(forcing.with_longwave(Longwave::new(conditions, bins, archive.path())?))
         };
-        let reflects = [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
+        if !schedules.is_empty() && !holds_diffuse(archive) {
+            let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
+            return Err(Error::input(archive.path(), None, what, "build it with `--effects all`"));
+        }
+        let reflects = holds_diffuse(archive)
+            && [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
         if !reflects || settings.depth == Depth::All && schedules.is_empty() {
             return Replay::with(archive, forced(&[])?, None);
         }
@@ -170,7 +180,7 @@ impl<'a> Replay<'a> {
     pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let responses: Vec<Vec<Vec<Response>>> = match &self.responder {
-            _ if !self.forcing.reads_responses() => vec![Vec::new(); tiles.len()],
+            _ if !self.forcing.reads_responses() || !holds_diffuse(self.archive) => vec![Vec::new(); tiles.len()],
             None => {
                 let cached = |tile| Ok(vec![cached_responses(self.archive, tile)?]);
                 tiles.par_iter().copied().map(cached).collect::<Result<_>>()?

@@ -38,6 +38,15 @@ pub struct Surroundings {
     pub seen: Vec<Seen>,
     /// Of those rays that met a mirror: whether they go above the horizon, and where they met it.
     pub mirrors: Vec<(bool, Start)>,
+    /// Rays that were cast.
+    pub cast: u64,
+}
+
+impl Surroundings {
+    /// Nothing is met by so many rays, and none is cast.
+    pub fn none(rays: usize) -> Self {
+        Surroundings { seen: vec![Seen { up: true, cell: None }; rays], ..Surroundings::default() }
+    }
 }
 
 /// Surfaces at distance t are cut into cells of about t / 4, the footprint of a ray.
@@ -109,7 +118,7 @@ pub fn surroundings(
     }
 
     let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();
-    let mut met = Surroundings::default();
+    let mut met = Surroundings { cast: cast.len() as u64, ..Surroundings::default() };
     for (hit, &(position, ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {
         let direction = DVec3::from(ray.direction.map(f64::from));
         let cell = hit.map(|hit| {

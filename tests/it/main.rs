@@ -12,6 +12,7 @@ mod longwave;
 mod mirrors;
 mod numerics;
 mod physics;
+mod plan;
 mod reader;
 mod reflectance;
 mod replay;

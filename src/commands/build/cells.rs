@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::{Job, Rays};
 use crate::archive::{Blocks, Writer, format, tables};
+use crate::cli::Effect;
 use crate::commands::pack::Chunks;
 use crate::commands::progress::bar;
 use crate::error::Result;
@@ -23,9 +24,9 @@ const WAVE: usize = 8192;
 
 /// Rays cast for cells: those that any scene needs, and those by way of mirrors.
 #[derive(Clone, Copy, Debug, Default)]
-struct Cast {
-    plain: u64,
-    mirror: u64,
+pub(super) struct Cast {
+    pub plain: u64,
+    pub mirror: u64,
 }
 
 impl Cast {
@@ -67,20 +68,29 @@ impl Job<'_> {
         Ok(Written { count, seen })
     }
 
-    fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
+    pub(super) fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
         let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
         let probe = trace_probe(key, texture, mesh, tracer);
         let (reflections, closed) = (self.reflections.as_ref(), level_of(s.closed_m));
         let settings = SurroundingSettings { closed_level: closed, rays: s.probe_hits };
-        let seen = surroundings(key, &probe, texture, settings, mesh, tracer, reflections);
+        let seen = match self.traces(Effect::Bounces) {
+            true => surroundings(key, &probe, texture, settings, mesh, tracer, reflections),
+            false => Surroundings::none(s.probe_hits),
+        };
         self.cell(key, probe, seen, texture)
     }
 
     /// A traced cell, and the rays that were cast for it: for the cell itself, and for what it sees in mirrors.
-    fn cell(&self, key: CellKey, probe: ProbeTrace, seen: Surroundings, texture: &Directions) -> (Cell, Cast) {
+    pub(super) fn cell(
+        &self,
+        key: CellKey,
+        probe: ProbeTrace,
+        seen: Surroundings,
+        texture: &Directions,
+    ) -> (Cell, Cast) {
         let mut mirror = 0;
         let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
-        let cast = Cast { plain: probe.rays + seen.seen.len() as u64, mirror };
+        let cast = Cast { plain: probe.rays + seen.cast, mirror };
         let normal = probe.normal.as_vec3().to_array();
         let extras = [mirrors.to_bytes(), Vec::new()];
         (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), extras }, cast)

@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DMat3, DVec3};
 
 use super::Job;
+use crate::cli::Effect;
 use crate::hemisphere::{Centres, HEMISPHERE_SR, bit, mix};
 use crate::layers::bits::BitSquare;
-use crate::layers::mirror::{CellMirrors, CellPath, CellWindow, Path, ReceiverMirrors, Window};
+use crate::layers::mirror::{CellMirrors, CellPath, CellWindow, Path, Window};
 use crate::layers::sky::SkyTexture;
 use crate::recombine::mirrors::left;
 use crate::scene::cells::{CellKey, level_of};
@@ -18,15 +19,11 @@ use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::surroundings::{Surroundings, level_seen};
 
 impl Job<'_> {
-    /// What a receiver sees in mirrors; adds the rays that are cast to a count.
-    pub(super) fn receiver_mirrors(
-        &self,
-        view: &Viewpoint,
-        hits: &HitTrace,
-        centres: &Centres,
-        rays: &mut u64,
-    ) -> ReceiverMirrors {
-        let Some(reflections) = &self.reflections else { return ReceiverMirrors::default() };
+    /// The surfaces that a receiver sees in mirrors; adds the rays that are cast to a count.
+    pub(super) fn mirror_paths(&self, view: &Viewpoint, hits: &HitTrace, rays: &mut u64) -> Vec<Path> {
+        let Some(reflections) = self.reflections.as_ref().filter(|_| self.traces(Effect::Diffuse)) else {
+            return Vec::new();
+        };
         let cells = CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m };
         let texel_angle = (HEMISPHERE_SR / (self.settings.hit * self.settings.hit) as f64).sqrt();
         let starts: Vec<Start> = hits.mirrors.iter().map(|(_, start)| *start).collect();
@@ -44,12 +41,12 @@ impl Job<'_> {
             paths.extend(met.into_iter().map(path));
         }
         note_lost(&self.lost[0], lost * 2.0 / (self.settings.hit * self.settings.hit) as f64);
-        let windows = self.windows(reflections, view, centres, rays);
-        ReceiverMirrors { windows, paths }
+        paths
     }
 
     /// The parts of the sky that a receiver sees in mirrors.
-    fn windows(&self, reflections: &Reflections, view: &Viewpoint, centres: &Centres, rays: &mut u64) -> Vec<Window> {
+    pub(super) fn mirror_windows(&self, view: &Viewpoint, centres: &Centres, rays: &mut u64) -> Vec<Window> {
+        let Some(reflections) = &self.reflections else { return Vec::new() };
         let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
         let around = reflections.around(base, view.seed(), |_| (view.position, view.normal));
         let origin = lifted(view.position, view.normal, self.tracer);

@@ -1,6 +1,7 @@
 //! Story one: scene -> trace -> layers -> archive.
 
 mod cells;
+mod forecast;
 mod known;
 mod manifest;
 mod mirrors;
@@ -13,10 +14,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::store::{Folder, Store, StoreKey, open_all};
-use super::{Outcome, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
+use super::{Outcome, counted, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
 use crate::archive::{self, Archive, Manifest, Writer, format};
-use crate::cli::BuildArgs;
-pub use crate::cli::Share;
+use crate::cli::{BuildArgs, PlanArgs, Wanted};
+pub use crate::cli::{Effect, Effects, Share};
 use crate::error::{Error, Result};
 use crate::recombine::response::Reflector;
 use crate::scene::Scene;
@@ -25,6 +26,7 @@ use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
 use crate::trace::mirror::Reflections;
+pub use forecast::{Forecast, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
 use known::Known;
 pub use manifest::Counts;
 pub use plan::{BuildPlan, Start};
@@ -79,7 +81,44 @@ struct Job<'a> {
     lost: [AtomicU64; 2],
 }
 
-impl Job<'_> {
+/// A scene ready for rays.
+struct Ready {
+    tracer: Tracer,
+    mirrors: Mirrors,
+    seconds: f64,
+}
+
+impl Ready {
+    fn new(scene: &Scene) -> Result<Self> {
+        let start = Instant::now();
+        let (tracer, mirrors) = (Tracer::new(&scene.mesh)?, Mirrors::find(&scene.mesh, &scene.materials)?);
+        Ok(Ready { tracer, mirrors, seconds: start.elapsed().as_secs_f64() })
+    }
+}
+
+impl<'a> Job<'a> {
+    fn new(scene: &'a Scene, ready: &'a Ready, plan: &'a BuildPlan, known: Known<'a>) -> Result<Self> {
+        let mirrors = !ready.mirrors.is_empty() && !plan.settings.left_out.contains(Effect::Mirrors);
+        let reflections = mirrors.then(|| Reflections::new(&scene.mesh, &ready.tracer, &ready.mirrors)).transpose()?;
+        Ok(Job {
+            scene,
+            tracer: &ready.tracer,
+            settings: &plan.settings,
+            start: plan.start,
+            folder: temporary_folder(&plan.output).to_path_buf(),
+            memory: plan.memory_bytes as usize,
+            known,
+            reflections,
+            lost: Default::default(),
+        })
+    }
+
+    /// Whether an effect is to be traced, if the scene has it.
+    fn traces(&self, effect: Effect) -> bool {
+        let left_out = self.settings.left_out;
+        !(left_out.contains(effect) || effect == Effect::Bounces && left_out.contains(Effect::Diffuse))
+    }
+
     fn reflectors(&self) -> Vec<Reflector> {
         self.scene.materials.iter().map(Reflector::of).collect()
     }
@@ -117,32 +156,86 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
-    let mut settings = BuildSettings { share: args.share, ..BuildSettings::default() };
-    args.set.iter().try_for_each(|text| settings.set(text))?;
-    settings.check()?;
+    let settings = BuildSettings { share: args.share, ..settings_of(&args.set)? };
     let start = match (args.resume, args.fresh) {
         (true, _) => Start::Resume,
         (_, true) => Start::Fresh,
         _ => Start::New,
     };
     interrupt::watch();
-    let plan = BuildPlan {
+    let mut plan = BuildPlan {
         settings,
         output: args.output.clone(),
         memory_bytes: args.memory.0,
         start,
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
     };
+    let ready = Ready::new(&scene)?;
+    let forecast = forecast(&scene, &ready, &mut receivers, &plan, args.effects)?;
+    say(&forecast.table())?;
+    plan.settings.left_out = forecast.left_out;
     let store = args.store.as_deref().map(Folder::create).transpose()?;
-    let key = StoreKey { scene: scene.content_hash(), settings: settings.hash()? };
+    let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
     let earlier = store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key))?;
-    let report = build_with(&scene, &mut receivers, &plan, &earlier)?;
+    let report = build_ready(&scene, &ready, &mut receivers, &plan, &earlier)?;
     if let Some(store) = &store {
         store.add(&key, &args.output, &report.root)?;
     }
     report.warnings.iter().for_each(|w| warn(w));
     say(&summary(&report, &scene, &args.output))?;
     Ok(Outcome::Fine)
+}
+
+/// `heliotile plan`.
+pub fn plan(args: &PlanArgs) -> Result<Outcome> {
+    let scene = Scene::load(&args.scene, args.materials.as_deref())?;
+    scene.report.warnings.iter().for_each(|w| warn(w));
+    let (mut warnings, folder) = (Vec::new(), std::env::temp_dir());
+    let budget = args.memory.0 as usize / 8;
+    let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, &folder, budget, &mut warnings)?;
+    warnings.iter().for_each(|w| warn(w));
+    let plan = BuildPlan {
+        settings: settings_of(&args.set)?,
+        output: folder.join("plan"),
+        memory_bytes: args.memory.0,
+        start: Start::New,
+        checkpoint_every: Duration::MAX,
+    };
+    let ready = Ready::new(&scene)?;
+    let forecast = forecast(&scene, &ready, &mut receivers, &plan, args.effects)?;
+    say(&format!(
+        "{}: {} receivers, {} triangles, {}\n{}",
+        args.scene.display(),
+        forecast.receivers,
+        scene.mesh.triangles.len(),
+        counted(rayon::current_num_threads() as u64, "thread"),
+        forecast.table()
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// What a build with some settings would trace.
+pub fn foresee(scene: &Scene, receivers: &mut ReceiverTiles, plan: &BuildPlan, wanted: Wanted) -> Result<Forecast> {
+    forecast(scene, &Ready::new(scene)?, receivers, plan, wanted)
+}
+
+fn forecast(
+    scene: &Scene,
+    ready: &Ready,
+    receivers: &mut ReceiverTiles,
+    plan: &BuildPlan,
+    wanted: Wanted,
+) -> Result<Forecast> {
+    let job = Job::new(scene, ready, plan, Known::default())?;
+    job.forecast(receivers, ready.mirrors.orientations.len(), wanted)
+}
+
+/// The default settings with some set by name.
+fn settings_of(set: &[String]) -> Result<BuildSettings> {
+    let mut settings = BuildSettings::default();
+    set.iter().try_for_each(|text| settings.set(text))?;
+    settings.check()?;
+    Ok(settings)
 }
 
 /// Traces a scene for its receivers and writes the archive; equal inputs give equal bytes, whatever the order of receivers,
@@ -158,7 +251,18 @@ pub fn build_with(
     plan: &BuildPlan,
     earlier: &[Archive],
 ) -> Result<BuildReport> {
+    build_ready(scene, &Ready::new(scene)?, receivers, plan, earlier)
+}
+
+fn build_ready(
+    scene: &Scene,
+    ready: &Ready,
+    receivers: &mut ReceiverTiles,
+    plan: &BuildPlan,
+    earlier: &[Archive],
+) -> Result<BuildReport> {
     let mut clock = Clock::default();
+    clock.laps.push(("tree", ready.seconds));
     let mut writer = plan.writer(&archive::Job {
         scene: scene.content_hash(),
         receivers: receivers.content_hash(),
@@ -169,7 +273,8 @@ pub fn build_with(
         (Start::Resume, None) => warn("there is no checkpoint to go on from: starting anew"),
         _ => {}
     }
-    let traced = trace(scene, receivers, plan, earlier, &mut writer, &mut clock);
+    let job = Job::new(scene, ready, plan, Known::new(earlier, scene.materials.len()))?;
+    let traced = trace(&job, receivers, &mut writer, &mut clock);
     if matches!(traced, Err(Error::Io { .. })) {
         // Where another file failed, such as a temporary one, what was written can be kept.
         let _ = writer.checkpoint();
@@ -195,30 +300,8 @@ struct Traced {
 }
 
 /// Writes all blocks that a writer does not have.
-fn trace(
-    scene: &Scene,
-    receivers: &mut ReceiverTiles,
-    plan: &BuildPlan,
-    earlier: &[Archive],
-    writer: &mut Writer,
-    clock: &mut Clock,
-) -> Result<Traced> {
-    let tracer = Tracer::new(&scene.mesh)?;
-    let mirrors = Mirrors::find(&scene.mesh, &scene.materials)?;
-    let reflections = if mirrors.is_empty() { None } else { Some(Reflections::new(&scene.mesh, &tracer, &mirrors)?) };
-    let job = Job {
-        scene,
-        tracer: &tracer,
-        settings: &plan.settings,
-        start: plan.start,
-        folder: temporary_folder(&plan.output).to_path_buf(),
-        memory: plan.memory_bytes as usize,
-        known: Known::new(earlier, scene.materials.len()),
-        reflections,
-        lost: Default::default(),
-    };
-    clock.lap("tree");
-    let farthest = receivers.farthest().and_then(|receiver| far_away(&tracer, scene, receiver));
+fn trace(job: &Job, receivers: &mut ReceiverTiles, writer: &mut Writer, clock: &mut Clock) -> Result<Traced> {
+    let farthest = receivers.farthest().and_then(|receiver| far_away(job.tracer, job.scene, receiver));
     let mut warnings: Vec<String> = farthest.into_iter().collect();
     let mut rays = Rays::default();
 

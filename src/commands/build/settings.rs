@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::archive::manifest::Settings;
-use crate::cli::Share;
+use crate::cli::{Effects, Share};
 use crate::error::{Error, Result};
 
 /// Everything that decides what an archive of a scene holds. The defaults are the row "1 %" of the accuracy ladder.
@@ -27,6 +27,8 @@ pub struct BuildSettings {
     pub bounce_sky: usize,
     pub bounce_hits: usize,
     pub share: Share,
+    /// What is not traced although the scene has it.
+    pub left_out: Effects,
 }
 
 impl Default for BuildSettings {
@@ -43,6 +45,7 @@ impl Default for BuildSettings {
             bounce_sky: 16,
             bounce_hits: 32,
             share: Share::Cells,
+            left_out: Effects::NONE,
         }
     }
 }
@@ -150,6 +153,7 @@ impl BuildSettings {
             bounce_hits: s.bounce_hits as u32,
             share: if s.share == Share::None { "none" } else { "cells" }.into(),
             bounces: "all".into(),
+            left_out: s.left_out.names(),
             ..Settings::default()
         }
     }
@@ -167,6 +171,7 @@ impl BuildSettings {
             bounce_sky: stated.bounce_sky as usize,
             bounce_hits: stated.bounce_hits as usize,
             share: if stated.share == "none" { Share::None } else { Share::Cells },
+            left_out: Effects::of_names(&stated.left_out),
         }
     }
 

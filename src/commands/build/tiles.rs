@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::known::KnownReceiver;
 use super::{Clock, Job, Rays};
 use crate::archive::{Blocks, EncodedBlock, Writer, format, tables};
+use crate::cli::Effect;
 use crate::commands::progress::bar;
 use crate::commands::{counted, pack};
 use crate::error::Result;
@@ -203,8 +204,12 @@ impl Job<'_> {
             viewers.push(t.viewer);
             extras.push(t.extras);
         }
-        let hits = HitTile::new(&cells);
+        let mut hits = HitTile::new(&cells);
         let table = self.receivers_table(receivers, &hits, &viewers);
+        if !self.traces(Effect::Diffuse) {
+            // They have given the view factors, and nothing else asks for them.
+            hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
+        }
         let blocks = pack::tile(number, &table, &sky, &hits, &extras)?;
         let (base, side) = (self.settings.sky_base, self.settings.hit);
         let mirrors: Vec<ReceiverMirrors> =
@@ -220,24 +225,37 @@ impl Job<'_> {
         Traced { sky: known.sky, hits, viewer, extras: known.extras, rays: Rays::default() }
     }
 
-    fn viewpoint(&self, receiver: &Receiver) -> Viewpoint {
+    pub(super) fn viewpoint(&self, receiver: &Receiver) -> Viewpoint {
         Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal }
     }
 
     fn trace_receiver(&self, receiver: &Receiver, centres: &Centres) -> Traced {
-        let (settings, tracer) = (self.settings, self.tracer);
         let view = self.viewpoint(receiver);
-        let mut rays = Rays::default();
-        let (sky, dense) = SkyTexture::trace(settings.sky_base, settings.sky_fine, view.normal, |n, texels| {
-            rays.sky += texels.len() as u64;
-            view.sky(n, texels, centres, tracer)
-        });
-        rays.hit = (settings.hit * settings.hit) as u64;
-        let cells = CellSettings { factor: settings.cell_factor(), floor_m: settings.cell_floor_m };
-        let hits = view.hits(settings.hit, cells, &self.scene.mesh, tracer, self.reflections.as_ref());
+        let (sky, dense, sky_rays) = self.trace_sky(&view, centres);
+        let mut rays = Rays { sky: sky_rays, hit: (self.settings.hit * self.settings.hit) as u64, ..Rays::default() };
+        let hits = self.trace_hits(&view);
         let viewer = viewer(&view, &dense, centres);
-        let mirrors = self.receiver_mirrors(&view, &hits, centres, &mut rays.mirror);
+        let paths = self.mirror_paths(&view, &hits, &mut rays.mirror);
+        let windows = self.mirror_windows(&view, centres, &mut rays.mirror);
+        let mirrors = ReceiverMirrors { windows, paths };
         Traced { sky, hits, viewer, extras: [mirrors.to_bytes(), Vec::new()], rays }
+    }
+
+    /// A receiver's sky, the bits that it describes, and the rays that were cast for it.
+    pub(super) fn trace_sky(&self, view: &Viewpoint, centres: &Centres) -> (SkyTexture, BitSquare, u64) {
+        let mut rays = 0;
+        let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
+        let (sky, dense) = SkyTexture::trace(base, fine, view.normal, |n, texels| {
+            rays += texels.len() as u64;
+            view.sky(n, texels, centres, self.tracer)
+        });
+        (sky, dense, rays)
+    }
+
+    /// A receiver's first hits.
+    pub(super) fn trace_hits(&self, view: &Viewpoint) -> HitTrace {
+        let cells = CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m };
+        view.hits(self.settings.hit, cells, &self.scene.mesh, self.tracer, self.reflections.as_ref())
     }
 
     /// What is wrong with where a receiver lies.
