@@ -13,7 +13,7 @@ use crate::archive::Access;
 use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
 use crate::recombine::components::ComponentList;
-use crate::recombine::reflectances::Snow;
+use crate::recombine::reflectances::{Follow, Snow};
 use crate::recombine::sky::SkyModel;
 use crate::recombine::span::Moment;
 use crate::recombine::temperatures::Temperature;
@@ -82,7 +82,7 @@ pub struct BuildArgs {
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
     #[arg(long, value_enum, default_value_t = Share::Cells)]
     pub share: Share,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
     pub effects: Wanted,
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
@@ -106,7 +106,7 @@ pub struct PlanArgs {
     /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: PathBuf,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
     pub effects: Wanted,
     /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
@@ -183,6 +183,13 @@ fn parse_reflectance(text: &str) -> Result<(String, f64), String> {
     }
 }
 
+fn parse_transmittance(text: &str) -> Result<(String, f64), String> {
+    match parse_named(text)? {
+        (name, Follow::Value(value)) => Ok((name, value)),
+        (_, Follow::File(_)) => Err("give a number from 0 to 1: a query has no dates that a file could follow".into()),
+    }
+}
+
 fn parse_share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
@@ -237,6 +244,10 @@ pub struct QueryArgs {
     /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2
     #[arg(long, short)]
     pub conditions: PathBuf,
+    /// Change what comes through canopies at each crossing: GROUP=0.4, or a material's name in place of the group; may be repeated,
+    /// the last one counts
+    #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_transmittance)]
+    pub transmittance: Vec<(String, f64)>,
 }
 
 #[derive(Args, Debug)]
@@ -262,6 +273,10 @@ pub struct ReplayArgs {
     /// one a month; may be repeated
     #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
     pub schedule: Vec<(String, PathBuf)>,
+    /// Change what comes through canopies at each crossing: GROUP=0.4, or a CSV like those of --schedule, with a column `transmittance`
+    /// (leaves in their seasons); may be repeated, the last one counts
+    #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<Follow>)]
+    pub transmittance: Vec<(String, Follow)>,
     /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
     #[arg(long, value_enum)]
     pub snow: Option<Snow>,

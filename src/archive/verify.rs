@@ -6,13 +6,15 @@ use rayon::prelude::*;
 
 use super::codec::Block;
 use super::format::{
-    self, BOUNCE, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRRORS, OPTICS, PROBES, RECEIVERS, RESPONSE, SKY,
-    SLOT_OFFSETS, SLOT_SIZE,
+    self, BOUNCE, BOUNCE_CANOPY, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRRORS, OPTICS, PROBE_CANOPY,
+    PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
 };
 use super::reader::{Archive, by_place};
 use super::source::Access;
 use super::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
 use crate::error::{Error, Result};
+use crate::layers::canopy::{self, Canopy};
+use crate::layers::extras;
 use crate::layers::hit::HitTile;
 use crate::layers::response;
 use crate::layers::sky::SkyTexture;
@@ -86,6 +88,8 @@ pub fn verify(path: &Path, access: Access, deep: bool) -> Result<Report> {
 /// What blocks must know of each other.
 struct Site {
     materials: u64,
+    /// By material: 1 for canopies.
+    canopies: Vec<u8>,
     /// First keys of the chunks, as the index says; empty if it cannot be read.
     probes: Vec<CellKey>,
     bounces: Vec<CellKey>,
@@ -112,7 +116,9 @@ impl Site {
             keys.par_sort_unstable();
             keys
         };
+        let optics = archive.block(OPTICS, 0).and_then(|block| Optics::from_block(&block));
         Site {
+            canopies: optics.map(|optics| optics.canopy).unwrap_or_default(),
             materials: archive.entries_of(MATERIALS).iter().map(|entry| u64::from(entry.items)).sum(),
             probes: index(Index::PROBES),
             bounces: index(Index::BOUNCE),
@@ -160,8 +166,42 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
             }
             None => block.require(HIT),
         },
+        CANOPY if site.keys.is_some() => {
+            let sky = canopy::sky_side(settings.sky_base as usize, settings.sky_fine as usize);
+            check_canopies(archive, &block, RECEIVERS, [sky, settings.hit as usize], None, site)
+        }
+        PROBE_CANOPY if site.keys.is_some() => {
+            check_canopies(archive, &block, PROBES, [settings.probe as usize, 0], Some(settings.probe_hits), site)
+        }
+        BOUNCE_CANOPY if site.keys.is_some() => {
+            check_canopies(archive, &block, BOUNCE, [settings.bounce_sky as usize, 0], Some(settings.bounce_hits), site)
+        }
         kind if format::schema_of(kind).is_some() => block.require(kind),
         _ => Ok(()),
+    }
+}
+
+/// Crossings of the rows of a block of another kind: `sides` of both squares of rays, or a number of rays for the second.
+fn check_canopies(
+    archive: &Archive,
+    block: &Block,
+    of: u32,
+    sides: [usize; 2],
+    seen: Option<u32>,
+    site: &Site,
+) -> Result<()> {
+    let (tile, rows) = (block.entry().tile, block.items());
+    let of_kind = archive.entries_of(of).iter().find(|entry| entry.tile == tile).map(|entry| entry.items);
+    if of_kind != Some(rows) {
+        return Err(block.corrupt(format!("{rows} rows"), format!("as many as {}", format::block_name(of, tile))));
+    }
+    let [sky, square] = sides.map(|side| side.saturating_mul(side));
+    let rays = [sky, seen.map_or(square, |rays| rays as usize)];
+    let is_canopy = |material: u16| site.canopies.get(usize::from(material)) == Some(&1);
+    let good = |row: &Vec<u8>| Canopy::from_bytes(row, rays, is_canopy).is_some();
+    match extras::unpack(block.bytes(), rows as usize) {
+        Some(found) if found.iter().all(good) => Ok(()),
+        _ => Err(block.corrupt("crossings of another shape", "those of the settings' textures and rays, of canopies")),
     }
 }
 

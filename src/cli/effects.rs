@@ -12,16 +12,19 @@ pub enum Effect {
     Bounces,
     /// Mirrors and glass.
     Mirrors,
+    /// Leaves and screens, which dim what shines through them; left out, they are not there.
+    Canopies,
 }
 
 impl Effect {
-    pub const ALL: [Effect; 3] = [Effect::Diffuse, Effect::Bounces, Effect::Mirrors];
+    pub const ALL: [Effect; 4] = [Effect::Diffuse, Effect::Bounces, Effect::Mirrors, Effect::Canopies];
 
     pub fn name(self) -> &'static str {
         match self {
             Effect::Diffuse => "diffuse",
             Effect::Bounces => "bounces",
             Effect::Mirrors => "mirrors",
+            Effect::Canopies => "canopies",
         }
     }
 }
@@ -32,7 +35,7 @@ pub struct Effects(u8);
 
 impl Effects {
     pub const NONE: Effects = Effects(0);
-    pub const ALL: Effects = Effects(0b111);
+    pub const ALL: Effects = Effects(0b1111);
 
     pub fn contains(self, effect: Effect) -> bool {
         self.0 & 1 << effect as u8 != 0
@@ -113,7 +116,7 @@ mod tests {
     use super::*;
 
     /// Lists come back as they were written, bounces bring what they reflect (2 effects), and an unknown or an empty name is refused
-    /// with all 3 names.
+    /// with all 4 names.
     #[test]
     fn lists() {
         for text in ["auto", "all", "none", "mirrors", "diffuse,bounces", "diffuse,mirrors"] {
@@ -125,7 +128,7 @@ mod tests {
             assert!(Effect::ALL.into_iter().all(|e| message.contains(e.name())), "{message}");
         }
         let some = Effects::NONE.with(Effect::Mirrors);
-        assert_eq!(some.others().names(), ["diffuse", "bounces"]);
+        assert_eq!(some.others().names(), ["diffuse", "bounces", "canopies"]);
         assert_eq!(Effects::of_names(&["mirrors".into(), "fog".into()]), some);
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Outcome, counted, say, warn};
-use crate::archive::{self, Archive, format};
+use crate::archive::{self, Archive, format, tables};
 use crate::cli::{ArchiveArg, VerifyArgs};
 use crate::error::Result;
 
@@ -67,6 +67,16 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
         line!(out, "  left out    {}", s.left_out.join(", "));
     }
     line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
+    if archive.has(format::OPTICS, 0) {
+        let names = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?.name;
+        let optics = tables::Optics::from_block(&archive.block(format::OPTICS, 0)?)?;
+        let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
+        let canopies: Vec<String> =
+            of_material.filter(|(_, (is, _))| **is == 1).map(|(name, (_, tau))| format!("{name}={tau}")).collect();
+        if !canopies.is_empty() {
+            line!(out, "  canopies    {}", canopies.join(" "));
+        }
+    }
     line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");
     let mut stored = 0;
     for layer in &manifest.layers {
@@ -74,7 +84,7 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
         let each = layer.stored_bytes as f64 / receivers.count.max(1) as f64;
         line!(
             out,
-            "  {:<12} {:>10} {:>14} {:>14} {each:>11.1}",
+            "  {:<13} {:>9} {:>14} {:>14} {each:>11.1}",
             layer.name,
             layer.blocks,
             layer.raw_bytes,
@@ -82,7 +92,7 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
         );
     }
     let each = stored as f64 / receivers.count.max(1) as f64;
-    line!(out, "  {:<12} {:>10} {:>14} {stored:>14} {each:>11.1}", "all", "", "");
+    line!(out, "  {:<13} {:>9} {:>14} {stored:>14} {each:>11.1}", "all", "", "");
     say(&out)?;
     Ok(Outcome::Fine)
 }

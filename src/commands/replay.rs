@@ -18,7 +18,8 @@ use crate::recombine::bins::Bins;
 use crate::recombine::components::{Component, ComponentList};
 use crate::recombine::conditions::{Condition, read_conditions};
 use crate::recombine::epw::{read_epw, read_epw_with_air};
-use crate::recombine::reflectances::Changes;
+use crate::recombine::load::lets_through;
+use crate::recombine::reflectances::{Changeable, Changes, Follow};
 use crate::recombine::replay::{Replay, ReplaySettings};
 use crate::recombine::span::Span;
 use crate::recombine::states::Schedule;
@@ -56,7 +57,15 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         kind: Labels::Conditions,
         labels: &labels,
         bins: &Bins::each(labels.len()),
-        changes: Changes { constant: args.common.reflectance.clone(), ..Changes::default() },
+        changes: Changes {
+            constant: args.common.reflectance.clone(),
+            transmittance: args
+                .transmittance
+                .iter()
+                .map(|(name, value)| (name.clone(), Follow::Value(*value)))
+                .collect(),
+            ..Changes::default()
+        },
         rows: (&[], &[]),
     };
     run(&args.common, &series)
@@ -67,6 +76,10 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let mut inputs = vec![args.weather.as_path()];
     inputs.extend(args.schedule.iter().map(|(_, file)| file.as_path()));
     inputs.extend(args.temperature.iter().filter_map(|temperature| temperature.file()));
+    inputs.extend(args.transmittance.iter().filter_map(|(_, follow)| match follow {
+        Follow::File(file) => Some(file.as_path()),
+        Follow::Value(_) => None,
+    }));
     guard(&args.common, &inputs)?;
     let longwave = asks_longwave(&args.common);
     if !longwave && !args.temperature.is_empty() {
@@ -100,6 +113,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         constant: args.common.reflectance.clone(),
         scheduled: args.schedule.clone(),
         snow: args.snow.map(|snow| (snow, args.snow_reflectance)),
+        transmittance: args.transmittance.clone(),
     };
     let rows = (weather.rows.as_slice(), chosen.as_slice());
     let series = Series { conditions: &conditions, kind, labels: &periods.labels, bins: &bins, changes, rows };
@@ -126,17 +140,19 @@ fn access(args: &RecombineArgs) -> Access {
     args.io.unwrap_or_else(|| if large() { Access::Read } else { Access::Mapped })
 }
 
-/// Schedules of reflectances over the conditions.
+/// Schedules of reflectances and transmittances over the conditions.
 fn schedules(archive: &Archive, series: &Series) -> Result<Vec<Schedule>> {
     if series.changes.is_empty() {
         return Ok(Vec::new());
     }
     let materials = Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    let lets_through = lets_through(archive, materials.rows())?;
+    let changeable = Changeable { site: archive.path(), materials: &materials, lets_through: &lets_through };
     let (rows, chosen) = series.rows;
     if rows.is_empty() {
-        return series.changes.constant(archive.path(), &materials, series.conditions.len());
+        return series.changes.constant(&changeable, series.conditions.len());
     }
-    let (mut schedules, warnings) = series.changes.over(archive.path(), &materials, rows)?;
+    let (mut schedules, warnings) = series.changes.over(&changeable, rows)?;
     warnings.iter().for_each(|w| warn(w));
     for schedule in &mut schedules {
         let mut chosen = chosen.iter();

@@ -2,6 +2,7 @@
 //! raw bytes of a tile's blocks, and back. It casts no rays and knows no weather. Shapes and conventions: `schema/layers.md`.
 
 pub mod bits;
+pub mod canopy;
 pub mod cells;
 pub mod extras;
 pub mod hit;

@@ -13,12 +13,14 @@ use std::path::Path;
 use pulp::Arch;
 use rayon::prelude::*;
 
+use super::canopies::{Leafages, Shade};
 use super::load::Tables;
 use super::mirrors::{Chains, left};
 use super::response::Reflector;
 use super::scratch::Scratch;
 use crate::error::Result;
 use crate::hemisphere::{bit, texel_centres};
+use crate::layers::canopy::Powers;
 use crate::layers::cells::{Cells, DOWN, MISS};
 use crate::scene::cells::CellKey;
 
@@ -80,10 +82,17 @@ impl Rules {
         }
     }
 
-    /// What cell `i` of a table sees, some of it in mirrors, with the shares of its hemisphere.
-    pub fn row(&self, cells: &Cells, i: usize, centres: &[[f32; 3]], reflectors: &[Reflector]) -> Weighted<CellKey> {
+    /// What cell `i` of a table sees, some of it in mirrors, with the shares of its hemisphere that reach it.
+    pub fn row(
+        &self,
+        cells: &Cells,
+        i: usize,
+        shade: &Shade,
+        centres: &[[f32; 3]],
+        reflectors: &[Reflector],
+    ) -> Weighted<CellKey> {
         let around = surround(cells.normals[i], cells.bits_of(i), centres);
-        let (above, below) = seen(cells.hits_of(i));
+        let (above, below) = seen(cells.hits_of(i), shade.seen.as_deref());
         let scaled = |list: Weighted<u32>, share: f64| {
             list.into_iter().map(move |(cell, w)| (cells.seen[cell as usize], w * share as f32))
         };
@@ -94,13 +103,23 @@ impl Rules {
         row
     }
 
-    /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky, and what comes by
-    /// mirrors.
-    pub fn source(&self, cells: &Cells, i: usize, rho: f32, columns: Range<usize>, by_mirrors: &Lit, out: &mut [f32]) {
+    /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky, times the share of
+    /// the sky's light that comes through, if not all does; and what comes by mirrors.
+    pub fn source(
+        &self,
+        cells: &Cells,
+        i: usize,
+        (rho, shares, by_mirrors): (f32, Option<&[f32]>, &Lit),
+        columns: Range<usize>,
+        out: &mut [f32],
+    ) {
         let (texels, bits) = (self.side * self.side, cells.bits_of(i));
         let lit = cells.normals[i].map(|n| rho * n);
         for (value, column) in out.iter_mut().zip(columns.clone()) {
             *value = if bit(bits, column % texels) { lit[column / texels] } else { 0.0 };
+        }
+        if let Some(shares) = shares {
+            out.iter_mut().zip(columns.clone()).for_each(|(value, column)| *value *= shares[column % texels]);
         }
         for (column, value) in by_mirrors.iter().map(|&(column, value)| (column as usize, value)) {
             if columns.contains(&column) {
@@ -127,8 +146,15 @@ enum Values {
 }
 
 impl Closed {
-    /// Solves the system of an archive's cells for each state. Values beyond `memory` bytes go to temporary files in `folder`.
-    pub fn solve(tables: &Tables, rules: &Rules, states: &[Reflectance], memory: u64, folder: &Path) -> Result<Self> {
+    /// Solves the system of an archive's cells for each state and its leaves. Values beyond `memory` bytes go to temporary files in `folder`.
+    pub fn solve(
+        tables: &Tables,
+        rules: &Rules,
+        states: &[Reflectance],
+        leafages: &Leafages,
+        memory: u64,
+        folder: &Path,
+    ) -> Result<Self> {
         let (width, source) = (rules.width(), &tables.bounces);
         let mut keys = Vec::new();
         if rules.depth != Depth::Count(1) {
@@ -136,13 +162,12 @@ impl Closed {
                 keys.extend(source.chunk(chunk)?.keys.into_iter().filter(|k| rules.closes(k)));
             }
         }
-        let system = System::load(tables, rules, &keys)?;
         let blocks = width.div_ceil(BLOCK);
         let bytes = (states.len() * keys.len() * blocks * size_of::<[f32; BLOCK]>()) as u64;
         // A thread that solves a block holds three of its size: no more of them at a time than fit.
         let of_thread = 3 * (keys.len() * size_of::<[f32; BLOCK]>()) as u64;
         let at_once = (memory / of_thread.max(1)).clamp(1, rayon::current_num_threads() as u64) as usize;
-        let solve = |state: &Reflectance| {
+        let solve = |system: &System, state: &Reflectance| {
             let mut solved =
                 if bytes <= memory { Values::Memory(Vec::new()) } else { Values::Disk(Scratch::new(folder)?) };
             for first in (0..blocks).step_by(at_once) {
@@ -158,8 +183,15 @@ impl Closed {
             }
             Ok(solved)
         };
-        let values = states.iter().map(solve).collect::<Result<_>>()?;
-        Ok(Closed { keys, width, values })
+        let mut values: Vec<Option<Values>> = states.iter().map(|_| None).collect();
+        for (leafage, powers) in leafages.powers.iter().enumerate() {
+            let system = System::load(tables, rules, &keys, powers)?;
+            for state in leafages.states(leafage) {
+                values[state] = Some(solve(&system, &states[state])?);
+            }
+        }
+        // Each state has a leafage.
+        Ok(Closed { keys, width, values: values.into_iter().flatten().collect() })
     }
 
     /// Place of a cell.
@@ -212,6 +244,8 @@ struct System<'a> {
     rules: &'a Rules,
     /// The cells' keys, normals and sky bits; what they see is in `rows`.
     cells: Cells,
+    /// `[cell][texel]`: share of the sky's light that comes through, where not all does.
+    shares: Vec<Option<Vec<f32>>>,
     /// Starts of the cells' rows, and all rows: (cell, weight).
     starts: Vec<usize>,
     rows: Weighted<u32>,
@@ -220,10 +254,11 @@ struct System<'a> {
 }
 
 impl<'a> System<'a> {
-    /// Reads the cells of `keys`, which are all closed cells in order.
-    fn load(tables: &Tables, rules: &'a Rules, keys: &[CellKey]) -> Result<Self> {
+    /// Reads the cells of `keys`, which are all closed cells in order, behind leaves of some transmittances.
+    fn load(tables: &Tables, rules: &'a Rules, keys: &[CellKey], powers: &Powers) -> Result<Self> {
         let (source, reflectors, centres) = (&tables.bounces, &tables.reflectors, centres_f32(rules.side));
-        let mut system = System { rules, cells: Cells::default(), starts: vec![0], rows: Vec::new(), lit: Vec::new() };
+        let (shares, rows, lit) = (Vec::new(), Vec::new(), Vec::new());
+        let mut system = System { rules, cells: Cells::default(), shares, starts: vec![0], rows, lit };
         if keys.is_empty() {
             return Ok(system);
         }
@@ -234,7 +269,8 @@ impl<'a> System<'a> {
             let place: HashMap<CellKey, u32> =
                 chunk.reached().filter_map(|key| Some((key, keys.binary_search(&key).ok()? as u32))).collect();
             for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
-                for (key, weight) in rules.row(&chunk, i, &centres, reflectors) {
+                let shade = Shade::of(&chunk, i, rules.side, powers);
+                for (key, weight) in rules.row(&chunk, i, &shade, &centres, reflectors) {
                     let cell = *place.get(&key).ok_or_else(|| source.missing(&key))?;
                     system.rows.push((cell, weight));
                 }
@@ -243,6 +279,7 @@ impl<'a> System<'a> {
                 system.cells.keys.push(chunk.keys[i]);
                 system.cells.normals.push(chunk.normals[i]);
                 system.cells.bits.extend(chunk.bits_of(i));
+                system.shares.push(shade.sky);
             }
         }
         Ok(system)
@@ -255,7 +292,8 @@ impl<'a> System<'a> {
         source.clear();
         source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
         for (i, (source, key)) in source.iter_mut().zip(&self.cells.keys).enumerate() {
-            self.rules.source(&self.cells, i, rho(state, key), columns.clone(), &self.lit[i], source);
+            let shares = self.shares[i].as_deref();
+            self.rules.source(&self.cells, i, (rho(state, key), shares, &self.lit[i]), columns.clone(), source);
         }
         let mut now = source.clone();
         next.resize(source.len(), [0.0_f32; BLOCK]);
@@ -340,14 +378,17 @@ pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> Lit {
 }
 
 /// Weights of the cells that one cell sees, for its rays above and below the horizon apart: each list sums to the share of
-/// rays that met something (of the rays that met something, for the upper ones). Sorted by first ray.
-pub fn seen(hits: &[u32]) -> (Weighted<u32>, Weighted<u32>) {
-    let below: Vec<u32> = hits.iter().filter(|&&h| h & DOWN != 0).map(|h| h & !DOWN).collect();
-    let above: Vec<u32> = hits.iter().filter(|&&h| h & DOWN == 0 && h != MISS).copied().collect();
-    let merge = |rays: &[u32]| {
-        let weight = 1.0 / rays.len().max(1) as f32;
+/// rays that met something (of the rays that met something, for the upper ones). Sorted by first ray. `shares` of the light that
+/// come through along each ray, if not all does.
+pub fn seen(hits: &[u32], shares: Option<&[f32]>) -> (Weighted<u32>, Weighted<u32>) {
+    let rays = || hits.iter().enumerate().map(|(ray, &hit)| (hit, shares.map_or(1.0, |shares| shares[ray])));
+    let below: Weighted<u32> = rays().filter(|(h, _)| h & DOWN != 0).map(|(h, share)| (h & !DOWN, share)).collect();
+    let above: Weighted<u32> = rays().filter(|(h, _)| h & DOWN == 0 && *h != MISS).collect();
+    let merge = |rays: &[(u32, f32)]| {
+        let each = 1.0 / rays.len().max(1) as f32;
         let mut merged: Weighted<u32> = Vec::with_capacity(rays.len());
-        for &cell in rays.iter().filter(|&&h| h != MISS) {
+        for &(cell, share) in rays.iter().filter(|(h, _)| *h != MISS) {
+            let weight = each * share;
             match merged.iter_mut().find(|m| m.0 == cell) {
                 Some(m) => m.1 += weight,
                 None => merged.push((cell, weight)),

@@ -4,6 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::canopies::{check_cells, tile_canopies};
 use super::response::{Reflector, Shape, Viewer};
 use super::specular::{MirrorTable, MirrorView};
 use super::tile::{TextureSides, TileLayers};
@@ -11,6 +12,7 @@ use crate::archive::manifest::Settings;
 use crate::archive::{Archive, Block, Blocks, Manifest, format, tables};
 use crate::error::{Error, Result};
 use crate::layers::bits::BitSquare;
+use crate::layers::canopy::Canopy;
 use crate::layers::cells::{Cell, Cells};
 use crate::layers::extras::{self, Extras};
 use crate::layers::hit::HitTile;
@@ -29,6 +31,8 @@ pub struct TileView {
     pub hits: HitTile,
     /// `[receiver]`: surfaces that are seen in mirrors; empty where no receiver sees any.
     pub mirrored: Vec<Vec<Path>>,
+    /// `[receiver]`: what its rays cross; empty where none of the tile's does.
+    pub canopies: Vec<Canopy>,
 }
 
 impl TileView {
@@ -43,7 +47,8 @@ impl TileView {
             Viewer { normal, seed: receiver_seed(position - origin, normal), sky_view }
         };
         let viewers = (0..table.ids.len()).map(viewer).collect();
-        Ok(TileView { ids: table.ids, viewers, hits, mirrored })
+        let canopies = tile_canopies(blocks, settings, tile, table.ids.len())?;
+        Ok(TileView { ids: table.ids, viewers, hits, mirrored, canopies })
     }
 
     /// All cells that its receivers see.
@@ -109,7 +114,7 @@ pub fn origin(manifest: &Manifest) -> DVec3 {
 }
 
 /// What materials do besides reflecting diffusely, if some do.
-fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics>> {
+pub(super) fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics>> {
     if !blocks.has(format::OPTICS, 0) {
         return Ok(None);
     }
@@ -133,6 +138,12 @@ pub fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<Orienta
     }
     let rows = table.normal.into_iter().zip(table.material);
     Ok(rows.map(|(normal, material)| Orientation { normal: DVec3::from(normal), material }).collect())
+}
+
+/// Which of so many materials are canopies.
+pub fn lets_through(blocks: &dyn Blocks, materials: usize) -> Result<Vec<bool>> {
+    let canopy = optics(blocks, materials)?.map(|optics| optics.canopy).unwrap_or_default();
+    Ok(canopy.into_iter().map(|canopy| canopy == 1).collect())
 }
 
 /// Receivers and hits of a tile.
@@ -165,7 +176,7 @@ pub fn tile_extras(archive: &Archive, tile: u32, rows: usize) -> Result<Vec<Extr
 }
 
 /// `[layer][row]` of the blocks of some kinds; no rows where there is no block.
-fn extras_of(blocks: &dyn Blocks, kinds: [u32; 2], tile: u32, rows: usize) -> Result<[Vec<Vec<u8>>; 2]> {
+pub(super) fn extras_of(blocks: &dyn Blocks, kinds: [u32; 2], tile: u32, rows: usize) -> Result<[Vec<Vec<u8>>; 2]> {
     let mut found: [Vec<Vec<u8>>; 2] = Default::default();
     for (layer, kind) in found.iter_mut().zip(kinds) {
         if blocks.has(kind, tile) {
@@ -230,7 +241,8 @@ pub fn tile_layers(
     let normals = table.normal.iter().map(|&n| DVec3::from(n)).collect();
     let views = table.views().collect();
     let mirrors = mirrors.map_or(Ok(Vec::new()), |mirrors| mirror_views(archive, tile, rows, mirrors))?;
-    Ok((table.ids, TileLayers { normals, views, sky, mirrors, responses }))
+    let canopies = if reads_sky { tile_canopies(archive, settings(archive)?, tile, rows)? } else { Vec::new() };
+    Ok((table.ids, TileLayers { normals, views, sky, mirrors, canopies, responses }))
 }
 
 /// Sky textures of a tile of so many receivers, each with the bits that it describes.
@@ -299,8 +311,8 @@ impl<'a> Tables<'a> {
 /// What all chunks of one kind of cells have in common.
 #[derive(Clone, Copy, Debug)]
 struct Form {
-    /// Bytes of sky bits, and hit rays, of a cell.
-    bytes: usize,
+    /// Texels of the sky, and hit rays, of a cell.
+    texels: usize,
     rays: usize,
     materials: usize,
 }
@@ -318,14 +330,14 @@ impl<'a> CellSource<'a> {
     /// The probes among some blocks, for a number of materials.
     pub fn probes(blocks: &'a dyn Blocks, settings: &Settings, materials: usize) -> Result<Self> {
         let (side, rays) = (settings.probe as usize, settings.probe_hits as usize);
-        let form = Form { bytes: (side * side).div_ceil(8), rays, materials };
+        let form = Form { texels: side * side, rays, materials };
         CellSource::open(blocks, format::PROBES, tables::Index::PROBES, form)
     }
 
     /// The bounce cells among some blocks.
     pub fn bounces(blocks: &'a dyn Blocks, settings: &Settings, materials: usize) -> Result<Self> {
         let (side, rays) = (settings.bounce_sky as usize, settings.bounce_hits as usize);
-        let form = Form { bytes: (side * side).div_ceil(8), rays, materials };
+        let form = Form { texels: side * side, rays, materials };
         CellSource::open(blocks, format::BOUNCE, tables::Index::BOUNCE, form)
     }
 
@@ -359,13 +371,14 @@ impl<'a> CellSource<'a> {
         if cells.keys.last().zip(self.firsts.get(chunk + 1)).is_some_and(|(last, next)| last >= next) {
             return Err(block.corrupt("cells of the chunk after it", "keys that rise from chunk to chunk"));
         }
-        if cells.bits.len() != rows * form.bytes || cells.hits.len() != rows * form.rays {
+        if cells.bits.len() != rows * form.texels.div_ceil(8) || cells.hits.len() != rows * form.rays {
             return Err(block.corrupt("cells of another shape", "textures and rays as in the manifest"));
         }
         let unknown = |key: CellKey| usize::from(key.material) >= form.materials;
         if cells.keys.iter().copied().any(unknown) || cells.reached().any(unknown) {
             return Err(block.corrupt("an unknown material", "rows of the materials table"));
         }
+        check_cells(&block, &cells, [form.texels, form.rays], form.materials)?;
         Ok(cells)
     }
 

@@ -18,10 +18,13 @@ use super::projection::Projection;
 use super::receiver_view::ReceiverView;
 use super::responder::Responder;
 use super::response::{Viewer, class_index, hit_weights, texel_weights};
+use super::shaded::Veil;
 use super::sky::SkyModel;
+use super::tile::TextureSides;
 use crate::archive::Archive;
 use crate::error::Result;
 use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, bilinear, direction_of};
+use crate::layers::canopy::{SEEN, SKY, sky_side};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
 use crate::scene::cells::CellKey;
@@ -113,8 +116,9 @@ pub fn maps(
         let of = |channel: usize| -> Vec<f32> {
             // Number 0 is nothing, the others are places in the palette + 1.
             let place = |t: u32| lit.cells.binary_search(&(t as usize).checked_sub(1)?).ok();
-            let texel = |&t: &u32| place(t).map_or(0.0, |i| lit.radiances[i][channel] as f32);
-            view.texels.iter().map(texel).collect()
+            let share = |texel: usize| lit.shares.as_ref().map_or(1.0, |shares| shares[texel]);
+            let texel = |(i, &t): (usize, &u32)| place(t).map_or(0.0, |p| lit.radiances[p][channel] as f32 * share(i));
+            view.texels.iter().enumerate().map(texel).collect()
         };
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
@@ -126,11 +130,11 @@ pub fn maps(
         Some(derived) => derived,
         None => view.response(archive)?,
     };
-    Ok(vec![sky_map(view, light), hit, response_map(&response, light)])
+    Ok(vec![sky_map(view, light, sides(archive)?), hit, response_map(&response, light)])
 }
 
 /// What is sky, and with a light the sky and the sun that are seen in it.
-fn sky_map(view: &ReceiverView, light: Option<&Light>) -> Map {
+fn sky_map(view: &ReceiverView, light: Option<&Light>, sides: TextureSides) -> Map {
     let sky = &view.sky;
     let side = sky.side() * sky.block();
     let texel_sr = HEMISPHERE_SR / (side * side) as f64;
@@ -142,13 +146,18 @@ fn sky_map(view: &ReceiverView, light: Option<&Light>) -> Map {
     let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
     map.add("visible", "1 where sky is seen, else 0", visible.iter().map(|v| f32::from(u8::from(*v))).collect());
     map.add("weight_sr", "sr", texels.iter().map(|t| (f64::from(t.cos) * texel_sr) as f32).collect());
+    let rays = sky_side(sides.sky_base, sides.sky_fine).pow(2);
+    let veil = view.canopy.through(SKY, rays, &view.powers).map(|shares| Veil::new(shares, sides));
+    let through = |t: usize| veil.as_ref().map_or(1.0, |veil| veil.at_fine((t % side, t / side)));
+    if veil.is_some() {
+        map.add("through", "share of the light that canopies let through", (0..side * side).map(through).collect());
+    }
     let Some(light) = light else { return map };
     // As replay does on its texels: an open horizontal receiver gets DHI exactly.
     let open: f64 = texels.iter().map(|t| f64::from(t.horizontal)).sum::<f64>() * texel_sr;
     let scale = if open > 0.0 { light.condition.dhi_w_m2 / open } else { 0.0 };
-    let seen =
-        |(texel, visible): (&SkyTexel, &bool)| if *visible { (f64::from(texel.radiance) * scale) as f32 } else { 0.0 };
-    map.add("sky_direct", RADIANCE, texels.iter().zip(&visible).map(seen).collect());
+    let seen = |t: usize| if visible[t] { (f64::from(texels[t].radiance) * scale) as f32 * through(t) } else { 0.0 };
+    map.add("sky_direct", RADIANCE, (0..side * side).map(seen).collect());
     let mut sun = vec![0.0_f32; side * side];
     for instant in &light.condition.suns {
         // Replay takes the cosine of the middle for the whole disc.
@@ -156,7 +165,8 @@ fn sky_map(view: &ReceiverView, light: Option<&Light>) -> Map {
         for (column, row, share) in disc_texels(instant.sun, side) {
             let t = row as usize * side + column as usize;
             if visible[t] {
-                sun[t] += (normal_w_m2 * f64::from(share) / (f64::from(texels[t].cos) * texel_sr)) as f32;
+                let share = f64::from(share) * f64::from(through(t));
+                sun[t] += (normal_w_m2 * share / (f64::from(texels[t].cos) * texel_sr)) as f32;
             }
         }
     }
@@ -233,6 +243,8 @@ struct Lit {
     /// Places in the palette, rising, and the radiance of these cells: by the sun, by the sky.
     cells: Vec<usize>,
     radiances: Vec<[f64; 2]>,
+    /// `[texel]`: share that canopies let through, if not all.
+    shares: Option<Vec<f32>>,
     /// Of the receiver, as the sum of all.
     response: Response,
 }
@@ -246,16 +258,24 @@ fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64,
     tables.shape.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
     let responder = Responder::new(&tables, light.depth, memory, folder)?;
-    let shares = hit_weights(&view.texels, &view.viewer).cells;
+    let through = view.canopy.through(SEEN, view.texels.len(), &view.powers);
+    let shares = hit_weights(&view.texels, &view.viewer, through.as_deref()).cells;
     let mut lit = Lit {
         cells: shares.iter().map(|share| share.0).collect(),
         radiances: Vec::with_capacity(shares.len()),
+        shares: through,
         response: Response { values: vec![0.0; Response::len(tables.shape.probe)] },
     };
     for part in shares.chunks(CELLS_AT_ONCE) {
         let palette: Vec<CellKey> = part.iter().map(|(cell, _)| view.palette[*cell]).collect();
         let hits = HitTile { palette, texels: (1..=part.len() as u32).collect() };
-        let tile = TileView { ids: Vec::new(), viewers: vec![viewer; part.len()], hits, mirrored: Vec::new() };
+        let tile = TileView {
+            ids: Vec::new(),
+            viewers: vec![viewer; part.len()],
+            hits,
+            mirrored: Vec::new(),
+            canopies: Vec::new(),
+        };
         let responses = responder.derive(&tables, &[tile])?;
         for (response, (_, share)) in responses.into_iter().flatten().flatten().zip(part) {
             lit.radiances.push(light.reflected(&response).map(|e| e / (HEMISPHERE_SR / 2.0)));

@@ -1,10 +1,12 @@
 //! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver sees, decoded.
 
+use super::canopies::stored;
 use super::load::{cached_responses, tile_layers, tile_view};
 use super::response::Viewer;
 use crate::archive::tables::{Materials, Receivers};
 use crate::archive::{Archive, format};
 use crate::error::{Error, Result};
+use crate::layers::canopy::{Canopy, Powers};
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::scene::cells::CellKey;
@@ -20,6 +22,9 @@ pub struct ReceiverView {
     /// Shares of its hemisphere: sky, ground, obstruction.
     pub views: [f32; 3],
     pub sky: Mosaic,
+    /// What its rays cross, and what that leaves by the stored transmittances.
+    pub canopy: Canopy,
+    pub powers: Powers,
     pub viewer: Viewer,
     /// Cells that its tile sees, sorted.
     pub palette: Vec<CellKey>,
@@ -43,6 +48,8 @@ impl ReceiverView {
             receiver: table.receivers().into_iter().nth(row).ok_or_else(defect)?,
             views: table.views().nth(row).ok_or_else(defect)?,
             sky: layers.sky.into_iter().nth(row).ok_or_else(defect)?,
+            canopy: layers.canopies.into_iter().nth(row).unwrap_or_default(),
+            powers: stored(archive)?,
             viewer: view.viewers.get(row).copied().ok_or_else(defect)?,
             palette: view.hits.palette,
             texels,

@@ -1,8 +1,10 @@
-//! Reflectances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out: schedules of materials,
-//! checked.
+//! Reflectances and transmittances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out:
+//! schedules of materials, checked.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
+use super::calendar::Date;
 use super::schedule_csv::{Column, read_schedule};
 use super::states::Schedule;
 use super::weather::Row;
@@ -20,9 +22,39 @@ pub enum Snow {
 
 /// The values of a schedule.
 const REFLECTANCE: Column = Column { name: "reflectance", low: 0.0, high: 1.0 };
+const TRANSMITTANCE: Column = Column { name: "transmittance", low: 0.0, high: 1.0 };
 
 /// Depth from which snow covers the ground.
 const COVER_CM: f64 = 1.0;
+
+/// What a transmittance is, or where it stands for each row of a weather file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Follow {
+    Value(f64),
+    File(PathBuf),
+}
+
+impl FromStr for Follow {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.parse::<f64>() {
+            Ok(value) if (0.0..=1.0).contains(&value) => Ok(Follow::Value(value)),
+            Ok(value) => Err(format!("a transmittance is from 0 to 1, not {value}")),
+            Err(_) if text.is_empty() => Err("give a number from 0 to 1 or a CSV file".into()),
+            Err(_) => Ok(Follow::File(text.into())),
+        }
+    }
+}
+
+/// The materials of an archive, and which of them are canopies.
+pub struct Changeable<'a> {
+    /// The archive, for messages.
+    pub site: &'a Path,
+    pub materials: &'a Materials,
+    /// By material; empty where none is.
+    pub lets_through: &'a [bool],
+}
 
 /// What is changed. Later entries win over earlier ones, schedules over constants, snow over both.
 #[derive(Clone, Debug, Default)]
@@ -33,31 +65,48 @@ pub struct Changes {
     pub scheduled: Vec<(String, PathBuf)>,
     /// Where it comes from, and the reflectance of snow.
     pub snow: Option<(Snow, f64)>,
+    /// Group, material or class of canopies, and what comes through at each crossing.
+    pub transmittance: Vec<(String, Follow)>,
 }
 
 impl Changes {
     /// Whether nothing is changed.
     pub fn is_empty(&self) -> bool {
-        self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none()
+        self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none() && self.transmittance.is_empty()
     }
 
-    /// Schedules over `conditions` conditions that have no date; `site` is the archive of the materials.
-    pub fn constant(&self, site: &Path, materials: &Materials, conditions: usize) -> Result<Vec<Schedule>> {
-        let mut schedules = Vec::with_capacity(self.constant.len());
-        for (name, value) in &self.constant {
-            schedules.push(schedule(site, materials, members(site, materials, name)?, vec![*value; conditions])?);
-        }
+    /// Schedules over `conditions` conditions that have no date.
+    pub fn constant(&self, changeable: &Changeable, conditions: usize) -> Result<Vec<Schedule>> {
+        let mut schedules = self.reflecting(changeable, conditions)?;
+        schedules.extend(self.letting_through(changeable, conditions, &[])?);
         Ok(schedules)
     }
 
+    fn reflecting(&self, changeable: &Changeable, conditions: usize) -> Result<Vec<Schedule>> {
+        let of =
+            |(name, value): &(String, f64)| schedule(changeable, changeable.opaque(name)?, vec![*value; conditions]);
+        self.constant.iter().map(of).collect()
+    }
+
+    fn letting_through(&self, changeable: &Changeable, conditions: usize, dates: &[Date]) -> Result<Vec<Schedule>> {
+        let of = |(name, follow): &(String, Follow)| {
+            let values = match follow {
+                Follow::Value(value) => vec![*value; conditions],
+                Follow::File(path) => read_schedule(path, TRANSMITTANCE, dates)?,
+            };
+            Ok(Schedule { materials: changeable.canopies(name)?, values })
+        };
+        self.transmittance.iter().map(of).collect()
+    }
+
     /// Schedules over the rows of a weather file, and what the user should know about them.
-    pub fn over(&self, site: &Path, materials: &Materials, rows: &[Row]) -> Result<(Vec<Schedule>, Vec<String>)> {
-        let mut schedules = self.constant(site, materials, rows.len())?;
+    pub fn over(&self, changeable: &Changeable, rows: &[Row]) -> Result<(Vec<Schedule>, Vec<String>)> {
+        let materials = changeable.materials;
+        let mut schedules = self.reflecting(changeable, rows.len())?;
         let mut warnings = Vec::new();
         let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
         for (name, path) in &self.scheduled {
-            let members = members(site, materials, name)?;
-            schedules.push(schedule(site, materials, members, read_schedule(path, REFLECTANCE, &dates)?)?);
+            schedules.push(schedule(changeable, changeable.opaque(name)?, read_schedule(path, REFLECTANCE, &dates)?)?);
         }
         if let Some((snow, reflectance)) = self.snow {
             let cover = |row: &Row| match snow {
@@ -74,14 +123,51 @@ impl Changes {
                 });
             }
             let before = schedules.clone();
-            for material in (0..materials.rows()).filter(|&m| materials.class.get(m) == Some(&GROUND)) {
+            let snowy = |&m: &usize| materials.class.get(m) == Some(&GROUND) && !changeable.is_canopy(m);
+            for material in (0..materials.rows()).filter(snowy) {
                 let scheduled = before.iter().rev().find(|schedule| schedule.materials.contains(&material));
                 let bare = |row: usize| scheduled.map_or(materials.diffuse[material], |s| s.values[row]);
                 let values = covers.iter().enumerate().map(|(row, cover)| cover.unwrap_or_else(|| bare(row)));
-                schedules.push(schedule(site, materials, vec![material], values.collect())?);
+                schedules.push(schedule(changeable, vec![material], values.collect())?);
             }
         }
+        schedules.extend(self.letting_through(changeable, rows.len(), &dates)?);
         Ok((schedules, warnings))
+    }
+}
+
+impl Changeable<'_> {
+    fn is_canopy(&self, material: usize) -> bool {
+        self.lets_through.get(material) == Some(&true)
+    }
+
+    /// Those of the materials of a name that reflect.
+    fn opaque(&self, name: &str) -> Result<Vec<usize>> {
+        let mut members = members(self.site, self.materials, name)?;
+        members.retain(|&material| !self.is_canopy(material));
+        self.some(members, name, "is a canopy, which reflects nothing", "change its --transmittance")
+    }
+
+    /// Those of the materials of a name that let light through.
+    fn canopies(&self, name: &str) -> Result<Vec<usize>> {
+        let mut members = members(self.site, self.materials, name)?;
+        members.retain(|&material| self.is_canopy(material));
+        let canopies: Vec<&str> = (0..self.materials.rows())
+            .filter(|&material| self.is_canopy(material))
+            .map(|material| self.materials.name[material].as_str())
+            .collect();
+        let hint = match canopies.is_empty() {
+            true => "give a material a `transmittance` in materials.toml and build the archive again".to_string(),
+            false => format!("name canopies or their group: {}", canopies.join(", ")),
+        };
+        self.some(members, name, "is no canopy: it lets no light through", &hint)
+    }
+
+    fn some(&self, members: Vec<usize>, name: &str, what: &str, hint: &str) -> Result<Vec<usize>> {
+        match members.is_empty() {
+            true => Err(Error::input(self.site, None, format!("`{name}` {what}"), hint)),
+            false => Ok(members),
+        }
     }
 }
 
@@ -119,7 +205,8 @@ fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>>
 }
 
 /// A schedule that leaves room for what its materials reflect like mirrors.
-fn schedule(site: &Path, materials: &Materials, members: Vec<usize>, values: Vec<f64>) -> Result<Schedule> {
+fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> Result<Schedule> {
+    let materials = changeable.materials;
     let largest = values.iter().copied().fold(0.0, f64::max);
     for &material in &members {
         let specular = materials.specular[material];
@@ -129,7 +216,7 @@ fn schedule(site: &Path, materials: &Materials, members: Vec<usize>, values: Vec
                 materials.name[material]
             );
             let hint = format!("its diffuse reflectance can be at most {}", 1.0 - specular);
-            return Err(Error::input(site, None, what, hint));
+            return Err(Error::input(changeable.site, None, what, hint));
         }
     }
     Ok(Schedule { materials: members, values })
@@ -138,7 +225,6 @@ fn schedule(site: &Path, materials: &Materials, members: Vec<usize>, values: Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recombine::calendar::Date;
     use crate::recombine::sun::Interval;
     use glam::DVec3;
 
@@ -150,6 +236,10 @@ mod tests {
             class: vec![1, 1, 0, 0],
             group: ["", "ground", "facade", "facade"].map(String::from).to_vec(),
         }
+    }
+
+    fn changeable(materials: &Materials) -> Changeable<'_> {
+        Changeable { site: Path::new("a.helio"), materials, lets_through: &[] }
     }
 
     fn rows() -> Vec<Row> {
@@ -178,7 +268,7 @@ mod tests {
         {
             let changes =
                 Changes { constant: vec![("ground".into(), 0.3)], snow: Some((snow, 0.6)), ..Changes::default() };
-            let (schedules, warnings) = changes.over(Path::new("a.helio"), &materials(), &rows()).expect("schedules");
+            let (schedules, warnings) = changes.over(&changeable(&materials()), &rows()).expect("schedules");
             assert!(warnings.is_empty());
             let of =
                 |material| schedules.iter().rev().find(|s| s.materials.contains(&material)).map(|s| s.values.clone());
@@ -186,7 +276,7 @@ mod tests {
         }
         let bare = [rows()[1]];
         let changes = Changes { snow: Some((Snow::Depth, 0.6)), ..Changes::default() };
-        let (schedules, warnings) = changes.over(Path::new("a.helio"), &materials(), &bare).expect("schedules");
+        let (schedules, warnings) = changes.over(&changeable(&materials()), &bare).expect("schedules");
         assert_eq!(warnings.len(), 1);
         assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
     }
@@ -196,23 +286,18 @@ mod tests {
     #[test]
     fn names() {
         let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };
-        let schedules = change("facade", 0.5).constant(Path::new("a.helio"), &materials(), 2).expect("schedules");
+        let schedules = change("facade", 0.5).constant(&changeable(&materials()), 2).expect("schedules");
         assert_eq!(schedules, [Schedule { materials: vec![2, 3], values: vec![0.5, 0.5] }]);
-        assert_eq!(
-            change("lawn", 0.5).constant(Path::new("a.helio"), &materials(), 1).expect("schedules")[0].materials,
-            [0]
-        );
-        let text =
-            change("roof", 0.5).constant(Path::new("a.helio"), &materials(), 1).expect_err("unknown").to_string();
+        assert_eq!(change("lawn", 0.5).constant(&changeable(&materials()), 1).expect("schedules")[0].materials, [0]);
+        let text = change("roof", 0.5).constant(&changeable(&materials()), 1).expect_err("unknown").to_string();
         assert!(
             text.contains(
                 "a group (facade, ground), a material (lawn, street, wall, glass), `ground` or `obstruction`"
             ),
             "{text}"
         );
-        let text =
-            change("facade", 0.6).constant(Path::new("a.helio"), &materials(), 1).expect_err("too much").to_string();
+        let text = change("facade", 0.6).constant(&changeable(&materials()), 1).expect_err("too much").to_string();
         assert!(text.contains("`glass`") && text.contains("at most 0.5"), "{text}");
-        assert!(change("", 0.6).constant(Path::new("a.helio"), &materials(), 1).is_err());
+        assert!(change("", 0.6).constant(&changeable(&materials()), 1).is_err());
     }
 }

@@ -4,12 +4,14 @@ use rayon::prelude::*;
 
 use super::bins::Bins;
 use super::bounces::Depth;
+use super::canopies::{self, Leafages};
 use super::components::{Component, ComponentSet};
 use super::conditions::Condition;
 use super::load::{Tables, cached_responses, mirror_table, sides, tile_layers, tile_view};
 use super::longwave::Longwave;
 use super::patches::Patches;
 use super::responder::Responder;
+use super::response::Reflector;
 use super::sky::SkyModel;
 use super::specular::MirrorTable;
 use super::states::{Schedule, States};
@@ -51,7 +53,7 @@ impl Default for ReplaySettings {
 /// An archive with its weather, ready to give tile after tile.
 ///
 /// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
-/// [`Bins`], such as kWh/m2 ([`Replay::summed`]). Diffuse reflectances may change from condition to condition
+/// [`Bins`], such as kWh/m2 ([`Replay::summed`]). Diffuse reflectances and transmittances may change from condition to condition
 /// ([`Replay::scheduled`]). Longwave irradiance needs conditions with an emission, as [`super::temperatures::emissions`] gives
 /// them. Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
 ///
@@ -109,7 +111,7 @@ impl<'a> Replay<'a> {
         Replay::scheduled(archive, conditions, settings, bins, &[])
     }
 
-    /// The same with reflectances that follow schedules.
+    /// The same with reflectances and transmittances that follow schedules.
     pub fn scheduled(
         archive: &'a Archive,
         conditions: &[Condition],
@@ -126,20 +128,37 @@ impl<'a> Replay<'a> {
             }
             Ok(forcing.with_longwave(Longwave::new(conditions, bins, archive.path())?))
         };
-        if !schedules.is_empty() && !holds_diffuse(archive) {
+        let reflects = holds_diffuse(archive)
+            && [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
+        let leaves = canopies::stored(archive)?;
+        if !schedules.is_empty() && !holds_diffuse(archive) && leaves.is_empty() {
             let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
             return Err(Error::input(archive.path(), None, what, "build it with `--effects all`"));
         }
-        let reflects = holds_diffuse(archive)
-            && [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
-        if !reflects || settings.depth == Depth::All && schedules.is_empty() {
-            return Replay::with(archive, forced(&[])?, None);
+        let behind = |forcing: Forcing, ways| match leaves.is_empty() {
+            true => forcing,
+            false => forcing.behind(conditions, ways, settings.sky, &patches),
+        };
+        let derives = reflects && (settings.depth != Depth::All || !schedules.is_empty());
+        if !derives && (leaves.is_empty() || schedules.is_empty()) {
+            let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
+            return Replay::with(archive, forcing, None);
         }
         let tables = Tables::load(archive)?;
-        let reflectance = tables.reflectors.iter().map(|r| r.diffuse).collect();
+        let stored = tables.reflectors.iter().map(Reflector::variable).collect();
+        let lets_through: Vec<bool> = tables.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
         let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
+        let states_of = |finer| States::new(&stored, &lets_through, schedules, conditions.len(), finer);
+        let ways = |states: &States| {
+            let leafages = Leafages::split(&tables.reflectors, &mut states.reflectances.clone());
+            leafages.ways(&states.ways(bins))
+        };
+        if !derives {
+            let states = states_of(true)?;
+            return Replay::with(archive, behind(forced(&[])?, ways(&states)), None);
+        }
         let solved = |finer| -> Result<(States, Responder)> {
-            let states = States::new(&reflectance, schedules, conditions.len(), finer)?;
+            let states = states_of(finer)?;
             let of_states = states.reflectances.clone();
             let responder = Responder::with_states(&tables, of_states, settings.depth, memory, &folder)?;
             Ok((states, responder))
@@ -149,6 +168,7 @@ impl<'a> Replay<'a> {
             (states, responder) = solved(true)?;
         }
         let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
+        let forcing = behind(forcing, ways(&states));
         Replay::with(archive, forcing, Some((tables, responder)))
     }
 

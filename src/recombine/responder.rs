@@ -13,12 +13,14 @@ use super::bounces::{
     Closed, Depth, Lit, Reflectance, Rules, Surround, Weighted, centres_f32, each_ray, in_mirrors_lit, rho, seen,
     surround,
 };
+use super::canopies::{Leafages, Shade};
 use super::load::{Tables, TileView};
 use super::mirrors::{Chains, left};
 use super::response::{Reflector, Shape, Viewer, class_index, hit_weights, texel_weights};
 use super::slots::Slots;
 use crate::error::Result;
 use crate::hemisphere::{bilinear, bit, texel_centres};
+use crate::layers::canopy::SEEN;
 use crate::layers::cells::Cells;
 use crate::layers::extras::MIRROR;
 use crate::layers::mirror::CellMirrors;
@@ -34,6 +36,7 @@ pub struct Responder {
     shape: Shape,
     reflectors: Vec<Reflector>,
     states: Vec<Reflectance>,
+    leafages: Leafages,
     slots: Slots,
     rules: Rules,
     closed: Closed,
@@ -50,14 +53,14 @@ impl Responder {
     /// Solves the closed system with the tables' reflectances. At most about `memory` bytes are used; what does not fit goes to a
     /// temporary file in `folder`.
     pub fn new(tables: &Tables, depth: Depth, memory: u64, folder: &Path) -> Result<Self> {
-        let stored = tables.reflectors.iter().map(|r| r.diffuse).collect();
+        let stored = tables.reflectors.iter().map(Reflector::variable).collect();
         Responder::with_states(tables, vec![stored], depth, memory, folder)
     }
 
-    /// Solves it for other reflectances by material, one state after the other.
+    /// Solves it for other values by material ([`Reflector::variable`]), one state after the other.
     pub fn with_states(
         tables: &Tables,
-        states: Vec<Reflectance>,
+        mut states: Vec<Vec<f64>>,
         depth: Depth,
         memory: u64,
         folder: &Path,
@@ -65,11 +68,13 @@ impl Responder {
         let (shape, reflectors) = (tables.shape, tables.reflectors.clone());
         let rules = Rules { side: shape.bounce_sky, closed_level: shape.closed_level, depth };
         let memory = memory / 2;
-        let closed = Closed::solve(tables, &rules, &states, memory, folder)?;
+        let leafages = Leafages::split(&reflectors, &mut states);
+        let closed = Closed::solve(tables, &rules, &states, &leafages, memory, folder)?;
         Ok(Responder {
             closed,
             slots: Slots::new(&states),
             states,
+            leafages,
             centres: centres_f32(shape.probe),
             bounce_centres: centres_f32(shape.bounce_sky),
             upsample: texel_centres(shape.probe).into_iter().map(|d| bilinear(d, shape.bounce_sky)).collect(),
@@ -98,19 +103,24 @@ impl Responder {
             responses.append(&mut self.derive(tables, second)?);
             return Ok(responses);
         };
-        let lights = |tile: &TileView| -> Vec<Light> {
-            let viewers = tile.viewers.par_iter().enumerate();
-            viewers.map(|(index, viewer)| group.light(tile, index, viewer)).collect()
-        };
-        let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect();
-        let mut responses: Vec<Vec<Vec<Response>>> = tiles.iter().map(|_| Vec::new()).collect();
+        let mut responses: Vec<Vec<Vec<Response>>> =
+            tiles.iter().map(|_| vec![Vec::new(); self.states.len()]).collect();
         let mut radiosity = Vec::new();
-        for state in 0..self.states.len() {
-            group.solve(tables, state, &mut radiosity)?;
-            let of_tile = |(lights, responses): (&Vec<Light>, &mut Vec<Vec<Response>>)| {
-                responses.push(lights.par_iter().map(|light| group.response(light, state, &radiosity)).collect());
+        for leafage in 0..self.leafages.powers.len() {
+            let rows = group.rows(tables, leafage)?;
+            let lights = |tile: &TileView| -> Vec<Light> {
+                let viewers = tile.viewers.par_iter().enumerate();
+                viewers.map(|(index, viewer)| group.light(tile, index, viewer, leafage)).collect()
             };
-            lights.par_iter().zip(&mut responses).for_each(of_tile);
+            let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect();
+            for state in self.leafages.states(leafage) {
+                group.solve(tables, &rows, state, &mut radiosity)?;
+                let of_tile = |(lights, responses): (&Vec<Light>, &mut Vec<Vec<Response>>)| {
+                    responses[state] =
+                        lights.par_iter().map(|light| group.response(light, state, &radiosity)).collect();
+                };
+                lights.par_iter().zip(&mut responses).for_each(of_tile);
+            }
         }
         Ok(responses)
     }
@@ -144,49 +154,28 @@ impl Responder {
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
         let mut places: Vec<(CellKey, u32)> = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
         places.sort_unstable();
-        let place = |key: &CellKey| {
-            let found = places.binary_search_by_key(key, |place| place.0);
-            found.map(|i| places[i].1 as usize).map_err(|_| tables.bounces.missing(key))
-        };
-        let of_probe = |key: &CellKey| if first_only { Ok(0) } else { place(key) };
-        let seen = probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
-        let mirrors: Vec<CellMirrors> = (0..probes.extras[MIRROR].len()).map(|i| probes.mirrors(i)).collect();
-        let in_mirrors = mirrors.iter().flat_map(CellMirrors::cells).map(|key| Ok((key, of_probe(&key)?)));
-        let mirrored = in_mirrors.collect::<Result<_>>()?;
-        let probe_chains = Chains::of_cells(&probes, tables, &self.centres);
         let closed = keys.partition_point(|key| self.rules.closes(key));
-        let mut rows: Vec<Row> = Vec::with_capacity(keys.len() - closed);
-        for (part, cells) in fine.iter().enumerate() {
-            let chains = Chains::of_cells(cells, tables, &self.bounce_centres);
-            let of_cell = |row: usize| {
-                let weighted = self.rules.row(cells, row, &self.bounce_centres, &self.reflectors).into_iter();
-                let seen = weighted.map(|(cell, w)| Ok((place(&cell)? as u32, w))).collect::<Result<_>>()?;
-                let lit = in_mirrors_lit(cells, row, &chains);
-                Ok(Row { place: place(&cells.keys[row])?, part, row, seen, lit })
-            };
-            rows.append(&mut (0..cells.keys.len()).into_par_iter().map(of_cell).collect::<Result<_>>()?);
-        }
-        rows.sort_unstable_by_key(|row| row.place);
-        for level in rows.chunk_by(|a, b| keys[a.place].level == keys[b.place].level) {
-            // A cell sees coarser ones only, or this would never end.
-            let first = level[0].place;
-            if let Some(row) = level.iter().find(|row| row.seen.iter().any(|seen| seen.0 as usize >= first)) {
-                return Err(tables.bounces.missing(&keys[row.place]));
-            }
-        }
-        Ok(Some(Group {
+        let chains = Chains::of_cells(&probes, tables, &self.centres);
+        let mirrors: Vec<CellMirrors> = (0..probes.extras[MIRROR].len()).map(|i| probes.mirrors(i)).collect();
+        let mut group = Group {
             responder: self,
             probes,
             surrounds,
-            seen,
-            mirrored,
+            seen: Vec::new(),
+            mirrored: HashMap::new(),
             mirrors,
-            chains: probe_chains,
+            chains,
             keys,
+            places,
             closed,
             fine,
-            rows,
-        }))
+        };
+        let of_probe = |key: &CellKey| if first_only { Ok(0) } else { group.place(tables, key) };
+        let seen = group.probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
+        let in_mirrors = group.mirrors.iter().flat_map(CellMirrors::cells).map(|key| Ok((key, of_probe(&key)?)));
+        let mirrored = in_mirrors.collect::<Result<_>>()?;
+        (group.seen, group.mirrored) = (seen, mirrored);
+        Ok(Some(group))
     }
 }
 
@@ -203,18 +192,21 @@ struct Group<'r> {
     mirrors: Vec<CellMirrors>,
     /// By which chains probes see the sky.
     chains: Chains,
-    /// Bounce cells, coarser first: closed ones, then those of `rows`.
+    /// Bounce cells, coarser first: closed ones, then those of `fine`.
     keys: Vec<CellKey>,
+    /// Their places in `keys`, by key.
+    places: Vec<(CellKey, u32)>,
     closed: usize,
     fine: Vec<Cells>,
-    rows: Vec<Row>,
 }
 
-/// A fine bounce cell: its place in the group's keys, where its textures are, and the places and weights of what it sees.
+/// A fine bounce cell: its place in the group's keys, where its textures are, how much of the sky's light comes through, and the places
+/// and weights of what it sees.
 struct Row {
     place: usize,
     part: usize,
     row: usize,
+    shares: Option<Vec<f32>>,
     seen: Weighted<u32>,
     /// By mirrors.
     lit: Lit,
@@ -238,9 +230,41 @@ struct Indirect {
 }
 
 impl Group<'_> {
+    /// Place of a bounce cell in `keys`.
+    fn place(&self, tables: &Tables, key: &CellKey) -> Result<usize> {
+        let found = self.places.binary_search_by_key(key, |place| place.0);
+        found.map(|i| self.places[i].1 as usize).map_err(|_| tables.bounces.missing(key))
+    }
+
+    /// The fine bounce cells behind the leaves of a leafage, by place.
+    fn rows(&self, tables: &Tables, leafage: usize) -> Result<Vec<Row>> {
+        let Responder { rules, leafages, bounce_centres, reflectors, .. } = self.responder;
+        let mut rows: Vec<Row> = Vec::with_capacity(self.keys.len() - self.closed);
+        for (part, cells) in self.fine.iter().enumerate() {
+            let chains = Chains::of_cells(cells, tables, bounce_centres);
+            let of_cell = |row: usize| {
+                let shade = Shade::of(cells, row, rules.side, &leafages.powers[leafage]);
+                let weighted = rules.row(cells, row, &shade, bounce_centres, reflectors).into_iter();
+                let seen = weighted.map(|(cell, w)| Ok((self.place(tables, &cell)? as u32, w)));
+                let (place, seen) = (self.place(tables, &cells.keys[row])?, seen.collect::<Result<_>>()?);
+                Ok(Row { place, part, row, shares: shade.sky, seen, lit: in_mirrors_lit(cells, row, &chains) })
+            };
+            rows.append(&mut (0..cells.keys.len()).into_par_iter().map(of_cell).collect::<Result<_>>()?);
+        }
+        rows.sort_unstable_by_key(|row| row.place);
+        for level in rows.chunk_by(|a, b| self.keys[a.place].level == self.keys[b.place].level) {
+            // A cell sees coarser ones only, or this would never end.
+            let first = level[0].place;
+            if let Some(row) = level.iter().find(|row| row.seen.iter().any(|seen| seen.0 as usize >= first)) {
+                return Err(tables.bounces.missing(&self.keys[row.place]));
+            }
+        }
+        Ok(rows)
+    }
+
     /// Radiosities in a state, [cell of `keys`][axis][texel], per unit normal irradiance: closed cells as solved, the others from those
-    /// that they see.
-    fn solve(&self, tables: &Tables, state: usize, values: &mut Vec<f32>) -> Result<()> {
+    /// that they see, given in `rows`.
+    fn solve(&self, tables: &Tables, rows: &[Row], state: usize, values: &mut Vec<f32>) -> Result<()> {
         let Responder { rules, closed, states, .. } = self.responder;
         let width = rules.width();
         values.resize(self.keys.len() * width, 0.0);
@@ -249,11 +273,12 @@ impl Group<'_> {
             closed.read(state, cell, out)
         };
         values[..self.closed * width].par_chunks_mut(width).zip(&self.keys).try_for_each(read)?;
-        for level in self.rows.chunk_by(|a, b| self.keys[a.place].level == self.keys[b.place].level) {
+        for level in rows.chunk_by(|a, b| self.keys[a.place].level == self.keys[b.place].level) {
             let (before, here) = values.split_at_mut(level[0].place * width);
             let solve = |(out, row): (&mut [f32], &Row)| {
                 let rho = rho(&states[state], &self.keys[row.place]);
-                rules.source(&self.fine[row.part], row.row, rho, 0..width, &row.lit, out);
+                let lit = (rho, row.shares.as_deref(), &row.lit);
+                rules.source(&self.fine[row.part], row.row, lit, 0..width, out);
                 for &(place, weight) in &row.seen {
                     let (from, weight) = (place as usize * width, weight * rho);
                     out.iter_mut().zip(&before[from..from + width]).for_each(|(o, x)| *o += weight * x);
@@ -264,15 +289,17 @@ impl Group<'_> {
         Ok(())
     }
 
-    /// What receiver `index` of a tile of the group sees.
-    fn light(&self, tile: &TileView, index: usize, viewer: &Viewer) -> Light {
-        let Responder { shape, slots, reflectors, rules, .. } = self.responder;
+    /// What receiver `index` of a tile of the group sees through the leaves of a leafage.
+    fn light(&self, tile: &TileView, index: usize, viewer: &Viewer, leafage: usize) -> Light {
+        let Responder { shape, slots, reflectors, rules, leafages, .. } = self.responder;
+        let powers = &leafages.powers[leafage];
         let per_receiver = shape.hit * shape.hit;
         let texels = shape.probe * shape.probe;
+        let shares = tile.canopies.get(index).and_then(|canopy| canopy.through(SEEN, per_receiver, powers));
         let texels_of = &tile.hits.texels[index * per_receiver..(index + 1) * per_receiver];
         let mut first = vec![vec![0.0_f32; Response::len(shape.probe)]; slots.len()];
         let mut indirect: Vec<Indirect> = Vec::new();
-        let direct = hit_weights(texels_of, viewer).cells.into_iter().map(|(cell, weight)| {
+        let direct = hit_weights(texels_of, viewer, shares.as_deref()).cells.into_iter().map(|(cell, weight)| {
             let key = tile.hits.palette[cell];
             (key, key.material, weight)
         });
@@ -299,7 +326,11 @@ impl Group<'_> {
             }
             let scaled = |normal: [f32; 3]| normal.map(|c| c * worth as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
-            add_bits(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), texels);
+            let shade = Shade::of(&self.probes, probe, shape.probe, powers);
+            match &shade.sky {
+                None => add_bits(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), texels),
+                Some(shares) => add_shares(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), shares),
+            }
             let (windows, paths) = self.mirrors.get(probe).map_or((&[][..], &[][..]), |m| (&m.windows, &m.paths));
             for window in windows {
                 if let Some((image, shares)) = self.chains.image(&window.chain, self.probes.normals[probe]) {
@@ -308,7 +339,7 @@ impl Group<'_> {
             }
             if rules.depth != Depth::Count(1) {
                 let around = self.surrounds[probe];
-                let (above, below) = seen(self.probes.hits_of(probe));
+                let (above, below) = seen(self.probes.hits_of(probe), shade.seen.as_deref());
                 for (list, share) in [(above, around.up), (below, around.down)] {
                     let share = (worth * share) as f32;
                     let entry = |(cell, w): (u32, f32)| Indirect {
@@ -365,15 +396,6 @@ impl Group<'_> {
     }
 }
 
-/// out[axis][t] += normal[axis] x shares[t] where bit t is set.
-fn add_shares(out: &mut [f32], bits: &[u8], normal: [f32; 3], shares: &[f32]) {
-    for (plane, n) in out.chunks_mut(shares.len()).zip(normal) {
-        for (t, (value, share)) in plane.iter_mut().zip(shares).enumerate() {
-            *value += if bit(bits, t) { n * share } else { 0.0 };
-        }
-    }
-}
-
 /// out[axis][t] += normal[axis] where bit t is set.
 fn add_bits(out: &mut [f32], bits: &[u8], normal: [f32; 3], texels: usize) {
     for (plane, n) in out.chunks_mut(texels).zip(normal) {
@@ -381,6 +403,15 @@ fn add_bits(out: &mut [f32], bits: &[u8], normal: [f32; 3], texels: usize) {
             for (k, value) in eight.iter_mut().enumerate() {
                 *value += if byte >> k & 1 == 1 { n } else { 0.0 };
             }
+        }
+    }
+}
+
+/// out[axis][t] += normal[axis] x the share of light that is left on its way, where bit t is set.
+fn add_shares(out: &mut [f32], bits: &[u8], normal: [f32; 3], shares: &[f32]) {
+    for (plane, n) in out.chunks_mut(shares.len()).zip(normal) {
+        for (t, (value, share)) in plane.iter_mut().zip(shares).enumerate() {
+            *value += if bit(bits, t) { n * share } else { 0.0 };
         }
     }
 }

@@ -36,6 +36,11 @@ pub struct Reflector {
 }
 
 impl Reflector {
+    /// What a replay may change: of a canopy its transmittance, else the diffuse reflectance.
+    pub fn variable(&self) -> f64 {
+        self.transmittance.unwrap_or(self.diffuse)
+    }
+
     /// The properties of a material of the scene.
     pub fn of(material: &Material) -> Self {
         Reflector {
@@ -77,9 +82,12 @@ pub struct HitWeights {
     pub cells: Vec<(usize, f64)>,
 }
 
-/// Weights of the hits of a receiver, cell by cell.
-pub fn hit_weights(texels: &[u32], viewer: &Viewer) -> HitWeights {
-    let weights = texel_weights(texels, viewer);
+/// Weights of the hits of a receiver, cell by cell. `shares` of the light that come through along each ray, if not all does.
+pub fn hit_weights(texels: &[u32], viewer: &Viewer, shares: Option<&[f32]>) -> HitWeights {
+    let mut weights = texel_weights(texels, viewer);
+    if let Some(shares) = shares {
+        weights.iter_mut().zip(shares).for_each(|(weight, &share)| *weight *= f64::from(share));
+    }
     let mut hits: Vec<(usize, f64)> = texels
         .iter()
         .zip(weights)
@@ -126,10 +134,10 @@ pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
     texels.iter().zip(rays).map(weight).collect()
 }
 
-/// Shares of a receiver's hemisphere whose first hit is ground and obstruction.
+/// Shares of a receiver's hemisphere whose first hit is ground and obstruction; canopies hide nothing.
 pub fn view_factors(texels: &[u32], tile: &HitTile, reflectors: &[Reflector], viewer: &Viewer) -> [f64; CLASSES] {
     let mut shares = [0.0; CLASSES];
-    for (cell, weight) in hit_weights(texels, viewer).cells {
+    for (cell, weight) in hit_weights(texels, viewer, None).cells {
         if let Some(reflector) = reflectors.get(usize::from(tile.palette[cell].material)) {
             shares[class_index(reflector.class)] += weight;
         }

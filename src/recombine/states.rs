@@ -12,20 +12,28 @@ use crate::error::{Error, Result};
 /// Nodes of an interpolation, and of a finer one; the former are among the latter.
 const NODES: [usize; 2] = [5, 9];
 
+/// Most by which an interpolated power of a transmittance may be off, for any number of crossings: the largest error of light as a
+/// share of what open canopies let through, since all light is a sum of such powers.
+const MOST_OFF: f64 = 1e-4;
+
+/// Crossings of a path that are asked for: four counts as large as can be.
+const MOST_CROSSINGS: usize = 1020;
+
 /// Most states that are solved as they are, where they cannot be interpolated.
 const MOST: usize = 100;
 
-/// Reflectances of some materials.
+/// Reflectances of some materials, or transmittances of some canopies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     pub materials: Vec<usize>,
-    /// `[condition]`: diffuse reflectance, 0 to 1.
+    /// `[condition]`: diffuse reflectance, or transmittance at each crossing, 0 to 1.
     pub values: Vec<f64>,
 }
 
 /// States of the reflectances of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
+    /// By material; of a canopy, which reflects nothing, its transmittance.
     pub reflectances: Vec<Reflectance>,
     /// `[condition]`: states and their shares, which sum to 1.
     pub of_condition: Vec<Vec<(usize, f64)>>,
@@ -34,17 +42,37 @@ pub struct States {
 }
 
 impl States {
-    /// Where several schedules name a material, the last one counts. `finer` interpolates between more nodes.
-    pub fn new(stored: &Reflectance, schedules: &[Schedule], conditions: usize, finer: bool) -> Result<States> {
+    /// Where several schedules name a material, the last one counts. `lets_through` says which materials are canopies. `finer`
+    /// interpolates between more nodes.
+    pub fn new(
+        stored: &Reflectance,
+        lets_through: &[bool],
+        schedules: &[Schedule],
+        conditions: usize,
+        finer: bool,
+    ) -> Result<States> {
         let distinct = States::distinct(stored, schedules, conditions);
         let mut series: Vec<&[f64]> = schedules.iter().map(|s| s.values.as_slice()).collect();
         series.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         series.dedup();
         series.retain(|values| values.iter().any(|v| *v != values[0]));
-        let nodes = NODES[usize::from(finer)];
-        let count = nodes.checked_pow(series.len() as u32).filter(|count| *count <= MOST);
+        let steep = |values: &[f64], nodes| {
+            let of_canopy =
+                |s: &Schedule| s.values == values && s.materials.iter().any(|&m| lets_through.get(m) == Some(&true));
+            schedules.iter().any(of_canopy) && powers_off(&chebyshev(values, nodes)) > MOST_OFF
+        };
+        let any_steep = |nodes| series.iter().any(|values| steep(values, nodes));
+        let nodes = NODES[usize::from(finer || any_steep(NODES[0]))];
+        let count = nodes.checked_pow(series.len() as u32).filter(|count| *count <= MOST && !any_steep(nodes));
         let Some(count) = count.filter(|count| *count < distinct.reflectances.len()) else {
             let found = distinct.reflectances.len();
+            if found > MOST && any_steep(nodes) {
+                let what =
+                    "different transmittances, whose powers bend too much to be interpolated (round the values of the \
+                            schedule): their number"
+                        .to_string();
+                return Err(Error::Limit { what, value: found as u64, max: MOST as u64 });
+            }
             if found > MOST {
                 let what = format!("states of {} reflectances that change independently", series.len());
                 return Err(Error::Limit { what, value: found as u64, max: MOST as u64 });
@@ -117,6 +145,23 @@ fn chebyshev(values: &[f64], nodes: usize) -> Vec<f64> {
     (0..nodes).map(|k| node(k).clamp(low, high)).collect()
 }
 
+/// Largest error of the powers of a transmittance, interpolated between nodes, at 200 points between the first and the last.
+fn powers_off(nodes: &[f64]) -> f64 {
+    let (low, high) = (nodes[0], nodes[nodes.len() - 1]);
+    let of_point = |i: usize| {
+        let at = low + (high - low) * (i as f64 + 0.5) / 200.0;
+        let weights = lagrange(nodes, at);
+        let (mut powers, mut exact, mut worst) = (weights, 1.0, 0.0_f64);
+        for _ in 0..MOST_CROSSINGS {
+            exact *= at;
+            powers.iter_mut().zip(nodes).for_each(|(power, node)| *power *= node);
+            worst = worst.max((powers.iter().sum::<f64>() - exact).abs());
+        }
+        worst
+    };
+    (0..200).map(of_point).fold(0.0, f64::max)
+}
+
 /// For every second node of an axis: the state there less its interpolation between the other nodes of the axis, the other axes at
 /// their first nodes.
 fn checks(axis: &[f64], states: usize, place: impl Fn(usize) -> usize) -> Vec<Vec<f64>> {
@@ -158,13 +203,13 @@ mod tests {
     fn few_values() {
         let stored = vec![0.1, 0.2, 0.3];
         let a = schedule(&[0, 1], &[0.5, 0.6, 0.5, 0.7, 0.6]);
-        let states = States::new(&stored, &[a.clone(), schedule(&[1], &[0.9; 5])], 5, false).expect("states");
+        let states = States::new(&stored, &[], &[a.clone(), schedule(&[1], &[0.9; 5])], 5, false).expect("states");
         assert_eq!(states.reflectances, [[0.5, 0.9, 0.3], [0.6, 0.9, 0.3], [0.7, 0.9, 0.3]]);
         assert_eq!(states.of_condition, [0, 1, 0, 2, 1].map(|state| vec![(state, 1.0)]));
         let bins = Bins { count: 1, of_condition: vec![(0, 2.0); 5] };
         let ways = states.ways(&bins);
         assert_eq!(ways[1].of_condition, [(0, 0.0), (0, 2.0), (0, 0.0), (0, 0.0), (0, 2.0)]);
-        let none = States::new(&stored, &[], 2, false).expect("states");
+        let none = States::new(&stored, &[], &[], 2, false).expect("states");
         assert_eq!((none.reflectances, none.of_condition.len()), (vec![stored], 2));
     }
 
@@ -180,7 +225,7 @@ mod tests {
         let cases =
             [(&one[..], false, 5, 1e-4), (&one, true, 9, 1e-7), (&two, false, 25, 1e-3), (&two, true, 81, 1e-6)];
         for (schedules, finer, count, tolerance) in cases {
-            let states = States::new(&stored, schedules, 1000, finer).expect("states");
+            let states = States::new(&stored, &[], schedules, 1000, finer).expect("states");
             assert_eq!(states.reflectances.len(), count);
             let light = |r: &[f64]| 1.0 / (1.0 - r[0] / 2.0) + r[2] / (1.0 - r[2] / 3.0);
             for i in 0..1000 {
@@ -199,9 +244,32 @@ mod tests {
         }
         let c: Vec<f64> = a.iter().map(|v| v * v).collect();
         let three = [two[0].clone(), two[1].clone(), schedule(&[1], &c)];
-        let text = States::new(&stored, &three, 1000, false).expect_err("too many").to_string();
+        let text = States::new(&stored, &[], &three, 1000, false).expect_err("too many").to_string();
         assert!(text.contains("3 reflectances"), "{text}");
         let few = three.map(|s| Schedule { values: s.values[..20].to_vec(), ..s });
-        assert_eq!(States::new(&stored, &few, 20, false).expect("states").reflectances.len(), 20);
+        assert_eq!(States::new(&stored, &[], &few, 20, false).expect("states").reflectances.len(), 20);
+    }
+
+    /// 1,000 transmittances from 0.1 to 0.6 are 9 states whose shares reproduce tau^k within 1e-4 for k of 1 to 40; from 0.1 to 1, where
+    /// powers bend too much, 1,000 are refused with the way out, and 90 are 90 states. As reflectances they are 5.
+    #[test]
+    fn transmittances() {
+        let value = |i: u32, high: f64| 0.1 + (high - 0.1) * (f64::from(i) * 0.37).sin().abs();
+        let of = |count: u32, high| [schedule(&[1], &(0..count).map(|i| value(i, high)).collect::<Vec<_>>())];
+        let states = |schedules: &[Schedule], canopies: &[bool]| {
+            States::new(&vec![0.3; 2], canopies, schedules, schedules[0].values.len(), false)
+        };
+        let nine = states(&of(1000, 0.6), &[false, true]).expect("states");
+        assert_eq!(nine.reflectances.len(), 9);
+        for (i, shares) in (0..).zip(&nine.of_condition) {
+            for k in 1..=40 {
+                let sum: f64 = shares.iter().map(|(s, w)| w * nine.reflectances[*s][1].powi(k)).sum();
+                assert!((sum - value(i, 0.6).powi(k)).abs() < 1e-4, "{i} {k}: {sum}");
+            }
+        }
+        let text = states(&of(1000, 1.0), &[false, true]).expect_err("too steep").to_string();
+        assert!(text.contains("transmittances") && text.contains("round the values"), "{text}");
+        assert_eq!(states(&of(90, 1.0), &[false, true]).expect("states").reflectances.len(), 90);
+        assert_eq!(states(&of(1000, 1.0), &[]).expect("states").reflectances.len(), 5);
     }
 }

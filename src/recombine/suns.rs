@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::bins::Bins;
 use super::conditions::Condition;
 use super::disc::disc_texels;
+use super::shaded::Veil;
 use super::specular::MirrorView;
 use super::tile::TextureSides;
 use crate::layers::mosaic::{Mosaic, Texel};
@@ -48,7 +49,8 @@ impl Suns {
     pub fn new(conditions: &[Condition], bins: &Bins, sides: TextureSides) -> Self {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let mut found = Suns { suns: Vec::new(), parts: Vec::new(), fine: Vec::new() };
-        let lit = conditions.par_iter().zip(&bins.of_condition).filter(|(c, _)| c.dni_w_m2 > 0.0);
+        let lit =
+            conditions.par_iter().zip(&bins.of_condition).filter(|(c, (_, weight))| c.dni_w_m2 > 0.0 && *weight != 0.0);
         let discs: Vec<(Sun, Vec<_>)> = lit
             .flat_map_iter(|(c, &(bin, weight))| {
                 c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
@@ -105,6 +107,29 @@ impl Suns {
                     out[sun.bin] += sun.strength * cos * f64::from(visible) * view.reflection.share(sun.direction);
                 }
             }
+        }
+    }
+
+    /// The same behind a veil.
+    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &Veil, out: &mut [f64]) {
+        for sun in &self.suns {
+            let cos = normal.dot(sun.direction);
+            if cos > 0.0 {
+                let parts = self.parts[sun.parts.clone()].iter();
+                let visible: f32 = parts.map(|part| self.visible_behind(part, sky, veil)).sum();
+                out[sun.bin] += sun.strength * cos * f64::from(visible);
+            }
+        }
+    }
+
+    fn visible_behind(&self, part: &Part, sky: &Mosaic, veil: &Veil) -> f32 {
+        let place = (part.column as usize, part.row as usize);
+        let fine = self.fine[part.fine.clone()].iter();
+        let through = |&(i, share): &(u32, f32)| share * veil.at(place, i as usize);
+        match sky.texel(place.0, place.1) {
+            Texel::Closed => 0.0,
+            Texel::Open => fine.map(through).sum(),
+            Texel::Mixed(bits) => fine.filter(|(i, _)| bits[*i as usize / 64] >> (i % 64) & 1 == 1).map(through).sum(),
         }
     }
 

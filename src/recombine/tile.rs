@@ -12,6 +12,7 @@ use super::conditions::Condition;
 use super::longwave::Longwave;
 use super::patches::Patches;
 use super::projection::Projection;
+use super::shaded::Shaded;
 use super::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
 use super::sky::SkyModel;
 use super::sources::Sources;
@@ -19,6 +20,7 @@ use super::specular::MirrorView;
 use super::suns::Suns;
 use super::values::TileValues;
 use crate::layers::bits::BitSquare;
+use crate::layers::canopy::{Canopy, Powers};
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::layers::sky::half_texel;
@@ -44,6 +46,8 @@ pub struct TileLayers {
     pub sky: Vec<Mosaic>,
     /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
     pub mirrors: Vec<Vec<MirrorView>>,
+    /// What rays to the sky cross; empty where none of the tile's does, likewise.
+    pub canopies: Vec<Canopy>,
     /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with; likewise.
     pub responses: Vec<Vec<Response>>,
 }
@@ -52,6 +56,7 @@ pub struct TileLayers {
 pub struct Forcing {
     /// Number of results.
     bins: usize,
+    sides: TextureSides,
     suns: Suns,
     skies: Skies,
     /// `[state]`: what is reflected.
@@ -60,6 +65,8 @@ pub struct Forcing {
     response_projection: Projection,
     components: ComponentSet,
     longwave: Option<Longwave>,
+    /// Direct light where canopies stand before the sky.
+    shaded: Option<Shaded>,
 }
 
 /// The weather of one state of the reflectances.
@@ -94,6 +101,7 @@ impl Forcing {
         }
         Forcing {
             bins: bins.count,
+            sides,
             suns: Suns::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
             skies: all.unwrap_or_default(),
             reflected,
@@ -101,12 +109,26 @@ impl Forcing {
             sky_projection,
             components,
             longwave: None,
+            shaded: None,
         }
     }
 
     /// The same with longwave irradiance.
     pub fn with_longwave(self, longwave: Longwave) -> Self {
         Forcing { longwave: Some(longwave), ..self }
+    }
+
+    /// The same behind leaves: how conditions add to the results with each leafage.
+    pub fn behind(
+        self,
+        conditions: &[Condition],
+        leafages: Vec<(Powers, Bins)>,
+        model: SkyModel,
+        patches: &Patches,
+    ) -> Self {
+        let asked = (model, self.components);
+        let shaded = Shaded::new(conditions, leafages, asked, patches, &self.sky_projection, self.sides);
+        Forcing { shaded: Some(shaded), ..self }
     }
 
     /// Bytes of the results of a full tile, and of the responses that they are made of.
@@ -174,6 +196,9 @@ impl Forcing {
         }
         let each = |receiver, bin, v: f32| out.row_mut(SkyDirect as usize, receiver)[bin] = v.max(0.0);
         self.skies.irradiance(&coefficients, each);
+        if let Some(shaded) = &self.shaded {
+            shaded.replace(tile, &self.sky_projection, out);
+        }
     }
 
     fn add_specular(&self, tile: &TileLayers, out: &mut TileValues) {
@@ -225,7 +250,7 @@ impl Forcing {
 }
 
 /// Rounds sums; what is below 0 by the error of a texture is 0.
-fn put(sums: &[f64], out: &mut [f32]) {
+pub(super) fn put(sums: &[f64], out: &mut [f32]) {
     out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0) as f32);
 }
 

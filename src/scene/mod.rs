@@ -3,6 +3,7 @@
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
 pub mod cells;
+pub mod crossing;
 mod endless_ground;
 pub mod materials;
 mod materials_toml;

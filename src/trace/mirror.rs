@@ -12,7 +12,6 @@ use glam::{DMat3, DVec3};
 use super::probe::lifted;
 use super::rays::{Hit, Ray, Tracer};
 use super::surroundings::cell_of;
-use crate::error::Result;
 use crate::hemisphere::{Centres, Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use crate::scene::cells::CellKey;
 use crate::scene::mesh::Mesh;
@@ -71,15 +70,9 @@ struct Way {
 }
 
 impl<'a> Reflections<'a> {
-    pub fn new(mesh: &'a Mesh, tracer: &'a Tracer, mirrors: &'a Mirrors) -> Result<Self> {
-        let kept = || mirrors.triangles().map(|t| t as usize);
-        let only = Mesh {
-            origin: mesh.origin,
-            vertices: mesh.vertices.clone(),
-            triangles: kept().map(|t| mesh.triangles[t]).collect(),
-            triangle_material: kept().map(|t| mesh.triangle_material[t]).collect(),
-        };
-        Ok(Reflections { mesh, tracer, mirrors, alone: Tracer::new(&only)? })
+    pub fn new(mesh: &'a Mesh, tracer: &'a Tracer, mirrors: &'a Mirrors) -> Self {
+        let alone = Tracer::of(mesh, &mirrors.triangles().collect::<Vec<u32>>());
+        Reflections { mesh, tracer, mirrors, alone }
     }
 
     pub fn orientations(&self) -> &[Orientation] {

@@ -3,6 +3,7 @@
 
 pub mod beam;
 pub mod bounce;
+pub mod canopy;
 pub mod lanes;
 pub mod mirror;
 pub mod packet;

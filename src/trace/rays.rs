@@ -41,7 +41,13 @@ impl Tracer {
 
     /// As [`Tracer::new`], with packets compiled for a given level; results are the same.
     pub fn at_level(mesh: &Mesh, level: Level) -> Result<Self> {
-        Ok(Tracer { tree: Tree::new(mesh), level })
+        let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        Ok(Tracer { tree: Tree::new(mesh, &all), level })
+    }
+
+    /// As [`Tracer::new`], of some triangles of the mesh.
+    pub fn of(mesh: &Mesh, triangles: &[u32]) -> Self {
+        Tracer { tree: Tree::new(mesh, triangles), level: Level::best() }
     }
 
     /// Distance by which a ray's origin leaves its surface, metres: far above the rounding of f32 coordinates at that
@@ -105,15 +111,22 @@ impl Tracer {
 
     /// Number of triangles that the ray meets.
     pub fn crossings(&self, ray: Ray) -> usize {
-        let mut met: Vec<u32> = Vec::new();
+        self.crossed(ray).len()
+    }
+
+    /// All triangles that the ray meets, nearest first.
+    pub fn crossed(&self, ray: Ray) -> Vec<Hit> {
+        let mut met: Vec<Hit> = Vec::new();
         self.walk(ray, |_, first, count| {
-            let hit = |k: &usize| intersect(ray.origin, ray.direction, &self.tree.triangles[*k]).is_some();
-            met.extend((first..first + count).filter(hit).map(|k| self.tree.triangles[k].id));
+            let triangles = &self.tree.triangles[first..first + count];
+            let hit = |t| intersect(ray.origin, ray.direction, t).map(|distance| Hit { t: distance, triangle: t.id });
+            met.extend(triangles.iter().filter_map(hit));
             true
         });
-        met.sort_unstable();
-        met.dedup();
-        met.len()
+        met.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        // A triangle may lie in several leaves.
+        met.dedup_by_key(|hit| hit.triangle);
+        met
     }
 
     /// Visits the leaves that a ray meets, nearest first; `leaf(limit, first, count)` may lower the limit, and ends the

@@ -38,6 +38,8 @@ pub struct HitTrace {
     pub nearest_m: f64,
     /// Texels whose ray meets a mirror.
     pub mirrors: Vec<(usize, Start)>,
+    /// `[texel]`: distance of what is met, metres; infinite where nothing is.
+    pub distances_m: Vec<f32>,
 }
 
 /// A receiver's place and normal relative to the scene origin.
@@ -48,7 +50,7 @@ pub struct Viewpoint {
 }
 
 impl Viewpoint {
-    fn origin(&self, tracer: &Tracer) -> [f32; 3] {
+    pub(super) fn origin(&self, tracer: &Tracer) -> [f32; 3] {
         lifted(self.position, self.normal, tracer)
     }
 
@@ -84,20 +86,19 @@ impl Viewpoint {
     ) -> HitTrace {
         let origin = self.origin(tracer);
         let lifted_position = DVec3::from(origin.map(f64::from));
-        let frame = Frame::of(self.normal);
-        let seed = self.seed();
         let texel_angle = (crate::hemisphere::HEMISPHERE_SR / (n * n) as f64).sqrt();
-        let direction =
-            |texel: usize| frame.to_world(texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)));
+        let direction = self.hit_directions(n);
         let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
         let rays: Vec<Ray> =
             texels.iter().map(|&t| Ray { origin, direction: direction(t).as_vec3().to_array() }).collect();
         let mut nearest_m = f64::INFINITY;
         let mut keys = vec![None; n * n];
         let mut mirrors = Vec::new();
+        let mut distances_m = vec![f32::INFINITY; n * n];
         for (&texel, hit) in texels.iter().zip(tracer.closest_many(&rays)) {
             let Some(hit) = hit else { continue };
             nearest_m = nearest_m.min(f64::from(hit.t));
+            distances_m[texel] = hit.t;
             let direction = direction(texel);
             let level = cells.level(f64::from(hit.t), texel_angle);
             keys[texel] = Some(cell_of(hit, direction, level, mesh, lifted_position));
@@ -105,7 +106,13 @@ impl Viewpoint {
                 mirrors.push((texel, Start { from: lifted_position, direction, hit }));
             }
         }
-        HitTrace { cells: keys, nearest_m, mirrors }
+        HitTrace { cells: keys, nearest_m, mirrors, distances_m }
+    }
+
+    /// Directions of the hit rays by texel: jittered, world frame.
+    pub(super) fn hit_directions(&self, n: usize) -> impl Fn(usize) -> DVec3 + use<> {
+        let (frame, seed) = (Frame::of(self.normal), self.seed());
+        move |texel| frame.to_world(texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)))
     }
 
     /// Whether this lies below terrain or inside a solid: rays that go up from there cross surfaces an odd number of times, at least

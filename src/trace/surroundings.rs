@@ -14,12 +14,14 @@ use crate::scene::cells::{CellKey, level_of};
 use crate::scene::mesh::Mesh;
 
 /// What one ray met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Whether the ray goes above the horizon.
     pub up: bool,
     /// The coarse cell, if any surface was met.
     pub cell: Option<CellKey>,
+    /// The ray and how far it went, if it met a surface.
+    pub path: Option<(Ray, f32)>,
 }
 
 /// How cells look around.
@@ -45,7 +47,7 @@ pub struct Surroundings {
 impl Surroundings {
     /// Nothing is met by so many rays, and none is cast.
     pub fn none(rays: usize) -> Self {
-        Surroundings { seen: vec![Seen { up: true, cell: None }; rays], ..Surroundings::default() }
+        Surroundings { seen: vec![Seen { up: true, cell: None, path: None }; rays], ..Surroundings::default() }
     }
 }
 
@@ -125,13 +127,13 @@ pub fn surroundings(
             let level = level_seen(f64::from(hit.t), key.level, closed_level);
             cell_of(hit, direction, level, mesh, position).coarse(level)
         });
-        met.seen.push(Seen { up, cell });
+        met.seen.push(Seen { up, cell, path: hit.map(|hit| (ray, hit.t)) });
         if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
             let from = DVec3::from(ray.origin.map(f64::from));
             met.mirrors.push((up, Start { from, direction, hit }));
         }
     }
-    met.seen.resize(count, Seen { up: true, cell: None });
+    met.seen.resize(count, Seen { up: true, cell: None, path: None });
     met
 }
 

@@ -49,11 +49,13 @@ pub struct Tree {
 }
 
 impl Tree {
-    pub fn new(mesh: &Mesh) -> Self {
-        let corners_of = |i: usize| mesh.triangle_points(i).map(|p| p.as_vec3().to_array());
-        let boxed: Vec<Triangle> = (0..mesh.triangles.len())
-            .map(|i| {
-                let [v0, v1, v2] = corners_of(i).map(Vec3A::from_array);
+    /// Of some triangles of a mesh, which keep their indices.
+    pub fn new(mesh: &Mesh, ids: &[u32]) -> Self {
+        let corners_of = |id: u32| mesh.triangle_points(id as usize).map(|p| p.as_vec3().to_array());
+        let boxed: Vec<Triangle> = ids
+            .iter()
+            .map(|&id| {
+                let [v0, v1, v2] = corners_of(id).map(Vec3A::from_array);
                 Triangle { v0, v1, v2 }
             })
             .collect();
@@ -62,7 +64,8 @@ impl Tree {
         let bvh = build_bvh2_from_tris(&boxed, params, &mut build_time);
         let (low, high) = mesh.bounds();
         let reach = low.abs().max(high.abs()).max_element();
-        let triangles = bvh.primitive_indices.iter().map(|&i| EdgeTriangle::new(corners_of(i as usize), i)).collect();
+        let placed = bvh.primitive_indices.iter().map(|&i| ids[i as usize]);
+        let triangles = placed.map(|id| EdgeTriangle::new(corners_of(id), id)).collect();
         let nodes = widened(&bvh, reach as f32 * BOX_PAD);
         Tree { nodes, triangles, reach }
     }

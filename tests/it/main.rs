@@ -1,6 +1,7 @@
 //! All integration tests in one binary, by question.
 
 mod archive;
+mod canopy;
 mod cli;
 mod damage;
 mod export;

@@ -154,7 +154,7 @@ fn nothing_is_traced_for_what_is_left_out() {
     assert!(mirrors.2.rays.mirror == 0 && bytes(&mirrors.1, format::MIRROR) == 0 && mirrors.2.rays.bounce > 0);
 }
 
-/// `plan` prints 5 effects and their sum and writes nothing; `build --effects none` prints the same head, its archive says so, gives no
+/// `plan` prints 6 effects and their sum and writes nothing; `build --effects none` prints the same head, its archive says so, gives no
 /// reflected light and refuses `--reflectance`; an unknown effect is refused (exit 2).
 #[test]
 fn the_commands() {
@@ -174,7 +174,7 @@ fn the_commands() {
     let inputs = ["s.obj", "-m", "m.toml", "-r", "r.csv"];
     let (code, table, _) = run(&[&["plan"], &inputs[..]].concat());
     let on = |table: &str| table.lines().filter(|line| line.contains(" on ")).count();
-    assert_eq!((code, on(&table), table.lines().count()), (Some(0), 5, 8), "{table}");
+    assert_eq!((code, on(&table), table.lines().count()), (Some(0), 5, 9), "{table}");
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 4);
     let (code, head, _) = run(&[&["build"], &inputs[..], &["--effects", "none", "-o", "n.helio"]].concat());
     assert_eq!((code, on(&head)), (Some(0), 2), "{head}");
@@ -190,5 +190,5 @@ fn the_commands() {
     let (code, _, message) = run(&[&query[..], &["--reflectance", "wall=0.1"]].concat());
     assert!(code == Some(2) && message.contains("without diffuse reflections"), "{message}");
     let (code, _, message) = run(&[&["build"], &inputs[..], &["--effects", "glare", "-o", "g.helio"]].concat());
-    assert!(code == Some(2) && message.contains("diffuse, bounces, mirrors"), "{message}");
+    assert!(code == Some(2) && message.contains("diffuse, bounces, mirrors, canopies"), "{message}");
 }

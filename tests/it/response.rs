@@ -73,7 +73,7 @@ fn radiosities(
         let next: Vec<f64> = (0..now.len())
             .map(|i| {
                 let around = surround(cells.normals[i], bits(i), &centres);
-                let (above, below) = seen(cells.hits_of(i));
+                let (above, below) = seen(cells.hits_of(i), None);
                 let gather =
                     |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * now[row_of[c as usize]]).sum::<f64>();
                 source[i] + rho(i) * (around.up * gather(&above) + around.down * gather(&below))
@@ -115,12 +115,12 @@ fn plain(all: &All, view: &TileView, index: usize, sky: &Source, cells: &[f64]) 
     let centres = centres_f32(shape.probe);
     let row_of = |c: u32| all.bounces.keys.binary_search(&probes.seen[c as usize]).expect("a bounce cell");
     let mut sum = 0.0;
-    for (cell, weight) in hit_weights(texels, &view.viewers[index]).cells {
+    for (cell, weight) in hit_weights(texels, &view.viewers[index], None).cells {
         let key = hits.palette[cell];
         let probe = probes.keys.binary_search(&key).expect("every hit has its probe");
         let bits = probes.bits_of(probe);
         let around = surround(probes.normals[probe], bits, &centres);
-        let (above, below) = seen(probes.hits_of(probe));
+        let (above, below) = seen(probes.hits_of(probe), None);
         let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * cells[row_of(c)]).sum::<f64>();
         let indirect = around.up * gather(&above) + around.down * gather(&below);
         let rho = all.tables.reflectors[usize::from(key.material)].diffuse;

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
+use super::canopies::canopy_of_cell;
 use super::{Job, Rays};
 use crate::archive::{Blocks, Writer, format, tables};
 use crate::cli::Effect;
@@ -16,6 +17,7 @@ use crate::recombine::load::cells_of;
 use crate::scene::cells::{CellKey, level_of};
 use crate::spill::Sorter;
 use crate::trace::bounce::trace_bounce;
+use crate::trace::canopy::CellCrossings;
 use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
 use crate::trace::surroundings::{Seen, SurroundingSettings, Surroundings, surroundings};
 
@@ -90,9 +92,10 @@ impl Job<'_> {
     ) -> (Cell, Cast) {
         let mut mirror = 0;
         let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
-        let cast = Cast { plain: probe.rays + seen.cast, mirror };
+        let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen, self.tracer);
+        let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
         let normal = probe.normal.as_vec3().to_array();
-        let extras = [mirrors.to_bytes(), Vec::new()];
+        let extras = [mirrors.to_bytes(), canopy_of_cell(&crossings, texture.n, seen.seen.len())];
         (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), extras }, cast)
     }
 

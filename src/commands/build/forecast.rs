@@ -17,6 +17,7 @@ use super::cells::Cast;
 use crate::cli::{Effect, Effects, Wanted};
 use crate::error::Result;
 use crate::hemisphere::{Centres, jitter, texel_direction};
+use crate::layers::bits::BitSquare;
 use crate::layers::cells::{Cell, Cells};
 use crate::layers::extras::MIRROR;
 use crate::layers::mirror::CellPath;
@@ -129,10 +130,10 @@ struct Sample {
     /// Receivers of the sample, and of all.
     receivers: usize,
     all: usize,
-    /// Rays of a receiver: sky, hits, mirrors.
-    rays: [f64; 3],
-    /// Seconds for the sky and hits of a receiver, and for its mirrors.
-    seconds: [f64; 2],
+    /// Rays of a receiver: sky, hits, mirrors, canopies.
+    rays: [f64; 4],
+    /// Seconds for the sky and hits of a receiver, for its mirrors and its canopies.
+    seconds: [f64; 3],
     /// Largest share of a hemisphere that surfaces fill, weighted by their reflectance.
     reflecting: f64,
     sees_mirrors: bool,
@@ -195,6 +196,8 @@ impl Job<'_> {
             Wanted::Auto => bound > NEGLIGIBLE_W_M2,
             Wanted::These(effects) => effects.contains(effect),
         };
+        let leaves = if reflectors.iter().any(|r| r.transmittance.is_some()) { gain } else { 0.0 };
+        let leaves_on = leaves > 0.0 && on(Effect::Canopies, leaves);
         let diffuse_on = on(Effect::Diffuse, first);
         let bounces_on = diffuse_on && on(Effect::Bounces, later);
         let mirrors_on = mirrors > 0 && on(Effect::Mirrors, by_mirrors);
@@ -207,7 +210,7 @@ impl Job<'_> {
         };
         let [probe_s, bounce_s] = sample.traced.seconds;
         let [probe_rays, bounce_rays] = sample.traced.rays;
-        let lines = vec![
+        let mut lines = vec![
             Line {
                 name: "sun and sky, direct",
                 effect: None,
@@ -274,6 +277,15 @@ impl Job<'_> {
                 ),
             },
         ];
+        lines.push(Line {
+            name: "canopies",
+            effect: Some(Effect::Canopies),
+            on: leaves_on,
+            rays: sample.rays[3] * count,
+            seconds: sample.seconds[2] * count,
+            bound_w_m2: Some(leaves),
+            why: why(leaves_on, leaves, "there are none", "leaves or screens dim what shines through them".into()),
+        });
         let present = |line: &&Line| !line.on && line.bound_w_m2.is_some_and(|b| b > 0.0);
         let left_out = lines.iter().filter(present).filter_map(|line| line.effect);
         let names: Vec<String> = left_out.map(|e| e.name().to_string()).collect();
@@ -287,8 +299,22 @@ impl Job<'_> {
         let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
         let whole: Vec<&Receiver> = receivers.iter().step_by(WHOLE).collect();
         let timed = Instant::now();
-        let sky = whole.par_iter().map(|receiver| self.trace_sky(&self.viewpoint(receiver), &centres).2).sum::<u64>();
+        let skies: Vec<(BitSquare, u64)> = whole
+            .par_iter()
+            .map(|receiver| {
+                let (_, bits, rays) = self.trace_sky(&self.viewpoint(receiver), &centres);
+                (bits, rays)
+            })
+            .collect();
+        let sky = skies.iter().map(|sky| sky.1).sum::<u64>();
         let sky_s = timed.elapsed().as_secs_f64() / whole.len().max(1) as f64;
+        let timed = Instant::now();
+        let leaves = whole.par_iter().zip(&skies).map(|(receiver, (bits, _))| {
+            let view = self.viewpoint(receiver);
+            self.canopy_of_receiver(&view, bits, &self.trace_hits(&view)).1
+        });
+        let leaves = leaves.sum::<u64>();
+        let leaves_s = timed.elapsed().as_secs_f64() / whole.len().max(1) as f64;
         let timed = Instant::now();
         let windows = |receiver: &&Receiver| {
             let mut rays = 0;
@@ -333,8 +359,13 @@ impl Job<'_> {
         Sample {
             receivers: receivers.len(),
             all,
-            rays: [sky as f64 / whole.len().max(1) as f64, (n * n) as f64, of_windows + of_paths],
-            seconds: [sky_s + hits_s, windows_s],
+            rays: [
+                sky as f64 / whole.len().max(1) as f64,
+                (n * n) as f64,
+                of_windows + of_paths,
+                leaves as f64 / whole.len().max(1) as f64,
+            ],
+            seconds: [sky_s + hits_s, windows_s, leaves_s],
             reflecting,
             sees_mirrors: windows.iter().any(|w| w.0) || hits.iter().any(|h| !h.2.is_empty()),
             cells: counts,

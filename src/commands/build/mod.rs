@@ -1,5 +1,6 @@
 //! Story one: scene -> trace -> layers -> archive.
 
+mod canopies;
 mod cells;
 mod forecast;
 mod known;
@@ -25,6 +26,7 @@ use crate::scene::mirrors::{MOST_MIRRORS, Mirrors};
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use crate::trace::Tracer;
+use crate::trace::canopy::Canopies;
 use crate::trace::mirror::Reflections;
 pub use forecast::{Forecast, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
 use known::Known;
@@ -56,18 +58,22 @@ pub struct Rays {
     pub bounce: u64,
     /// By way of mirrors, for receivers and cells.
     pub mirror: u64,
+    /// Of receivers through canopies; those of cells are among `probe` and `bounce`.
+    pub canopy: u64,
 }
 
 impl Rays {
     pub fn total(&self) -> u64 {
-        self.sky + self.hit + self.probe + self.bounce + self.mirror
+        self.sky + self.hit + self.probe + self.bounce + self.mirror + self.canopy
     }
 }
 
 /// What every part of a build works on.
 struct Job<'a> {
     scene: &'a Scene,
+    /// Of what stops rays.
     tracer: &'a Tracer,
+    canopies: Option<&'a Canopies<'a>>,
     settings: &'a BuildSettings,
     start: Start,
     /// Where temporary files go.
@@ -82,25 +88,29 @@ struct Job<'a> {
 }
 
 /// A scene ready for rays.
-struct Ready {
+struct Ready<'a> {
+    /// Of all that stops rays.
     tracer: Tracer,
+    canopies: Option<Canopies<'a>>,
     mirrors: Mirrors,
     seconds: f64,
 }
 
-impl Ready {
-    fn new(scene: &Scene) -> Result<Self> {
+impl<'a> Ready<'a> {
+    fn new(scene: &'a Scene) -> Result<Self> {
         let start = Instant::now();
-        let (tracer, mirrors) = (Tracer::new(&scene.mesh)?, Mirrors::find(&scene.mesh, &scene.materials)?);
-        Ok(Ready { tracer, mirrors, seconds: start.elapsed().as_secs_f64() })
+        let (tracer, canopies) = Canopies::split(scene);
+        let mirrors = Mirrors::find(&scene.mesh, &scene.materials)?;
+        Ok(Ready { tracer, canopies, mirrors, seconds: start.elapsed().as_secs_f64() })
     }
 }
 
 impl<'a> Job<'a> {
-    fn new(scene: &'a Scene, ready: &'a Ready, plan: &'a BuildPlan, known: Known<'a>) -> Result<Self> {
+    fn new(scene: &'a Scene, ready: &'a Ready<'a>, plan: &'a BuildPlan, known: Known<'a>) -> Self {
         let mirrors = !ready.mirrors.is_empty() && !plan.settings.left_out.contains(Effect::Mirrors);
-        let reflections = mirrors.then(|| Reflections::new(&scene.mesh, &ready.tracer, &ready.mirrors)).transpose()?;
-        Ok(Job {
+        let reflections = mirrors.then(|| Reflections::new(&scene.mesh, &ready.tracer, &ready.mirrors));
+        let canopies = ready.canopies.as_ref().filter(|_| !plan.settings.left_out.contains(Effect::Canopies));
+        Job {
             scene,
             tracer: &ready.tracer,
             settings: &plan.settings,
@@ -110,7 +120,8 @@ impl<'a> Job<'a> {
             known,
             reflections,
             lost: Default::default(),
-        })
+            canopies,
+        }
     }
 
     /// Whether an effect is to be traced, if the scene has it.
@@ -226,7 +237,7 @@ fn forecast(
     plan: &BuildPlan,
     wanted: Wanted,
 ) -> Result<Forecast> {
-    let job = Job::new(scene, ready, plan, Known::default())?;
+    let job = Job::new(scene, ready, plan, Known::default());
     job.forecast(receivers, ready.mirrors.orientations.len(), wanted)
 }
 
@@ -273,7 +284,7 @@ fn build_ready(
         (Start::Resume, None) => warn("there is no checkpoint to go on from: starting anew"),
         _ => {}
     }
-    let job = Job::new(scene, ready, plan, Known::new(earlier, scene.materials.len()))?;
+    let job = Job::new(scene, ready, plan, Known::new(earlier, scene.materials.len()));
     let traced = trace(&job, receivers, &mut writer, &mut clock);
     if matches!(traced, Err(Error::Io { .. })) {
         // Where another file failed, such as a temporary one, what was written can be kept.

@@ -125,6 +125,7 @@ impl Job<'_> {
                 rays.sky += tile.rays.sky;
                 rays.hit += tile.rays.hit;
                 rays.mirror += tile.rays.mirror;
+                rays.canopy += tile.rays.canopy;
                 misplaced.extend(tile.misplaced);
             }
             first += batch.len() as u32;
@@ -199,6 +200,7 @@ impl Job<'_> {
             rays.sky += t.rays.sky;
             rays.hit += t.rays.hit;
             rays.mirror += t.rays.mirror;
+            rays.canopy += t.rays.canopy;
             sky.push(t.sky);
             cells.push(t.hits.cells);
             viewers.push(t.viewer);
@@ -220,7 +222,8 @@ impl Job<'_> {
 
     /// A receiver that an earlier build traced, as if it had been traced now.
     fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, centres: &Centres) -> Traced {
-        let hits = HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new() };
+        let hits =
+            HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new(), distances_m: Vec::new() };
         let viewer = viewer(&self.viewpoint(receiver), &known.dense, centres);
         Traced { sky: known.sky, hits, viewer, extras: known.extras, rays: Rays::default() }
     }
@@ -238,7 +241,9 @@ impl Job<'_> {
         let paths = self.mirror_paths(&view, &hits, &mut rays.mirror);
         let windows = self.mirror_windows(&view, centres, &mut rays.mirror);
         let mirrors = ReceiverMirrors { windows, paths };
-        Traced { sky, hits, viewer, extras: [mirrors.to_bytes(), Vec::new()], rays }
+        let (canopy, cast) = self.canopy_of_receiver(&view, &dense, &hits);
+        rays.canopy = cast;
+        Traced { sky, hits, viewer, extras: [mirrors.to_bytes(), canopy], rays }
     }
 
     /// A receiver's sky, the bits that it describes, and the rays that were cast for it.

@@ -1,0 +1,461 @@
+//! Canopies: light through leaves and screens, whose transmittance is chosen at replay.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::DVec3;
+use heliotile::archive::{Archive, Job, Writer, encode, format};
+use heliotile::cli::{Bytes, ExtractArgs, MergeArgs};
+use heliotile::commands::build::{BuildReport, BuildSettings, build};
+use heliotile::commands::transfer::extract::extract;
+use heliotile::commands::transfer::merge::merge;
+use heliotile::hemisphere::mix;
+use heliotile::recombine::bins::Bins;
+use heliotile::recombine::bounces::Depth;
+use heliotile::recombine::conditions::Condition;
+use heliotile::recombine::maps::{Light, maps};
+use heliotile::recombine::receiver_view::ReceiverView;
+use heliotile::recombine::replay::{Replay, ReplaySettings};
+use heliotile::recombine::sky::SkyModel;
+use heliotile::recombine::states::Schedule;
+use heliotile::scene::Scene;
+use heliotile::scene::materials::{Class, Material};
+use heliotile::scene::receivers::Receiver;
+
+use crate::scenes::*;
+
+fn screen(name: &str, transmittance: f64) -> Material {
+    Material { transmittance: Some(transmittance), ..Material::matt(name, 0.0, Class::Obstruction) }
+}
+
+fn with_screens(triangles: &Triangles, materials: Vec<Material>) -> Scene {
+    Scene::from_triangles(triangles, materials).expect("a scene")
+}
+
+fn coarse() -> BuildSettings {
+    BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..BuildSettings::default() }
+}
+
+/// All seven columns of every receiver, `[component][condition]`.
+fn columns(
+    path: &Path,
+    conditions: &[Condition],
+    sky: SkyModel,
+    schedules: &[Schedule],
+) -> BTreeMap<String, Vec<Vec<f64>>> {
+    let archive = Archive::open(path).expect("an archive");
+    let settings = ReplaySettings { sky, memory_bytes: 1 << 28, ..ReplaySettings::default() };
+    let bins = Bins::each(conditions.len());
+    let replay = Replay::scheduled(&archive, conditions, settings, &bins, schedules).expect("a replay");
+    let tiles = replay.run(0..replay.tiles()).expect("tiles");
+    let rows = tiles.into_iter().flat_map(|(ids, values)| {
+        let row = |r: usize| (0..7).map(|c| values.row(c, r).iter().map(|v| f64::from(*v)).collect()).collect();
+        ids.into_iter().enumerate().map(|(r, id)| (id, row(r))).collect::<Vec<_>>()
+    });
+    rows.collect()
+}
+
+/// Largest difference of two replays as a share of the largest value of each component (of the total where it has none).
+fn largest(a: &BTreeMap<String, Vec<Vec<f64>>>, b: &BTreeMap<String, Vec<Vec<f64>>>) -> f64 {
+    let of = |component: usize, all: &BTreeMap<String, Vec<Vec<f64>>>| -> Vec<f64> {
+        all.values().flat_map(|row| row[component].iter().copied()).collect()
+    };
+    let error = |component: usize| {
+        let (a, b) = (of(component, a), of(component, b));
+        assert_eq!(a.len(), b.len());
+        let most = a.iter().copied().fold(0.0, f64::max);
+        let off = a.iter().zip(&b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        if most > 0.0 { off / most } else { off }
+    };
+    (0..7).map(error).fold(0.0, f64::max)
+}
+
+/// Beer and Lambert: under 1 to 6 parallel leaves, each of two triangles, sun_direct is DNI sin(altitude) tau^k, and in 1 to 6 boxes of
+/// leaves one in the other sky_direct is DHI tau^k too, within 1e-5, for tau of 0.3 and 0.85 and 4 suns; nothing opaque is in the
+/// scene.
+#[test]
+fn beer_lambert() {
+    let up = receiver("r", DVec3::ZERO, DVec3::Z);
+    let suns = [
+        sun(10.0, 25.0, 800.0, 100.0),
+        sun(45.0, 40.0, 700.0, 90.0),
+        sun(180.0, 60.0, 900.0, 80.0),
+        sun(300.0, 89.9, 500.0, 10.0),
+    ];
+    for tau in [0.3_f64, 0.85] {
+        for k in 1..=6 {
+            let planes: Triangles = (1..=k).flat_map(|i| ground(4000.0, 2.0 * f64::from(i), 0)).collect();
+            let boxes: Triangles =
+                (1..=k).flat_map(|i| block(DVec3::splat(-f64::from(i)), DVec3::splat(f64::from(i)), 0)).collect();
+            let share = tau.powi(k);
+            for (triangles, closed) in [(planes, false), (boxes, true)] {
+                let site =
+                    site(&with_screens(&triangles, vec![screen("leaf", tau)]), std::slice::from_ref(&up), &coarse());
+                let rows = &site.replay(&suns, SkyModel::Uniform, Depth::All)["r"];
+                for (row, condition) in rows.iter().zip(&suns) {
+                    let direct = condition.dni_w_m2 * condition.sky_sun.z * share;
+                    assert_near("sun", row.sun_direct, direct, 1e-5);
+                    if closed {
+                        assert_near("sky", row.sky_direct, condition.dhi_w_m2 * share, 1e-5);
+                    }
+                    assert_eq!((row.sun_diffuse, row.sky_diffuse), (0.0, 0.0));
+                }
+            }
+        }
+    }
+}
+
+fn assert_near(name: &str, got: f64, expected: f64, tolerance: f64) {
+    assert!((got - expected).abs() <= tolerance * expected, "{name}: {got}, expected {expected}");
+}
+
+/// The town with three trees of 150 leaves each between its blocks, materials ground, wall, leaf and hedge.
+fn grove(leaf: f64, hedge: f64) -> Scene {
+    let mut triangles = town();
+    for tree in 0..3_u64 {
+        let (x, y) = (-27.0 + 22.0 * tree as f64, -20.0 + 9.0 * tree as f64);
+        for i in 0..150 {
+            let unit = |k: u64| (mix(mix(tree, i), k) % 10_000) as f64 / 10_000.0 - 0.5;
+            let at = v(x + 6.0 * unit(1), y + 6.0 * unit(2), 5.0 + 5.0 * unit(3));
+            triangles.extend(quad(at, v(1.0, 0.3 * unit(4), unit(5)), v(0.3 * unit(6), 1.0, unit(7)), 2));
+        }
+    }
+    triangles.extend(quad(v(-40.0, -14.0, 0.0), v(70.0, 0.0, 0.0), v(0.0, 0.0, 2.5), 3));
+    let materials = vec![
+        Material::matt("ground", 0.3, Class::Ground),
+        Material::matt("wall", 0.5, Class::Obstruction),
+        Material { group: Some("trees".into()), ..screen("leaf", leaf) },
+        screen("hedge", hedge),
+    ];
+    with_screens(&triangles, materials)
+}
+
+/// 20 conditions of a bright year.
+fn conditions() -> Vec<Condition> {
+    let one = |i: i32| {
+        let i = f64::from(i);
+        sun(i * 97.0, 8.0 + 60.0 * (i * 0.618).fract(), 300.0 + 500.0 * (i * 0.37).fract(), 150.0)
+    };
+    (0..20).map(one).collect()
+}
+
+/// Trees in leaf in every second of 20 conditions (0.2 a crossing) and bare in the others (0.8), by schedule on either of two archives:
+/// each column is that of the archive built so, within 1e-6 of the largest where that one's response is derived anew too and within
+/// 3e-4 with the stored one; the leaves themselves change it by more than 10 %.
+#[test]
+fn seasons_equal_builds() {
+    let receivers = &many()[..60];
+    let [on, off] = [0.2, 0.8].map(|leaf| site(&grove(leaf, 0.5), receivers, &coarse()));
+    let conditions = conditions();
+    let season = |i: usize| if i.is_multiple_of(2) { 0.2 } else { 0.8 };
+    let leaf = |values: Vec<f64>| [Schedule { materials: vec![2], values }];
+    let replay = |site: &Site, schedules: &[Schedule]| columns(&site.path, &conditions, SkyModel::Perez, schedules);
+    let pick = |a: &BTreeMap<String, Vec<Vec<f64>>>, b: &BTreeMap<String, Vec<Vec<f64>>>| {
+        let choose = |(row, other): (&Vec<Vec<f64>>, &Vec<Vec<f64>>)| -> Vec<Vec<f64>> {
+            let column = |c: usize| (0..20).map(|i| if i % 2 == 0 { row[c][i] } else { other[c][i] }).collect();
+            (0..7).map(column).collect()
+        };
+        a.iter().map(|(id, row)| (id.clone(), choose((row, &b[id])))).collect::<BTreeMap<_, _>>()
+    };
+    let stored = pick(&replay(&on, &[]), &replay(&off, &[]));
+    let anew = pick(&replay(&on, &leaf(vec![0.2; 20])), &replay(&off, &leaf(vec![0.8; 20])));
+    for site in [&on, &off] {
+        let seasons = replay(site, &leaf((0..20).map(season).collect()));
+        let (of_anew, of_stored, moved) =
+            (largest(&anew, &seasons), largest(&stored, &seasons), largest(&stored, &replay(site, &[])));
+        println!("anew {of_anew:.1e}, stored {of_stored:.1e}, moved by {moved:.2}");
+        assert!(of_anew < 1e-6 && of_stored < 3e-4 && moved > 0.1, "{of_anew:.1e} {of_stored:.1e} {moved:.2}");
+    }
+}
+
+/// Twenty transmittances from 0.1 to 0.6 are interpolated between 9 states: each column of 4 of the 20 conditions is that of its own
+/// transmittance alone, within 2e-5 of the largest.
+#[test]
+fn many_transmittances() {
+    let site = site(&grove(0.2, 0.5), &many()[..25], &coarse());
+    let conditions = conditions();
+    let tau = |i: usize| 0.1 + 0.5 * (i * 7 % 20) as f64 / 19.0;
+    let replay = |values: Vec<f64>| {
+        columns(&site.path, &conditions, SkyModel::Perez, &[Schedule { materials: vec![2], values }])
+    };
+    let varying = replay((0..20).map(tau).collect());
+    for i in [0, 3, 11, 19] {
+        let only = |all: &BTreeMap<String, Vec<Vec<f64>>>| -> BTreeMap<String, Vec<Vec<f64>>> {
+            all.iter().map(|(id, row)| (id.clone(), row.iter().map(|c| vec![c[i]]).collect())).collect()
+        };
+        let error = largest(&only(&replay(vec![tau(i); 20])), &only(&varying));
+        println!("transmittance {:.2}: off by {error:.1e}", tau(i));
+        assert!(error < 2e-5, "transmittance {:.2}: off by {error:.1e}", tau(i));
+    }
+}
+
+/// What `export` draws of 6 receivers under trees adds up to the columns of a query within 0.2 %: sun and sky, direct and diffuse.
+#[test]
+fn maps_add_up() {
+    let under = |i: i32| {
+        let (tree, side) = (f64::from(i / 2), f64::from(i % 2));
+        let place = v(22.0 * tree - 28.0 + side, 9.0 * tree - 21.0 + side, 1.0);
+        receiver(&format!("r{i}"), place, tilted(30.0 * side, 150.0))
+    };
+    let site = site(&grove(0.3, 0.5), &(0..6).map(under).collect::<Vec<_>>(), &coarse());
+    let condition = sun(140.0, 50.0, 800.0, 150.0);
+    let rows = columns(&site.path, std::slice::from_ref(&condition), SkyModel::Uniform, &[]);
+    let archive = Archive::open(&site.path).expect("an archive");
+    let light = Light::new(&archive, condition, SkyModel::Uniform, 577, Depth::All).expect("a light");
+    let mut dimmed = 0;
+    for (id, row) in &rows {
+        let view = ReceiverView::load(&archive, id).expect("a receiver");
+        let maps = maps(&archive, &view, Some(&light), 1 << 28, &std::env::temp_dir()).expect("maps");
+        let channel = |part: &str, name: &str| {
+            let map = maps.iter().find(|map| map.name == part)?;
+            map.channels.iter().find(|channel| channel.name == name).map(|channel| &channel.values)
+        };
+        dimmed += usize::from(channel("sky", "through").is_some());
+        let columns = [("sky", "sun_direct"), ("sky", "sky_direct"), ("hit", "sun_diffuse"), ("hit", "sky_diffuse")];
+        for ((part, name), column) in columns.into_iter().zip(row) {
+            let (Some(values), Some(weights)) = (channel(part, name), channel(part, "weight_sr")) else {
+                panic!("{part} has no {name}")
+            };
+            let sum: f64 = values.iter().zip(weights).map(|(v, w)| f64::from(*v) * f64::from(*w)).sum();
+            let off = (sum - column[0]).abs();
+            assert!(off < 2e-3 * column[0].max(row[6][0] / 10.0), "{id} {name}: {sum} {}", column[0]);
+        }
+    }
+    assert_eq!(dimmed, 6);
+}
+
+/// A wall seen out of a small box of screen, in a large box of gauze: the sun goes through the gauze, its light from the wall through the
+/// screen. sun_diffuse and sky_diffuse are the open ones x 0.3 x 0.6, and sun_direct and sky_direct too, within 1e-5 when all are
+/// derived and 1e-3 with the stored response.
+#[test]
+fn both_legs() {
+    let mut triangles = quad(v(-50.0, 5.0, 0.0), v(100.0, 0.0, 0.0), v(0.0, 0.0, 60.0), 0);
+    triangles.extend(block(v(-0.2, -0.2, 0.8), v(0.2, 0.2, 1.2), 1));
+    triangles.extend(block(v(-500.0, -500.0, -500.0), v(500.0, 500.0, 500.0), 2));
+    let built = |screen_tau: f64, gauze_tau: f64| {
+        let wall = Material::matt("wall", 0.7, Class::Obstruction);
+        let scene = with_screens(&triangles, vec![wall, screen("a screen", screen_tau), screen("gauze", gauze_tau)]);
+        // Materials are sorted by name.
+        assert_eq!(scene.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["a screen", "gauze", "wall"]);
+        site(&scene, &[receiver("r", v(0.0, 0.0, 1.0), v(0.0, 1.0, 0.2))], &coarse())
+    };
+    let suns = [sun(180.0, 50.0, 800.0, 100.0), sun(230.0, 20.0, 700.0, 50.0), sun(90.0, 60.0, 700.0, 60.0)];
+    let set = |a: f64, b: f64| [(0, a), (1, b)].map(|(m, tau)| Schedule { materials: vec![m], values: vec![tau; 3] });
+    let site = built(1.0, 1.0);
+    let open = &columns(&site.path, &suns, SkyModel::Perez, &set(1.0, 1.0))["r"];
+    let behind = &columns(&site.path, &suns, SkyModel::Perez, &set(0.3, 0.6))["r"];
+    let stored = &columns(&built(0.3, 0.6).path, &suns, SkyModel::Perez, &[])["r"];
+    let lit = [&open[0][2..], &open[2][..2], &open[3]].concat();
+    assert!(lit.iter().all(|light| *light > 10.0), "{open:?}");
+    for component in 0..4 {
+        for (condition, light) in open[component].iter().enumerate() {
+            assert_near("derived", behind[component][condition], light * 0.18, 1e-5);
+            assert_near("stored", stored[component][condition], light * 0.18, 1e-3);
+        }
+    }
+}
+
+fn built(scene: &Scene, receivers: &[Receiver], path: &Path) -> BuildReport {
+    build(scene, &mut tiles(receivers, scene), &plan(&coarse(), path)).expect("a build")
+}
+
+/// Kinds of the blocks of an archive.
+fn kinds(path: &Path) -> Vec<u32> {
+    let mut kinds: Vec<u32> =
+        Archive::open(path).expect("an archive").entries().iter().map(|entry| entry.kind).collect();
+    kinds.dedup();
+    kinds
+}
+
+/// A town without leaves has no block of the kinds 9, 11, 14 and 15 and casts no ray through canopies; with leaves that no ray meets
+/// it has the materials' optics only; and where trees stand all four kinds are there, and its rays are more by those through
+/// canopies.
+#[test]
+fn only_where_leaves_are() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let receivers = &many()[..20];
+    let plain = built(&scene(&town(), &[0.3, 0.5]), receivers, &path("plain"));
+    let mut buried = town();
+    buried.extend(quad(v(-9.0, -9.0, -30.0), v(9.0, 0.0, 0.0), v(0.0, 9.0, 0.0), 2));
+    let materials = vec![
+        Material::matt("m0", 0.3, Class::Ground),
+        Material::matt("m1", 0.5, Class::Obstruction),
+        screen("m2", 0.5),
+    ];
+    let floor: Vec<Receiver> = receivers.iter().filter(|r| r.position.z > 1.0).cloned().collect();
+    built(&with_screens(&buried, materials), &floor[..1], &path("buried"));
+    let trees = built(&grove(0.2, 0.5), receivers, &path("trees"));
+    let found = |name: &str| [9, 11, 14, 15].map(|kind| kinds(&path(name)).contains(&kind));
+    assert_eq!(found("plain"), [false; 4]);
+    assert_eq!(found("trees"), [true; 4]);
+    assert!(found("buried")[1] && !found("buried")[0], "{:?}", found("buried"));
+    assert_eq!(plain.rays.canopy, 0);
+    assert!(trees.rays.canopy > 0 && trees.rays.total() > trees.rays.sky + trees.rays.hit + trees.rays.canopy);
+}
+
+/// Two halves of a grove merge to the bytes of the whole, extracts of it have the bytes of their builds, and 1 and 2 threads give one
+/// archive: 4 of 4.
+#[test]
+fn parts_and_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let bytes = |name: &str| std::fs::read(path(name)).expect("an archive");
+    let (scene, all) = (grove(0.2, 0.5), &many()[..90]);
+    let on = |threads: usize, name: &str, receivers: &[Receiver]| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| built(&scene, receivers, &path(name)));
+    };
+    on(2, "whole", all);
+    on(1, "one", all);
+    on(2, "a", &all[..40]);
+    on(2, "b", &all[40..]);
+    let memory = Bytes(64 << 20);
+    let merged =
+        MergeArgs { first: path("b"), second: path("a"), output: path("merged"), memory, io: Default::default() };
+    merge(&merged).expect("a merge");
+    for (name, receivers) in [("cut a", &all[..40]), ("cut b", &all[40..])] {
+        let ids: Vec<&str> = receivers.iter().map(|r| r.id.as_str()).collect();
+        std::fs::write(path("ids.csv"), format!("receiver\n{}\n", ids.join("\n"))).expect("written");
+        let args = ExtractArgs {
+            archive: path("whole"),
+            output: path(name),
+            receivers: Some(path("ids.csv")),
+            bbox: None,
+            surface: Vec::new(),
+            memory,
+            io: Default::default(),
+        };
+        extract(&args).expect("an extract");
+    }
+    assert!(kinds(&path("whole")).contains(&format::CANOPY));
+    for (name, expected) in [("one", "whole"), ("merged", "whole"), ("cut a", "a"), ("cut b", "b")] {
+        assert!(bytes(name) == bytes(expected), "{name} and {expected} differ");
+    }
+}
+
+/// Canopy blocks of all three kinds with 120 changes (a byte, a cut, a longer end, other lengths), under right checksums: a deep check
+/// finds at least 80 of them, and replays by schedule end with an error or with finite light, none in a panic.
+#[test]
+fn hostile_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (good, bad) = (folder.path().join("good"), folder.path().join("bad"));
+    let mut triangles =
+        [ground(20.0, 0.0, 0), quad(v(-9.0, 4.0, 0.0), v(18.0, 0.0, 0.0), v(0.0, 0.0, 5.0), 1)].concat();
+    let leaf =
+        |i: i32| quad(v(0.9 * f64::from(i) - 4.0, -1.0, 2.0), v(0.7, 0.1, 0.3), v(0.0, 2.0, 0.3 * f64::from(i % 3)), 2);
+    triangles.extend((0..9).flat_map(leaf));
+    let materials = vec![
+        Material::matt("ground", 0.3, Class::Ground),
+        Material::matt("house", 0.5, Class::Obstruction),
+        screen("leaf", 0.4),
+    ];
+    let scene = with_screens(&triangles, materials);
+    let tiny = BuildSettings { sky_base: 8, sky_fine: 16, hit: 8, probe: 8, bounce_sky: 8, ..BuildSettings::default() };
+    let receivers = [receiver("a", v(0.0, 0.0, 1.0), DVec3::Z), receiver("b", v(2.0, 3.9, 1.0), DVec3::NEG_Y)];
+    build(&scene, &mut tiles(&receivers, &scene), &plan(&tiny, &good)).expect("a build");
+    let archive = Archive::open(&good).expect("an archive");
+    let conditions = &conditions()[..2];
+    let schedule = [Schedule { materials: vec![2], values: vec![0.3, 0.9] }];
+    let (mut refused, mut found) = (0, 0);
+    for kind in [format::CANOPY, format::PROBE_CANOPY, format::BOUNCE_CANOPY] {
+        for case in 0..40_u64 {
+            let job = Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] };
+            let mut writer = Writer::create(&bad, &job).expect("a writer");
+            let mut entries = archive.entries().to_vec();
+            entries.sort_by_key(|entry| entry.offset);
+            for entry in entries {
+                if entry.kind != kind || entry.tile != 0 {
+                    writer.append(archive.copy(&entry).expect("a block")).expect("written");
+                    continue;
+                }
+                let block = archive.block(kind, 0).expect("a block");
+                let mut raw = block.bytes().to_vec();
+                let head = 4 * block.items() as usize;
+                let at = |k: u64, from: usize, to: usize| from + (mix(case, k) % (to - from).max(1) as u64) as usize;
+                match case % 5 {
+                    0 => raw.truncate(at(1, 0, raw.len())),
+                    1 => raw.extend([0xff; 9]),
+                    2 => {
+                        let place = at(2, 0, head);
+                        raw[place] ^= 1 << (mix(case, 3) % 8);
+                    }
+                    3 => {
+                        let place = at(4, head, head + 12);
+                        raw[place] = mix(case, 5) as u8;
+                    }
+                    _ => {
+                        let place = at(6, head, raw.len());
+                        raw[place] = mix(case, 7) as u8;
+                    }
+                }
+                let block = encode(kind, 0, 1, block.items(), &raw, 9).expect("a block");
+                writer.append(block).expect("written");
+            }
+            let mut manifest = archive.manifest().clone();
+            manifest.layers = writer.layers();
+            writer.finish(&manifest).expect("an archive");
+            let report = heliotile::archive::verify(&bad, Default::default(), true).expect("a report");
+            found += usize::from(!report.problems.is_empty());
+            let archive = Archive::open(&bad).expect("an archive");
+            let settings = ReplaySettings { memory_bytes: 1 << 28, ..ReplaySettings::default() };
+            let replay = Replay::scheduled(&archive, conditions, settings, &Bins::each(2), &schedule);
+            match replay.and_then(|replay| replay.run(0..1)) {
+                Err(_) => refused += 1,
+                Ok(tiles) => assert!(tiles[0].1.component(6).iter().all(|v| v.is_finite())),
+            }
+            std::fs::remove_file(&bad).expect("removed");
+        }
+    }
+    println!("{found} found, {refused} refused of 120");
+    assert!(found >= 80 && refused >= 80, "{found} found, {refused} refused");
+}
+
+/// An unknown name, a name that is no canopy, a value of 1.2, a reflectance of a canopy, a file in a query, a file with a value of 2 and
+/// one without the column: each ends with exit code 2 and says so; a constant and a file of 12 months work and dim the light.
+#[test]
+fn names_and_values() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    built(&grove(0.2, 0.5), &many()[..6], &path("site.helio"));
+    let header = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2";
+    std::fs::write(path("c.csv"), format!("{header}\na,150,40,800,100\n")).expect("written");
+    let months = |values: &str| format!("transmittance\n{values}");
+    std::fs::write(path("leaf.csv"), months(&"0.7\n".repeat(6)) + &"0.1\n".repeat(6)).expect("written");
+    std::fs::write(path("two.csv"), months(&"2\n".repeat(12))).expect("written");
+    std::fs::write(path("other.csv"), format!("reflectance\n{}", "0.2\n".repeat(12))).expect("written");
+    let run = |command: &str, options: &[&str]| {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_heliotile"));
+        program.current_dir(folder.path()).arg(command).arg("site.helio");
+        match command {
+            "query" => program.args(["--conditions", "c.csv"]),
+            _ => program.arg("--weather").arg(data("../weather/golden_3_days.epw")).args(["--every", "year"]),
+        };
+        let ended = program.args(options).output().expect("runs");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (ended.status.code(), text(&ended.stdout), text(&ended.stderr))
+    };
+    for (command, option, value, expected) in [
+        ("query", "--transmittance", "bush=0.5", "no group and no material `bush`"),
+        ("query", "--transmittance", "wall=0.5", "`wall` is no canopy"),
+        ("query", "--transmittance", "trees=1.2", "from 0 to 1, not 1.2"),
+        ("query", "--transmittance", "trees=leaf.csv", "a query has no dates"),
+        ("query", "--reflectance", "leaf=0.5", "`leaf` is a canopy"),
+        ("replay", "--transmittance", "trees=two.csv", "column `transmittance` holds `2`"),
+        ("replay", "--transmittance", "trees=other.csv", "column `transmittance` is missing"),
+        ("replay", "--transmittance", "trees=nowhere.csv", "nowhere.csv"),
+    ] {
+        let (code, _, message) = run(command, &[option, value]);
+        assert!(code == Some(2) && message.contains(expected), "{command} {option} {value}: {code:?} {message}");
+    }
+    let total = |command: &str, options: &[&str]| -> f64 {
+        let (code, table, message) = run(command, options);
+        assert_eq!(code, Some(0), "{message}");
+        table.lines().skip(1).filter_map(|line| line.rsplit(',').next()?.parse::<f64>().ok()).sum()
+    };
+    let [dark, stored, open] = ["trees=0", "trees=0.2", "trees=1"].map(|t| total("query", &["--transmittance", t]));
+    assert!(dark < stored && stored < open, "{dark} {stored} {open}");
+    assert!((total("query", &[]) - stored).abs() < 1e-3 * stored);
+    let all = ["trees=leaf.csv", "trees=1"].map(|t| total("replay", &["--transmittance", t]));
+    assert!(all[0] > 0.0 && all[0] < all[1], "{all:?}");
+}
