@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 use super::probe::lifted;
 use super::rays::{Hit, Ray, Tracer};
 use super::surroundings::cell_of;
-use crate::hemisphere::{Centres, Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
+use crate::hemisphere::{Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use crate::scene::cells::CellKey;
 use crate::scene::mesh::Mesh;
 use crate::scene::mirrors::{Chain, MOST_MIRRORS, Mirrors, Orientation};
@@ -59,6 +59,15 @@ pub struct Start {
     pub from: DVec3,
     pub direction: DVec3,
     pub hit: Hit,
+}
+
+/// A direction of the sky that is looked for from a point, by one of some chains.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    pub chain: usize,
+    pub sky: DVec3,
+    pub origin: [f32; 3],
+    pub normal: DVec3,
 }
 
 /// One ray on its way.
@@ -159,37 +168,38 @@ impl<'a> Reflections<'a> {
         (from, orientation.reflect(at.direction).normalize())
     }
 
-    /// Whether light from each direction of the sky reaches a point by a chain. `looks`: for each the direction of the sky, and the
-    /// point and normal of the looker. `rays` counts.
-    pub fn lit(&self, chain: Chain, map: DMat3, looks: &[(DVec3, [f32; 3], DVec3)], rays: &mut u64) -> Vec<bool> {
+    /// Whether light from directions of the sky reaches points by chains, each with its map. `rays` counts.
+    pub fn lit(&self, chains: &[(Chain, DMat3)], looks: &[Look], rays: &mut u64) -> Vec<bool> {
         let mut lit = vec![false; looks.len()];
-        let mut ways: Vec<(usize, Start)> = Vec::new();
-        for (i, &(sky, origin, normal)) in looks.iter().enumerate() {
-            let direction = (map * sky).normalize();
-            if normal.dot(direction) > 0.0 {
-                ways.push((
-                    i,
-                    Start { from: DVec3::from(origin.map(f64::from)), direction, hit: Hit { t: 0.0, triangle: 0 } },
-                ));
+        let mut ways: Vec<(usize, Start)> = Vec::with_capacity(looks.len());
+        for (i, look) in looks.iter().enumerate() {
+            let direction = (chains[look.chain].1 * look.sky).normalize();
+            if look.normal.dot(direction) > 0.0 {
+                let from = DVec3::from(look.origin.map(f64::from));
+                ways.push((i, Start { from, direction, hit: Hit { t: 0.0, triangle: 0 } }));
             }
         }
-        for number in chain.numbers() {
-            let cast: Vec<Ray> = ways.iter().map(|(_, at)| ray(at.from, at.direction)).collect();
-            *rays += cast.len() as u64;
-            let hits = self.tracer.closest_many(&cast).into_iter().zip(ways);
+        let cast = |ways: &[(usize, Start)], rays: &mut u64| -> Vec<Ray> {
+            *rays += ways.len() as u64;
+            ways.iter().map(|(_, at)| ray(at.from, at.direction)).collect()
+        };
+        for passed in 0..=MOST_MIRRORS {
+            // Rays of many short chains go together, or packets would be nearly empty.
+            let next = |i: usize| chains[looks[i].chain].0.numbers().nth(passed);
+            let (on, out): (Vec<_>, Vec<_>) = ways.into_iter().partition(|(i, _)| next(*i).is_some());
+            let met = self.tracer.occluded_many(&cast(&out, rays));
+            for ((i, at), met) in out.into_iter().zip(met) {
+                lit[i] = !met && at.direction.z > 0.0;
+            }
+            let hits = self.tracer.closest_many(&cast(&on, rays)).into_iter().zip(on);
             ways = hits
                 .filter_map(|(hit, (i, at))| {
-                    let hit = hit.filter(|&hit| self.orientation(hit) == Some(number))?;
-                    let (from, direction) =
-                        self.reflected(Start { hit, ..at }, self.mirrors.orientations[usize::from(number)]);
+                    let hit = hit.filter(|&hit| self.orientation(hit) == next(i))?;
+                    let orientation = self.mirrors.orientations[usize::from(next(i)?)];
+                    let (from, direction) = self.reflected(Start { hit, ..at }, orientation);
                     Some((i, Start { from, direction, hit }))
                 })
                 .collect();
-        }
-        let cast: Vec<Ray> = ways.iter().map(|(_, at)| ray(at.from, at.direction)).collect();
-        *rays += cast.len() as u64;
-        for ((i, at), met) in ways.into_iter().zip(self.tracer.occluded_many(&cast)) {
-            lit[i] = !met && at.direction.z > 0.0;
         }
         lit
     }
@@ -224,20 +234,6 @@ impl<'a> Reflections<'a> {
             (direction, Ray { origin, direction: direction.as_vec3().to_array() })
         };
         texels_in_blocks(n).map(texel).collect()
-    }
-
-    /// Sky bits by one chain, at texels (column, row) of a square whose centres are given by their size.
-    pub fn lit_texels(
-        &self,
-        (chain, map): (Chain, DMat3),
-        (origin, normal): ([f32; 3], DVec3),
-        (n, texels): (usize, &[(u32, u32)]),
-        centres: &Centres,
-        rays: &mut u64,
-    ) -> Vec<bool> {
-        let centre = centres.of(n);
-        let looks: Vec<_> = texels.iter().map(|&(column, row)| (centre(column, row), origin, normal)).collect();
-        self.lit(chain, map, &looks, rays)
     }
 }
 

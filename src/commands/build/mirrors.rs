@@ -2,18 +2,15 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{DMat3, DVec3};
-
 use super::Job;
 use crate::cli::Effect;
-use crate::hemisphere::{Centres, HEMISPHERE_SR, bit, mix};
+use crate::hemisphere::{Centres, HEMISPHERE_SR, mix};
 use crate::layers::bits::BitSquare;
 use crate::layers::mirror::{CellMirrors, CellPath, CellWindow, Path, Window};
 use crate::layers::sky::SkyTexture;
 use crate::recombine::mirrors::left;
 use crate::scene::cells::{CellKey, level_of};
-use crate::scene::mirrors::Chain;
-use crate::trace::mirror::{End, Met, Reflections, Start};
+use crate::trace::mirror::{End, Look, Met, Reflections, Start};
 use crate::trace::probe::{Directions, ProbeTrace, lifted};
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::surroundings::{Surroundings, level_seen};
@@ -65,8 +62,9 @@ impl Job<'_> {
                 let scale = (n / side as usize) as u32;
                 let whole: Vec<(u32, u32)> =
                     texels.iter().map(|&(c, r)| (c + column * scale, r + row * scale)).collect();
-                let at = (base * scale as usize, whole.as_slice());
-                reflections.lit_texels((chain, map), (origin, view.normal), at, centres, rays)
+                let centre = centres.of(base * scale as usize);
+                let look = |&(c, r): &(u32, u32)| Look { chain: 0, sky: centre(c, r), origin, normal: view.normal };
+                reflections.lit(&[(chain, map)], &whole.iter().map(look).collect::<Vec<_>>(), rays)
             };
             let (texture, dense) = SkyTexture::trace_within(front, side as usize * (fine / base), visible);
             if dense.count() > 0 {
@@ -134,34 +132,21 @@ fn cell_windows(
         let point = lit[(mix(seed ^ 0x6c6f_6f6b, texel as u64) % lit.len() as u64) as usize];
         (point.position, point.normal)
     });
-    let mut windows = Vec::new();
+    let (mut chains, mut looks, mut places) = (Vec::new(), Vec::new(), Vec::new());
     for (chain, texels) in reflections.reached(&around, n, rays) {
         let Some(map) = chain.seen_from(reflections.orientations()) else { continue };
-        let texels: Vec<usize> = texels.into_iter().map(|(column, row)| row as usize * n + column as usize).collect();
-        let look = |&texel: &usize| {
+        for texel in texels.into_iter().map(|(column, row)| row as usize * n + column as usize) {
             let point = probe.points[usize::from(probe.owner[texel])].0;
-            (directions[texel], reflections.origin(point.position, point.normal), point.normal)
-        };
-        let looks: Vec<(DVec3, [f32; 3], DVec3)> = texels.iter().map(look).collect();
-        let bits = bits_of(reflections, (chain, map), &texels, &looks, n, rays);
-        if (0..n * n).any(|texel| bit(&bits, texel)) {
-            windows.push(CellWindow { chain, bits });
+            let origin = reflections.origin(point.position, point.normal);
+            looks.push(Look { chain: chains.len(), sky: directions[texel], origin, normal: point.normal });
+            places.push(texel);
         }
+        chains.push((chain, map));
     }
-    windows
-}
-
-fn bits_of(
-    reflections: &Reflections,
-    (chain, map): (Chain, DMat3),
-    texels: &[usize],
-    looks: &[(DVec3, [f32; 3], DVec3)],
-    n: usize,
-    rays: &mut u64,
-) -> Vec<u8> {
-    let mut bits = vec![0_u8; (n * n).div_ceil(8)];
-    for (&texel, lit) in texels.iter().zip(reflections.lit(chain, map, looks, rays)) {
-        bits[texel / 8] |= u8::from(lit) << (texel % 8);
+    let mut bits = vec![vec![0_u8; (n * n).div_ceil(8)]; chains.len()];
+    for ((look, texel), lit) in looks.iter().zip(places).zip(reflections.lit(&chains, &looks, rays)) {
+        bits[look.chain][texel / 8] |= u8::from(lit) << (texel % 8);
     }
-    bits
+    let windows = chains.into_iter().zip(bits).filter(|(_, bits)| bits.iter().any(|byte| *byte > 0));
+    windows.map(|((chain, _), bits)| CellWindow { chain, bits }).collect()
 }
