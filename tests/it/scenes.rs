@@ -14,7 +14,7 @@ use heliotile::recombine::conditions::Condition;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
 use heliotile::scene::Scene;
-use heliotile::scene::materials::{Class, Material};
+use heliotile::scene::materials::{Class, Glass, Material};
 use heliotile::scene::receiver_tiles::ReceiverTiles;
 use heliotile::scene::receivers::Receiver;
 use heliotile::units::direction_from_degrees;
@@ -81,6 +81,28 @@ pub fn town() -> Triangles {
         triangles.extend(block(v(x, y, 0.0), v(x + 12.0, y + 10.0, 6.0 + f64::from(i * 7 % 11)), 1));
     }
     triangles
+}
+
+/// The same with a block that mirrors half of the light and one of double glass.
+pub fn mirror_triangles() -> Triangles {
+    let mut triangles = town();
+    triangles.extend(block(v(-60.0, -30.0, 0.0), v(-52.0, 20.0, 17.0), 2));
+    triangles.extend(block(v(46.0, -30.0, 0.0), v(52.0, 20.0, 21.0), 3));
+    triangles
+}
+
+pub fn mirror_materials() -> Vec<Material> {
+    let wall = |name| Material::matt(name, 0.3, Class::Obstruction);
+    vec![
+        Material::matt("ground", 0.2, Class::Ground),
+        wall("wall"),
+        Material { specular: 0.5, ..wall("mirror") },
+        Material { glass: Some(Glass::Double), ..wall("glass") },
+    ]
+}
+
+pub fn mirror_town() -> Scene {
+    Scene::from_triangles(&mirror_triangles(), mirror_materials()).expect("a valid scene")
 }
 
 /// 150 receivers, three tiles.
@@ -186,8 +208,13 @@ pub fn data(name: &str) -> PathBuf {
 
 /// The program on its way to build the cut of The Hague for some receivers, coarsely, in less than a second.
 pub fn hague(output: &Path, receivers: &Path) -> Command {
+    hague_of(&data("materials.toml"), output, receivers)
+}
+
+/// The same with other materials.
+pub fn hague_of(materials: &Path, output: &Path, receivers: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
-    command.arg("build").arg(data("scene.obj")).arg("-m").arg(data("materials.toml"));
+    command.arg("build").arg(data("scene.obj")).arg("-m").arg(materials);
     command.arg("-r").arg(receivers).arg("-o").arg(output);
     command.args(["--checkpoint", "0", "--set", "sky_fine=256", "--set", "hit=16", "--set", "probe=16"]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -8,7 +8,7 @@ use heliotile::archive::{Archive, Job, Writer, format};
 use heliotile::scene::Scene;
 use heliotile::scene::receivers::read_receivers;
 
-use crate::scenes::{data, hague, tiles};
+use crate::scenes::{data, hague, hague_of, tiles};
 
 /// A scratch folder with the receivers of The Hague in two halves that share a third of them.
 struct Halves(tempfile::TempDir);
@@ -28,6 +28,16 @@ impl Halves {
 
     fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
+    }
+
+    /// Materials of The Hague, but roofs are glass.
+    fn shiny(&self) -> PathBuf {
+        let materials = fs::read_to_string(data("materials.toml")).expect("materials");
+        let path = self.path("shiny.toml");
+        let glass = materials.replacen("diffuse = 0.20\nspecular = 0.0", "diffuse = 0.1\nglass = true", 1);
+        assert!(glass.contains("glass"));
+        fs::write(&path, glass).expect("written");
+        path
     }
 
     /// Builds `name.helio` for `name.csv`, and gives its bytes and the millions of rays that were cast.
@@ -166,25 +176,27 @@ fn builds_share_a_store_at_once() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
-/// One damaged block of each of the 8 kinds, one kind at a time, is repaired to the very bytes that were; where receivers are damaged the
-/// receivers file is asked for; another scene,
+/// One damaged block of each of the 13 kinds of a site with mirrors, one kind at a time, is repaired to the very bytes that were; where
+/// receivers are damaged the receivers file is asked for; another scene,
 /// other receivers, and the same ones with one other area or surface are refused; a good archive is left alone.
 #[test]
 fn repair_gives_the_same_bytes() {
     let site = Halves::new();
-    let (whole, _) = site.build("a.csv", "a.helio", None);
-    let path = site.path("a.helio");
+    let (path, materials) = (site.path("a.helio"), site.shiny());
+    good(&mut hague_of(&materials, &path, &site.path("a.csv")));
+    let whole = fs::read(&path).expect("an archive");
     let rows = fs::read_to_string(site.path("a.csv")).expect("receivers");
     fs::write(site.path("area"), rows.replacen("15.027", "15.028", 1)).expect("written");
     fs::write(site.path("surface"), rows.replacen(",roof\n", ",attic\n", 1)).expect("written");
     let entries: Vec<_> = Archive::open(&path).expect("an archive").entries().to_vec();
     let repair = |more: &[&str]| {
-        let mut command =
-            heliotile(&["repair"], &[&path, &data("scene.obj"), Path::new("-m"), &data("materials.toml")]);
+        let mut command = heliotile(&["repair"], &[&path, &data("scene.obj"), Path::new("-m"), &materials]);
         command.args(more).output().expect("the program")
     };
-    for (kind, name, _) in format::KINDS {
-        let entry = entries.iter().find(|entry| entry.kind == kind).expect("a block of each kind");
+    let first_of = |(kind, name, _)| Some((kind, name, entries.iter().find(|entry| entry.kind == kind)?));
+    let kinds: Vec<_> = format::KINDS.into_iter().filter_map(first_of).collect();
+    assert_eq!(kinds.len(), 13);
+    for (kind, name, entry) in kinds {
         let mut bytes = whole.clone();
         bytes[entry.offset as usize + entry.stored as usize / 2] ^= 4;
         fs::write(&path, &bytes).expect("written");
