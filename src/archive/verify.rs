@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::codec::Block;
 use super::format::{
-    self, BOUNCE, BOUNCE_CANOPY, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRRORS, OPTICS, PROBE_CANOPY,
-    PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
+    self, BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS,
+    OPTICS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
 };
 use super::reader::{Archive, by_place};
 use super::source::Access;
@@ -16,9 +16,11 @@ use crate::error::{Error, Result};
 use crate::layers::canopy::{self, Canopy};
 use crate::layers::extras;
 use crate::layers::hit::HitTile;
+use crate::layers::mirror::{CellMirrors, ReceiverMirrors, Step};
 use crate::layers::response;
 use crate::layers::sky::SkyTexture;
 use crate::scene::cells::CellKey;
+use crate::scene::mirrors::Chain;
 
 /// What the check found. The archive is good if `problems` is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -90,6 +92,8 @@ struct Site {
     materials: u64,
     /// By material: 1 for canopies.
     canopies: Vec<u8>,
+    /// Orientations of mirrors.
+    orientations: u64,
     /// First keys of the chunks, as the index says; empty if it cannot be read.
     probes: Vec<CellKey>,
     bounces: Vec<CellKey>,
@@ -117,9 +121,11 @@ impl Site {
             keys
         };
         let optics = archive.block(OPTICS, 0).and_then(|block| Optics::from_block(&block));
+        let items = |kind| archive.entries_of(kind).iter().map(|entry| u64::from(entry.items)).sum();
         Site {
             canopies: optics.map(|optics| optics.canopy).unwrap_or_default(),
-            materials: archive.entries_of(MATERIALS).iter().map(|entry| u64::from(entry.items)).sum(),
+            materials: items(MATERIALS),
+            orientations: items(MIRRORS),
             probes: index(Index::PROBES),
             bounces: index(Index::BOUNCE),
             keys: deep.then(|| Keys { probes: keys_of(PROBES), bounces: keys_of(BOUNCE) }),
@@ -153,11 +159,12 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         BOUNCE => check_cells(&block, &site.bounces, site),
         SKY if site.keys.is_some() => {
             let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
-            shape(SkyTexture::unpack(block.bytes(), rows, base, fine).is_some())
+            shape(fine <= MOST_FINE && SkyTexture::unpack(block.bytes(), rows, base, fine).is_some())
         }
         RESPONSE if site.keys.is_some() => {
             shape(response::unpack(block.bytes(), rows, settings.probe as usize).is_some())
         }
+        MIRROR | PROBE_MIRROR | BOUNCE_MIRROR => check_mirrors(archive, &block, site),
         HIT => match &site.keys {
             Some(keys) => {
                 let texels = (settings.hit as usize).saturating_pow(2).saturating_mul(rows);
@@ -221,6 +228,64 @@ fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
         None => Ok(()),
     }
 }
+
+/// What receivers or cells see in mirrors: as many rows as there are of them, and, in a deep check, windows that can be read, and
+/// mirrors, materials and cells that exist.
+fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
+    let (entry, settings) = (block.entry(), &archive.manifest().settings);
+    let (of, side) = match entry.kind {
+        MIRROR => (RECEIVERS, settings.hit),
+        PROBE_MIRROR => (PROBES, settings.probe),
+        _ => (BOUNCE, settings.bounce_sky),
+    };
+    let owners = archive.entries_of(of);
+    let owner = owners.binary_search_by_key(&entry.tile, |owner| owner.tile).ok();
+    let expected = owner.and_then(|row| owners.get(row)).map_or(0, |owner| owner.items);
+    if entry.items != expected {
+        return Err(block.corrupt(format!("{} rows", entry.items), format!("{expected}, as {}", format::kind_name(of))));
+    }
+    let bad = || block.corrupt("a layer of another shape", "the manifest's");
+    let rows = extras::unpack(block.bytes(), entry.items as usize).ok_or_else(bad)?;
+    let Some(keys) = &site.keys else { return Ok(()) };
+    let side = side as usize;
+    let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
+    for row in rows {
+        let (chains, steps, mut cells): (Vec<Chain>, Vec<Vec<Step>>, Vec<CellKey>);
+        let known;
+        if entry.kind == MIRROR {
+            let found = ReceiverMirrors::from_bytes(&row, base, side).ok_or_else(bad)?;
+            let doubled = fine.checked_div(base).unwrap_or(0);
+            let whole = found.windows.iter().all(|window| {
+                let side = usize::from(window.side);
+                fine <= MOST_FINE
+                    && SkyTexture::unpack(&window.texture, 1, side, side.saturating_mul(doubled)).is_some()
+            });
+            if !whole {
+                return Err(bad());
+            }
+            chains = found.windows.iter().map(|window| window.chain).collect();
+            (steps, cells) = found.paths.into_iter().map(|path| (path.steps, path.cell)).unzip();
+            known = &keys.probes;
+        } else {
+            let bytes = side.saturating_mul(side).div_ceil(8);
+            let found = CellMirrors::from_bytes(&row, bytes).ok_or_else(bad)?;
+            chains = found.windows.iter().map(|window| window.chain).collect();
+            (steps, cells) = found.paths.into_iter().map(|path| (path.steps, path.cell)).unzip();
+            known = &keys.bounces;
+        }
+        let mirrors = chains.iter().flat_map(Chain::numbers);
+        if let Some(number) = mirrors.max().filter(|&number| u64::from(number) >= site.orientations) {
+            return Err(block.corrupt(format!("mirror {number}"), format!("below {}", site.orientations)));
+        }
+        check_materials(block, steps.iter().flatten().map(|step| step.0), site)?;
+        cells.dedup();
+        check_references(block, &cells, known)?;
+    }
+    Ok(())
+}
+
+/// Largest side of a refined sky, as `schema/layers.md` states it: above it a few bytes could stand for gigabytes.
+const MOST_FINE: usize = 4096;
 
 /// Whether all keys are among the known ones.
 fn check_references(block: &Block, keys: &[CellKey], known: &[CellKey]) -> Result<()> {

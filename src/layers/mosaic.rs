@@ -157,6 +157,11 @@ impl Mosaic {
         (self.block * self.block).div_ceil(64)
     }
 
+    /// Bytes that its bits take.
+    pub fn bytes(&self) -> usize {
+        (self.open.words.len() + self.mixed.words.len() + self.blocks.len()) * 8 + self.ranks.len() * 4
+    }
+
     /// Side of the base square.
     pub fn side(&self) -> usize {
         self.open.side()

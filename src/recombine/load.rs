@@ -1,6 +1,8 @@
 //! From blocks to the values that recombination works on. In: an archive, or blocks read back while one is built. Out: decoded
 //! tables and layers, checked against each other.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -16,7 +18,7 @@ use crate::layers::canopy::Canopy;
 use crate::layers::cells::{Cell, Cells};
 use crate::layers::extras::{self, Extras};
 use crate::layers::hit::HitTile;
-use crate::layers::mirror::{Path, ReceiverMirrors};
+use crate::layers::mirror::{Path, ReceiverMirrors, Window};
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
@@ -59,7 +61,7 @@ impl TileView {
 
 /// Largest sides of textures: of a receiver's sky before refinement and its hits, of the refined sky, of cells' skies.
 const MAX_SIDES: [u32; 3] = [1024, 4096, 256];
-/// Most bytes of a tile's sky once it is refined: a small block can stand for large textures.
+/// Most bytes of a tile's sky once it is refined, and of what it sees in mirrors: a small block can stand for large textures.
 const MAX_SKY: usize = 256 << 20;
 
 /// The settings of an archive, if textures can have their sides.
@@ -211,11 +213,19 @@ pub fn mirror_table(archive: &Archive) -> Result<Option<MirrorTable>> {
 fn mirror_views(archive: &Archive, tile: u32, rows: usize, table: &MirrorTable) -> Result<Vec<Vec<MirrorView>>> {
     let (settings, sides) = (settings(archive)?, sides(archive)?);
     let block = sides.sky_fine / sides.sky_base;
-    let views = |of: &ReceiverMirrors| of.windows.iter().map(|w| MirrorView::new(w, table, block)).collect();
+    let taken = AtomicUsize::new(0);
+    let view = |window: &Window| {
+        let view = MirrorView::new(window, table, block)?;
+        let before = taken.fetch_add(view.bytes(), Ordering::Relaxed);
+        (before.saturating_add(view.bytes()) <= MAX_SKY).then_some(view)
+    };
+    let views = |of: &ReceiverMirrors| of.windows.iter().map(view).collect();
     let found = receiver_mirrors(archive, tile, rows, settings)?.par_iter().map(views).collect::<Option<_>>();
     match found {
         Some(found) => Ok(found),
-        None => Err(archive.block(format::MIRROR, tile)?.corrupt("windows of another shape", "the manifest's")),
+        None => Err(archive
+            .block(format::MIRROR, tile)?
+            .corrupt("windows of another shape, or of too much", "the manifest's, and mirrors that exist")),
     }
 }
 

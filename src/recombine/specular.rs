@@ -39,6 +39,11 @@ impl MirrorView {
         })
     }
 
+    /// About how many bytes it takes.
+    pub fn bytes(&self) -> usize {
+        self.sky.bytes() + 512
+    }
+
     /// What a base texel of the whole sky holds.
     #[inline]
     pub fn texel(&self, column: usize, row: usize) -> Texel<'_> {

@@ -5,14 +5,20 @@ use std::path::Path;
 use std::process::Command;
 
 use heliotile::archive::manifest::Settings;
-use heliotile::archive::{Archive, Job, Writer, encode, format};
+use heliotile::archive::{Access, Archive, Job, Writer, encode, format, verify};
 use heliotile::commands::build::BuildSettings;
+use heliotile::hemisphere::mix;
+use heliotile::layers::extras;
+use heliotile::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
 
-use crate::scenes::{canyon, receiver, scene, site, sun, tilted, v};
+use heliotile::scene::cells::CellKey;
+use heliotile::scene::mirrors::Chain;
+
+use crate::scenes::{canyon, many, mirror_town, receiver, scene, site, sun, tilted, v};
 
 #[path = "../../tools/fuzz/src/targets.rs"]
 mod targets;
@@ -78,7 +84,7 @@ fn seeds_are_valid() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("site.helio");
     fs::write(&path, archive).expect("written");
-    let report = heliotile::archive::verify(&path, heliotile::archive::Access::Read, true).expect("an archive");
+    let report = verify(&path, Access::Read, true).expect("an archive");
     assert_eq!((report.problems.len(), report.blocks), (0, 9));
 }
 
@@ -143,4 +149,134 @@ fn lying_settings_are_refused() {
     }
     let found = refusal(&|_| {}, 1, Depth::All);
     assert!(found.contains("found 2 receivers, expected 1, one per response"), "{found}");
+}
+
+/// Rows of a block of mirrors, with what each of them holds.
+type Rows = Vec<Vec<u8>>;
+
+/// An archive again, with other rows in the first block of a kind.
+fn forged(archive: &Archive, kind: u32, path: &Path, change: &dyn Fn(&mut Rows)) {
+    let job = Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] };
+    let mut writer = Writer::create(path, &job).expect("created");
+    for entry in archive.entries() {
+        let block = archive.block(entry.kind, entry.tile).expect("a block");
+        let (mut items, mut raw) = (entry.items as usize, block.bytes().to_vec());
+        if entry.key() == (kind, 0) {
+            let mut rows = extras::unpack(&raw, items).expect("rows");
+            change(&mut rows);
+            items = rows.len();
+            raw = extras::pack(rows.iter().map(Vec::as_slice)).expect("bytes");
+        }
+        writer
+            .append(encode(entry.kind, entry.tile, entry.schema, items as u32, &raw, 9).expect("packed"))
+            .expect("written");
+    }
+    let mut manifest = archive.manifest().clone();
+    manifest.layers = writer.layers();
+    writer.finish(&manifest).expect("finished");
+}
+
+/// What a replay of an archive says, if it is no result.
+fn refusal_of(path: &Path, depth: Depth) -> Option<String> {
+    let copy = Archive::open(path).expect("an archive");
+    let settings = ReplaySettings { patches: 145, depth, memory_bytes: 1 << 28, ..ReplaySettings::default() };
+    let replay = Replay::new(&copy, &[sun(90.0, 60.0, 800.0, 100.0)], settings);
+    replay.and_then(|replay| replay.run(0..replay.tiles()).map(drop)).err().map(|error| error.to_string())
+}
+
+/// The first row that holds a window and a path is changed.
+fn in_receivers(change: impl Fn(&mut ReceiverMirrors)) -> impl Fn(&mut Rows) {
+    move |rows| {
+        let mirrors = |row: &Vec<u8>| ReceiverMirrors::from_bytes(row, 16, 8).expect("mirrors");
+        let full = |row: &Vec<u8>| !mirrors(row).windows.is_empty() && !mirrors(row).paths.is_empty();
+        let row = rows.iter_mut().find(|row| full(row)).expect("a row");
+        let mut found = mirrors(row);
+        change(&mut found);
+        *row = found.to_bytes();
+    }
+}
+
+/// The same of cells.
+fn in_cells(change: impl Fn(&mut CellMirrors)) -> impl Fn(&mut Rows) {
+    move |rows| {
+        let mirrors = |row: &Vec<u8>| CellMirrors::from_bytes(row, 8).expect("mirrors");
+        let full = |row: &Vec<u8>| !mirrors(row).windows.is_empty() && !mirrors(row).paths.is_empty();
+        let row = rows.iter_mut().find(|row| full(row)).expect("a row");
+        let mut found = mirrors(row);
+        change(&mut found);
+        *row = found.to_bytes();
+    }
+}
+
+/// Fifteen lies about mirrors under right checksums (mirrors, materials and cells that do not exist, a texture cut short, a row less) are
+/// each named by a deep `verify`; a replay ends with a result or an error that names a block, and so it does with 60 changed bits.
+#[test]
+fn lying_mirrors_are_refused() {
+    let settings = BuildSettings {
+        sky_base: 16,
+        sky_fine: 64,
+        hit: 8,
+        probe: 8,
+        bounce_sky: 8,
+        cell_floor_m: 4.0,
+        ..BuildSettings::default()
+    };
+    let site = site(&mirror_town(), &many()[..70], &settings);
+    let archive = Archive::open(&site.path).expect("an archive");
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let path = folder.path().join("copy.helio");
+    let nowhere = |key: &mut CellKey| key.voxel[0] = 1 << 20;
+    type Lie<'l> = (u32, &'l str, Box<dyn Fn(&mut Rows) + 'l>);
+    let mut lies: Vec<Lie> = vec![
+        (format::MIRROR, "mirror 9999", Box::new(in_receivers(|m| m.windows[0].chain = Chain::new(&[0, 9999])))),
+        (format::MIRROR, "shape", Box::new(in_receivers(|m| m.windows[0].texture.truncate(9)))),
+        (format::MIRROR, "material 999", Box::new(in_receivers(|m| m.paths[0].steps[0].0 = 999))),
+        (format::MIRROR, "does not exist", Box::new(in_receivers(|m| nowhere(&mut m.paths[0].cell)))),
+        (format::MIRROR, "shape", Box::new(in_receivers(|m| m.paths[0].texel = 64))),
+        (format::MIRROR, "rows", Box::new(|rows| drop(rows.pop()))),
+    ];
+    for kind in [format::PROBE_MIRROR, format::BOUNCE_MIRROR] {
+        lies.push((kind, "mirror 9999", Box::new(in_cells(|m| m.windows[0].chain = Chain::new(&[9999])))));
+        lies.push((kind, "material 999", Box::new(in_cells(|m| m.paths[0].steps[0].0 = 999))));
+        lies.push((kind, "does not exist", Box::new(in_cells(|m| nowhere(&mut m.paths[0].cell)))));
+        lies.push((kind, "rows", Box::new(|rows| drop(rows.pop()))));
+    }
+    lies.push((format::PROBE_MIRROR, "shape", Box::new(|rows| rows.iter_mut().for_each(|row| row.truncate(6)))));
+    assert_eq!(lies.len(), 15);
+    let depths = [Depth::All, Depth::Count(1), Depth::Count(2)];
+    let (mut refused, mut done) = (0, 0);
+    let mut replayed = |what: &str| {
+        for depth in depths {
+            match refusal_of(&path, depth) {
+                None => done += 1,
+                Some(said) => {
+                    assert!(said.contains("copy.helio"), "{what}: {said}");
+                    refused += 1;
+                }
+            }
+        }
+    };
+    for (kind, says, lie) in &lies {
+        forged(&archive, *kind, &path, lie);
+        let report = verify(&path, Access::Read, true).expect("an archive");
+        let name = format::block_name(*kind, 0);
+        let found: Vec<_> = report.problems.iter().filter(|p| p.part == name && p.reason.contains(says)).collect();
+        assert!(found.len() == 1 && report.problems.len() == 1, "{name}, {says}: {:?}", report.problems);
+        replayed(&name);
+    }
+    for case in 0..60 {
+        let kind = [format::MIRROR, format::PROBE_MIRROR, format::BOUNCE_MIRROR][case as usize % 3];
+        forged(&archive, kind, &path, &|rows| {
+            let full: Vec<&mut Vec<u8>> = rows.iter_mut().filter(|row| !row.is_empty()).collect();
+            let (row, bit) = (mix(case, 1) % full.len() as u64, mix(case, 2));
+            if let Some(row) = full.into_iter().nth(row as usize) {
+                let place = (bit >> 3) as usize % row.len();
+                row[place] ^= 1 << (bit & 7);
+            }
+        });
+        verify(&path, Access::Read, true).expect("a report");
+        replayed(&format!("case {case}"));
+    }
+    println!("{refused} replays refused, {done} done");
+    assert!(refused + done == 225 && refused > 30 && done > 50, "{refused} refused, {done} done");
 }
