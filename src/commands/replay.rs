@@ -6,8 +6,7 @@ use std::path::Path;
 use super::chosen::Chosen;
 use super::progress::bar;
 use super::{Outcome, guard_output, warn};
-use crate::archive::tables::Materials;
-use crate::archive::{Access, Archive, format};
+use crate::archive::{Access, Archive};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::error::{Error, Result};
 use crate::outputs::layout::{By, Labels, Layout};
@@ -18,7 +17,7 @@ use crate::recombine::bins::Bins;
 use crate::recombine::components::{Component, ComponentList};
 use crate::recombine::conditions::{Condition, read_conditions};
 use crate::recombine::epw::{read_epw, read_epw_with_air};
-use crate::recombine::load::lets_through;
+use crate::recombine::load::{lets_through, materials};
 use crate::recombine::reflectances::{Changeable, Changes, Follow};
 use crate::recombine::replay::{Replay, ReplaySettings};
 use crate::recombine::span::Span;
@@ -145,7 +144,7 @@ fn schedules(archive: &Archive, series: &Series) -> Result<Vec<Schedule>> {
     if series.changes.is_empty() {
         return Ok(Vec::new());
     }
-    let materials = Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    let materials = materials(archive)?;
     let lets_through = lets_through(archive, materials.rows())?;
     let changeable = Changeable { site: archive.path(), materials: &materials, lets_through: &lets_through };
     let (rows, chosen) = series.rows;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::canopies::{check_cells, tile_canopies};
+use super::fresnel::panes_mean;
 use super::response::{Reflector, Shape, Viewer};
 use super::specular::{MirrorTable, MirrorView};
 use super::tile::{TextureSides, TileLayers};
@@ -113,6 +114,17 @@ pub fn sides(archive: &Archive) -> Result<TextureSides> {
 /// Scene origin of an archive.
 pub fn origin(manifest: &Manifest) -> DVec3 {
     DVec3::from(manifest.scene.origin_m)
+}
+
+/// The materials of an archive, glass with what it reflects like a mirror of light that comes from everywhere alike.
+pub fn materials(archive: &Archive) -> Result<tables::Materials> {
+    let mut materials = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    if let Some(optics) = optics(archive, materials.rows())? {
+        for (specular, &panes) in materials.specular.iter_mut().zip(&optics.panes).filter(|(_, panes)| **panes > 0) {
+            *specular = panes_mean(panes);
+        }
+    }
+    Ok(materials)
 }
 
 /// What materials do besides reflecting diffusely, if some do.

@@ -211,11 +211,13 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
     for &material in &members {
         let specular = materials.specular[material];
         if largest + specular > 1.0 + 1e-9 {
+            // What glass reflects has many digits.
+            let shown = (specular * 1e4 - 1e-6).ceil() / 1e4;
             let what = format!(
-                "material `{}` would reflect {largest} diffusely and {specular} like a mirror, more than arrives",
+                "material `{}` would reflect {largest} diffusely and {shown} like a mirror, more than arrives",
                 materials.name[material]
             );
-            let hint = format!("its diffuse reflectance can be at most {}", 1.0 - specular);
+            let hint = format!("its diffuse reflectance can be at most {:.4}", 1.0 - shown);
             return Err(Error::input(changeable.site, None, what, hint));
         }
     }
@@ -297,7 +299,7 @@ mod tests {
             "{text}"
         );
         let text = change("facade", 0.6).constant(&changeable(&materials()), 1).expect_err("too much").to_string();
-        assert!(text.contains("`glass`") && text.contains("at most 0.5"), "{text}");
+        assert!(text.contains("`glass`") && text.contains("at most 0.5000"), "{text}");
         assert!(change("", 0.6).constant(&changeable(&materials()), 1).is_err());
     }
 }
