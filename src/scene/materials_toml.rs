@@ -164,6 +164,24 @@ mod tests {
         assert_eq!((table["TINRelief"].diffuse, table["TINRelief"].class), (0.2, Class::Ground));
     }
 
+    /// Glass is of one or two panes and of none if it is false, 4 of 4 ways to say so; a `transmittance` needs no `diffuse`.
+    #[test]
+    fn glass_and_canopies() {
+        for (value, glass) in [
+            ("true", Some(Glass::Single)),
+            ("\"single\"", Some(Glass::Single)),
+            ("\"double\"", Some(Glass::Double)),
+            ("false", None),
+        ] {
+            let table = parse(&format!("[pane]\ndiffuse = 0.02\nglass = {value}")).expect("readable");
+            let pane = &table["pane"];
+            assert_eq!((pane.glass, pane.specular, pane.mirrors()), (glass, 0.0, glass.is_some()), "{value}");
+        }
+        let table = parse("[tree]\ntransmittance = 0.25").expect("readable");
+        let tree = &table["tree"];
+        assert_eq!((tree.transmittance, tree.diffuse, tree.mirrors()), (Some(0.25), 0.0, false));
+    }
+
     /// Every refusal names the file, the line and the offending text.
     #[test]
     fn refusals() {
@@ -186,6 +204,14 @@ mod tests {
             ("[endless_ground]\ndiffuse = 0.2\nelevation = \"low\"", 3, "`elevation` is \"low\""),
             ("[endless_ground]\ndiffuse = 0.2\nelevation = inf", 3, "`elevation` is inf"),
             ("[roof]\ndiffuse = 0.2\nelevation = 2", 3, "unknown key `elevation`"),
+            ("[pane]\ndiffuse = 0.1\nglass = \"triple\"", 3, "`glass` of material `pane` is \"triple\""),
+            ("[pane]\ndiffuse = 0.1\nglass = 1", 3, "`glass` of material `pane` is 1"),
+            ("[pane]\ndiffuse = 0.1\nglass = true\nspecular = 0.1", 1, "`glass` has the reflectance of its panes"),
+            ("[pane]\nglass = true", 1, "`pane` has no `diffuse`"),
+            ("[pane]\ndiffuse = 0.1\nspecular = 1.1", 3, "`specular` of material `pane` is 1.1"),
+            ("[tree]\ntransmittance = -0.1", 2, "is -0.1, not a number"),
+            ("[tree]\ntransmittance = 0.5\ndiffuse = 0.1", 1, "it reflects none"),
+            ("[tree]\ntransmittance = 0.5\nglass = true", 1, "it reflects none"),
         ] {
             let message = parse(text).expect_err(text).to_string();
             assert!(message.starts_with(&format!("materials.toml, line {line}")), "{text:?}: {message}");
