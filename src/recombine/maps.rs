@@ -4,6 +4,7 @@
 //! One rule holds for all of them: the sum over the texels of a channel named like a column of results, times the channel
 //! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -13,17 +14,18 @@ use super::bounces::Depth;
 use super::conditions::Condition;
 use super::disc::disc_texels;
 use super::load::{Tables, TileView, sides};
+use super::mirrors::left;
 use super::patches::Patches;
 use super::projection::Projection;
 use super::receiver_view::ReceiverView;
 use super::responder::Responder;
-use super::response::{Viewer, class_index, hit_weights, texel_weights};
+use super::response::{Reflector, Viewer, class_index, texel_weights};
 use super::shaded::Veil;
 use super::sky::SkyModel;
 use super::tile::TextureSides;
 use crate::archive::Archive;
 use crate::error::Result;
-use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, bilinear, direction_of};
+use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, bilinear, direction_of, texel_direction};
 use crate::layers::canopy::{SEEN, SKY, sky_side};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
@@ -113,13 +115,7 @@ pub fn maps(
     let mut response = None;
     if let Some(light) = light {
         let lit = lit_cells(archive, view, light, memory, folder)?;
-        let of = |channel: usize| -> Vec<f32> {
-            // Number 0 is nothing, the others are places in the palette + 1.
-            let place = |t: u32| lit.cells.binary_search(&(t as usize).checked_sub(1)?).ok();
-            let share = |texel: usize| lit.shares.as_ref().map_or(1.0, |shares| shares[texel]);
-            let texel = |(i, &t): (usize, &u32)| place(t).map_or(0.0, |p| lit.radiances[p][channel] as f32 * share(i));
-            view.texels.iter().enumerate().map(texel).collect()
-        };
+        let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
         if light.depth != Depth::All {
@@ -130,19 +126,49 @@ pub fn maps(
         Some(derived) => derived,
         None => view.response(archive)?,
     };
-    Ok(vec![sky_map(view, light, sides(archive)?), hit, response_map(&response, light)])
+    let sky = SkyTexels::new(view, light);
+    let mut maps = vec![sky_map(view, &sky, light, sides(archive)?), hit, response_map(&response, light)];
+    if !view.mirrors.is_empty() {
+        maps.push(mirror_map(view, &sky, light));
+    }
+    Ok(maps)
+}
+
+/// Means over the texels of the sky.
+struct SkyTexels {
+    side: usize,
+    texels: Vec<SkyTexel>,
+    /// Of their radiance.
+    scale: f64,
+}
+
+impl SkyTexels {
+    fn new(view: &ReceiverView, light: Option<&Light>) -> Self {
+        let side = view.sky.side() * view.sky.block();
+        let texel = |t: usize| sky_texel(view.receiver.normal, light, side, t);
+        let texels: Vec<SkyTexel> = (0..side * side).into_par_iter().with_min_len(side).map(texel).collect();
+        // As replay does on its texels: an open horizontal receiver gets DHI exactly.
+        let open = texels.iter().map(|t| f64::from(t.horizontal)).sum::<f64>() * texel_sr(side);
+        let dhi_w_m2 = light.map_or(0.0, |light| light.condition.dhi_w_m2);
+        SkyTexels { side, texels, scale: if open > 0.0 { dhi_w_m2 / open } else { 0.0 } }
+    }
+
+    fn radiance(&self, texel: usize) -> f32 {
+        (f64::from(self.texels[texel].radiance) * self.scale) as f32
+    }
+}
+
+/// Solid angle of a texel, sr.
+fn texel_sr(side: usize) -> f64 {
+    HEMISPHERE_SR / (side * side) as f64
 }
 
 /// What is sky, and with a light the sky and the sun that are seen in it.
-fn sky_map(view: &ReceiverView, light: Option<&Light>, sides: TextureSides) -> Map {
-    let sky = &view.sky;
-    let side = sky.side() * sky.block();
-    let texel_sr = HEMISPHERE_SR / (side * side) as f64;
-    let texel = |t: usize| sky_texel(view.receiver.normal, light, side, t);
-    let texels: Vec<SkyTexel> = (0..side * side).into_par_iter().with_min_len(side).map(texel).collect();
+fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>, sides: TextureSides) -> Map {
+    let (side, texels, texel_sr) = (sky.side, &sky.texels, texel_sr(sky.side));
     // Bits reach a little behind the surface.
     let visible: Vec<bool> =
-        texels.iter().enumerate().map(|(t, texel)| texel.cos > 0.0 && sky.get(t % side, t / side)).collect();
+        texels.iter().enumerate().map(|(t, texel)| texel.cos > 0.0 && view.sky.get(t % side, t / side)).collect();
     let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
     map.add("visible", "1 where sky is seen, else 0", visible.iter().map(|v| f32::from(u8::from(*v))).collect());
     map.add("weight_sr", "sr", texels.iter().map(|t| (f64::from(t.cos) * texel_sr) as f32).collect());
@@ -153,10 +179,7 @@ fn sky_map(view: &ReceiverView, light: Option<&Light>, sides: TextureSides) -> M
         map.add("through", "share of the light that canopies let through", (0..side * side).map(through).collect());
     }
     let Some(light) = light else { return map };
-    // As replay does on its texels: an open horizontal receiver gets DHI exactly.
-    let open: f64 = texels.iter().map(|t| f64::from(t.horizontal)).sum::<f64>() * texel_sr;
-    let scale = if open > 0.0 { light.condition.dhi_w_m2 / open } else { 0.0 };
-    let seen = |t: usize| if visible[t] { (f64::from(texels[t].radiance) * scale) as f32 * through(t) } else { 0.0 };
+    let seen = |t: usize| if visible[t] { sky.radiance(t) * through(t) } else { 0.0 };
     map.add("sky_direct", RADIANCE, (0..side * side).map(seen).collect());
     let mut sun = vec![0.0_f32; side * side];
     for instant in &light.condition.suns {
@@ -171,6 +194,46 @@ fn sky_map(view: &ReceiverView, light: Option<&Light>, sides: TextureSides) -> M
         }
     }
     map.add("sun_direct", RADIANCE, sun);
+    map
+}
+
+/// What is sky by way of mirrors, on the texels of the sky that light comes from.
+fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>) -> Map {
+    let side = sky.side;
+    let mut weights = vec![0.0_f64; side * side];
+    let mut sun = vec![0.0_f64; side * side];
+    for window in &view.mirrors {
+        let image = window.reflection.image(view.receiver.normal);
+        let mut visible = HashSet::new();
+        for (column, row) in window.visible() {
+            let d = texel_direction(column, row, side, DVec2::splat(0.5));
+            let cos = image.dot(d);
+            if cos > 0.0 {
+                weights[row * side + column] += cos * window.reflection.share(d) * texel_sr(side);
+                visible.insert((column, row));
+            }
+        }
+        let Some(light) = light else { continue };
+        for instant in &light.condition.suns {
+            // Replay takes the middle for the whole disc.
+            let share = window.reflection.share(instant.sun) * image.dot(instant.sun).max(0.0);
+            for (column, row, of_disc) in disc_texels(instant.sun, side) {
+                let (column, row) = (column as usize, row as usize);
+                if visible.contains(&(column, row)) {
+                    let normal_w_m2 = light.condition.dni_w_m2 * instant.weight * f64::from(of_disc);
+                    sun[row * side + column] += normal_w_m2 * share;
+                }
+            }
+        }
+    }
+    let mut map = Map { name: "mirror", frame: WORLD, side, channels: Vec::new() };
+    map.add("weight_sr", "sr", weights.iter().map(|&w| w as f32).collect());
+    if light.is_some() {
+        let seen = |(t, &weight): (usize, &f64)| if weight > 0.0 { sky.radiance(t) } else { 0.0 };
+        map.add("sky_specular", RADIANCE, weights.iter().enumerate().map(seen).collect());
+        let radiance = |(e, &weight): (f64, &f64)| if weight > 0.0 { (e / weight) as f32 } else { 0.0 };
+        map.add("sun_specular", RADIANCE, sun.into_iter().zip(&weights).map(radiance).collect());
+    }
     map
 }
 
@@ -213,6 +276,13 @@ fn hit_map(view: &ReceiverView) -> Map {
     map.add("material", "0 nothing, else place in `materials`, from 1", texels.map(material).collect());
     let cells = view.texels.iter().map(|&t| t as f32).collect();
     map.add("cell", "0 nothing, else place among the cells that the tile sees, from 1", cells);
+    let mut mirrors = vec![0.0_f32; view.texels.len()];
+    for path in &view.paths {
+        if let Some(most) = mirrors.get_mut(path.texel as usize) {
+            *most = most.max(path.steps.len() as f32);
+        }
+    }
+    map.add("mirrors", "mirrors passed to the last surface that is seen, 0 for none", mirrors);
     // Shares of the hemisphere, whose weight is pi.
     let weights = texel_weights(&view.texels, &view.viewer);
     map.add("weight_sr", "sr", weights.iter().map(|w| (w * HEMISPHERE_SR / 2.0) as f32).collect());
@@ -240,13 +310,20 @@ fn response_map(response: &Response, light: Option<&Light>) -> Map {
 
 /// Light that the cells around a receiver send.
 struct Lit {
-    /// Places in the palette, rising, and the radiance of these cells: by the sun, by the sky.
-    cells: Vec<usize>,
-    radiances: Vec<[f64; 2]>,
-    /// `[texel]`: share that canopies let through, if not all.
-    shares: Option<Vec<f32>>,
+    /// `[texel]` of the hit texture: radiance by the sun, by the sky.
+    texels: Vec<[f64; 2]>,
     /// Of the receiver, as the sum of all.
     response: Response,
+}
+
+/// A cell that a texel shows, in mirrors or not.
+struct Shown {
+    cell: CellKey,
+    texel: usize,
+    /// Share of its light that is left.
+    left: f64,
+    /// Of what is seen first.
+    class: usize,
 }
 
 /// Cells that responses are derived for at a time: some 25 MB.
@@ -258,16 +335,15 @@ fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64,
     tables.shape.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
     let responder = Responder::new(&tables, light.depth, memory, folder)?;
-    let through = view.canopy.through(SEEN, view.texels.len(), &view.powers);
-    let shares = hit_weights(&view.texels, &view.viewer, through.as_deref()).cells;
+    let shown = shown(view, &tables.reflectors);
+    let weights = texel_weights(&view.texels, &view.viewer);
     let mut lit = Lit {
-        cells: shares.iter().map(|share| share.0).collect(),
-        radiances: Vec::with_capacity(shares.len()),
-        shares: through,
+        texels: vec![[0.0; 2]; view.texels.len()],
         response: Response { values: vec![0.0; Response::len(tables.shape.probe)] },
     };
-    for part in shares.chunks(CELLS_AT_ONCE) {
-        let palette: Vec<CellKey> = part.iter().map(|(cell, _)| view.palette[*cell]).collect();
+    let cells: Vec<&[Shown]> = shown.chunk_by(|a, b| a.cell == b.cell).collect();
+    for part in cells.chunks(CELLS_AT_ONCE) {
+        let palette: Vec<CellKey> = part.iter().map(|places| places[0].cell).collect();
         let hits = HitTile { palette, texels: (1..=part.len() as u32).collect() };
         let tile = TileView {
             ids: Vec::new(),
@@ -277,11 +353,42 @@ fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64,
             canopies: Vec::new(),
         };
         let responses = responder.derive(&tables, &[tile])?;
-        for (response, (_, share)) in responses.into_iter().flatten().flatten().zip(part) {
-            lit.radiances.push(light.reflected(&response).map(|e| e / (HEMISPHERE_SR / 2.0)));
-            let sum = lit.response.values.iter_mut().zip(&response.values);
-            sum.for_each(|(sum, value)| *sum += *share as f32 * value);
+        for (response, places) in responses.into_iter().flatten().flatten().zip(part) {
+            let radiances = light.reflected(&response).map(|e| e / (HEMISPHERE_SR / 2.0));
+            let mut shares = [0.0_f64; CLASSES];
+            for place in *places {
+                shares[place.class] += weights[place.texel] * place.left;
+                let texel = lit.texels[place.texel].iter_mut().zip(radiances);
+                texel.for_each(|(sum, radiance)| *sum += radiance * place.left);
+            }
+            // The cell's own class holds all of it; in a mirror it counts for the mirror's.
+            let of_class = response.values.len() / CLASSES;
+            let all = response.values.chunks(of_class).fold(vec![0.0_f32; of_class], |mut sum, values| {
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                sum
+            });
+            for (sums, share) in lit.response.values.chunks_mut(of_class).zip(shares) {
+                sums.iter_mut().zip(&all).for_each(|(sum, value)| *sum += share as f32 * value);
+            }
         }
     }
     Ok(lit)
+}
+
+/// All cells that texels show, by cell.
+fn shown(view: &ReceiverView, reflectors: &[Reflector]) -> Vec<Shown> {
+    let class_of = |material: u16| reflectors.get(usize::from(material)).map_or(0, |r| class_index(r.class));
+    let through = view.canopy.through(SEEN, view.texels.len(), &view.powers);
+    let direct = (0..view.texels.len()).filter_map(|texel| {
+        let cell = *view.cell(texel)?;
+        let left = through.as_ref().map_or(1.0, |shares| f64::from(shares[texel]));
+        Some(Shown { cell, texel, left, class: class_of(cell.material) })
+    });
+    let in_mirrors = view.paths.iter().filter_map(|path| {
+        let class = class_of(path.steps.first()?.0);
+        Some(Shown { cell: path.cell, texel: path.texel as usize, left: left(&path.steps, reflectors), class })
+    });
+    let mut all: Vec<Shown> = direct.chain(in_mirrors).collect();
+    all.sort_by_key(|shown| (shown.cell, shown.texel));
+    all
 }

@@ -1,12 +1,14 @@
 //! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver sees, decoded.
 
 use super::canopies::stored;
-use super::load::{cached_responses, tile_layers, tile_view};
+use super::load::{cached_responses, mirror_table, tile_layers, tile_view};
 use super::response::Viewer;
+use super::specular::MirrorView;
 use crate::archive::tables::{Materials, Receivers};
 use crate::archive::{Archive, format};
 use crate::error::{Error, Result};
 use crate::layers::canopy::{Canopy, Powers};
+use crate::layers::mirror::Path;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::scene::cells::CellKey;
@@ -30,6 +32,10 @@ pub struct ReceiverView {
     pub palette: Vec<CellKey>,
     /// `[texel]` of the hit texture: 0 = nothing met, else palette index + 1.
     pub texels: Vec<u32>,
+    /// Surfaces that it sees in mirrors.
+    pub paths: Vec<Path>,
+    /// The sky that it sees in mirrors.
+    pub mirrors: Vec<MirrorView>,
     pub materials: Materials,
     tile: u32,
     row: usize,
@@ -39,8 +45,9 @@ impl ReceiverView {
     /// Reads the receiver of a name; an unknown one is an error that names those like it.
     pub fn load(archive: &Archive, id: &str) -> Result<Self> {
         let (tile, row, table) = find(archive, id)?;
-        let view = tile_view(archive, tile)?;
-        let (_, layers) = tile_layers(archive, tile, (true, None), Vec::new())?;
+        let mut view = tile_view(archive, tile)?;
+        let mirrors = mirror_table(archive)?;
+        let (_, layers) = tile_layers(archive, tile, (true, mirrors.as_ref()), Vec::new())?;
         let per_receiver = view.hits.texels.len() / table.rows().max(1);
         let texels = view.hits.texels.iter().skip(row * per_receiver).take(per_receiver).copied().collect();
         let defect = || Error::input(archive.path(), None, format!("receiver `{id}` is cut off"), "report this defect");
@@ -53,6 +60,8 @@ impl ReceiverView {
             viewer: view.viewers.get(row).copied().ok_or_else(defect)?,
             palette: view.hits.palette,
             texels,
+            paths: view.mirrored.get_mut(row).map(std::mem::take).unwrap_or_default(),
+            mirrors: layers.mirrors.into_iter().nth(row).unwrap_or_default(),
             materials: Materials::from_block(&archive.block(format::MATERIALS, 0)?)?,
             tile,
             row,

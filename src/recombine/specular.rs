@@ -51,6 +51,14 @@ impl MirrorView {
         if column < self.sky.side() && row < self.sky.side() { self.sky.texel(column, row) } else { Texel::Closed }
     }
 
+    /// Fine texels (column, row) of the whole sky that are seen.
+    pub fn visible(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let (side, block) = (self.sky.side() * self.sky.block(), self.sky.block());
+        let seen =
+            (0..side * side).map(move |t| (t % side, t / side)).filter(|&(column, row)| self.sky.get(column, row));
+        seen.map(move |(column, row)| (column + self.column * block, row + self.row * block))
+    }
+
     /// Adds the irradiance per unit radiance of each patch, without the texels' solid angle.
     pub fn add_patches(&self, projection: &Projection, normal: DVec3, sums: &mut [f64]) {
         let (side, image) = (self.sky.side(), self.reflection.image(normal));

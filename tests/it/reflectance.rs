@@ -7,7 +7,7 @@ use heliotile::commands::build::BuildSettings;
 use heliotile::recombine::bins::Bins;
 use heliotile::recombine::conditions::Condition;
 use heliotile::recombine::load::materials;
-use heliotile::recombine::reflectances::Changes;
+use heliotile::recombine::reflectances::{Changeable, Changes};
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::states::Schedule;
 use heliotile::scene::Scene;
@@ -112,6 +112,7 @@ fn mirrors_leave_less() {
     let site = site(&mirror_town(), &many()[..4], &coarse);
     let archive = Archive::open(&site.path).expect("an archive");
     let materials = materials(&archive).expect("materials");
+    let changeable = Changeable { site: &site.path, materials: &materials, lets_through: &[] };
     for (name, value, most) in [
         ("glass", 0.76, None),
         ("glass", 0.77, Some("0.7645")),
@@ -119,7 +120,7 @@ fn mirrors_leave_less() {
         ("mirror", 0.51, Some("0.5000")),
     ] {
         let changes = Changes { constant: vec![(name.into(), value)], ..Changes::default() };
-        let refused = changes.constant(&site.path, &materials, 1).err().map(|error| error.to_string());
+        let refused = changes.constant(&changeable, 1).err().map(|error| error.to_string());
         assert_eq!(refused.is_some(), most.is_some(), "{name} {value}");
         assert!(refused.is_none_or(|said| most.is_some_and(|most| said.contains(most))), "{name} {value}");
     }
