@@ -12,7 +12,11 @@ Canonical bytes of an array are its values without gaps, little-endian; strings:
   sky        sky: R planes of sky_fine^2 bits, each packed row-major, lowest bit first, and filled up to a byte
   hit        level i8, facing u8, material u16, voxel 3 x i32, one a key; texels u32 [receiver][texel], 0 or key + 1
   response   g: f32 [receiver][class][axis][texel]
-  rows of bytes (3.9)  lengths: u32 [row]; bytes: all rows
+  mirror, probe-mirror, bounce-mirror
+             windows: u32 row, u8 mirrors, u16 each, of kind mirror also u16 column, row, side; bits: of each window, of
+             kind mirror refined as sky; paths: u32 row, u32 texel (of cells u8: starts above the horizon), level i8,
+             facing u8, material u16, voxel 3 x i32, u8 steps, each u16 material, u8 cosine
+  other rows of bytes (3.9)  lengths: u32 [row]; bytes: all rows
 """
 import json
 import math
@@ -63,6 +67,8 @@ KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 2, None
          12: ("probe-mirror", 1, None), 13: ("bounce-mirror", 1, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS)}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
+# Which cells are seen in mirrors.
+MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}
 
 
 class Damage(Exception):
@@ -262,6 +268,64 @@ def rows_of_bytes(raw, rows):
     return {"lengths": raw[:4 * rows], "bytes": raw[4 * rows:]}
 
 
+class Bytes:
+    """What is left of a row."""
+
+    def __init__(self, raw):
+        self.raw, self.at = raw, 0
+
+    def bytes(self, count):
+        need(self.at + count <= len(self.raw), "a row ends too early")
+        self.at += count
+        return self.raw[self.at - count:self.at]
+
+    def take(self, form):
+        return struct.unpack(form, self.bytes(struct.calcsize(form)))
+
+    def several(self, form):
+        """One to three values after their number."""
+        count, = self.take("<B")
+        need(1 <= count <= 3, f"{count} mirrors")
+        return [self.take(form) for _ in range(count)]
+
+    def key(self):
+        region, tag, material, *voxel = self.take(">QHH3I")
+        voxel = [v - (1 << 31) for v in voxel]
+        key = order(voxel, tag, material)
+        need(key[0] == region, "a key of another region")
+        return key, struct.pack("<bBH3i", (tag >> 8) - 128, tag & 255, material, *voxel)
+
+
+def mirrors(raw, rows, s, kind, numbers, materials):
+    """Arrays of a block of mirrors, and the keys of the cells that are seen."""
+    lengths, at = struct.unpack(f"<{rows}I", rows_of_bytes(raw, rows)["lengths"]), 4 * rows
+    found, seen = {name: bytearray() for name in ("windows", "bits", "paths")}, []
+    side = s["probe"] if kind == "probe-mirror" else s["bounce_sky"]
+    for i, length in enumerate(lengths):
+        row, at = Bytes(raw[at:at + length]), at + length
+        for _ in range(row.take("<I")[0] if length else 0):
+            chain = [number for number, in row.several("<H")]
+            need(max(chain) < numbers, "a mirror that does not exist")
+            found["windows"] += struct.pack(f"<IB{len(chain)}H", i, len(chain), *chain)
+            if kind == "mirror":
+                place = row.take("<3H")
+                need(place[2] >= 1 and max(place[:2]) + place[2] <= s["sky_base"], "a window beyond the sky")
+                found["windows"] += struct.pack("<3H", *place)
+                texture = row.bytes(row.take("<I")[0])
+                found["bits"] += sky(texture, 1, place[2], place[2] * s["sky_fine"] // s["sky_base"])["sky"]
+            else:
+                found["bits"] += row.bytes(-(-side * side // 8))
+        while row.at < length:
+            form = "<I" if kind == "mirror" else "<B"
+            first, (key, packed), steps = *row.take(form), row.key(), row.several("<HB")
+            need(first < (s["hit"] ** 2 if kind == "mirror" else 2), "a path of a texel that does not exist")
+            need(max(material for material, _ in steps) < materials, "a material that does not exist")
+            seen.append(key)
+            found["paths"] += struct.pack("<I", i) + struct.pack(form, first) + packed + bytes([len(steps)])
+            found["paths"] += b"".join(struct.pack("<HB", *step) for step in steps)
+    return found, seen
+
+
 def name_of(e):
     return f"{KINDS[e.kind][0] if e.kind in KINDS else e.kind}/{e.tile}"
 
@@ -396,6 +460,11 @@ class Checker:
         if e.kind in EXTRAS:
             of = next((o.items for o in self.archive.of(EXTRAS[e.kind]) if o.tile == e.tile), None)
             need(of == e.items, f"{e.items} rows, {EXTRAS[e.kind]} have {of}")
+            if kind in MIRRORED:
+                numbers = sum(o.items for o in self.archive.of("mirrors"))
+                found, seen = mirrors(raw, e.items, s, kind, numbers, self.materials)
+                self.seen.append((name_of(e), MIRRORED[kind], seen))
+                return found
             return rows_of_bytes(raw, e.items)
         if kind in ("sky", "hit", "response"):
             need(self.rows.get(e.tile, e.items) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")

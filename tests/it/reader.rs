@@ -13,10 +13,13 @@ use heliotile::commands::build::{BuildSettings, build};
 use heliotile::layers::bits::BitSquare;
 use heliotile::layers::extras;
 use heliotile::layers::hit::HitTile;
+use heliotile::layers::mirror::{CellMirrors, ReceiverMirrors, Step};
 use heliotile::layers::response;
 use heliotile::layers::sky::SkyTexture;
 use heliotile::scene::Scene;
+use heliotile::scene::cells::CellKey;
 use heliotile::scene::materials::{Class, Material};
+use heliotile::scene::mirrors::Chain;
 use heliotile::scene::receivers::Receiver;
 
 use crate::scenes::*;
@@ -106,6 +109,55 @@ fn hit(t: &HitTile) -> Arrays {
     ]
 }
 
+fn chain(row: usize, chain: Chain) -> Vec<u8> {
+    let numbers = chain.numbers().flat_map(u16::to_le_bytes);
+    (row as u32).to_le_bytes().into_iter().chain([chain.len() as u8]).chain(numbers).collect()
+}
+
+fn seen(cell: &CellKey, steps: &[Step]) -> Vec<u8> {
+    let mut out = [cell.level.to_le_bytes()[0], cell.facing].to_vec();
+    out.extend(cell.material.to_le_bytes());
+    out.extend(le(&cell.voxel, i32::to_le_bytes));
+    out.push(steps.len() as u8);
+    steps.iter().for_each(|(material, cosine)| out.extend(material.to_le_bytes().into_iter().chain([*cosine])));
+    out
+}
+
+fn receiver_mirrors(rows: &[Vec<u8>], s: &Settings) -> Arrays {
+    let (mut windows, mut texels, mut paths) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, row) in rows.iter().enumerate() {
+        let found = ReceiverMirrors::from_bytes(row, s.sky_base as usize, s.hit as usize).expect("mirrors");
+        for window in found.windows {
+            windows.extend(chain(i, window.chain));
+            windows.extend(le(&[window.column, window.row, window.side], u16::to_le_bytes));
+            let (side, block) = (usize::from(window.side), (s.sky_fine / s.sky_base) as usize);
+            let squares = SkyTexture::unpack(&window.texture, 1, side, side * block).expect("a window");
+            texels.extend(squares.iter().flat_map(bits));
+        }
+        for path in found.paths {
+            paths.extend(le(&[i as u32, path.texel], u32::to_le_bytes));
+            paths.extend(seen(&path.cell, &path.steps));
+        }
+    }
+    vec![("windows", windows), ("bits", texels), ("paths", paths)]
+}
+
+fn cell_mirrors(rows: &[Vec<u8>], side: u32) -> Arrays {
+    let (mut windows, mut texels, mut paths) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, row) in rows.iter().enumerate() {
+        let found = CellMirrors::from_bytes(row, (side * side).div_ceil(8) as usize).expect("mirrors");
+        for window in found.windows {
+            windows.extend(chain(i, window.chain));
+            texels.extend(window.bits);
+        }
+        for path in found.paths {
+            paths.extend((i as u32).to_le_bytes().into_iter().chain([u8::from(path.up)]));
+            paths.extend(seen(&path.cell, &path.steps));
+        }
+    }
+    vec![("windows", windows), ("bits", texels), ("paths", paths)]
+}
+
 /// Arrays of a block of any kind that this release knows, decoded by the library.
 fn arrays(block: &Block, s: &Settings) -> Arrays {
     let rows = block.items() as usize;
@@ -131,12 +183,10 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
             let normal = le(&t.normal.concat(), f64::to_le_bytes);
             vec![("normal", normal), ("material", le(&t.material, u16::to_le_bytes))]
         }
-        format::MIRROR
-        | format::CANOPY
-        | format::PROBE_MIRROR
-        | format::BOUNCE_MIRROR
-        | format::PROBE_CANOPY
-        | format::BOUNCE_CANOPY => {
+        format::MIRROR => receiver_mirrors(&extras::unpack(raw, rows).expect("rows of bytes"), s),
+        format::PROBE_MIRROR => cell_mirrors(&extras::unpack(raw, rows).expect("rows of bytes"), s.probe),
+        format::BOUNCE_MIRROR => cell_mirrors(&extras::unpack(raw, rows).expect("rows of bytes"), s.bounce_sky),
+        format::CANOPY | format::PROBE_CANOPY | format::BOUNCE_CANOPY => {
             let found = extras::unpack(raw, rows).expect("rows of bytes");
             let lengths: Vec<u32> = found.iter().map(|row| row.len() as u32).collect();
             vec![("lengths", le(&lengths, u32::to_le_bytes)), ("bytes", found.concat())]
@@ -239,6 +289,8 @@ fn the_second_reader_agrees() {
     let blocks = |kind| archive.entries_of(kind).len();
     assert_eq!([format::RECEIVERS, format::SKY, format::HIT, format::RESPONSE].map(blocks), [2; 4]);
     assert!([format::PROBES, format::BOUNCE].iter().all(|&kind| blocks(kind) > 2));
+    assert!([format::PROBE_MIRROR, format::BOUNCE_MIRROR].iter().all(|&kind| blocks(kind) > 0));
+    assert!(blocks(format::MIRROR) > 0);
     let found = digests(&path);
     assert!(found.lines().count() > 44 + 4 * 9);
     assert_eq!(python(&program, &path), (Some(0), found, String::new()));
