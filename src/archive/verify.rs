@@ -253,7 +253,9 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
         let (chains, steps, mut cells): (Vec<Chain>, Vec<Vec<Step>>, Vec<CellKey>);
         let known;
         if entry.kind == MIRROR {
-            let found = ReceiverMirrors::from_bytes(&row, base, side).ok_or_else(bad)?;
+            // Written again, a key of another region shows.
+            let found = ReceiverMirrors::from_bytes(&row, base, side).filter(|found| found.to_bytes() == row);
+            let found = found.ok_or_else(bad)?;
             let doubled = fine.checked_div(base).unwrap_or(0);
             let whole = found.windows.iter().all(|window| {
                 let side = usize::from(window.side);
@@ -268,7 +270,8 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
             known = &keys.probes;
         } else {
             let bytes = side.saturating_mul(side).div_ceil(8);
-            let found = CellMirrors::from_bytes(&row, bytes).ok_or_else(bad)?;
+            let found = CellMirrors::from_bytes(&row, bytes).filter(|found| found.to_bytes() == row);
+            let found = found.ok_or_else(bad)?;
             chains = found.windows.iter().map(|window| window.chain).collect();
             (steps, cells) = found.paths.into_iter().map(|path| (path.steps, path.cell)).unzip();
             known = &keys.bounces;
