@@ -25,6 +25,8 @@ const RADIUS: f64 = 390.0;
 pub const SKY: Rgb = [198, 225, 247];
 pub const OBSTRUCTION: Rgb = [172, 170, 178];
 pub const GROUND: Rgb = [196, 172, 132];
+/// What reflects like a mirror, whatever its class.
+pub const MIRROR: Rgb = [126, 158, 186];
 /// Sky and anything else behind the receiver's own surface.
 pub const BEHIND: Rgb = [236, 234, 228];
 const PAPER: Rgb = [255, 255, 255];
@@ -94,8 +96,12 @@ fn colour(view: &ReceiverView, frame: &Frame, direction: DVec3) -> Rgb {
     let (column, row) = texel_of(local, n);
     let near = |at: usize| at.saturating_sub(1)..(at + 2).min(n);
     let around = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
-    let found = std::iter::once(row * n + column).chain(around).find_map(|texel| view.class(texel));
-    if found == Some(Class::Ground) { GROUND } else { OBSTRUCTION }
+    let mut texels = std::iter::once(row * n + column).chain(around);
+    match texels.find_map(|texel| view.class(texel).map(|class| (class, view.is_mirror(texel)))) {
+        Some((_, true)) => MIRROR,
+        Some((Class::Ground, _)) => GROUND,
+        _ => OBSTRUCTION,
+    }
 }
 
 /// Altitude rings every 15 degrees, azimuth rays every 30.
@@ -182,12 +188,17 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
     canvas.word("seen on a map: east is right", (right, 42.0), Side::Right, INK);
     canvas.word("equidistant: rings of altitude", (right, 59.0), Side::Right, INK);
     let low = SIZE.1 as f64 - 22.0;
-    for (i, (colour, what)) in
-        [(SKY, "sky"), (OBSTRUCTION, "obstruction"), (GROUND, "ground"), (BEHIND, "behind the surface")]
-            .into_iter()
-            .enumerate()
+    let mirrors = view.has_mirrors().then_some((MIRROR, "mirror", 423.0));
+    for (colour, what, from) in [
+        (SKY, "sky", 0.0),
+        (OBSTRUCTION, "obstruction", 62.0),
+        (GROUND, "ground", 182.0),
+        (BEHIND, "behind the surface", 268.0),
+    ]
+    .into_iter()
+    .chain(mirrors)
     {
-        let x = 20.0 + [0.0, 62.0, 182.0, 268.0][i];
+        let x = 20.0 + from;
         canvas.square((x, low - 6.0), 13.0, INK);
         canvas.square((x + 1.0, low - 5.0), 11.0, colour);
         canvas.word(what, (x + 18.0, low), Side::Left, INK);

@@ -2,7 +2,7 @@
 
 use super::canopies::stored;
 use super::load::{cached_responses, mirror_table, tile_layers, tile_view};
-use super::response::Viewer;
+use super::response::{Reflector, Viewer};
 use super::specular::MirrorView;
 use crate::archive::tables::{Materials, Receivers};
 use crate::archive::{Archive, format};
@@ -37,6 +37,8 @@ pub struct ReceiverView {
     /// The sky that it sees in mirrors.
     pub mirrors: Vec<MirrorView>,
     pub materials: Materials,
+    /// `[material]`: whether it is a mirror or glass; empty in a scene without any.
+    mirroring: Vec<bool>,
     tile: u32,
     row: usize,
 }
@@ -63,6 +65,7 @@ impl ReceiverView {
             paths: view.mirrored.get_mut(row).map(std::mem::take).unwrap_or_default(),
             mirrors: layers.mirrors.into_iter().nth(row).unwrap_or_default(),
             materials: Materials::from_block(&archive.block(format::MATERIALS, 0)?)?,
+            mirroring: mirrors.map_or(Vec::new(), |table| table.reflectors.iter().map(Reflector::mirrors).collect()),
             tile,
             row,
         })
@@ -78,6 +81,17 @@ impl ReceiverView {
     /// The cell that a texel of the hit texture meets.
     pub fn cell(&self, texel: usize) -> Option<&CellKey> {
         self.palette.get((*self.texels.get(texel)? as usize).checked_sub(1)?)
+    }
+
+    /// Whether there are mirrors in the scene.
+    pub fn has_mirrors(&self) -> bool {
+        !self.mirroring.is_empty()
+    }
+
+    /// Whether what it meets is a mirror or glass.
+    pub fn is_mirror(&self, texel: usize) -> bool {
+        let material = self.cell(texel).map(|cell| usize::from(cell.material));
+        material.and_then(|material| self.mirroring.get(material).copied()).unwrap_or(false)
     }
 
     /// The class of what it meets.

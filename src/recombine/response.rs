@@ -52,6 +52,11 @@ impl Reflector {
         }
     }
 
+    /// Whether it reflects like a mirror.
+    pub fn mirrors(&self) -> bool {
+        self.specular > 0.0 || self.panes > 0
+    }
+
     /// The rows of an archive's tables; without a table of optics all are opaque and no glass.
     pub fn of_tables(materials: &Materials, optics: Option<&Optics>) -> Vec<Self> {
         let reflector = |row: usize| Reflector {

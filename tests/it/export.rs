@@ -8,7 +8,7 @@ use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
 use heliotile::archive::{Archive, format};
 use heliotile::commands::build::BuildSettings;
-use heliotile::outputs::fisheye::{BEHIND, GROUND, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
+use heliotile::outputs::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::maps::{Light, Map, maps};
 use heliotile::recombine::receiver_view::ReceiverView;
@@ -211,7 +211,7 @@ fn decoded(bytes: &[u8]) -> (usize, Vec<u8>) {
     (frame.width as usize, pixels)
 }
 
-/// The picture shows sky, obstruction, ground and what is behind a surface where they are, 12 of 12 pixels, none under a line; the sun and
+/// The picture shows sky, obstruction, ground, mirrors and what is behind a surface where they are, 14 of 14 pixels, none under a line; the sun and
 /// its path change pixels where they stand.
 #[test]
 fn fisheye_shows_what_is_there() {
@@ -239,6 +239,14 @@ fn fisheye_shows_what_is_there() {
     {
         assert_eq!(pixel(&south, azimuth, altitude), colour, "{azimuth} {altitude}");
     }
+    // The same walls, the southern one a mirror.
+    let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
+    let triangles = [ground(5000.0, 0.0, 0), wall(-10.0, 2), wall(20.0, 0)].concat();
+    let clad = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
+    let clad = self::site(&clad, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &BuildSettings::default());
+    let view = ReceiverView::load(&Archive::open(&clad.path).expect("an archive"), "up").expect("a receiver");
+    let mirrored = decoded(&fisheye(&view, &Overlay::default()).expect("a picture"));
+    assert_eq!([pixel(&mirrored, 190.0, 40.0), pixel(&mirrored, 355.0, 22.0)], [MIRROR, GROUND]);
     let place = Place::new(52.0, 0.0, 0.0, 0.0).expect("a place");
     let path = SunPath::of(&place);
     let noon = path.days[1][144];
