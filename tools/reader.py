@@ -14,7 +14,7 @@ Canonical bytes of an array are its values without gaps, little-endian; strings:
   response   g: f32 [receiver][class][axis][texel]
   mirror, probe-mirror, bounce-mirror
              windows: u32 row, u8 mirrors, u16 each, of kind mirror also u16 column, row, side; bits: of each window, of
-             kind mirror refined as sky; paths: u32 row, u32 texel (of cells u8: starts above the horizon), level i8,
+             kind mirror refined as sky, of cells u32 number of texels, u16 each; paths: u32 row, u32 texel (of cells u8: starts above the horizon), level i8,
              facing u8, material u16, voxel 3 x i32, u8 steps, each u16 material, u8 cosine
   other rows of bytes (3.9)  lengths: u32 [row]; bytes: all rows
 """
@@ -288,6 +288,16 @@ class Bytes:
         need(1 <= count <= 3, f"{count} mirrors")
         return [self.take(form) for _ in range(count)]
 
+    def texels(self, count):
+        """Texels of a cell's window, ascending."""
+        listed, = self.take("<H")
+        if listed == 0xFFFF:
+            square = int.from_bytes(self.bytes(-(-count // 8)), "little")
+            return [t for t in range(count) if square >> t & 1]
+        texels = [self.take("<H")[0] for _ in range(listed)]
+        need(all(a < b for a, b in zip(texels, texels[1:])) and all(t < count for t in texels), "texels do not ascend")
+        return texels
+
     def key(self):
         region, tag, material, *voxel = self.take(">QHH3I")
         voxel = [v - (1 << 31) for v in voxel]
@@ -314,7 +324,8 @@ def mirrors(raw, rows, s, kind, numbers, materials):
                 texture = row.bytes(row.take("<I")[0])
                 found["bits"] += sky(texture, 1, place[2], place[2] * s["sky_fine"] // s["sky_base"])["sky"]
             else:
-                found["bits"] += row.bytes(-(-side * side // 8))
+                texels = row.texels(side * side)
+                found["bits"] += struct.pack(f"<I{len(texels)}H", len(texels), *texels)
         while row.at < length:
             form = "<I" if kind == "mirror" else "<B"
             first, (key, packed), steps = *row.take(form), row.key(), row.several("<HB")

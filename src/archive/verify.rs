@@ -270,7 +270,7 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
             known = &keys.probes;
         } else {
             let bytes = side.saturating_mul(side).div_ceil(8);
-            let found = CellMirrors::from_bytes(&row, bytes).filter(|found| found.to_bytes() == row);
+            let found = CellMirrors::from_bytes(&row, bytes).filter(|found| found.to_bytes(bytes) == row);
             let found = found.ok_or_else(bad)?;
             chains = found.windows.iter().map(|window| window.chain).collect();
             (steps, cells) = found.paths.into_iter().map(|path| (path.steps, path.cell)).unzip();

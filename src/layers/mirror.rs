@@ -41,11 +41,11 @@ pub struct CellMirrors {
     pub paths: Vec<CellPath>,
 }
 
-/// The sky by one chain: bits as those of the cell's sky.
+/// The sky by one chain: those texels of the cell's sky that are seen, ascending.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellWindow {
     pub chain: Chain,
-    pub bits: Vec<u8>,
+    pub texels: Vec<u16>,
 }
 
 /// A surface that one of the cell's rays meets behind mirrors.
@@ -110,8 +110,8 @@ impl ReceiverMirrors {
 }
 
 impl CellMirrors {
-    /// Empty if nothing is seen.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    /// For a number of bytes of sky bits; empty if nothing is seen.
+    pub fn to_bytes(&self, bits: usize) -> Vec<u8> {
         let mut out = Vec::new();
         if self.windows.is_empty() && self.paths.is_empty() {
             return out;
@@ -119,7 +119,7 @@ impl CellMirrors {
         out.extend((self.windows.len() as u32).to_le_bytes());
         for window in &self.windows {
             put_chain(window.chain, &mut out);
-            out.extend(&window.bits);
+            put_texels(&window.texels, bits, &mut out);
         }
         for path in &self.paths {
             out.push(u8::from(path.up));
@@ -138,7 +138,7 @@ impl CellMirrors {
         let mut rest = Reader(bytes);
         for _ in 0..rest.number()? {
             let chain = rest.chain()?;
-            found.windows.push(CellWindow { chain, bits: rest.bytes(bits)?.to_vec() });
+            found.windows.push(CellWindow { chain, texels: rest.texels(bits)? });
         }
         while !rest.0.is_empty() {
             let [up] = rest.take()?;
@@ -160,6 +160,24 @@ impl CellMirrors {
 fn put_chain(chain: Chain, out: &mut Vec<u8>) {
     out.push(chain.len() as u8);
     out.extend(chain.numbers().flat_map(u16::to_le_bytes));
+}
+
+/// Count of texels that stands for a bit for each.
+const ALL: u16 = u16::MAX;
+
+/// The shorter of a list and a bit for each texel.
+fn put_texels(texels: &[u16], bits: usize, out: &mut Vec<u8>) {
+    if texels.len() * 2 <= bits {
+        out.extend((texels.len() as u16).to_le_bytes());
+        out.extend(texels.iter().flat_map(|texel| texel.to_le_bytes()));
+        return;
+    }
+    out.extend(ALL.to_le_bytes());
+    let mut square = vec![0_u8; bits];
+    for &texel in texels {
+        square[usize::from(texel / 8)] |= 1 << (texel % 8);
+    }
+    out.extend(square);
 }
 
 fn put_steps(steps: &[Step], out: &mut Vec<u8>) {
@@ -194,6 +212,21 @@ impl<'b> Reader<'b> {
 
     fn key(&mut self) -> Option<CellKey> {
         self.take().map(|bytes| CellKey::from_bytes(&bytes))
+    }
+
+    /// Texels below 8 times a number of bytes, ascending.
+    fn texels(&mut self, bits: usize) -> Option<Vec<u16>> {
+        let count = self.short()?;
+        if count == ALL {
+            let square = self.bytes(bits)?;
+            let set = |texel: &u16| square[usize::from(texel / 8)] >> (texel % 8) & 1 == 1;
+            return Some((0..=u16::MAX).take(bits * 8).filter(set).collect());
+        }
+        let texels: Vec<u16> = (0..count).map(|_| self.short()).collect::<Option<_>>()?;
+        let good = usize::from(count) * 2 <= bits
+            && texels.is_sorted_by(|a, b| a < b)
+            && texels.last().is_none_or(|&last| usize::from(last) < bits * 8);
+        good.then_some(texels)
     }
 
     /// One to three.
@@ -248,15 +281,16 @@ mod tests {
         assert_eq!(taken.count(), 3);
     }
 
-    /// A window and two paths of a cell come back, and of all cuts only the 2 between paths are taken for something.
+    /// A window of 3 texels, one of 86 and two paths of a cell come back, and of all cuts only the 2 between paths are taken for something.
     #[test]
     fn cells() {
+        let window = |texels| CellWindow { chain: Chain::new(&[4, 4]), texels };
         let path = |up| CellPath { up, cell: key(9), steps: vec![(7, 0)] };
         let mirrors = CellMirrors {
-            windows: vec![CellWindow { chain: Chain::new(&[4, 4]), bits: vec![3; 32] }],
+            windows: vec![window(vec![0, 7, 255]), window((0..256).step_by(3).collect())],
             paths: vec![path(true), path(false)],
         };
-        let raw = mirrors.to_bytes();
+        let raw = mirrors.to_bytes(32);
         assert_eq!(CellMirrors::from_bytes(&raw, 32), Some(mirrors.clone()));
         assert_eq!(mirrors.cells().collect::<Vec<_>>(), [key(9); 2]);
         let taken = (1..raw.len()).filter(|&cut| CellMirrors::from_bytes(&raw[..cut], 32).is_some());

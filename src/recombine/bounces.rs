@@ -370,7 +370,7 @@ pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> Lit {
     let mut lit: Lit = Vec::new();
     for window in &mirrors.windows {
         let Some((image, shares)) = chains.image(&window.chain, cells.normals[row]) else { continue };
-        for (t, share) in shares.iter().enumerate().filter(|(t, _)| bit(&window.bits, *t)) {
+        for (t, share) in window.texels.iter().filter_map(|&t| Some((usize::from(t), shares.get(usize::from(t))?))) {
             lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * share)));
         }
     }

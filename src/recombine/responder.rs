@@ -334,7 +334,7 @@ impl Group<'_> {
             let (windows, paths) = self.mirrors.get(probe).map_or((&[][..], &[][..]), |m| (&m.windows, &m.paths));
             for window in windows {
                 if let Some((image, shares)) = self.chains.image(&window.chain, self.probes.normals[probe]) {
-                    add_shares(out, &window.bits, scaled(image), shares);
+                    add_texels(out, &window.texels, scaled(image), shares);
                 }
             }
             if rules.depth != Depth::Count(1) {
@@ -391,6 +391,17 @@ impl Group<'_> {
         for (plane, coarse) in values.chunks_mut(upsample.len()).zip(coarse.chunks(width / 3)) {
             for (value, corners) in plane.iter_mut().zip(upsample) {
                 *value += corners.iter().map(|&(t, w)| coarse[t] * w as f32).sum::<f32>();
+            }
+        }
+    }
+}
+
+/// out[axis][t] += normal[axis] x shares[t] for some texels t.
+fn add_texels(out: &mut [f32], texels: &[u16], normal: [f32; 3], shares: &[f32]) {
+    for (plane, n) in out.chunks_mut(shares.len().max(1)).zip(normal) {
+        for t in texels.iter().map(|t| usize::from(*t)) {
+            if let (Some(value), Some(share)) = (plane.get_mut(t), shares.get(t)) {
+                *value += n * share;
             }
         }
     }

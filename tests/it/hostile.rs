@@ -204,7 +204,7 @@ fn in_cells(change: impl Fn(&mut CellMirrors)) -> impl Fn(&mut Rows) {
         let row = rows.iter_mut().find(|row| full(row)).expect("a row");
         let mut found = mirrors(row);
         change(&mut found);
-        *row = found.to_bytes();
+        *row = found.to_bytes(8);
     }
 }
 

@@ -148,7 +148,8 @@ fn cell_mirrors(rows: &[Vec<u8>], side: u32) -> Arrays {
         let found = CellMirrors::from_bytes(row, (side * side).div_ceil(8) as usize).expect("mirrors");
         for window in found.windows {
             windows.extend(chain(i, window.chain));
-            texels.extend(window.bits);
+            texels.extend((window.texels.len() as u32).to_le_bytes());
+            texels.extend(le(&window.texels, u16::to_le_bytes));
         }
         for path in found.paths {
             paths.extend((i as u32).to_le_bytes().into_iter().chain([u8::from(path.up)]));

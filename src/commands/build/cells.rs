@@ -95,7 +95,7 @@ impl Job<'_> {
         let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen, self.tracer);
         let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
         let normal = probe.normal.as_vec3().to_array();
-        let extras = [mirrors.to_bytes(), canopy_of_cell(&crossings, texture.n, seen.seen.len())];
+        let extras = [mirrors.to_bytes(probe.bits.len()), canopy_of_cell(&crossings, texture.n, seen.seen.len())];
         (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), extras }, cast)
     }
 

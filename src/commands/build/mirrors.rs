@@ -143,10 +143,13 @@ fn cell_windows(
         }
         chains.push((chain, map));
     }
-    let mut bits = vec![vec![0_u8; (n * n).div_ceil(8)]; chains.len()];
+    let mut seen: Vec<Vec<u16>> = vec![Vec::new(); chains.len()];
     for ((look, texel), lit) in looks.iter().zip(places).zip(reflections.lit(&chains, &looks, rays)) {
-        bits[look.chain][texel / 8] |= u8::from(lit) << (texel % 8);
+        if lit {
+            // At most 128 texels a side.
+            seen[look.chain].push(texel as u16);
+        }
     }
-    let windows = chains.into_iter().zip(bits).filter(|(_, bits)| bits.iter().any(|byte| *byte > 0));
-    windows.map(|((chain, _), bits)| CellWindow { chain, bits }).collect()
+    let windows = chains.into_iter().zip(seen).filter(|(_, texels)| !texels.is_empty());
+    windows.map(|((chain, _), texels)| CellWindow { chain, texels }).collect()
 }
