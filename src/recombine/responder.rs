@@ -4,6 +4,7 @@
 //!
 //! G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] ): linear in the sources, so one texture serves every sun and sky.
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -171,9 +172,17 @@ impl Responder {
             fine,
         };
         let of_probe = |key: &CellKey| if first_only { Ok(0) } else { group.place(tables, key) };
-        let seen = group.probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
-        let in_mirrors = group.mirrors.iter().flat_map(CellMirrors::cells).map(|key| Ok((key, of_probe(&key)?)));
-        let mirrored = in_mirrors.collect::<Result<_>>()?;
+        let mut seen: Vec<usize> = group.probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
+        let mut mirrored: HashMap<CellKey, usize> = group.probes.seen.iter().copied().zip(0..).collect();
+        if group.mirrors.is_empty() {
+            mirrored.clear();
+        }
+        for key in group.mirrors.iter().flat_map(CellMirrors::cells) {
+            if let Entry::Vacant(entry) = mirrored.entry(key) {
+                entry.insert(seen.len());
+                seen.push(of_probe(&key)?);
+            }
+        }
         (group.seen, group.mirrored) = (seen, mirrored);
         Ok(Some(group))
     }
@@ -184,9 +193,9 @@ struct Group<'r> {
     responder: &'r Responder,
     probes: Cells,
     surrounds: Vec<Surround>,
-    /// Place in `keys` of each cell that probes see.
+    /// Place in `keys` of each cell that probes see, then of those that they see only in mirrors.
     seen: Vec<usize>,
-    /// The same of each cell that probes see in mirrors.
+    /// Where in `seen` each cell stands that probes see in mirrors; empty where there are no mirrors.
     mirrored: HashMap<CellKey, usize>,
     /// `[probe]`: what it sees in mirrors; empty where none sees any.
     mirrors: Vec<CellMirrors>,
@@ -220,7 +229,7 @@ struct Light {
     indirect: Vec<Indirect>,
 }
 
-/// What a bounce cell's radiosity is worth to a receiver; its place in the group's keys.
+/// What a bounce cell's radiosity is worth to a receiver; its place in the group's `seen`.
 #[derive(Clone, Copy)]
 struct Indirect {
     cell: usize,
@@ -342,12 +351,7 @@ impl Group<'_> {
                 let (above, below) = seen(self.probes.hits_of(probe), shade.seen.as_deref());
                 for (list, share) in [(above, around.up), (below, around.down)] {
                     let share = (worth * share) as f32;
-                    let entry = |(cell, w): (u32, f32)| Indirect {
-                        cell: self.seen[cell as usize],
-                        class,
-                        slot,
-                        worth: w * share,
-                    };
+                    let entry = |(cell, w): (u32, f32)| Indirect { cell: cell as usize, class, slot, worth: w * share };
                     indirect.extend(list.into_iter().map(entry));
                 }
                 let each = each_ray(self.probes.hits_of(probe), around);
@@ -383,7 +387,7 @@ impl Group<'_> {
         let mut coarse = vec![0.0_f32; CLASSES * width];
         for of_cell in worth.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class)) {
             let sum: f32 = of_cell.iter().map(|w| w.worth * factors[w.slot]).sum();
-            let (from, class) = (of_cell[0].cell * width, of_cell[0].class);
+            let (from, class) = (self.seen[of_cell[0].cell] * width, of_cell[0].class);
             let x = &radiosity[from..from + width];
             coarse[class * width..(class + 1) * width].iter_mut().zip(x).for_each(|(o, x)| *o += sum * x);
         }
