@@ -40,9 +40,13 @@ struct Earlier<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// All archives must be of one scene, with a number of materials, and have the same settings.
-    pub fn new(archives: &'a [Archive], materials: usize) -> Self {
+    /// All archives must be of one scene, with a number of materials and with or without mirrors, and have the same settings.
+    pub fn new(archives: &'a [Archive], materials: usize, mirrors: bool) -> Self {
         let earlier = |archive: &'a Archive| {
+            // A release that did not follow mirrors wrote no table of them.
+            if archive.has(format::MIRRORS, 0) != mirrors {
+                return None;
+            }
             let settings = settings(archive).ok()?;
             let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
                 let block = archive.block(format::RECEIVERS, tile);

@@ -103,12 +103,17 @@ impl<'a> Ready<'a> {
         let mirrors = Mirrors::find(&scene.mesh, &scene.materials)?;
         Ok(Ready { tracer, canopies, mirrors, seconds: start.elapsed().as_secs_f64() })
     }
+
+    /// Whether there are mirrors, and they are to be traced.
+    fn reflects(&self, settings: &BuildSettings) -> bool {
+        !self.mirrors.is_empty() && !settings.left_out.contains(Effect::Mirrors)
+    }
 }
 
 impl<'a> Job<'a> {
     fn new(scene: &'a Scene, ready: &'a Ready<'a>, plan: &'a BuildPlan, known: Known<'a>) -> Self {
-        let mirrors = !ready.mirrors.is_empty() && !plan.settings.left_out.contains(Effect::Mirrors);
-        let reflections = mirrors.then(|| Reflections::new(&scene.mesh, &ready.tracer, &ready.mirrors));
+        let reflections =
+            ready.reflects(&plan.settings).then(|| Reflections::new(&scene.mesh, &ready.tracer, &ready.mirrors));
         let canopies = ready.canopies.as_ref().filter(|_| !plan.settings.left_out.contains(Effect::Canopies));
         Job {
             scene,
@@ -284,7 +289,7 @@ fn build_ready(
         (Start::Resume, None) => warn("there is no checkpoint to go on from: starting anew"),
         _ => {}
     }
-    let job = Job::new(scene, ready, plan, Known::new(earlier, scene.materials.len()));
+    let job = Job::new(scene, ready, plan, Known::new(earlier, scene.materials.len(), ready.reflects(&plan.settings)));
     let traced = trace(&job, receivers, &mut writer, &mut clock);
     if matches!(traced, Err(Error::Io { .. })) {
         // Where another file failed, such as a temporary one, what was written can be kept.
