@@ -269,7 +269,7 @@ impl Job<'_> {
                     by_mirrors,
                     "there are none",
                     match seen {
-                        true => format!("{mirrors} orientations, seen by receivers or by what they see"),
+                        true => format!("{mirrors} orientations, seen; seconds of cells are in the lines above"),
                         false => {
                             format!("{mirrors} orientations; none was seen by the sample: what none sees is not stored")
                         }
@@ -429,7 +429,7 @@ fn ok_each(tile: Vec<Receiver>) -> Vec<Result<Receiver>> {
 
 /// Share of a view in percent that surfaces of the largest reflectance would fill.
 fn filled(sample: &Sample, diffuse: f64) -> f64 {
-    if diffuse > 0.0 { sample.reflecting / diffuse * 100.0 } else { 0.0 }
+    if diffuse > 0.0 { (sample.reflecting / diffuse * 100.0).min(100.0) } else { 0.0 }
 }
 
 /// Cells that so many times the receivers would see, from those of a quarter of the sample and of all of it: by a power law.
