@@ -16,11 +16,11 @@ use crate::error::{Error, Result};
 use crate::layers::canopy::{self, Canopy};
 use crate::layers::extras;
 use crate::layers::hit::HitTile;
-use crate::layers::mirror::{CellMirrors, ReceiverMirrors, Step};
+use crate::layers::mirror::{CellMirrors, ReceiverMirrors};
 use crate::layers::response;
 use crate::layers::sky::SkyTexture;
 use crate::scene::cells::CellKey;
-use crate::scene::mirrors::Chain;
+use crate::scene::mirrors::{Chain, Step};
 
 /// What the check found. The archive is good if `problems` is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

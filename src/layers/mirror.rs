@@ -2,10 +2,7 @@
 //! of one row of a block, and back. Texels are those of the sky that light comes from, as in the sky texture.
 
 use crate::scene::cells::CellKey;
-use crate::scene::mirrors::{Chain, MOST_MIRRORS};
-
-/// Number of a mirror's material, and the cosine of the angle of incidence in 255ths.
-pub type Step = (u16, u8);
+use crate::scene::mirrors::{Chain, MOST_MIRRORS, Step};
 
 /// What a receiver sees in mirrors.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -10,8 +10,7 @@ use super::load::Tables;
 use super::response::Reflector;
 use crate::layers::cells::Cells;
 use crate::layers::extras::MIRROR;
-use crate::layers::mirror::Step;
-use crate::scene::mirrors::{Chain, Orientation};
+use crate::scene::mirrors::{Chain, Orientation, Step};
 
 /// One chain.
 #[derive(Clone, Debug)]

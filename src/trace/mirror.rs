@@ -15,7 +15,7 @@ use super::surroundings::cell_of;
 use crate::hemisphere::{Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use crate::scene::cells::CellKey;
 use crate::scene::mesh::Mesh;
-use crate::scene::mirrors::{Chain, MOST_MIRRORS, Mirrors, Orientation};
+use crate::scene::mirrors::{Chain, MOST_MIRRORS, Mirrors, Orientation, Step};
 
 /// A scene with mirrors, ready for rays.
 pub struct Reflections<'a> {
@@ -25,9 +25,6 @@ pub struct Reflections<'a> {
     /// The mirrors alone: most rays miss them, and are soon done with.
     alone: Tracer,
 }
-
-/// A mirror on the way: the number of its material, and the cosine of the angle of incidence in 255ths.
-pub type Step = (u16, u8);
 
 /// A surface behind mirrors.
 #[derive(Clone, Debug)]

@@ -13,13 +13,13 @@ use heliotile::commands::build::{BuildSettings, build};
 use heliotile::layers::bits::BitSquare;
 use heliotile::layers::extras;
 use heliotile::layers::hit::HitTile;
-use heliotile::layers::mirror::{CellMirrors, ReceiverMirrors, Step};
+use heliotile::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile::layers::response;
 use heliotile::layers::sky::SkyTexture;
 use heliotile::scene::Scene;
 use heliotile::scene::cells::CellKey;
 use heliotile::scene::materials::{Class, Material};
-use heliotile::scene::mirrors::Chain;
+use heliotile::scene::mirrors::{Chain, Step};
 use heliotile::scene::receivers::Receiver;
 
 use crate::scenes::*;

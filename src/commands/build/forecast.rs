@@ -40,9 +40,8 @@ pub const SKY_W_M2: f64 = 100.0;
 /// An effect is left out if that costs no more than this.
 pub const NEGLIGIBLE_W_M2: f64 = 1.0;
 
-/// Receivers whose hits are looked at; if there are more, bounds are widened by [`UNSEEN`]. One in so many is traced whole.
+/// Receivers whose hits are looked at; if there are more, bounds take the worst that any could see. One in so many is traced whole.
 const SAMPLE: usize = 512;
-const UNSEEN: f64 = 2.0;
 const WHOLE: usize = 16;
 
 /// What a view's share by its hit texture, and lookups in the response, may be wrong by.
@@ -82,7 +81,10 @@ pub struct Line {
 impl Forecast {
     /// The most that any receiver loses by what is left out, W/m2.
     pub fn loss_w_m2(&self) -> f64 {
-        self.lines.iter().filter(|line| !line.on).filter_map(|line| line.bound_w_m2).sum()
+        let off = |effect: Effect| self.lines.iter().any(|line| line.effect == Some(effect) && !line.on);
+        // Without diffuse reflection there are no bounces to lose besides.
+        let counts = |line: &&Line| !(line.on || line.effect == Some(Effect::Bounces) && off(Effect::Diffuse));
+        self.lines.iter().filter(counts).filter_map(|line| line.bound_w_m2).sum()
     }
 
     /// A table for people.
@@ -95,11 +97,7 @@ impl Forecast {
                 true => (counted(line.rays), format!("{:.1}", line.seconds)),
                 false => (format!("({})", counted(line.rays)), format!("({:.1})", line.seconds)),
             };
-            let bound = line.bound_w_m2.map_or("-".into(), |bound| match bound {
-                b if b <= 0.0 => "0".into(),
-                b if b > 2.0 * SUN_W_M2 => format!("> {:.0}", 2.0 * SUN_W_M2),
-                b => format!("<= {b:.3}"),
-            });
+            let bound = line.bound_w_m2.map_or("-".into(), at_most);
             out += &format!("{:<22}{state:<7}{rays:>11}{seconds:>10}{bound:>16}  {}\n", line.name, line.why);
         }
         let on = self.lines.iter().filter(|line| line.on);
@@ -109,9 +107,18 @@ impl Forecast {
             "all",
             "",
             counted(rays),
-            format!("<= {:.3}", self.loss_w_m2()),
+            at_most(self.loss_w_m2()),
         );
         out
+    }
+}
+
+/// A bound, W/m2; a large one says nothing.
+fn at_most(bound: f64) -> String {
+    match bound {
+        b if b <= 0.0 => "0".into(),
+        b if b > 2.0 * SUN_W_M2 => "unbounded".into(),
+        b => format!("<= {b:.3}"),
     }
 }
 
@@ -180,12 +187,13 @@ impl Job<'_> {
         let once = mirrored * mirrors as f64;
         let suns = (1..=MOST_MIRRORS as i32).map(|mirrors| once.powi(mirrors)).sum::<f64>();
         let light = SUN_W_M2 * (1.0 + suns) + SKY_W_M2;
-        let unseen = if sample.receivers < sample.all { UNSEEN } else { 1.0 };
+        // Receivers that were not looked at may see nothing but the brightest material.
+        let worst = |share: f64| if sample.receivers < sample.all { diffuse } else { share.min(diffuse) };
+        let (share, others) = (worst(sample.reflecting), worst(sample.traced.reflecting * FEW_RAYS));
         let gain = if both < 1.0 { light / (1.0 - both) } else { f64::INFINITY };
         let bound = |share: f64, light: f64| if share > 0.0 { share * light } else { 0.0 };
-        let first = bound((sample.reflecting * unseen).min(diffuse), gain * COARSE);
-        let others = (sample.traced.reflecting * FEW_RAYS * unseen).min(diffuse);
-        let later = bound((sample.reflecting * unseen).min(diffuse) * others, gain * COARSE);
+        let first = bound(share, gain * COARSE);
+        let later = bound(share * others, gain * COARSE);
         let seen = sample.sees_mirrors || sample.traced.see_mirrors;
         // The light of all paths with a mirror among them: 1 / (1 - both) less 1 / (1 - diffuse), both being their sum.
         let by_mirrors = bound(suns / (1.0 - diffuse).max(0.0), (SUN_W_M2 + SKY_W_M2) / (1.0 - both).max(0.0));
