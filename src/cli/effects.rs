@@ -48,12 +48,6 @@ impl Effects {
         Effects(self.0 | 1 << effect as u8 | implied)
     }
 
-    /// All others.
-    #[must_use]
-    pub fn others(self) -> Self {
-        Effects(Effects::ALL.0 & !self.0)
-    }
-
     /// Their names.
     pub fn names(self) -> Vec<String> {
         Effect::ALL.into_iter().filter(|e| self.contains(*e)).map(|e| e.name().to_string()).collect()
@@ -128,7 +122,6 @@ mod tests {
             assert!(Effect::ALL.into_iter().all(|e| message.contains(e.name())), "{message}");
         }
         let some = Effects::NONE.with(Effect::Mirrors);
-        assert_eq!(some.others().names(), ["diffuse", "bounces", "canopies"]);
         assert_eq!(Effects::of_names(&["mirrors".into(), "fog".into()]), some);
     }
 }

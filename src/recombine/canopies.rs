@@ -3,14 +3,14 @@
 
 use super::bins::Bins;
 use super::bounces::Reflectance;
-use super::load::{extras_of, optics};
+use super::load::optics;
 use super::response::Reflector;
 use crate::archive::manifest::Settings;
 use crate::archive::{Block, Blocks, format};
 use crate::error::Result;
 use crate::layers::canopy::{Canopy, Powers, SEEN, SKY, sky_side};
 use crate::layers::cells::Cells;
-use crate::layers::extras::CANOPY;
+use crate::layers::extras::{self, CANOPY};
 
 /// The transmittances that some states have, each set of them once.
 #[derive(Clone, Debug, Default)]
@@ -107,10 +107,10 @@ pub fn tile_canopies(blocks: &dyn Blocks, settings: &Settings, tile: u32, rows: 
     let materials = blocks.block(format::MATERIALS, 0)?.items() as usize;
     let canopies = optics(blocks, materials)?.map(|optics| optics.canopy).unwrap_or_default();
     let is_canopy = |material: u16| canopies.get(usize::from(material)) == Some(&1);
-    let [_, bytes] = extras_of(blocks, format::RECEIVER_EXTRAS, tile, rows)?;
     let rays = receiver_rays(settings);
     let row = |bytes: &Vec<u8>| Canopy::from_bytes(bytes, rays, is_canopy);
-    let found: Option<Vec<Canopy>> = bytes.iter().map(row).collect();
+    let found: Option<Vec<Canopy>> =
+        extras::unpack(block.bytes(), rows).and_then(|bytes| bytes.iter().map(row).collect());
     found.ok_or_else(|| block.corrupt("crossings of another shape", "those of the settings' textures, of canopies"))
 }
 

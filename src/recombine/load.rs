@@ -190,7 +190,7 @@ pub fn tile_extras(archive: &Archive, tile: u32, rows: usize) -> Result<Vec<Extr
 }
 
 /// `[layer][row]` of the blocks of some kinds; no rows where there is no block.
-pub(super) fn extras_of(blocks: &dyn Blocks, kinds: [u32; 2], tile: u32, rows: usize) -> Result<[Vec<Vec<u8>>; 2]> {
+fn extras_of(blocks: &dyn Blocks, kinds: [u32; 2], tile: u32, rows: usize) -> Result<[Vec<Vec<u8>>; 2]> {
     let mut found: [Vec<Vec<u8>>; 2] = Default::default();
     for (layer, kind) in found.iter_mut().zip(kinds) {
         if blocks.has(kind, tile) {

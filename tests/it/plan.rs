@@ -145,7 +145,7 @@ fn nothing_is_traced_for_what_is_left_out() {
         assert!(bytes(&none.1, kind) * 100 < bytes(&whole, kind), "{kind}: {}", bytes(&none.1, kind));
     }
     assert_eq!(bytes(&none.1, format::SKY), bytes(&whole, format::SKY));
-    let bounces = built(&scene, receivers, Effects::NONE.with(Effect::Bounces).others().others());
+    let bounces = built(&scene, receivers, Effects::NONE.with(Effect::Bounces));
     assert!(bounces.2.rays.probe == 0 && bounces.2.rays.mirror > 0);
     let only_bounces = Effects::of_names(&["bounces".into()]);
     let first = built(&scene, receivers, only_bounces);

@@ -178,7 +178,7 @@ impl Job<'_> {
 
     fn decide(&self, sample: &Sample, mirrors: usize, wanted: Wanted) -> Forecast {
         let count = sample.all as f64;
-        let reflectors = self.reflectors();
+        let reflectors = &self.reflectors;
         let largest = |value: fn(&Reflector) -> f64| reflectors.iter().map(value).fold(0.0, f64::max);
         let diffuse = largest(|r| r.diffuse);
         let both = largest(|r| r.diffuse + if r.panes > 0 { 1.0 - r.diffuse } else { r.specular });
@@ -303,7 +303,7 @@ impl Job<'_> {
     /// Traces the sample: hits of all of it, the rest of some.
     fn look(&self, receivers: &[Receiver], all: usize) -> Sample {
         let centres = Centres::new(self.settings.sky_base, self.settings.sky_fine);
-        let reflectors = self.reflectors();
+        let reflectors = &self.reflectors;
         let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
         let whole: Vec<&Receiver> = receivers.iter().step_by(WHOLE).collect();
         let timed = Instant::now();
@@ -317,7 +317,8 @@ impl Job<'_> {
         let sky = skies.iter().map(|sky| sky.1).sum::<u64>();
         let sky_s = timed.elapsed().as_secs_f64() / whole.len().max(1) as f64;
         let timed = Instant::now();
-        let leaves = whole.par_iter().zip(&skies).map(|(receiver, (bits, _))| {
+        let behind = whole.par_iter().zip(&skies).filter(|_| self.canopies.is_some());
+        let leaves = behind.map(|(receiver, (bits, _))| {
             let view = self.viewpoint(receiver);
             self.canopy_of_receiver(&view, bits, &self.trace_hits(&view)).1
         });
@@ -349,7 +350,7 @@ impl Job<'_> {
                 texel_direction(texel % n, texel / n, n, jitter(view.seed(), texel as u64)).z * 2.0 / (n * n) as f64
             };
             let direct = keys.iter().enumerate().filter_map(|(t, key)| Some((t, key.as_ref()?, 1.0)));
-            let in_mirrors = paths.iter().map(|p| (p.texel as usize, &p.cell, left(&p.steps, &reflectors)));
+            let in_mirrors = paths.iter().map(|p| (p.texel as usize, &p.cell, left(&p.steps, reflectors)));
             let mut share = 0.0;
             for (texel, key, left) in direct.chain(in_mirrors).filter(|light| rho(light.1) > 0.0) {
                 share += weight(texel) * left * rho(key);
@@ -383,7 +384,7 @@ impl Job<'_> {
 
     /// Traces some of the cells that are seen, evenly chosen.
     fn look_at_cells(&self, keys: &[CellKey]) -> TracedCells {
-        let (s, mesh, reflectors) = (self.settings, &self.scene.mesh, self.reflectors());
+        let (s, mesh, reflectors) = (self.settings, &self.scene.mesh, &self.reflectors);
         let some: Vec<CellKey> = keys.iter().copied().step_by(keys.len().div_ceil(CELLS).max(1)).collect();
         if some.is_empty() {
             return TracedCells::default();
@@ -400,7 +401,7 @@ impl Job<'_> {
             let direct: f64 =
                 cell.seen.iter().filter_map(|(up, key)| Some(each[usize::from(*up)] * rho(key.as_ref()?))).sum();
             let paths = cells.mirrors(0).paths;
-            let path = |p: &CellPath| each[usize::from(p.up)] * left(&p.steps, &reflectors) * rho(&p.cell);
+            let path = |p: &CellPath| each[usize::from(p.up)] * left(&p.steps, reflectors) * rho(&p.cell);
             direct + paths.iter().map(path).sum::<f64>()
         };
         let reflecting = traced.iter().map(share).fold(0.0, f64::max);

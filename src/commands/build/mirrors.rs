@@ -32,7 +32,7 @@ impl Job<'_> {
                 Path { texel: *texel as u32, cell: reflections.cell(&met, level), steps: met.steps }
             };
             if end == End::Cut {
-                let share = met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors()));
+                let share = met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors));
                 lost += share * view.normal.dot(start.direction).max(0.0);
             }
             paths.extend(met.into_iter().map(path));
@@ -96,7 +96,7 @@ impl Job<'_> {
         let mut lost = 0.0;
         for ((up, _), (met, end)) in surroundings.mirrors.iter().zip(reflections.follow(&starts, rays)) {
             if end == End::Cut {
-                lost += met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors()));
+                lost += met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors));
             }
             let path = |met: Met| {
                 let level = level_seen(met.length_m, key.level, closed);

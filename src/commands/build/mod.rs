@@ -73,6 +73,8 @@ struct Job<'a> {
     scene: &'a Scene,
     /// Of what stops rays.
     tracer: &'a Tracer,
+    /// By material.
+    reflectors: Vec<Reflector>,
     canopies: Option<&'a Canopies<'a>>,
     settings: &'a BuildSettings,
     start: Start,
@@ -117,6 +119,7 @@ impl<'a> Job<'a> {
         let canopies = ready.canopies.as_ref().filter(|_| !plan.settings.left_out.contains(Effect::Canopies));
         Job {
             scene,
+            reflectors: scene.materials.iter().map(Reflector::of).collect(),
             tracer: &ready.tracer,
             settings: &plan.settings,
             start: plan.start,
@@ -133,10 +136,6 @@ impl<'a> Job<'a> {
     fn traces(&self, effect: Effect) -> bool {
         let left_out = self.settings.left_out;
         !(left_out.contains(effect) || effect == Effect::Bounces && left_out.contains(Effect::Diffuse))
-    }
-
-    fn reflectors(&self) -> Vec<Reflector> {
-        self.scene.materials.iter().map(Reflector::of).collect()
     }
 
     /// Makes what was written survive a crash, every now and then; and ends the build if the user wants it to end.

@@ -279,10 +279,10 @@ impl Job<'_> {
     }
 
     fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> tables::Receivers {
-        let reflectors = self.reflectors();
+        let reflectors = &self.reflectors;
         let texels = self.settings.hit * self.settings.hit;
         let views = viewers.iter().zip(hits.texels.chunks(texels)).map(|(viewer, texels)| {
-            let [ground, obstruction] = view_factors(texels, hits, &reflectors, viewer);
+            let [ground, obstruction] = view_factors(texels, hits, reflectors, viewer);
             [viewer.sky_view, ground, obstruction].map(|share| share as f32)
         });
         tables::Receivers::new(receivers.iter().zip(views))
