@@ -2,6 +2,7 @@
 
 mod effects;
 mod export;
+mod quality;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -20,6 +21,7 @@ use crate::recombine::temperatures::Temperature;
 
 pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
+pub use self::quality::Quality;
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]
@@ -88,6 +90,9 @@ pub struct BuildArgs {
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
+    /// Rung of the accuracy ladder
+    #[arg(long, value_enum, default_value_t)]
+    pub quality: Quality,
     /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
@@ -109,6 +114,9 @@ pub struct PlanArgs {
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
     pub effects: Wanted,
+    /// Rung of the accuracy ladder
+    #[arg(long, value_enum, default_value_t)]
+    pub quality: Quality,
     /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
@@ -219,9 +227,9 @@ pub struct RecombineArgs {
     /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
     #[arg(long, default_value = "perez")]
     pub sky: SkyModel,
-    /// Sky patches: 145, 577 or 2305
-    #[arg(long, default_value_t = 577)]
-    pub patches: usize,
+    /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
+    #[arg(long)]
+    pub patches: Option<usize>,
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
     pub bounces: crate::recombine::bounces::Depth,
@@ -266,9 +274,9 @@ pub struct ReplayArgs {
     /// Last day that counts, the whole of it; before --from it is that of the next year: --from 11-01 --to 02-28
     #[arg(long, value_name = "DAY")]
     pub to: Option<Moment>,
-    /// Sun positions within each interval of the weather file
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=60))]
-    pub steps: u16,
+    /// Sun positions within each interval of the weather file, 1 to 60 [default: those that the archive was built for]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=60))]
+    pub steps: Option<u16>,
     /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each row of the weather file, or 12 lines,
     /// one a month; may be repeated
     #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]

@@ -73,7 +73,7 @@ pub struct ReceiverSummary {
 /// The settings of the build, as `plan` prints them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Name of the row of the accuracy ladder, such as `1%`; empty if the settings were given one by one.
+    /// Name of the rung of the accuracy ladder, such as `fine`; empty if the settings are not those of a named one.
     pub quality: String,
     /// Side of the receiver's sky texture before it is refined at edges.
     pub sky_base: u32,
@@ -99,8 +99,11 @@ pub struct Settings {
     pub share: String,
     /// Bounces that the response holds: `all`, or a number.
     pub bounces: String,
-    /// Sky patches that errors were estimated with: 145, 577 or 2305.
+    /// Sky patches that replay takes if it is not told otherwise: 145, 577 or 2305; 0 where none is stated.
     pub patches: u32,
+    /// Sun positions an hour, the same; 0 where none is stated.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub steps: u16,
     /// Effects that the scene has and that were not traced.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<String>,
@@ -108,7 +111,21 @@ pub struct Settings {
     pub other: Unknown,
 }
 
+fn is_zero(number: &u16) -> bool {
+    *number == 0
+}
+
 impl Settings {
+    /// Sky patches that replay takes if it is not told otherwise.
+    pub fn patches(&self) -> usize {
+        if self.patches > 0 { self.patches as usize } else { 577 }
+    }
+
+    /// Sun positions of an interval, the same.
+    pub fn steps(&self) -> u16 {
+        self.steps.max(1)
+    }
+
     /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.
     pub fn hash(&self) -> Result<[u8; 32]> {
         let json = serde_json::to_vec(self).map_err(|e| Error::Unsupported {

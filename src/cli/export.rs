@@ -54,9 +54,9 @@ pub struct ExportArgs {
     /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
     #[arg(long, default_value = "perez", requires = "sun")]
     pub sky: SkyModel,
-    /// Sky patches: 145, 577 or 2305
-    #[arg(long, default_value_t = 577, requires = "sun")]
-    pub patches: usize,
+    /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
+    #[arg(long, requires = "sun")]
+    pub patches: Option<usize>,
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
     pub bounces: Depth,

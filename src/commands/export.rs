@@ -79,7 +79,8 @@ fn layers(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Result<V
             }
             let direction = sun.direction();
             let condition = Condition::new("export".into(), &[direction], direction, args.dni, args.dhi);
-            Some(Light::new(archive, condition, args.sky, args.patches, args.bounces)?)
+            let patches = args.patches.unwrap_or_else(|| archive.manifest().settings.patches());
+            Some(Light::new(archive, condition, args.sky, patches, args.bounces)?)
         }
     };
     let folder = temporary_folder(&args.output);

@@ -48,6 +48,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         });
     }
     guard(&args.common, &[&args.conditions])?;
+    let archive = open(&args.common)?;
     let file = read_conditions(&args.conditions)?;
     file.warnings.iter().for_each(|w| warn(w));
     let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
@@ -67,7 +68,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         },
         rows: (&[], &[]),
     };
-    run(&args.common, &series)
+    run(&args.common, &archive, &series)
 }
 
 /// `heliotile replay`.
@@ -89,13 +90,15 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         });
     }
     let span = Span::new(args.from, args.to)?;
+    let archive = open(&args.common)?;
+    let steps = args.steps.unwrap_or_else(|| archive.manifest().settings.steps());
     let weather = if longwave { read_epw_with_air(&args.weather)? } else { read_epw(&args.weather)? };
     weather.report.warnings.iter().for_each(|w| warn(w));
     let chosen = span.rows_of(&weather, &args.weather)?;
     // Labels are those of the whole file, whatever part of it is taken.
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let mut conditions: Vec<Condition> = {
-        let all = weather.conditions(usize::from(args.steps)).into_iter();
+        let all = weather.conditions(usize::from(steps)).into_iter();
         all.zip(&chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
     };
     if longwave {
@@ -116,7 +119,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     };
     let rows = (weather.rows.as_slice(), chosen.as_slice());
     let series = Series { conditions: &conditions, kind, labels: &periods.labels, bins: &bins, changes, rows };
-    run(&args.common, &series)
+    run(&args.common, &archive, &series)
 }
 
 fn asks_longwave(args: &RecombineArgs) -> bool {
@@ -160,34 +163,37 @@ fn schedules(archive: &Archive, series: &Series) -> Result<Vec<Schedule>> {
     Ok(schedules)
 }
 
-/// Streams all tiles into a table.
-fn run(args: &RecombineArgs, series: &Series) -> Result<Outcome> {
-    let labels = series.labels;
-    // Before anything is computed.
+/// Opens the archive, if the output is one that can be written.
+fn open(args: &RecombineArgs) -> Result<Archive> {
     Format::of(&args.output)?;
-    let archive = Archive::open_with(&args.archive, access(args))?;
-    let chosen = Chosen::of(args, &archive)?;
+    Archive::open_with(&args.archive, access(args))
+}
+
+/// Streams all tiles into a table.
+fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
+    let labels = series.labels;
+    let chosen = Chosen::of(args, archive)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
     let layout = Layout { labels: series.kind, by: args.by, components };
     let mut means = match args.by {
         By::Receiver => None,
         By::Surface => {
-            let surfaces = Surfaces::new(chosen.receivers(&archive), &args.archive)?;
+            let surfaces = Surfaces::new(chosen.receivers(archive), &args.archive)?;
             Some(SurfaceMeans::new(surfaces, layout.components(), labels.len(), args.memory.0 / 2)?)
         }
     };
     let settings = ReplaySettings {
         sky: args.sky,
-        patches: args.patches,
+        patches: args.patches.unwrap_or_else(|| archive.manifest().settings.patches()),
         depth: args.bounces,
         components: layout.components.set(),
         memory_bytes: args.memory.0,
     };
-    let schedules = schedules(&archive, series)?;
-    let replay = Replay::scheduled(&archive, series.conditions, settings, series.bins, &schedules)?;
+    let schedules = schedules(archive, series)?;
+    let replay = Replay::scheduled(archive, series.conditions, settings, series.bins, &schedules)?;
     let names = || match &means {
         Some(means) => Ok(means.surfaces().names().to_vec()),
-        None => chosen.receivers(&archive).map(|receiver| Ok(receiver?.id)).collect(),
+        None => chosen.receivers(archive).map(|receiver| Ok(receiver?.id)).collect(),
     };
     let count = means.as_ref().map_or(chosen.count(), |means| means.surfaces().names().len() as u64);
     let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names })?;

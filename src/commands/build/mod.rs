@@ -4,6 +4,7 @@ mod canopies;
 mod cells;
 mod forecast;
 mod known;
+pub mod ladder;
 mod manifest;
 mod mirrors;
 mod plan;
@@ -17,7 +18,7 @@ use std::time::{Duration, Instant};
 use super::store::{Folder, Store, StoreKey, open_all};
 use super::{Outcome, counted, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
 use crate::archive::{self, Archive, Manifest, Writer, format};
-use crate::cli::{BuildArgs, PlanArgs, Wanted};
+use crate::cli::{BuildArgs, PlanArgs, Quality, Wanted};
 pub use crate::cli::{Effect, Effects, Share};
 use crate::error::{Error, Result};
 use crate::recombine::response::Reflector;
@@ -30,6 +31,7 @@ use crate::trace::canopy::Canopies;
 use crate::trace::mirror::Reflections;
 pub use forecast::{Forecast, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
 use known::Known;
+use ladder::Rungs;
 pub use manifest::Counts;
 pub use plan::{BuildPlan, Start};
 pub use settings::BuildSettings;
@@ -171,7 +173,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
-    let settings = BuildSettings { share: args.share, ..settings_of(&args.set)? };
+    let settings = BuildSettings { share: args.share, ..settings_of(args.quality, &args.set)? };
     let start = match (args.resume, args.fresh) {
         (true, _) => Start::Resume,
         (_, true) => Start::Fresh,
@@ -210,7 +212,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, &folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
     let plan = BuildPlan {
-        settings: settings_of(&args.set)?,
+        settings: settings_of(args.quality, &args.set)?,
         output: folder.join("plan"),
         memory_bytes: args.memory.0,
         start: Start::New,
@@ -245,9 +247,9 @@ fn forecast(
     job.forecast(receivers, ready.mirrors.orientations.len(), wanted)
 }
 
-/// The default settings with some set by name.
-fn settings_of(set: &[String]) -> Result<BuildSettings> {
-    let mut settings = BuildSettings::default();
+/// Settings of a quality with some set by name.
+fn settings_of(quality: Quality, set: &[String]) -> Result<BuildSettings> {
+    let mut settings = Rungs::of(quality).settings();
     set.iter().try_for_each(|text| settings.set(text))?;
     settings.check()?;
     Ok(settings)

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use super::ladder::{PATCHES, Rungs, quality_of};
 use crate::archive::manifest::Settings;
-use crate::cli::{Effects, Share};
+use crate::cli::{Effects, Quality, Share};
 use crate::error::{Error, Result};
 
-/// Everything that decides what an archive of a scene holds. The defaults are the row "1 %" of the accuracy ladder.
+/// Everything that decides what an archive of a scene holds. The defaults are the quality `standard`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildSettings {
     /// Side of the receivers' sky texture before and after refinement.
@@ -26,27 +27,20 @@ pub struct BuildSettings {
     /// Side of the bounce cells' sky texture, and their rays to the surfaces around them.
     pub bounce_sky: usize,
     pub bounce_hits: usize,
+    /// Sky patches and sun positions an hour that replay takes if it is not told otherwise.
+    pub patches: usize,
+    pub steps: u16,
     pub share: Share,
     /// What is not traced although the scene has it.
     pub left_out: Effects,
 }
 
+/// Sun positions of an interval: one a minute of an hour.
+const MOST_STEPS: u16 = 60;
+
 impl Default for BuildSettings {
     fn default() -> Self {
-        BuildSettings {
-            sky_base: 128,
-            sky_fine: 1024,
-            hit: 32,
-            cell_factor: 4.0,
-            cell_floor_m: 0.5,
-            probe: 32,
-            probe_hits: 16,
-            closed_m: 8.0,
-            bounce_sky: 16,
-            bounce_hits: 32,
-            share: Share::Cells,
-            left_out: Effects::NONE,
-        }
+        Rungs::of(Quality::default()).settings()
     }
 }
 
@@ -63,6 +57,7 @@ impl BuildSettings {
         };
         // `as` saturates; `check` refuses what is out of range.
         let whole = number as usize;
+        let mut steps = usize::from(self.steps);
         let sizes = [
             ("sky_base", &mut self.sky_base),
             ("sky_fine", &mut self.sky_fine),
@@ -71,6 +66,8 @@ impl BuildSettings {
             ("probe_hits", &mut self.probe_hits),
             ("bounce_sky", &mut self.bounce_sky),
             ("bounce_hits", &mut self.bounce_hits),
+            ("patches", &mut self.patches),
+            ("steps", &mut steps),
         ];
         let metres = [
             ("cell_factor", &mut self.cell_factor),
@@ -89,6 +86,7 @@ impl BuildSettings {
             names.sort_unstable();
             return Err(wrong(format!("there is no setting `{name}`"), &format!("set one of {}", names.join(", "))));
         }
+        self.steps = u16::try_from(steps).unwrap_or(u16::MAX);
         Ok(())
     }
 
@@ -119,6 +117,12 @@ impl BuildSettings {
                 return wrong(name, rays as f64, "1 to 4096");
             }
         }
+        if !PATCHES.contains(&self.patches) {
+            return wrong("patches", self.patches as f64, "145, 577 or 2305");
+        }
+        if !(1..=MOST_STEPS).contains(&self.steps) {
+            return wrong("steps", f64::from(self.steps), &format!("1 to {MOST_STEPS}"));
+        }
         for (name, size, low, high) in [
             ("cell_factor", self.cell_factor, 0.25, 64.0),
             ("cell_floor_m", self.cell_floor_m, 0.01, 256.0),
@@ -140,7 +144,7 @@ impl BuildSettings {
     pub fn stated(&self) -> Settings {
         let s = self;
         Settings {
-            quality: String::new(),
+            quality: quality_of(s).map_or("", Quality::name).into(),
             sky_base: s.sky_base as u32,
             sky_fine: s.sky_fine as u32,
             hit: s.hit as u32,
@@ -153,6 +157,8 @@ impl BuildSettings {
             bounce_hits: s.bounce_hits as u32,
             share: if s.share == Share::None { "none" } else { "cells" }.into(),
             bounces: "all".into(),
+            patches: s.patches as u32,
+            steps: s.steps,
             left_out: s.left_out.names(),
             ..Settings::default()
         }
@@ -170,6 +176,8 @@ impl BuildSettings {
             closed_m: stated.closed_m,
             bounce_sky: stated.bounce_sky as usize,
             bounce_hits: stated.bounce_hits as usize,
+            patches: stated.patches as usize,
+            steps: stated.steps,
             share: if stated.share == "none" { Share::None } else { Share::Cells },
             left_out: Effects::of_names(&stated.left_out),
         }
@@ -185,7 +193,7 @@ impl BuildSettings {
 mod tests {
     use super::*;
 
-    /// Ten settings can be set by name; 9 wrong texts are refused by name, and the defaults are in range.
+    /// Twelve settings can be set by name; 12 wrong texts are refused by name, and the defaults are in range.
     #[test]
     fn settings_by_name() {
         let mut settings = BuildSettings::default();
@@ -196,12 +204,25 @@ mod tests {
         {
             settings.set(text).expect(text);
         }
-        for text in ["cell_factor=2", "cell_floor_m = 0.25", "closed_m=16"] {
+        for text in ["cell_factor=2", "cell_floor_m = 0.25", "closed_m=16", "patches=145", "steps=3"] {
             settings.set(text).expect(text);
         }
         settings.check().expect("good ones");
         assert_eq!((settings.hit, settings.bounce_hits, settings.cell_floor_m), (16, 9, 0.25));
-        for text in ["hit", "hit=x", "hit=1.5", "hit=-8", "hit=inf", "sky=3", "hit=12", "bounce_sky=32", "closed_m=0"] {
+        for text in [
+            "hit",
+            "hit=x",
+            "hit=1.5",
+            "hit=-8",
+            "hit=inf",
+            "sky=3",
+            "hit=12",
+            "bounce_sky=32",
+            "closed_m=0",
+            "patches=100",
+            "steps=0",
+            "steps=61",
+        ] {
             let mut wrong = settings;
             let error = wrong.set(text).and_then(|()| wrong.check()).expect_err(text).to_string();
             assert!(error.starts_with("--set: "), "{text}: {error}");
