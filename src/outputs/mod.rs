@@ -1,4 +1,4 @@
-//! Outputs: one row model for all results, as CSV, Parquet, Arrow or arrays of NumPy; the layers of a receiver as pictures.
+//! Outputs: one row model for all results, as CSV, Parquet, Arrow or arrays of NumPy; the layers of a receiver as pictures; curves.
 //!
 //! In: receivers, labels (conditions, hours or periods) and f32 values of each pair, one a column; maps of a receiver. Out: a file,
 //! complete or not there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy
@@ -16,6 +16,8 @@ mod npy;
 mod npz;
 mod parquet;
 pub mod periods;
+pub mod plot;
+mod plot_scale;
 pub mod sink;
 pub mod surfaces;
 pub mod table;
