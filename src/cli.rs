@@ -3,6 +3,7 @@
 mod effects;
 mod export;
 mod quality;
+mod tradeoff;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -21,7 +22,8 @@ use crate::recombine::temperatures::Temperature;
 
 pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
-pub use self::quality::Quality;
+pub use self::quality::{AccuracyArgs, Percent, Quality};
+pub use self::tradeoff::TradeoffArgs;
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]
@@ -37,6 +39,8 @@ pub enum Command {
     Build(BuildArgs),
     /// What a build would trace, what it would cost, and what leaving an effect out could cost
     Plan(PlanArgs),
+    /// What accuracy costs on a site: the ladder of settings on some of its receivers, as tables, pictures and a page
+    Tradeoff(TradeoffArgs),
     /// Irradiance of every receiver under the suns and skies of a conditions table
     Query(QueryArgs),
     /// Irradiance of every receiver through a weather file
@@ -82,7 +86,7 @@ pub struct BuildArgs {
     #[arg(long, conflicts_with = "resume")]
     pub fresh: bool,
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
-    #[arg(long, value_enum, default_value_t = Share::Cells)]
+    #[arg(long, value_enum, default_value_t = Share::Cells, conflicts_with = "error")]
     pub share: Share,
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
@@ -90,12 +94,8 @@ pub struct BuildArgs {
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
-    /// Rung of the accuracy ladder
-    #[arg(long, value_enum, default_value_t)]
-    pub quality: Quality,
-    /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
     /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
@@ -114,12 +114,8 @@ pub struct PlanArgs {
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
     pub effects: Wanted,
-    /// Rung of the accuracy ladder
-    #[arg(long, value_enum, default_value_t)]
-    pub quality: Quality,
-    /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::accuracy::Accuracy;
 use super::format::{self, Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
 use crate::error::{Error, Result};
 
@@ -29,7 +30,7 @@ pub struct Manifest {
     pub layers: Vec<LayerSummary>,
     /// What the build estimated of its own error, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub accuracy: Option<BTreeMap<String, Value>>,
+    pub accuracy: Option<Accuracy>,
     #[serde(flatten)]
     pub other: Unknown,
 }

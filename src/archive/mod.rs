@@ -25,6 +25,7 @@
     )
 )]
 
+pub mod accuracy;
 pub mod blocks;
 pub mod codec;
 mod disk;

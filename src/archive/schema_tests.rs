@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::accuracy::{Accuracy, TileError};
 use super::format::{self, Entry, Slot};
 use super::{Archive, EncodedBlock, Writer, journal, manifest, test_site, writer};
 
@@ -169,19 +170,24 @@ fn follow(schema: &Value, value: &Value, at: &str) -> usize {
 }
 
 /// A real manifest holds only keys that the JSON Schema describes, all that it requires, and of its types; and the schema
-/// requires every key but `accuracy` and, among the settings, `left_out`.
+/// requires every key but `accuracy` and, among the settings, `left_out` and `steps`.
 #[test]
 fn manifests_follow_the_json_schema() {
     let schema: Value = serde_json::from_str(&text("manifest.schema.json")).unwrap();
     let mut manifest = test_site::manifest();
     manifest.settings.left_out = vec!["mirrors".to_string()];
-    manifest.accuracy = Some([("rmse_percent".to_string(), Value::from(0.8))].into());
+    manifest.accuracy = Some(Accuracy {
+        components_percent: [("sun_direct".to_string(), 0.5)].into(),
+        tiles: vec![TileError::default()],
+        ..Accuracy::default()
+    });
+    manifest.settings.steps = 12;
     let value: Value = serde_json::from_slice(&manifest.to_json().unwrap()).unwrap();
     assert!(follow(&schema, &value, "manifest") > 60);
     assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 1);
     for part in ["creator", "scene", "receivers", "settings", "counts"] {
         let part = &schema["properties"][part];
-        let optional = usize::from(!part["properties"]["left_out"].is_null());
+        let optional = ["left_out", "steps"].iter().filter(|name| !part["properties"][**name].is_null()).count();
         assert_eq!(
             part["required"].as_array().unwrap().len(),
             part["properties"].as_object().unwrap().len() - optional

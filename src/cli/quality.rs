@@ -1,6 +1,26 @@
-//! Quality: the named rungs of the accuracy ladder.
+//! How exact a build is to be: a named rung of the accuracy ladder, a target in percent, or settings one by one.
 
 use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+#[derive(Args, Debug)]
+pub struct AccuracyArgs {
+    /// Rung of the accuracy ladder
+    #[arg(long, value_enum, default_value_t, conflicts_with = "error")]
+    pub quality: Quality,
+    /// Largest RMSE of hourly totals, in percent of their mean, such as 2%: settings are chosen by trying some on a sample of the receivers
+    #[arg(long, value_name = "PERCENT", conflicts_with = "set")]
+    pub error: Option<Percent>,
+    /// Weather file (EPW) to estimate errors under [default: suns from all sides]
+    #[arg(long, value_name = "FILE", requires = "error")]
+    pub error_weather: Option<PathBuf>,
+    /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+}
 
 /// A named rung. What it means in textures and cells stands in `commands::build::ladder`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -32,5 +52,41 @@ impl Quality {
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+/// An error that is allowed, in percent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Percent(pub f64);
+
+/// What can be asked for: below, 32-bit textures and the sun's disc say more than the weather does.
+const LEAST: f64 = 0.1;
+const MOST: f64 = 50.0;
+
+/// `2%`, `0.5 %` or `2`.
+impl FromStr for Percent {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim().trim_end_matches('%').trim_end().parse() {
+            Ok(percent) if (LEAST..=MOST).contains(&percent) => Ok(Percent(percent)),
+            _ => Err(format!("`{text}` is no error to aim at: give {LEAST} to {MOST} percent, as in 2%")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused.
+    #[test]
+    fn percents() {
+        for (text, value) in [("2%", 2.0), ("0.5 %", 0.5), ("3", 3.0)] {
+            assert_eq!(text.parse(), Ok(Percent(value)));
+        }
+        for text in ["", "%", "0%", "two", "80%"] {
+            assert!(text.parse::<Percent>().is_err(), "{text}");
+        }
     }
 }

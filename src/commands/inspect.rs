@@ -3,9 +3,11 @@
 use std::fmt::Write;
 
 use super::{Outcome, counted, say, warn};
+use crate::archive::accuracy::Accuracy;
 use crate::archive::{self, Archive, format, tables};
 use crate::cli::{ArchiveArg, VerifyArgs};
 use crate::error::Result;
+use crate::recombine::components::Component;
 
 /// One line of text.
 macro_rules! line {
@@ -57,12 +59,26 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
     );
     line!(
         out,
-        "              closed_m={} bounce_sky={} bounce_hits={}; probes shared by {}",
+        "              closed_m={} bounce_sky={} bounce_hits={} patches={} steps={}; probes shared by {}",
         s.closed_m,
         s.bounce_sky,
         s.bounce_hits,
+        s.patches(),
+        s.steps(),
         s.share
     );
+    if !s.quality.is_empty() {
+        line!(out, "  quality     {}", s.quality);
+    }
+    match &manifest.accuracy {
+        Some(accuracy) => say_accuracy(&mut out, accuracy),
+        None => {
+            line!(
+                out,
+                "  error       not estimated: `build --error 2%` chooses settings and says what they are off by"
+            );
+        }
+    }
     if !s.left_out.is_empty() {
         line!(out, "  left out    {}", s.left_out.join(", "));
     }
@@ -95,6 +111,39 @@ pub fn info(args: &ArchiveArg) -> Result<Outcome> {
     line!(out, "  {:<13} {:>9} {:>14} {stored:>14} {each:>11.1}", "all", "", "");
     say(&out)?;
     Ok(Outcome::Fine)
+}
+
+/// What the build estimated of its own error.
+fn say_accuracy(out: &mut String, a: &Accuracy) {
+    line!(
+        out,
+        "  error       {} % of the mean total ({} W/m2), RMSE of hourly totals; {} % wanted, {} % expected",
+        a.rmse_percent,
+        a.mean_w_m2,
+        a.target_percent,
+        a.predicted_percent
+    );
+    line!(
+        out,
+        "              bias {} %, means over all hours {} %; {} receivers, {} conditions ({})",
+        a.bias_percent,
+        a.yearly_percent,
+        a.sample,
+        a.conditions,
+        a.weather
+    );
+    let parts: Vec<String> = Component::ALL
+        .iter()
+        .filter_map(|component| Some((component.name(), a.components_percent.get(component.name())?)))
+        .filter(|(name, _)| *name != Component::Total.name())
+        .map(|(name, percent)| format!("{name} {percent} %"))
+        .collect();
+    line!(out, "              {}", parts.join(", "));
+    for tile in &a.tiles {
+        let receivers = counted(tile.receivers.into(), "receiver");
+        let values: Vec<String> = tile.rmse_w_m2.iter().map(f64::to_string).collect();
+        line!(out, "              tile {} ({receivers}): {} W/m2", tile.tile, values.join(" "));
+    }
 }
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.

@@ -1,5 +1,6 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
+pub mod accuracy;
 pub mod build;
 mod chosen;
 mod copy;
@@ -11,6 +12,7 @@ mod progress;
 pub mod repair;
 pub mod replay;
 pub mod store;
+pub mod tradeoff;
 pub mod transfer;
 
 use std::fs::{self, File};
@@ -35,6 +37,7 @@ pub fn run(command: &Command) -> Result<Outcome> {
     match command {
         Command::Build(args) => build::run(args),
         Command::Plan(args) => build::plan(args),
+        Command::Tradeoff(args) => tradeoff::run(args),
         Command::Query(args) => replay::query(args),
         Command::Replay(args) => replay::replay(args),
         Command::Info(args) => inspect::info(args),

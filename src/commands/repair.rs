@@ -68,6 +68,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         memory_bytes: args.memory.0,
         start: Start::GoOn,
         checkpoint_every: std::time::Duration::from_secs(30),
+        accuracy: archive.manifest().accuracy.clone(),
     };
     let root = archive.root();
     let done = build_with(&scene, &mut receivers, &plan, &[archive])?;

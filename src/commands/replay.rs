@@ -48,8 +48,8 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         });
     }
     guard(&args.common, &[&args.conditions])?;
-    let archive = open(&args.common)?;
     let file = read_conditions(&args.conditions)?;
+    let archive = open(&args.common)?;
     file.warnings.iter().for_each(|w| warn(w));
     let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
     let series = Series {
@@ -90,11 +90,11 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         });
     }
     let span = Span::new(args.from, args.to)?;
-    let archive = open(&args.common)?;
-    let steps = args.steps.unwrap_or_else(|| archive.manifest().settings.steps());
     let weather = if longwave { read_epw_with_air(&args.weather)? } else { read_epw(&args.weather)? };
     weather.report.warnings.iter().for_each(|w| warn(w));
     let chosen = span.rows_of(&weather, &args.weather)?;
+    let archive = open(&args.common)?;
+    let steps = args.steps.unwrap_or_else(|| archive.manifest().settings.steps());
     // Labels are those of the whole file, whatever part of it is taken.
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let mut conditions: Vec<Condition> = {

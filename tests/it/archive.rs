@@ -15,7 +15,7 @@ use crate::scenes::*;
 #[test]
 fn bytes_depend_on_content_only() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let settings = BuildSettings { sky_fine: 512, probe: 16, ..BuildSettings::default() };
+    let settings = BuildSettings { sky_fine: 512, probe: 16, ..fine() };
     let with = |name: &str, threads: usize, reversed: bool| {
         let path = folder.path().join(name);
         let (mut triangles, mut receivers) = (town(), many());
@@ -40,7 +40,7 @@ fn bytes_depend_on_content_only() {
 /// The response layer of the archive is the derived response rounded to 16-bit floats: within 5e-4 of each value.
 #[test]
 fn cached_response_is_the_derived_one() {
-    let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &BuildSettings::default());
+    let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &fine());
     let archive = Archive::open(&site.path).expect("an archive");
     let tables = Tables::load(&archive).expect("tables");
     let responder = Responder::new(&tables, Depth::All, 1 << 30, &std::env::temp_dir()).expect("a responder");
@@ -64,7 +64,7 @@ fn bounces_add_up() {
     let site = site(
         &scene(&canyon(10.0, 14.0, 400.0), &[0.5, 0.5]),
         &[receiver("r", v(0.1, 0.2, 0.0), tilted(0.0, 0.0))],
-        &BuildSettings::default(),
+        &fine(),
     );
     let light = |depth| {
         site.replay(&[sun(90.0, 60.0, 800.0, 100.0)], heliotile::recombine::sky::SkyModel::Perez, depth)["r"][0].total

@@ -33,7 +33,7 @@ fn with_screens(triangles: &Triangles, materials: Vec<Material>) -> Scene {
 }
 
 fn coarse() -> BuildSettings {
-    BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..BuildSettings::default() }
+    BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..fine() }
 }
 
 /// All seven columns of every receiver, `[component][condition]`.
@@ -351,7 +351,7 @@ fn hostile_bytes() {
         screen("leaf", 0.4),
     ];
     let scene = with_screens(&triangles, materials);
-    let tiny = BuildSettings { sky_base: 8, sky_fine: 16, hit: 8, probe: 8, bounce_sky: 8, ..BuildSettings::default() };
+    let tiny = BuildSettings { sky_base: 8, sky_fine: 16, hit: 8, probe: 8, bounce_sky: 8, ..fine() };
     let receivers = [receiver("a", v(0.0, 0.0, 1.0), DVec3::Z), receiver("b", v(2.0, 3.9, 1.0), DVec3::NEG_Y)];
     build(&scene, &mut tiles(&receivers, &scene), &plan(&tiny, &good)).expect("a build");
     let archive = Archive::open(&good).expect("an archive");

@@ -122,7 +122,7 @@ fn both_ways_of_reading_agree() {
     folder.refused("info site.helio --io mmap", &["mmap", "map", "pread"]);
 }
 
-/// `info` names all 7 layers, the counts and the 10 settings as `--set` takes them, `verify` finds nothing in a good archive and the damaged block in a bad one, and warns of
+/// `info` names all 7 layers, the counts and the 12 settings as `--set` takes them, `verify` finds nothing in a good archive and the damaged block in a bad one, and warns of
 /// 99 bytes behind the end of one.
 #[test]
 fn info_and_verify() {
@@ -132,7 +132,7 @@ fn info_and_verify() {
     let unknown = folder.run("build scene.obj -m materials.toml -r receivers.csv -o x.helio --set sky=1");
     let message = String::from_utf8_lossy(&unknown.stderr).into_owned();
     let names: Vec<&str> = message.split("set one of ").nth(1).expect("names").trim().split(", ").collect();
-    assert_eq!(names.len(), 10);
+    assert_eq!(names.len(), 12);
     assert!(names.iter().all(|name| info.contains(&format!(" {name}="))), "{names:?}: {info}");
     for part in ["receivers", "sky", "hit", "response", "probes", "bounce", "materials", "3 in 1 tile of"] {
         assert!(info.contains(part), "{part}: {info}");

@@ -7,7 +7,6 @@ use std::path::Path;
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
 use heliotile::archive::{Archive, format};
-use heliotile::commands::build::BuildSettings;
 use heliotile::outputs::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::maps::{Light, Map, maps};
@@ -56,7 +55,7 @@ fn maps_sum_to_results() {
             )
         })
         .collect();
-    let site = site(&scene(&town(), &[0.25, 0.5]), &receivers, &BuildSettings::default());
+    let site = site(&scene(&town(), &[0.25, 0.5]), &receivers, &fine());
     let (mut checked, mut worst) = (0, 0.0_f64);
     for (light, model, depth) in [
         ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez, Depth::All),
@@ -106,7 +105,7 @@ fn maps_of_mirrors_sum_to_results() {
     // A mirror that faces another one.
     triangles.extend(block(v(30.0, -40.0, 0.0), v(31.0, 40.0, 9.0), 2));
     let scene = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
-    let site = site(&scene, &receivers, &BuildSettings::default());
+    let site = site(&scene, &receivers, &fine());
     let (mut checked, mut worst, mut behind, mut seeing) = ([0; 6], [0.0_f64; 6], [0; 4], 0);
     for (light, model, depth) in [
         ([285.0, 30.0, 800.0, 100.0], SkyModel::Perez, Depth::All),
@@ -162,7 +161,7 @@ fn between_walls() -> Site {
     let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
     let scene = scene(&[ground(5000.0, 0.0, 0), wall(-10.0, 1), wall(20.0, 0)].concat(), &[0.0, 0.0]);
     let receivers = [receiver("up", v(0.0, 0.0, 0.0), DVec3::Z), receiver("south", v(0.0, 0.0, 0.001), DVec3::NEG_Y)];
-    site(&scene, &receivers, &BuildSettings::default())
+    site(&scene, &receivers, &fine())
 }
 
 /// A wall up to 45 degrees hides a quarter of the sky, (1 - cos 45)/2 of a horizontal receiver's view, 1/4 of a vertical one's upper half;
@@ -243,7 +242,7 @@ fn fisheye_shows_what_is_there() {
     let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
     let triangles = [ground(5000.0, 0.0, 0), wall(-10.0, 2), wall(20.0, 0)].concat();
     let clad = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
-    let clad = self::site(&clad, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &BuildSettings::default());
+    let clad = self::site(&clad, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
     let view = ReceiverView::load(&Archive::open(&clad.path).expect("an archive"), "up").expect("a receiver");
     let mirrored = decoded(&fisheye(&view, &Overlay::default()).expect("a picture"));
     assert_eq!([pixel(&mirrored, 190.0, 40.0), pixel(&mirrored, 355.0, 22.0)], [MIRROR, GROUND]);

@@ -93,10 +93,7 @@ fn canyon_walls() {
     let heights = [1.0, 5.0, 10.0, 14.0];
     let mut receivers = vec![receiver("floor", v(0.0, 0.3, 0.0), DVec3::Z)];
     receivers.extend(heights.map(|h| receiver(&format!("{h}"), v(-10.0, 0.7, h), DVec3::X)));
-    let found = longwave(
-        &site(&scene(&canyon(width, height, 6000.0), &[0.3, 0.3]), &receivers, &BuildSettings::default()),
-        night(),
-    );
+    let found = longwave(&site(&scene(&canyon(width, height, 6000.0), &[0.3, 0.3]), &receivers, &fine()), night());
     let near = |id: &str, sky: f64, floor: f64| {
         let expected = 300.0 * sky + AT_12_5 * floor + AT_20 * (1.0 - sky - floor);
         println!("{id}: off by {:.2} W/m2", found[id] - expected);

@@ -278,7 +278,7 @@ fn shift_changes_nothing() {
 /// within 1 % of the open-sky value (100 W/m2 of sky, 800 W/m2 of sun).
 #[test]
 fn rotation_changes_little() {
-    let settings = BuildSettings::default();
+    let settings = fine();
     let here = totals(&three_blocks(), 0.0, DVec3::ZERO, &settings);
     for angle in [0.1234, 1.0, 2.71] {
         let there = totals(&three_blocks(), angle, v(12.3, -45.6, 7.8), &settings);

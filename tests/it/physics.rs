@@ -330,7 +330,7 @@ fn light_wells() {
         let places = [("floor", v(0.52 * width, 0.53 * width, 0.0), DVec3::Z)];
         let places = places.into_iter().chain([("wall", v(0.52 * width, 0.0, 0.5 * depth), DVec3::Y)]);
         let receivers: Vec<_> = places.map(|(id, p, n)| receiver(id, p, n)).collect();
-        let rows = site(&scene(&walls, &[0.5, 0.5]), &receivers, &BuildSettings::default()).uniform();
+        let rows = site(&scene(&walls, &[0.5, 0.5]), &receivers, &fine()).uniform();
         for r in &receivers {
             let exact = well_by_paths(v(width, width, depth), r.position, r.normal, 0.5);
             assert_near(&format!("{} of {width} x {depth} m", r.id), rows[&r.id].total, exact, 0.01);

@@ -7,6 +7,8 @@ use std::time::Duration;
 
 use glam::DVec3;
 use heliotile::archive::Archive;
+use heliotile::cli::Quality;
+use heliotile::commands::build::ladder::Rungs;
 use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::components::ComponentSet;
@@ -154,6 +156,11 @@ pub struct Site {
     pub path: PathBuf,
 }
 
+/// Settings for tests whose bounds the default ones do not keep.
+pub fn fine() -> BuildSettings {
+    Rungs::of(Quality::Fine).settings()
+}
+
 /// Receivers in tiles, as a build takes them.
 pub fn tiles(receivers: &[Receiver], scene: &Scene) -> ReceiverTiles {
     ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &std::env::temp_dir(), 1 << 20).expect("receivers")
@@ -167,6 +174,7 @@ pub fn plan(settings: &BuildSettings, path: &Path) -> BuildPlan {
         memory_bytes: 1 << 30,
         start: Start::New,
         checkpoint_every: Duration::from_secs(30),
+        accuracy: None,
     }
 }
 

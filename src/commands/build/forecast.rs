@@ -87,6 +87,15 @@ impl Forecast {
         self.lines.iter().filter(counts).filter_map(|line| line.bound_w_m2).sum()
     }
 
+    fn on(&self) -> impl Iterator<Item = &Line> {
+        self.lines.iter().filter(|line| line.on)
+    }
+
+    /// Of the whole build.
+    pub fn seconds(&self) -> f64 {
+        self.on().map(|line| line.seconds).sum()
+    }
+
     /// A table for people.
     pub fn table(&self) -> String {
         let mut out =
@@ -100,8 +109,7 @@ impl Forecast {
             let bound = line.bound_w_m2.map_or("-".into(), at_most);
             out += &format!("{:<22}{state:<7}{rays:>11}{seconds:>10}{bound:>16}  {}\n", line.name, line.why);
         }
-        let on = self.lines.iter().filter(|line| line.on);
-        let (rays, seconds) = on.fold((0.0, 0.0), |sum, line| (sum.0 + line.rays, sum.1 + line.seconds));
+        let (rays, seconds) = (self.on().map(|line| line.rays).sum(), self.seconds());
         out += &format!(
             "{:<22}{:<7}{:>11}{seconds:>10.1}{:>16}  under {SUN_W_M2:.0} W/m2 of sun and {SKY_W_M2:.0} of uniform sky\n",
             "all",

@@ -77,6 +77,7 @@ impl Job<'_> {
                 ..ReceiverSummary::default()
             },
             settings: self.settings.stated(),
+            accuracy: self.accuracy.cloned(),
             counts: manifest::Counts { probes: counts.probes, bounce_cells: counts.bounce_cells },
             layers,
             ..Manifest::default()

@@ -15,10 +15,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use super::accuracy::{Choice, Wish, choose};
 use super::store::{Folder, Store, StoreKey, open_all};
 use super::{Outcome, counted, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
+use crate::archive::accuracy::Accuracy;
 use crate::archive::{self, Archive, Manifest, Writer, format};
-use crate::cli::{BuildArgs, PlanArgs, Quality, Wanted};
+use crate::cli::{AccuracyArgs, BuildArgs, Percent, PlanArgs, Wanted};
 pub use crate::cli::{Effect, Effects, Share};
 use crate::error::{Error, Result};
 use crate::recombine::response::Reflector;
@@ -87,12 +89,13 @@ struct Job<'a> {
     known: Known<'a>,
     /// Only where there are mirrors.
     reflections: Option<Reflections<'a>>,
+    accuracy: Option<&'a Accuracy>,
     /// Largest share of light that was lost behind the last mirror followed, as bits of an f64: of a receiver's, of a cell's.
     lost: [AtomicU64; 2],
 }
 
 /// A scene ready for rays.
-struct Ready<'a> {
+pub(super) struct Ready<'a> {
     /// Of all that stops rays.
     tracer: Tracer,
     canopies: Option<Canopies<'a>>,
@@ -101,7 +104,7 @@ struct Ready<'a> {
 }
 
 impl<'a> Ready<'a> {
-    fn new(scene: &'a Scene) -> Result<Self> {
+    pub fn new(scene: &'a Scene) -> Result<Self> {
         let start = Instant::now();
         let (tracer, canopies) = Canopies::split(scene);
         let mirrors = Mirrors::find(&scene.mesh, &scene.materials)?;
@@ -129,6 +132,7 @@ impl<'a> Job<'a> {
             memory: plan.memory_bytes as usize,
             known,
             reflections,
+            accuracy: plan.accuracy.as_ref(),
             lost: Default::default(),
             canopies,
         }
@@ -173,7 +177,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
-    let settings = BuildSettings { share: args.share, ..settings_of(args.quality, &args.set)? };
+    let settings = BuildSettings { share: args.share, ..settings_of(&args.accuracy)? };
     let start = match (args.resume, args.fresh) {
         (true, _) => Start::Resume,
         (_, true) => Start::Fresh,
@@ -186,11 +190,11 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
         memory_bytes: args.memory.0,
         start,
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
+        accuracy: None,
     };
     let ready = Ready::new(&scene)?;
-    let forecast = forecast(&scene, &ready, &mut receivers, &plan, args.effects)?;
+    let (forecast, choice) = decide(&scene, &ready, &mut receivers, &mut plan, &args.accuracy, args.effects)?;
     say(&forecast.table())?;
-    plan.settings.left_out = forecast.left_out;
     let store = args.store.as_deref().map(Folder::create).transpose()?;
     let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
     let earlier = store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key))?;
@@ -200,6 +204,10 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     }
     report.warnings.iter().for_each(|w| warn(w));
     say(&summary(&report, &scene, &args.output))?;
+    if let Some(choice) = choice {
+        let taken = report.seconds.iter().map(|stage| stage.1).sum();
+        say(&choice.outcome(forecast.seconds(), taken))?;
+    }
     Ok(Outcome::Fine)
 }
 
@@ -211,15 +219,16 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, &folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
-    let plan = BuildPlan {
-        settings: settings_of(args.quality, &args.set)?,
+    let mut plan = BuildPlan {
+        settings: settings_of(&args.accuracy)?,
         output: folder.join("plan"),
         memory_bytes: args.memory.0,
         start: Start::New,
         checkpoint_every: Duration::MAX,
+        accuracy: None,
     };
     let ready = Ready::new(&scene)?;
-    let forecast = forecast(&scene, &ready, &mut receivers, &plan, args.effects)?;
+    let (forecast, _) = decide(&scene, &ready, &mut receivers, &mut plan, &args.accuracy, args.effects)?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",
         args.scene.display(),
@@ -236,6 +245,25 @@ pub fn foresee(scene: &Scene, receivers: &mut ReceiverTiles, plan: &BuildPlan, w
     forecast(scene, &Ready::new(scene)?, receivers, plan, wanted)
 }
 
+/// Effects that the scene has and that a build of standard settings would leave out; `folder` for temporary files.
+pub(super) fn left_out(
+    scene: &Scene,
+    ready: &Ready,
+    receivers: &mut ReceiverTiles,
+    folder: &Path,
+    wanted: Wanted,
+) -> Result<Effects> {
+    let plan = BuildPlan {
+        settings: BuildSettings::default(),
+        output: folder.join("plan"),
+        memory_bytes: 0,
+        start: Start::New,
+        checkpoint_every: Duration::MAX,
+        accuracy: None,
+    };
+    Ok(forecast(scene, ready, receivers, &plan, wanted)?.left_out)
+}
+
 fn forecast(
     scene: &Scene,
     ready: &Ready,
@@ -247,10 +275,37 @@ fn forecast(
     job.forecast(receivers, ready.mirrors.orientations.len(), wanted)
 }
 
+/// Decides on what is left out and, where an error is given, on settings; the plan gets both.
+fn decide(
+    scene: &Scene,
+    ready: &Ready,
+    receivers: &mut ReceiverTiles,
+    plan: &mut BuildPlan,
+    accuracy: &AccuracyArgs,
+    wanted: Wanted,
+) -> Result<(Forecast, Option<Choice>)> {
+    let first = forecast(scene, ready, receivers, plan, wanted)?;
+    plan.settings.left_out = first.left_out;
+    let Some(Percent(target_percent)) = accuracy.error else { return Ok((first, None)) };
+    let wish = Wish {
+        target_percent,
+        weather: accuracy.error_weather.as_deref(),
+        left_out: first.left_out,
+        folder: temporary_folder(&plan.output),
+        memory_bytes: plan.memory_bytes,
+    };
+    let choice = choose(scene, ready, receivers, &wish)?;
+    say(&choice.table())?;
+    (plan.settings, plan.accuracy) = (choice.settings, Some(choice.accuracy.clone()));
+    let forecast = self::forecast(scene, ready, receivers, plan, wanted)?;
+    plan.settings.left_out = forecast.left_out;
+    Ok((forecast, Some(choice)))
+}
+
 /// Settings of a quality with some set by name.
-fn settings_of(quality: Quality, set: &[String]) -> Result<BuildSettings> {
-    let mut settings = Rungs::of(quality).settings();
-    set.iter().try_for_each(|text| settings.set(text))?;
+fn settings_of(accuracy: &AccuracyArgs) -> Result<BuildSettings> {
+    let mut settings = Rungs::of(accuracy.quality).settings();
+    accuracy.set.iter().try_for_each(|text| settings.set(text))?;
     settings.check()?;
     Ok(settings)
 }
@@ -271,7 +326,7 @@ pub fn build_with(
     build_ready(scene, &Ready::new(scene)?, receivers, plan, earlier)
 }
 
-fn build_ready(
+pub(super) fn build_ready(
     scene: &Scene,
     ready: &Ready,
     receivers: &mut ReceiverTiles,

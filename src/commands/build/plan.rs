@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::BuildSettings;
+use crate::archive::accuracy::Accuracy;
 use crate::archive::{Job, Progress, Writer};
 use crate::error::{Error, Result};
 
@@ -17,6 +18,8 @@ pub struct BuildPlan {
     pub memory_bytes: u64,
     pub start: Start,
     pub checkpoint_every: Duration,
+    /// What the settings are known to be off by, for the manifest.
+    pub accuracy: Option<Accuracy>,
 }
 
 impl BuildPlan {

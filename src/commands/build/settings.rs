@@ -184,7 +184,7 @@ impl BuildSettings {
     }
 
     /// Names the settings: builds with other ones have other hashes.
-    pub(super) fn hash(&self) -> Result<[u8; 32]> {
+    pub fn hash(&self) -> Result<[u8; 32]> {
         self.stated().hash()
     }
 }

@@ -4,7 +4,8 @@ use super::output::{Output, Written};
 use super::reach::{Keys, Marks};
 use super::rows::{Rows, Traced, cells};
 use super::selection::Selection;
-use crate::archive::{Archive, format};
+use crate::archive::accuracy::Accuracy;
+use crate::archive::{Archive, Manifest, format};
 use crate::cli::ExtractArgs;
 use crate::commands::{Outcome, counted, guard_archive, guard_output, say, temporary_folder};
 use crate::error::Result;
@@ -77,7 +78,8 @@ pub fn extract(args: &ExtractArgs) -> Result<Extracted> {
     output.materials(&archive)?;
     output.responses(Rows::<Response>::chosen(&archive, &kept))?;
     output.copy_unknown(&[&archive])?;
-    let written = output.finish(manifest.clone())?;
+    let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
+    let written = output.finish(Manifest { accuracy, ..manifest.clone() })?;
     let of = Whole {
         receivers: manifest.receivers.count,
         probes: manifest.counts.probes,

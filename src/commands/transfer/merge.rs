@@ -6,6 +6,7 @@ use super::digests::{Digests, cell_name, same_cell};
 use super::output::{Output, Written, unknown};
 use super::rows::{Layers, Row, Rows, Traced, cells};
 use super::union::{Side, union};
+use crate::archive::accuracy::Accuracy;
 use crate::archive::{Archive, Manifest, format};
 use crate::cli::MergeArgs;
 use crate::commands::{Outcome, counted, guard_archive, guard_output, say, temporary_folder};
@@ -175,6 +176,7 @@ fn unknown_conflicts(a: &Archive, b: &Archive, conflicts: &mut Conflicts) {
 fn stated(a: &Manifest, b: &Manifest) -> Manifest {
     let mut stated = a.clone();
     stated.scene.degenerate_dropped = a.scene.degenerate_dropped.max(b.scene.degenerate_dropped);
-    stated.accuracy = a.accuracy.clone().filter(|accuracy| b.accuracy.as_ref() == Some(accuracy));
+    let accuracy = |of: &Manifest| of.accuracy.clone().map(Accuracy::without_tiles);
+    stated.accuracy = accuracy(a).filter(|same| accuracy(b).as_ref() == Some(same));
     stated
 }

@@ -1,0 +1,53 @@
+//! What a build estimated of its own error: a part of the manifest.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Errors of the hourly total and its parts, from a sample of the receivers built with finer settings, too. RMSE over receivers and
+/// conditions, in percent of the mean total.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Accuracy {
+    /// What was asked for.
+    pub target_percent: f64,
+    /// What was expected when the settings were chosen.
+    pub predicted_percent: f64,
+    /// What was found, the finer settings' own error included.
+    pub rmse_percent: f64,
+    pub bias_percent: f64,
+    /// Of the means over all conditions.
+    pub yearly_percent: f64,
+    /// RMSE of each component, in percent of the mean total, by its column's name.
+    pub components_percent: BTreeMap<String, f64>,
+    pub sample: u64,
+    /// Number of conditions, and where they come from.
+    pub conditions: u64,
+    pub weather: String,
+    /// Mean total of the sample, W/m2.
+    pub mean_w_m2: f64,
+    /// RMSE of receivers of the sample by tiles; tiles between two are like the nearest.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tiles: Vec<TileError>,
+    #[serde(flatten)]
+    pub other: BTreeMap<String, Value>,
+}
+
+/// RMSE of the receivers of the sample that lie in one tile, W/m2.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TileError {
+    pub tile: u32,
+    pub receivers: u32,
+    /// The six components and the total, in the order of results.
+    pub rmse_w_m2: [f64; 7],
+}
+
+impl Accuracy {
+    /// For other tiles.
+    #[must_use]
+    pub fn without_tiles(self) -> Self {
+        Accuracy { tiles: Vec::new(), ..self }
+    }
+}

@@ -1,0 +1,37 @@
+//! Arguments of `tradeoff`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Bytes, Wanted, parse_memory};
+
+#[derive(Args, Debug)]
+pub struct TradeoffArgs {
+    /// Scene geometry, Wavefront OBJ, metres, x east, y north, z up
+    pub scene: PathBuf,
+    /// Reflectances, one table per OBJ material name; without it the OBJ's MTL files are used
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
+    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[arg(long, short)]
+    pub receivers: PathBuf,
+    /// Folder to write tradeoff.csv, pictures and index.html into
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Receivers to try settings on, spread over the site
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub sample: u16,
+    /// Weather file (EPW) to estimate errors and to time replays under [default: suns from all sides]
+    #[arg(long, short)]
+    pub weather: Option<PathBuf>,
+    /// Also try each setting alone: sources.csv and a picture (takes several times as long)
+    #[arg(long)]
+    pub sources: bool,
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
+    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
+    pub effects: Wanted,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}

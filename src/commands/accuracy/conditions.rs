@@ -1,0 +1,96 @@
+//! Suns and skies that errors are estimated under. In: a number, or a weather file. Out: that many conditions.
+
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+
+use crate::error::{Error, Result};
+use crate::recombine::conditions::Condition;
+use crate::recombine::epw::read_epw;
+use crate::units::direction_from_degrees;
+
+/// Altitudes of the suns, degrees: below, hardly any energy comes; above, few places have the sun.
+const LOWEST_DEG: f64 = 4.0;
+const HIGHEST_DEG: f64 = 72.0;
+
+/// Suns from all sides, with no place on Earth in mind: even in azimuth and in the sine of the altitude. Half of the skies are clear, a quarter
+/// half covered, a quarter overcast. DNI of a clear sky is 1361 x 0.72^(m^0.678), m the air mass (Meinel and Meinel 1976, with
+/// 0.7 for 0.72; Kasten and Young 1989); the other numbers are round ones of the size that weather files have.
+pub fn spread(count: usize) -> Vec<Condition> {
+    let (low, high) = (LOWEST_DEG.to_radians().sin(), HIGHEST_DEG.to_radians().sin());
+    let condition = |i: usize| {
+        let sine = low + (high - low) * mirrored_bits(i as u32);
+        let altitude_deg = sine.asin().to_degrees();
+        let azimuth_deg = (i as f64 * 0.618_033_988_749_894_9).fract() * 360.0;
+        let air_mass = 1.0 / (sine + 0.50572 * (altitude_deg + 6.07995).powf(-1.6364));
+        let clear = 1361.0 * 0.72_f64.powf(air_mass.powf(0.678));
+        let (dni, dhi) = match i % 4 {
+            0 | 1 => (clear, 60.0 + 60.0 * sine),
+            2 => (0.45 * clear, 80.0 + 220.0 * sine),
+            _ => (0.0, 40.0 + 330.0 * sine),
+        };
+        let sun = direction_from_degrees(azimuth_deg, altitude_deg);
+        Condition::new(format!("{i}"), &[sun], sun, dni, dhi)
+    };
+    (0..count).map(condition).collect()
+}
+
+/// Whether the sun is up, and anything shines.
+pub fn is_lit(condition: &Condition) -> bool {
+    !condition.suns.is_empty() && condition.dni_w_m2 + condition.dhi_w_m2 > 0.0
+}
+
+/// Hours with the sun up in a year.
+const LIT_HOURS: usize = 4380;
+
+/// A year of hours, each with so many sun positions, for timing: suns from all sides that move by 15 degrees.
+pub fn spread_year(steps: usize) -> Vec<Condition> {
+    let moving = |condition: Condition| {
+        let turned = |step: usize| DMat3::from_rotation_z((step as f64 / steps as f64 - 0.5) * 15_f64.to_radians());
+        let suns: Vec<DVec3> = (0..steps).map(|step| turned(step) * condition.sky_sun).collect();
+        Condition::new(condition.label, &suns, condition.sky_sun, condition.dni_w_m2, condition.dhi_w_m2)
+    };
+    spread(LIT_HOURS).into_iter().map(moving).collect()
+}
+
+/// All hours of a weather file, each with so many sun positions.
+pub fn of_year(path: &Path, steps: usize) -> Result<Vec<Condition>> {
+    Ok(read_epw(path)?.conditions(steps))
+}
+
+/// Van der Corput's sequence in base 2: 0, 1/2, 1/4, 3/4, ...
+fn mirrored_bits(i: u32) -> f64 {
+    f64::from(i.reverse_bits()) / 2.0_f64.powi(32)
+}
+
+/// Hours of a weather file with the sun up, evenly chosen, the sun in the middle of each.
+pub fn of_weather(path: &Path, count: usize) -> Result<Vec<Condition>> {
+    let weather = read_epw(path)?;
+    let lit: Vec<Condition> = weather.conditions(1).into_iter().filter(is_lit).collect();
+    if lit.is_empty() {
+        let hint = "give a weather file of a longer time";
+        return Err(Error::input(path, None, "has no hour with light", hint));
+    }
+    let count = count.min(lit.len());
+    Ok((0..count).map(|i| lit[i * lit.len() / count].clone()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 256 conditions 64 have no sun, the highest DNI is that of a clear sky at 72 degrees (940 to 1,000 W/m2), and suns come from all
+    /// four quarters, 50 or more each.
+    #[test]
+    fn suns_from_all_sides() {
+        let all = spread(256);
+        assert_eq!(all.iter().filter(|c| c.dni_w_m2 == 0.0).count(), 64);
+        let most = all.iter().map(|c| c.dni_w_m2).fold(0.0, f64::max);
+        assert!((940.0..1000.0).contains(&most), "{most}");
+        for quarter in 0..4 {
+            let signs = (quarter & 1 == 0, quarter & 2 == 0);
+            let there = all.iter().filter(|c| (c.sky_sun.x > 0.0, c.sky_sun.y > 0.0) == signs).count();
+            assert!(there >= 50, "{quarter}: {there}");
+        }
+    }
+}

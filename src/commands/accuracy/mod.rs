@@ -1,0 +1,300 @@
+//! Accuracy as one number. In: a scene, its receivers and a target in percent. Out: the cheapest settings that keep within it, what
+//! they are expected to be off by, and what they were found to be off by.
+//!
+//! Half of a spread sample of the receivers is the pilot: it is built with a few settings, and the distances between them give the error of
+//! every rung of each ladder ([`estimate`]). The other half is the check: built with the settings that were chosen and with finer ones.
+//! Nothing here depends on the machine, so the same site and target give the same settings, and the same archive.
+
+pub mod conditions;
+pub mod estimate;
+pub mod trial;
+
+use std::path::Path;
+use std::time::Instant;
+
+use self::estimate::{Errors, patch_errors, percent, rung};
+use self::trial::{Bench, Light, Source, Trial};
+use super::build::ladder::{BOUNCED, PATCHES, Rungs, SEEN, SKY};
+use super::build::{BuildSettings, Ready};
+use super::progress::bar;
+use crate::archive::accuracy::{Accuracy, TileError};
+use crate::cli::Effects;
+use crate::error::{Error, Result};
+use crate::recombine::components::Component;
+use crate::recombine::conditions::Condition;
+use crate::scene::Scene;
+use crate::scene::receiver_tiles::ReceiverTiles;
+use crate::scene::receivers::{Receiver, TILE};
+
+/// Receivers of the pilot, and of the check: so many of all, within limits.
+const SHARE: usize = 16;
+const LEAST: usize = 12;
+const MOST: usize = 32;
+
+/// Suns and skies of an estimate.
+const CONDITIONS: usize = 256;
+
+/// A source is looked at with finer settings if it makes up this share of the target.
+const MATTERS: f64 = 0.35;
+
+/// Finer bounces than these cost more than the rest of a build on a large site.
+const FINEST_PILOT_BOUNCES: usize = 3;
+
+/// Rounds of choosing and trying.
+const ROUNDS: usize = 3;
+
+/// What is looked for.
+pub struct Wish<'a> {
+    pub target_percent: f64,
+    /// Weather to estimate under, in place of suns from all sides.
+    pub weather: Option<&'a Path>,
+    pub left_out: Effects,
+    /// For archives of trials.
+    pub folder: &'a Path,
+    pub memory_bytes: u64,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    pub settings: BuildSettings,
+    pub accuracy: Accuracy,
+    /// RMSE of each source that was expected, percent of the mean total: [`Source::ALL`], then the sky's patches.
+    pub sources_percent: [f64; 4],
+    /// Seconds that it took to find out.
+    pub pilot_s: f64,
+}
+
+impl Choice {
+    /// What was chosen and why, before the build.
+    pub fn table(&self) -> String {
+        let (s, a, [sky, seen, bounced, patches]) = (&self.settings, &self.accuracy, self.sources_percent);
+        let missed = match a.predicted_percent > a.target_percent {
+            true => " (the finest settings are not enough)",
+            false => "",
+        };
+        format!(
+            "error wanted: at most {} %, expected: {:.2} %{missed}, RMSE of hourly totals in percent of their mean\n  \
+             sun and sky, direct   {sky:.2} %  sky_base={} sky_fine={} steps={}\n  \
+             one reflection        {seen:.2} %  hit={} cell_factor={} cell_floor_m={} probe={}\n  \
+             further reflections   {bounced:.2} %  probe_hits={} closed_m={} bounce_sky={} bounce_hits={}\n  \
+             sky patches           {patches:.2} %  patches={}\n",
+            a.target_percent,
+            a.predicted_percent,
+            s.sky_base,
+            s.sky_fine,
+            s.steps,
+            s.hit,
+            s.cell_factor,
+            s.cell_floor_m,
+            s.probe,
+            s.probe_hits,
+            s.closed_m,
+            s.bounce_sky,
+            s.bounce_hits,
+            s.patches
+        )
+    }
+
+    /// What was expected and what came out, errors and seconds.
+    pub fn outcome(&self, expected_s: f64, taken_s: f64) -> String {
+        let a = &self.accuracy;
+        format!(
+            "error: {:.2} % expected, {:.2} % found on {} other receivers (bias {:.2} %, means over all hours {:.2} %)\n\
+             time: {expected_s:.1} s expected, {taken_s:.1} s taken, besides the pilot's {:.1} s\n",
+            a.predicted_percent, a.rmse_percent, a.sample, a.bias_percent, a.yearly_percent, self.pilot_s
+        )
+    }
+}
+
+/// Receivers spread evenly over the site, with the tiles that they will lie in.
+pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, Receiver)>> {
+    let all = receivers.count();
+    let count = count.clamp(1, all.max(1));
+    let mut sample = Vec::with_capacity(count);
+    let mut number = 0;
+    for tile in receivers.tiles()? {
+        for receiver in tile? {
+            if sample.len() * all / count == number {
+                sample.push(((number / TILE) as u32, receiver));
+            }
+            number += 1;
+        }
+    }
+    Ok(sample)
+}
+
+/// Conditions of an estimate, and what they are called.
+pub fn conditions_of(weather: Option<&Path>, count: usize) -> Result<(Vec<Condition>, String)> {
+    match weather {
+        None => Ok((conditions::spread(count), "suns from all sides".into())),
+        Some(path) => {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            Ok((conditions::of_weather(path, count)?, name))
+        }
+    }
+}
+
+/// Settings for a target.
+pub(super) fn choose(scene: &Scene, ready: &Ready, receivers: &mut ReceiverTiles, wish: &Wish) -> Result<Choice> {
+    let started = Instant::now();
+    let (conditions, weather) = conditions_of(wish.weather, CONDITIONS)?;
+    let each = (receivers.count() / SHARE).clamp(LEAST, MOST).min(receivers.count().div_ceil(2));
+    let sample = sample(receivers, 2 * each)?;
+    let half = |odd: usize| -> Vec<Receiver> { sample.iter().skip(odd).step_by(2).map(|s| s.1.clone()).collect() };
+    let halves = [half(0), half(1)];
+    let folder = tempfile::Builder::new().prefix("heliotile-pilot").tempdir_in(wish.folder);
+    let folder = folder.map_err(Error::io(wish.folder, "make a folder in"))?;
+    let bench = |half: usize| Bench {
+        scene,
+        ready,
+        // With a single receiver there is no other half.
+        receivers: if halves[half].is_empty() { &halves[0] } else { &halves[half] },
+        conditions: &conditions,
+        folder: folder.path(),
+        memory_bytes: wish.memory_bytes,
+    };
+    let settings = |rungs: Rungs| BuildSettings { left_out: wish.left_out, ..rungs.settings() };
+    let progress = bar("pilot", None);
+    let try_out = |half: usize, rungs: Rungs| -> Result<(Rungs, Trial)> {
+        let trial = bench(half).trial(settings(rungs))?;
+        progress.inc(1);
+        Ok((rungs, trial))
+    };
+
+    let first = [1, 2].map(|rung| Rungs { sky: rung, seen: rung, bounced: rung, patches: 1 });
+    let mut trials = vec![try_out(0, first[0])?];
+    let mut finest = try_out(0, first[1])?;
+    let archive = &finest.1.archive;
+    let lights = [bench(0).light(archive, PATCHES[0])?, finest.1.light.clone(), bench(0).light(archive, PATCHES[2])?];
+    let patches = patch_errors(&lights);
+    let mut errors = Errors::of(&trials, &finest, patches);
+    let mut chosen = errors.cheapest(wish.target_percent);
+    let mut finer = finer(chosen, &errors, wish.target_percent);
+    for _ in 0..ROUNDS {
+        trials.push(std::mem::replace(&mut finest, try_out(0, finer)?));
+        errors = Errors::of(&trials, &finest, patches);
+        let again = errors.cheapest(wish.target_percent);
+        if again == chosen {
+            break;
+        }
+        chosen = again;
+        let next = self::finer(chosen, &errors, wish.target_percent);
+        if Source::ALL.iter().all(|&source| rung(next, source) <= rung(finer, source)) {
+            break;
+        }
+        finer = next;
+    }
+    let (_, here) = try_out(1, chosen)?;
+    let (_, truth) = try_out(1, Rungs { patches: PATCHES.len() - 1, ..finer })?;
+    progress.finish_and_clear();
+
+    let sources = Source::ALL.map(|source| errors.at(chosen, source));
+    let predicted = errors.total(chosen);
+    let residual = Source::ALL.map(|source| errors.at(finer, source).min(errors.at(chosen, source)));
+    let residual = residual.iter().map(|error| error * error).sum::<f64>().sqrt();
+    let tile = |i: usize| sample.get(2 * i + 1).or(sample.first()).map_or(0, |s| s.0);
+    let accuracy = Accuracy {
+        target_percent: wish.target_percent,
+        predicted_percent: rounded(predicted),
+        conditions: conditions.len() as u64,
+        weather,
+        ..found(&here.light, &truth.light, residual, tile)
+    };
+    let [sky, seen, bounced] = sources;
+    let sources_percent = [sky, seen, bounced, patches[chosen.patches]];
+    let pilot_s = started.elapsed().as_secs_f64();
+    Ok(Choice { settings: settings(chosen), accuracy, sources_percent, pilot_s })
+}
+
+/// Settings to judge some rungs by: one rung up where that source's error matters.
+fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
+    let up = |source: Source, length: usize| {
+        let at = rung(rungs, source);
+        if errors.at(rungs, source) > MATTERS * target_percent { (at + 1).min(length - 1) } else { at }
+    };
+    Rungs {
+        sky: up(Source::Sky, SKY.len()).max(2),
+        seen: up(Source::Seen, SEEN.len()).max(2),
+        bounced: up(Source::Bounced, BOUNCED.len()).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
+        patches: rungs.patches,
+    }
+}
+
+/// How far a light lies from a finer one that is itself off by `residual` percent.
+fn found(light: &Light, truth: &Light, residual: f64, tile: impl Fn(usize) -> u32) -> Accuracy {
+    let mean = truth.mean();
+    let in_percent = |difference: f64| rounded(percent(difference, mean));
+    let names = Component::ALL.into_iter().map(|component| component.name().to_string());
+    let components = light.component_errors(truth).map(|error| in_percent(error.rmse));
+    let receivers = truth.rows.len() / truth.conditions.max(1);
+    let mut tiles: Vec<TileError> = Vec::new();
+    for receiver in 0..receivers {
+        let (here, right) = (light.some(|r| r == receiver), truth.some(|r| r == receiver));
+        let mut squares = [0.0; 7];
+        for (slot, error) in squares.iter_mut().zip(here.component_errors(&right)) {
+            *slot = error.rmse * error.rmse;
+        }
+        squares[6] = here.total_error(&right).rmse.powi(2);
+        match tiles.last_mut().filter(|last| last.tile == tile(receiver)) {
+            Some(last) => {
+                last.receivers += 1;
+                last.rmse_w_m2.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square);
+            }
+            None => tiles.push(TileError { tile: tile(receiver), receivers: 1, rmse_w_m2: squares }),
+        }
+    }
+    for tile in &mut tiles {
+        let count = f64::from(tile.receivers);
+        tile.rmse_w_m2.iter_mut().for_each(|sum| *sum = rounded((*sum / count).sqrt()));
+    }
+    Accuracy {
+        rmse_percent: rounded(percent(light.total_error(truth).rmse, mean).hypot(residual)),
+        bias_percent: in_percent(light.total_error(truth).bias),
+        yearly_percent: in_percent(light.yearly_error(truth).rmse),
+        components_percent: names.zip(components).collect(),
+        sample: receivers as u64,
+        mean_w_m2: rounded(mean),
+        tiles,
+        ..Accuracy::default()
+    }
+}
+
+/// Four digits are more than an estimate has.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// 10 of 100 receivers are every tenth, in order, and tiles are those of 64: the first 7 lie in tile 0; all of 3 are asked for with 10.
+    #[test]
+    fn samples_are_spread() {
+        let receiver = |i: usize| Receiver {
+            id: format!("{i}"),
+            position: DVec3::new(i as f64, 0.0, 0.0),
+            normal: DVec3::Z,
+            area: None,
+            surface: None,
+        };
+        let of = |count: usize| {
+            let all: Vec<Receiver> = (0..count).map(receiver).collect();
+            let mut tiles =
+                ReceiverTiles::from_receivers(&all, DVec3::ZERO, &std::env::temp_dir(), 1 << 20).expect("in memory");
+            sample(&mut tiles, 10).expect("a sample")
+        };
+        let some = of(100);
+        assert_eq!(some.iter().map(|s| s.1.id.as_str()).collect::<Vec<_>>()[..3], ["0", "10", "20"]);
+        assert_eq!((some.len(), some.iter().filter(|s| s.0 == 0).count()), (10, 7));
+        assert_eq!(of(3).len(), 3);
+    }
+
+    /// Rounding keeps four digits of 0.0123456 and leaves 0 alone: 2 of 2.
+    #[test]
+    fn four_digits() {
+        assert_eq!((rounded(0.012_345_6), rounded(0.0)), (0.01235, 0.0));
+    }
+}

@@ -1,0 +1,201 @@
+//! The ladder of settings, climbed. In: a bench. Out: errors, seconds and bytes of every rung.
+
+use std::path::Path;
+
+use cpu_time::ProcessTime;
+
+use crate::archive::{Access, Archive, codec};
+use crate::cli::{Effects, Quality};
+use crate::commands::accuracy::conditions::{of_year, spread_year};
+use crate::commands::accuracy::estimate::{Errors, percent};
+use crate::commands::accuracy::trial::{Bench, Light, Source, Trial};
+use crate::commands::build::BuildSettings;
+use crate::commands::build::ladder::{PATCHES, Rungs};
+use crate::commands::pack::COMPRESSION;
+use crate::commands::progress::bar;
+use crate::error::{Error, Result};
+use crate::recombine::bins::Bins;
+use crate::recombine::replay::{Replay, ReplaySettings};
+
+/// One rung and what it is worth. Errors are RMSE of hourly totals in percent of their mean.
+pub struct Step {
+    pub name: String,
+    pub settings: BuildSettings,
+    pub error: f64,
+    pub bias: f64,
+    /// Of means over all conditions.
+    pub yearly: f64,
+    /// In the order of [`Source::ALL`].
+    pub sources: [f64; 3],
+    /// CPU seconds.
+    pub trace_s: f64,
+    pub compress_s: f64,
+    pub replay_s: f64,
+    pub rays: u64,
+    pub bytes: u64,
+    /// Whether no other rung is both faster and better.
+    pub frontier: bool,
+}
+
+impl Step {
+    fn of(name: String, trial: &Trial, truth: &Light, (compress_s, replay_s): (f64, f64)) -> Self {
+        let (light, mean) = (&trial.light, truth.mean());
+        let total = light.total_error(truth);
+        Step {
+            name,
+            settings: trial.settings,
+            error: percent(total.rmse, mean),
+            bias: percent(total.bias, mean),
+            yearly: percent(light.yearly_error(truth).rmse, mean),
+            sources: Source::ALL.map(|source| percent(light.source_error(truth, source).rmse, mean)),
+            trace_s: (trial.build_s - compress_s).max(0.0),
+            compress_s,
+            replay_s,
+            rays: trial.rays.total(),
+            bytes: trial.bytes,
+            frontier: false,
+        }
+    }
+
+    pub fn seconds(&self) -> f64 {
+        self.trace_s + self.compress_s + self.replay_s
+    }
+}
+
+/// All rungs, from coarse to fine.
+pub struct Ladder {
+    pub steps: Vec<Step>,
+    pub receivers: usize,
+    /// Mean total, W/m2.
+    pub mean_w_m2: f64,
+    /// What the settings that errors are told by are themselves off by, percent: an estimate.
+    pub truth_percent: f64,
+}
+
+/// The named rungs and some between them.
+fn rungs() -> Vec<(String, Rungs)> {
+    let named = |quality: Quality| (quality.name().to_string(), Rungs::of(quality));
+    let between = |sky, seen, bounced, patches| {
+        (format!("sky {sky}, seen {seen}, bounced {bounced}"), Rungs { sky, seen, bounced, patches })
+    };
+    vec![
+        between(0, 0, 0, 0),
+        named(Quality::Draft),
+        between(2, 1, 1, 0),
+        named(Quality::Standard),
+        between(2, 3, 2, 1),
+        named(Quality::Fine),
+        between(4, 4, 3, 2),
+        named(Quality::Reference),
+    ]
+}
+
+impl Ladder {
+    pub fn climb(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> Result<Self> {
+        let rungs = rungs();
+        let progress = bar("ladder", Some(rungs.len() as u64 + 1));
+        let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
+        let try_out = |rungs: Rungs| -> Result<(Rungs, Trial)> {
+            let trial = bench.trial(settings(rungs))?;
+            progress.inc(1);
+            Ok((rungs, trial))
+        };
+        let mut trials = Vec::new();
+        let mut costs = Vec::new();
+        for (_, rungs) in &rungs {
+            let (rungs, trial) = try_out(*rungs)?;
+            costs.push((compression_s(&trial)?, replay_s(bench, &trial, weather)?));
+            std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
+            trials.push((rungs, trial));
+        }
+        let finest = try_out(Rungs::FINEST)?;
+        progress.finish_and_clear();
+        let truth = &finest.1.light;
+        let truth_percent = Errors::of(&trials, &finest, [0.0; PATCHES.len()]).total(Rungs::FINEST);
+        let each = rungs.into_iter().zip(&trials).zip(costs);
+        let mut steps: Vec<Step> =
+            each.map(|(((name, _), (_, trial)), costs)| Step::of(name, trial, truth, costs)).collect();
+        for i in 0..steps.len() {
+            let here = (steps[i].seconds(), steps[i].error);
+            steps[i].frontier = !steps.iter().any(|other| other.seconds() < here.0 && other.error < here.1);
+        }
+        Ok(Ladder { steps, receivers: bench.receivers.len(), mean_w_m2: truth.mean(), truth_percent })
+    }
+
+    /// The rung of the frontier that lies farthest below the line from its first to its last one, both axes logarithmic: where another
+    /// second starts to buy less.
+    pub fn knee(&self) -> Option<&Step> {
+        let frontier: Vec<&Step> =
+            self.steps.iter().filter(|s| s.frontier && s.error > 0.0 && s.seconds() > 0.0).collect();
+        let at = |step: &Step| (step.seconds().ln(), step.error.ln());
+        let ((x0, y0), (x1, y1)) = (at(frontier.first()?), at(frontier.last()?));
+        let below = |step: &&Step| {
+            let (x, y) = at(step);
+            (x1 - x0) * (y0 - y) - (y0 - y1) * (x - x0)
+        };
+        frontier.iter().copied().max_by(|a, b| below(a).total_cmp(&below(b)))
+    }
+
+    /// For the terminal.
+    pub fn table(&self) -> String {
+        let mut out = format!(
+            "{:<28}{:>8}{:>8}{:>8}{:>10}{:>10}{:>9}{:>11}{:>10}\n",
+            "rung", "error %", "bias %", "year %", "trace s", "compress", "replay", "kB/receiver", "Mray"
+        );
+        for step in &self.steps {
+            let name = format!("{}{}", step.name, if step.frontier { " *" } else { "" });
+            out += &format!(
+                "{name:<28}{:>8.2}{:>8.2}{:>8.2}{:>10.2}{:>10.2}{:>9.2}{:>11.2}{:>10.1}\n",
+                step.error,
+                step.bias,
+                step.yearly,
+                step.trace_s,
+                step.compress_s,
+                step.replay_s,
+                step.bytes as f64 / 1e3 / self.receivers as f64,
+                step.rays as f64 / 1e6,
+            );
+        }
+        out += &format!(
+            "* no other rung is faster and better. {} receivers, CPU seconds, replay of a year of hours into sums; errors of hourly \
+             totals in percent of their mean, {:.1} W/m2, against finer settings that are themselves off by some {:.2} %\n",
+            self.receivers, self.mean_w_m2, self.truth_percent
+        );
+        out
+    }
+}
+
+/// CPU seconds to compress the blocks of an archive anew.
+fn compression_s(trial: &Trial) -> Result<f64> {
+    let archive = Archive::open_with(&trial.archive, Access::Read)?;
+    let mut seconds = 0.0;
+    for entry in archive.entries() {
+        let block = archive.block(entry.kind, entry.tile)?;
+        let started = ProcessTime::now();
+        codec::encode(entry.kind, entry.tile, entry.schema, entry.items, block.bytes(), COMPRESSION)?;
+        seconds += started.elapsed().as_secs_f64();
+    }
+    Ok(seconds)
+}
+
+/// CPU seconds to replay a year of hours into sums, with the sun positions and patches that belong to the rung.
+fn replay_s(bench: &Bench, trial: &Trial, weather: Option<&Path>) -> Result<f64> {
+    let steps = usize::from(trial.settings.steps);
+    let conditions = match weather {
+        Some(path) => of_year(path, steps)?,
+        None => spread_year(steps),
+    };
+    let started = ProcessTime::now();
+    let archive = Archive::open_with(&trial.archive, Access::Read)?;
+    let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
+    let settings = ReplaySettings {
+        patches: trial.settings.patches,
+        memory_bytes: bench.memory_bytes,
+        ..ReplaySettings::default()
+    };
+    let replay = Replay::summed(&archive, &conditions, settings, &bins)?;
+    for tile in replay.results(0..replay.tiles()) {
+        tile?;
+    }
+    Ok(started.elapsed().as_secs_f64())
+}

@@ -1,0 +1,70 @@
+//! `heliotile tradeoff`: what accuracy costs on the user's own site. In: a scene, receivers. Out: a folder with the ladder of settings as
+//! a table, as pictures, and as a page for people.
+
+mod ladder;
+mod report;
+mod sources;
+
+use std::io::Write;
+use std::path::Path;
+
+use super::accuracy::trial::Bench;
+use super::accuracy::{conditions_of, sample};
+use super::build::{Ready, left_out};
+use super::{Outcome, say, warn};
+use crate::cli::TradeoffArgs;
+use crate::error::{Error, Result};
+use crate::outputs::sink::Sink;
+use crate::scene::Scene;
+use crate::scene::receiver_tiles::ReceiverTiles;
+use crate::scene::receivers::Receiver;
+use ladder::Ladder;
+
+/// Suns and skies that errors are estimated under.
+const CONDITIONS: usize = 256;
+
+/// `heliotile tradeoff`.
+pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
+    let scene = Scene::load(&args.scene, args.materials.as_deref())?;
+    scene.report.warnings.iter().for_each(|w| warn(w));
+    let (conditions, weather) = conditions_of(args.weather.as_deref(), CONDITIONS)?;
+    std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create"))?;
+    let (mut warnings, folder) = (Vec::new(), &args.output);
+    let budget = args.memory.0 as usize / 8;
+    let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
+    warnings.iter().for_each(|w| warn(w));
+    let ready = Ready::new(&scene)?;
+    let left_out = left_out(&scene, &ready, &mut receivers, folder, args.effects)?;
+    let some: Vec<Receiver> = sample(&mut receivers, usize::from(args.sample))?.into_iter().map(|s| s.1).collect();
+    let trials = tempfile::Builder::new().prefix("trials").tempdir_in(folder);
+    let trials = trials.map_err(Error::io(folder, "make a folder in"))?;
+    let bench = Bench {
+        scene: &scene,
+        ready: &ready,
+        receivers: &some,
+        conditions: &conditions,
+        folder: trials.path(),
+        memory_bytes: args.memory.0,
+    };
+    let ladder = Ladder::climb(&bench, left_out, args.weather.as_deref())?;
+    say(&ladder.table())?;
+    let sources = match args.sources {
+        true => Some(sources::each_alone(&bench, left_out, args.weather.as_deref())?),
+        false => None,
+    };
+    if let Some(sources) = &sources {
+        say(&sources::table(sources))?;
+    }
+    let site = report::Site { scene: &args.scene, receivers: receivers.count(), sample: some.len(), weather: &weather };
+    for (name, text) in report::files(&site, &ladder, sources.as_deref())? {
+        write(&folder.join(name), &text)?;
+    }
+    say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;
+    Ok(Outcome::Fine)
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    let mut sink = Sink::file(path)?;
+    sink.write_all(text.as_bytes()).map_err(Error::io(path, "write to"))?;
+    sink.finish().map(|_| ())
+}

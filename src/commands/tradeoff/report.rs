@@ -1,0 +1,195 @@
+//! The folder of a report. In: what was measured. Out: its files, name and text: tables for programs, pictures, a page for people.
+
+use std::path::Path;
+
+use super::ladder::{Ladder, Step};
+use super::sources::Point;
+use crate::error::Result;
+use crate::outputs::plot::{Axis, Plot, Series, Style};
+
+/// The page that shows everything.
+pub const PAGE: &str = "index.html";
+
+/// What was looked at.
+pub struct Site<'a> {
+    pub scene: &'a Path,
+    pub receivers: usize,
+    pub sample: usize,
+    /// What errors were estimated under.
+    pub weather: &'a str,
+}
+
+/// Pixels of a picture.
+const SIZE: (u32, u32) = (760, 460);
+
+/// All files.
+pub fn files(site: &Site, ladder: &Ladder, sources: Option<&[Point]>) -> Result<Vec<(&'static str, String)>> {
+    let time = picture(ladder, "Error against time", "CPU seconds a receiver: build and a year's replay", |step| {
+        step.seconds() / ladder.receivers as f64
+    })?;
+    let size = picture(ladder, "Error against size", "archive, kB a receiver", |step| {
+        step.bytes as f64 / 1e3 / ladder.receivers as f64
+    })?;
+    let mut pictures = vec![("error_time.svg", time), ("error_bytes.svg", size)];
+    let mut files = vec![("tradeoff.csv", ladder_csv(ladder))];
+    if let Some(points) = sources {
+        pictures.push(("sources.svg", sources_picture(points)?));
+        files.push(("sources.csv", sources_csv(points)));
+    }
+    files.push((PAGE, page(site, ladder, &pictures)));
+    files.extend(pictures);
+    Ok(files)
+}
+
+fn picture(ladder: &Ladder, title: &str, x: &str, at: impl Fn(&Step) -> f64) -> Result<String> {
+    // Rungs that some other one beats in time stand apart.
+    let some = |frontier: bool| {
+        let mut steps: Vec<&Step> = ladder.steps.iter().filter(|s| s.frontier == frontier).collect();
+        steps.sort_by(|a, b| at(a).total_cmp(&at(b)));
+        steps
+    };
+    let series = |name: &str, steps: Vec<&Step>, style: Style| Series {
+        name: name.into(),
+        points: steps.iter().map(|step| (at(step), step.error)).collect(),
+        labels: steps.iter().map(|step| step.name.clone()).collect(),
+        style,
+    };
+    let plot = Plot {
+        title: title.into(),
+        x: Axis { label: x.into(), log: true },
+        y: Axis { label: "RMSE of hourly totals, % of their mean".into(), log: true },
+        series: vec![
+            series("nothing is faster and better", some(true), Style::Both),
+            series("something is", some(false), Style::Marks),
+        ],
+    };
+    plot.svg(SIZE.0, SIZE.1)
+}
+
+fn sources_picture(points: &[Point]) -> Result<String> {
+    let mut series: Vec<Series> = Vec::new();
+    for point in points {
+        if series.last().is_none_or(|last| last.name != point.setting) {
+            let name = point.setting.to_string();
+            series.push(Series { name, points: Vec::new(), labels: Vec::new(), style: Style::Both });
+        }
+        if let Some(last) = series.last_mut() {
+            last.points.push((point.value, point.mean_absolute));
+        }
+    }
+    let plot = Plot {
+        title: "Each setting alone".into(),
+        x: Axis { label: "value of the setting".into(), log: true },
+        y: Axis { label: "mean absolute error, % of the mean total".into(), log: true },
+        series,
+    };
+    plot.svg(SIZE.0, SIZE.1)
+}
+
+fn ladder_csv(ladder: &Ladder) -> String {
+    let mut out = String::from(
+        "rung,sky_base,sky_fine,hit,cell_factor,cell_floor_m,probe,probe_hits,closed_m,bounce_sky,bounce_hits,patches,steps,\
+         error_percent,bias_percent,yearly_percent,sky_percent,seen_percent,bounced_percent,trace_cpu_s,compress_cpu_s,replay_cpu_s,rays,\
+         bytes,receivers,frontier\n",
+    );
+    for step in &ladder.steps {
+        let s = &step.settings;
+        let [sky, seen, bounced] = step.sources;
+        out += &format!(
+            "\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{:.4},{:.4},{:.4},{sky:.4},{seen:.4},{bounced:.4},{:.4},{:.4},{:.4},{},{},{},{}\n",
+            step.name,
+            s.sky_base,
+            s.sky_fine,
+            s.hit,
+            s.cell_factor,
+            s.cell_floor_m,
+            s.probe,
+            s.probe_hits,
+            s.closed_m,
+            s.bounce_sky,
+            s.bounce_hits,
+            s.patches,
+            s.steps,
+            step.error,
+            step.bias,
+            step.yearly,
+            step.trace_s,
+            step.compress_s,
+            step.replay_s,
+            step.rays,
+            step.bytes,
+            ladder.receivers,
+            step.frontier
+        );
+    }
+    out
+}
+
+fn sources_csv(points: &[Point]) -> String {
+    let mut out =
+        String::from("setting,value,against,rmse_percent,mean_absolute_percent,bias_percent,order,rays,build_cpu_s\n");
+    for p in points {
+        let order = p.order.map_or(String::new(), |order| format!("{order:.3}"));
+        out += &format!(
+            "{},{},\"{}\",{:.5},{:.5},{:.5},{order},{},{:.4}\n",
+            p.setting, p.value, p.truth, p.rmse, p.mean_absolute, p.bias, p.rays, p.build_s
+        );
+    }
+    out
+}
+
+/// What a person should know, in words.
+fn words(site: &Site, ladder: &Ladder) -> String {
+    let watts = |step: &Step| step.error / 100.0 * ladder.mean_w_m2;
+    let named = |name: &str| ladder.steps.iter().find(|step| step.name == name);
+    let mut text = format!(
+        "{} of {} places of this site were calculated with {} different settings, from rough to very fine, under the same suns and skies ({}). \
+         On average such a place gets {:.0} W/m2. ",
+        site.sample,
+        site.receivers,
+        ladder.steps.len(),
+        escaped(site.weather),
+        ladder.mean_w_m2
+    );
+    if let (Some(standard), Some(fine)) = (named("standard"), named("fine")) {
+        text += &format!(
+            "With the usual setting, <b>standard</b>, a single hour is typically wrong by {:.1} W/m2 ({:.1} % of the average), and the sum over all \
+             hours by {:.1} %: too much in one hour makes up for too little in another. With <b>fine</b> it is {:.1} W/m2 ({:.1} %), \
+             for {:.1} times the computing time and {:.1} times the file. ",
+            watts(standard),
+            standard.error,
+            standard.yearly,
+            watts(fine),
+            fine.error,
+            fine.seconds() / standard.seconds().max(1e-9),
+            fine.bytes as f64 / standard.bytes.max(1) as f64
+        );
+    }
+    if let Some(knee) = ladder.knee() {
+        text += &format!(
+            "The best bargain here is <b>{}</b> ({:.1} %): finer settings cost more and more time for less and less gain. ",
+            escaped(&knee.name),
+            knee.error
+        );
+    }
+    text +=
+        "To ask for an error instead of a setting, build with <code>--error 2%</code>, or the number that you need.";
+    text
+}
+
+fn page(site: &Site, ladder: &Ladder, pictures: &[(&str, String)]) -> String {
+    let scene = escaped(&site.scene.display().to_string());
+    let drawn: String = pictures.iter().map(|(_, svg)| format!("<figure>{svg}</figure>\n")).collect();
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>What accuracy costs: {scene}</title>\n<style>\n\
+         body {{ font-family: sans-serif; max-width: 52em; margin: 2em auto; padding: 0 1em; line-height: 1.5 }}\n\
+         pre {{ font-size: 85%; overflow-x: auto }} figure {{ margin: 1.5em 0 }} svg {{ max-width: 100%; height: auto }}\n\
+         </style>\n</head>\n<body>\n<h1>What accuracy costs: {scene}</h1>\n<p>{}</p>\n{drawn}<pre>{}</pre>\n</body>\n</html>\n",
+        words(site, ladder),
+        escaped(&ladder.table())
+    )
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
