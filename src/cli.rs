@@ -4,6 +4,7 @@ mod effects;
 mod export;
 mod quality;
 mod tradeoff;
+mod study;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -24,6 +25,7 @@ pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
 pub use self::quality::{AccuracyArgs, Percent, Quality};
 pub use self::tradeoff::TradeoffArgs;
+pub use self::study::{Distances, Rays, StudyArgs, StudyCommand, WallArgs};
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]
@@ -61,6 +63,8 @@ pub enum Command {
     Diff(DiffArgs),
     /// Layers of a receiver as images, view factors of all receivers as a table
     Export(ExportArgs),
+    /// The studies of the paper, drawn again
+    Study(StudyArgs),
 }
 
 #[derive(Args, Debug)]

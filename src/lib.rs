@@ -3,7 +3,7 @@
 //!
 //! Stages, left to right; a file imports only stages to its left (a test reads the imports):
 //!
-//! `units, error, spill, hemisphere | scene | trace | layers | archive | recombine | outputs | cli, commands`
+//! `units, error, spill, hemisphere, mapping | scene | trace | layers | archive | recombine | outputs | cli, commands`
 //!
 //! What never happens: only `trace` casts rays; `recombine` does not import `trace`; only `archive::source` holds `unsafe`;
 //! bytes of an archive do not depend on threads, on the order of receivers or faces, or on time.
@@ -14,6 +14,7 @@ pub mod commands;
 pub mod error;
 pub mod hemisphere;
 pub mod layers;
+pub mod mapping;
 pub mod outputs;
 pub mod recombine;
 pub mod scene;

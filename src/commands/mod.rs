@@ -13,6 +13,7 @@ pub mod repair;
 pub mod replay;
 pub mod store;
 pub mod tradeoff;
+pub mod study;
 pub mod transfer;
 
 use std::fs::{self, File};
@@ -48,6 +49,7 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Merge(args) => transfer::merge::run(args),
         Command::Diff(args) => transfer::diff::run(args),
         Command::Export(args) => export::run(args),
+        Command::Study(args) => study::run(args),
     }
 }
 

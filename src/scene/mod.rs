@@ -20,6 +20,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 mod text;
+pub mod wall;
 
 use std::path::Path;
 

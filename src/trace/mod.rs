@@ -4,6 +4,7 @@
 pub mod beam;
 pub mod bounce;
 pub mod canopy;
+pub mod form_factor;
 pub mod lanes;
 pub mod mirror;
 pub mod packet;

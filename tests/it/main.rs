@@ -21,6 +21,7 @@ mod response;
 mod results;
 mod scenes;
 mod store;
+mod study;
 mod tidy;
 mod transfer;
 mod weather;

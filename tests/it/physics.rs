@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use heliotile::commands::build::BuildSettings;
 use heliotile::hemisphere::{Frame, mix, unit};
 use heliotile::recombine::bounces::Depth;
 use heliotile::recombine::sky::SkyModel;
+use heliotile::scene::wall::Wall;
 use heliotile::units::SUN_RADIUS_RAD;
 
 use crate::scenes::*;
@@ -19,14 +20,6 @@ fn assert_near(what: &str, got: f64, expected: f64, tolerance: f64) {
     let error = (got - expected).abs();
     println!("{what}: off by {error:.3} % of open sky");
     assert!(error <= tolerance * OPEN, "{what}: {got:.4}, expected {expected:.4}, off by {:.3} % of open sky", error);
-}
-
-/// View factor of a 2a x 2b rectangle from an element facing its centre at distance d (Siegel and Howell, differential
-/// element to parallel rectangle, four times the corner formula).
-fn rectangle_view_factor(a: f64, b: f64, d: f64) -> f64 {
-    let (x, y) = (a / d, b / d);
-    let (p, q) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
-    4.0 / (2.0 * PI) * (x / p * (y / p).atan() + y / q * (x / q).atan())
 }
 
 /// Open receivers at seven tilts over a large ground of albedo 0.2: sky (1 + cos)/2 within 0.3 %, ground 0.2 (1 - cos)/2 within 1 %.
@@ -49,7 +42,7 @@ fn tilted_over_ground() {
 #[test]
 fn wall_form_factor() {
     for d in [1.0, 2.0, 5.0, 10.0, 20.0, 50.0] {
-        let view_factor = rectangle_view_factor(5.0, 5.0, d);
+        let view_factor = Wall { width_m: 10.0, height_m: 10.0, distance_m: d }.form_factor(DVec2::ZERO);
         // Above a horizontal receiver: a black roof hides its view factor.
         let roof = quad(v(-5.0, -5.0, d), v(10.0, 0.0, 0.0), v(0.0, 10.0, 0.0), 0);
         let up = [receiver("up", DVec3::ZERO, DVec3::Z)];

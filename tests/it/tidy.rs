@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Stages in the order that data flows; files outside a folder belong to the stage of their name.
-const STAGES: [&str; 12] = [
+const STAGES: [&str; 13] = [
     "units",
     "error",
     "spill",
     "hemisphere",
+    "mapping",
     "scene",
     "trace",
     "layers",

@@ -1,0 +1,139 @@
+//! Command line of `study`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Subcommand};
+
+use crate::mapping::Mapping;
+
+#[derive(Args, Debug)]
+pub struct StudyArgs {
+    #[command(subcommand)]
+    pub command: StudyCommand,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum StudyCommand {
+    /// Fig. 5: form factor of a wall of 10 m x 10 m at 1 to 50 m, by three maps of the hemisphere and three numbers of rays
+    Wall(WallArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct WallArgs {
+    /// Folder to write wall.csv, wall.svg and wall_error.svg to; made if it is not there
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Maps: longitude-latitude (equal angles), solid-angle (that of archives), cosine (every ray counts the same)
+    #[arg(long, value_name = "MAPS", value_delimiter = ',', default_value = "longitude-latitude,solid-angle,cosine")]
+    pub mapping: Vec<Mapping>,
+    /// Rays a hemisphere: squares, as every map has n x n texels; the middle number is the one of wall.svg
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', default_value = "256,1024,4096")]
+    pub rays: Vec<Rays>,
+    /// Distances, metres: 1..50 in steps of 1, or 1,2.5,10
+    #[arg(long, value_name = "METRES", default_value = "1..50", allow_hyphen_values = true)]
+    pub distances: Distances,
+    /// Points of the receiver, spread evenly over 1 m x 1 m; form factors are their means
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub points: u32,
+}
+
+/// Most texels a side of a map.
+const MOST_SIDE: usize = 1024;
+
+/// Rays of a hemisphere: `side` x `side`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Rays {
+    pub side: usize,
+}
+
+impl Rays {
+    pub fn count(self) -> usize {
+        self.side * self.side
+    }
+}
+
+impl FromStr for Rays {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let hint = format!("give squares from 1 to {}, such as 256,1024,4096", MOST_SIDE * MOST_SIDE);
+        let count: usize = text.trim().parse().map_err(|_| format!("`{text}` is not a number of rays: {hint}"))?;
+        let side = count.isqrt();
+        if !(1..=MOST_SIDE).contains(&side) {
+            return Err(format!("{count} rays: {hint}"));
+        }
+        if side * side != count {
+            let (below, above) = (side * side, (side + 1) * (side + 1));
+            return Err(format!(
+                "{count} rays fill no square of texels, the next that do are {below} and {above}: {hint}"
+            ));
+        }
+        Ok(Rays { side })
+    }
+}
+
+/// Distances in metres, each above 0, at least one, rising.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distances(pub Vec<f64>);
+
+/// Farther the wall is narrower than a ray's rounding.
+const FARTHEST_M: f64 = 10_000.0;
+
+impl FromStr for Distances {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let hint = format!("give metres above 0 and up to {FARTHEST_M}, as in 1..50 or 1,2.5,10");
+        let number = |part: &str| match part.trim().parse::<f64>() {
+            Ok(metres) if metres > 0.0 && metres <= FARTHEST_M => Ok(metres),
+            Ok(metres) => Err(format!("a distance is {metres} m: {hint}")),
+            Err(_) => Err(format!("`{part}` is not a distance: {hint}")),
+        };
+        let mut all = Vec::new();
+        for part in text.split(',') {
+            match part.split_once("..") {
+                None => all.push(number(part)?),
+                Some((first, last)) => {
+                    let (first, last) = (number(first)?, number(last)?);
+                    if first > last {
+                        return Err(format!("`{part}` is empty: {hint}"));
+                    }
+                    all.extend((0..).map(|k| first + f64::from(k)).take_while(|metres| *metres <= last));
+                }
+            }
+        }
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        Ok(Distances(all))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1..50 is 50 distances, lists and ranges mix (4), and 7 texts that hold none are refused with what to give.
+    #[test]
+    fn distances() {
+        let read = |text: &str| text.parse::<Distances>().map(|d| d.0);
+        assert_eq!(read("1..50").map(|d| (d.len(), d[49])), Ok((50, 50.0)));
+        assert_eq!(read("0.5, 2..3.5,10"), Ok(vec![0.5, 2.0, 3.0, 10.0]));
+        for text in ["", "-1", "0", "nan", "5..1", "1..", "10001"] {
+            assert!(read(text).is_err_and(|message| message.contains("1..50")), "{text}");
+        }
+    }
+
+    /// Squares are taken (4 of 4), anything else is refused with what to give (6 of 6); 1000 names its neighbours 961 and 1024.
+    #[test]
+    fn rays() {
+        for (text, side) in [("1", 1), ("100", 10), ("4096", 64), ("1048576", 1024)] {
+            assert_eq!(text.parse(), Ok(Rays { side }));
+        }
+        for text in ["0", "", "-4", "1000", "2.25", "18446744073709551615"] {
+            assert!(text.parse::<Rays>().is_err_and(|message| message.contains("256,1024,4096")), "{text}");
+        }
+        let message = "1000".parse::<Rays>().expect_err("no square");
+        assert!(message.contains("961 and 1024"), "{message}");
+    }
+}
