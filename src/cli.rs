@@ -3,8 +3,8 @@
 mod effects;
 mod export;
 mod quality;
-mod tradeoff;
 mod study;
+mod tradeoff;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -24,8 +24,8 @@ use crate::recombine::temperatures::Temperature;
 pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
 pub use self::quality::{AccuracyArgs, Percent, Quality};
-pub use self::tradeoff::TradeoffArgs;
 pub use self::study::{Distances, Rays, StudyArgs, StudyCommand, WallArgs};
+pub use self::tradeoff::TradeoffArgs;
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]

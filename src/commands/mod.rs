@@ -12,8 +12,8 @@ mod progress;
 pub mod repair;
 pub mod replay;
 pub mod store;
-pub mod tradeoff;
 pub mod study;
+pub mod tradeoff;
 pub mod transfer;
 
 use std::fs::{self, File};

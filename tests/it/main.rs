@@ -1,5 +1,6 @@
 //! All integration tests in one binary, by question.
 
+mod accuracy;
 mod archive;
 mod canopy;
 mod cli;

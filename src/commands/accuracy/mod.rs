@@ -2,7 +2,8 @@
 //! they are expected to be off by, and what they were found to be off by.
 //!
 //! Half of a spread sample of the receivers is the pilot: it is built with a few settings, and the distances between them give the error of
-//! every rung of each ladder ([`estimate`]). The other half is the check: built with the settings that were chosen and with finer ones.
+//! every rung of each ladder ([`estimate`]). The other half is the check: built with the settings that were chosen and with finer ones; where that
+//! finds more than was wanted, finer settings are chosen by what it found.
 //! Nothing here depends on the machine, so the same site and target give the same settings, and the same archive.
 
 pub mod conditions;
@@ -185,24 +186,39 @@ pub(super) fn choose(scene: &Scene, ready: &Ready, receivers: &mut ReceiverTiles
         }
         finer = next;
     }
-    let (_, here) = try_out(1, chosen)?;
-    let (_, truth) = try_out(1, Rungs { patches: PATCHES.len() - 1, ..finer })?;
+
+    let judge = |finer: Rungs| try_out(1, Rungs { patches: PATCHES.len() - 1, ..finer });
+    let tile = |i: usize| sample.get(2 * i + 1).or(sample.first()).map_or(0, |s| s.0);
+    let mut truth = judge(finer)?.1.light;
+    // What the check finds over what the pilot expects.
+    let (mut scale, mut round) = (1.0, 1);
+    let (accuracy, expected) = loop {
+        let (_, here) = try_out(1, chosen)?;
+        let left = Source::ALL.map(|source| errors.at(finer, source).min(errors.at(chosen, source)).powi(2));
+        let accuracy = found(&here.light, &truth, scale * left.iter().sum::<f64>().sqrt(), tile);
+        let expected = scale * errors.total(chosen);
+        let again = errors.cheapest(wish.target_percent * expected / (scale * accuracy.rmse_percent));
+        if accuracy.rmse_percent <= wish.target_percent || round == ROUNDS || again == chosen {
+            break (accuracy, expected);
+        }
+        (chosen, scale, round) = (again, scale * accuracy.rmse_percent / expected, round + 1);
+        let next = self::finer(chosen, &errors, wish.target_percent / scale);
+        if Source::ALL.iter().any(|&source| rung(next, source) > rung(finer, source)) {
+            finer = next;
+            truth = judge(finer)?.1.light;
+        }
+    };
     progress.finish_and_clear();
 
-    let sources = Source::ALL.map(|source| errors.at(chosen, source));
-    let predicted = errors.total(chosen);
-    let residual = Source::ALL.map(|source| errors.at(finer, source).min(errors.at(chosen, source)));
-    let residual = residual.iter().map(|error| error * error).sum::<f64>().sqrt();
-    let tile = |i: usize| sample.get(2 * i + 1).or(sample.first()).map_or(0, |s| s.0);
     let accuracy = Accuracy {
         target_percent: wish.target_percent,
-        predicted_percent: rounded(predicted),
+        predicted_percent: rounded(expected),
         conditions: conditions.len() as u64,
         weather,
-        ..found(&here.light, &truth.light, residual, tile)
+        ..accuracy
     };
-    let [sky, seen, bounced] = sources;
-    let sources_percent = [sky, seen, bounced, patches[chosen.patches]];
+    let [sky, seen, bounced] = Source::ALL.map(|source| scale * errors.at(chosen, source));
+    let sources_percent = [sky, seen, bounced, scale * patches[chosen.patches]];
     let pilot_s = started.elapsed().as_secs_f64();
     Ok(Choice { settings: settings(chosen), accuracy, sources_percent, pilot_s })
 }

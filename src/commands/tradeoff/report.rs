@@ -58,10 +58,13 @@ fn picture(ladder: &Ladder, title: &str, x: &str, at: impl Fn(&Step) -> f64) -> 
         title: title.into(),
         x: Axis { label: x.into(), log: true },
         y: Axis { label: "RMSE of hourly totals, % of their mean".into(), log: true },
-        series: vec![
-            series("nothing is faster and better", some(true), Style::Both),
+        series: [
+            series("the frontier: nothing is faster and better", some(true), Style::Both),
             series("something is", some(false), Style::Marks),
-        ],
+        ]
+        .into_iter()
+        .filter(|series| !series.points.is_empty())
+        .collect(),
     };
     plot.svg(SIZE.0, SIZE.1)
 }
