@@ -29,6 +29,8 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Index into the scene's materials, one per triangle.
     pub triangle_material: Vec<u16>,
+    /// Unit normals, one per triangle: each is asked for many times.
+    normals: Vec<DVec3>,
 }
 
 impl Mesh {
@@ -44,12 +46,9 @@ impl Mesh {
     }
 
     /// Unit normal by the right-hand rule, from f64 positions. Panics beyond the last triangle, as a slice does.
+    #[allow(clippy::indexing_slicing)] // as many as triangles
     pub fn normal(&self, triangle: usize) -> DVec3 {
-        let [a, b, c] = self.triangle_points(triangle);
-        // Scaled first: the product of two lengths in a tiny scene would underflow.
-        let (ab, ac) = (b - a, c - a);
-        let scale = ab.abs().max_element().max(ac.abs().max_element());
-        (ab / scale).cross(ac / scale).normalize()
+        self.normals[triangle]
     }
 }
 
@@ -110,12 +109,14 @@ pub(super) fn canonical(positions: &[DVec3], mut triangles: Vec<RawTriangle>) ->
     let dropped = Dropped { degenerate, duplicates: rotated - triangles.len(), contested };
 
     let (used, triangle_material) = number_materials(&triangles)?;
-    let mesh = Mesh {
+    let mut mesh = Mesh {
         origin: if triangles.is_empty() { DVec3::ZERO } else { origin },
         vertices,
         triangles: triangles.iter().map(|triangle| triangle.corners).collect(),
         triangle_material,
+        normals: Vec::new(),
     };
+    mesh.normals = (0..triangles.len()).map(|triangle| unit_normal(mesh.triangle_points(triangle))).collect();
     Ok(Canonical { mesh, used, dropped })
 }
 
@@ -174,6 +175,13 @@ fn number_materials(triangles: &[RawTriangle]) -> Result<(Vec<u32>, Vec<u16>)> {
     let number = |material| used.binary_search(&material).unwrap_or_default() as u16;
     let numbers = triangles.iter().map(|triangle| number(triangle.material)).collect();
     Ok((used, numbers))
+}
+
+fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    // Scaled first: the product of two lengths in a tiny scene would underflow.
+    let (ab, ac) = (b - a, c - a);
+    let scale = ab.abs().max_element().max(ac.abs().max_element());
+    (ab / scale).cross(ac / scale).normalize()
 }
 
 fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {

@@ -24,10 +24,12 @@ pub struct SurfacePoint {
     pub normal: DVec3,
 }
 
-/// A triangle of the cell, seen along the cell's axis: `u`, `v` are the two other axes.
+/// A triangle of the cell, and how it looks along the cell's axis.
 struct Candidate {
     corners: [DVec3; 3],
     normal: DVec3,
+    flat: [DVec2; 3],
+    /// Box of its part in the voxel.
     low: DVec2,
     high: DVec2,
 }
@@ -46,6 +48,7 @@ pub fn sample(key: CellKey, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
     };
 
     let mut candidates = Vec::new();
+    let mut clipper = Clipper::default();
     let (mut box_low, mut box_high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let mut largest: Option<(f64, SurfacePoint)> = None;
     for triangle in tracer.triangles_near(low, high) {
@@ -55,10 +58,10 @@ pub fn sample(key: CellKey, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
         }
         let Some(normal) = key.side_of(mesh.normal(i)) else { continue };
         let corners = mesh.triangle_points(i);
-        let polygon = clip(&corners, low, high);
-        let Some((area, centre)) = area_and_centre(&polygon) else { continue };
+        let polygon = clipper.clip(&corners, low, high);
+        let Some((area, centre)) = area_and_centre(polygon) else { continue };
         let (mut low2, mut high2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for p in &polygon {
+        for p in polygon {
             low2 = low2.min(flat(*p));
             high2 = high2.max(flat(*p));
         }
@@ -67,7 +70,7 @@ pub fn sample(key: CellKey, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
         if largest.as_ref().is_none_or(|(a, _)| area > *a) {
             largest = Some((area, SurfacePoint { position: centre, normal }));
         }
-        candidates.push(Candidate { corners, normal, low: low2, high: high2 });
+        candidates.push(Candidate { corners, normal, flat: corners.map(flat), low: low2, high: high2 });
     }
 
     let seed = key.seed();
@@ -85,7 +88,7 @@ pub fn sample(key: CellKey, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
             if at.cmplt(c.low).any() || at.cmpgt(c.high).any() {
                 continue;
             }
-            let Some(weights) = barycentric(c.corners.map(flat), at) else { continue };
+            let Some(weights) = barycentric(c.flat, at) else { continue };
             let position = c.corners[0] * weights[0] + c.corners[1] * weights[1] + c.corners[2] * weights[2];
             let height = position[axis] * sign;
             let inside = position[axis] >= low[axis] && position[axis] <= high[axis];
@@ -101,31 +104,42 @@ pub fn sample(key: CellKey, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
     points
 }
 
-/// The part of a triangle inside a box (Sutherland and Hodgman 1974); at most nine corners.
-fn clip(corners: &[DVec3; 3], low: DVec3, high: DVec3) -> Vec<DVec3> {
-    let mut polygon = corners.to_vec();
-    for axis in 0..3 {
-        for (bound, sign) in [(low[axis], 1.0), (high[axis], -1.0)] {
-            let depth = |p: &DVec3| (p[axis] - bound) * sign;
-            let mut kept = Vec::with_capacity(polygon.len() + 1);
-            for (i, p) in polygon.iter().enumerate() {
-                let q = &polygon[(i + 1) % polygon.len()];
-                let (dp, dq) = (depth(p), depth(q));
-                if dp >= 0.0 {
-                    kept.push(*p);
+/// Cuts triangles to a box (Sutherland and Hodgman 1974), in lists that serve one triangle after the other.
+#[derive(Default)]
+struct Clipper {
+    polygon: Vec<DVec3>,
+    kept: Vec<DVec3>,
+}
+
+impl Clipper {
+    /// The part of a triangle inside a box; at most nine corners but for rounding.
+    fn clip(&mut self, corners: &[DVec3; 3], low: DVec3, high: DVec3) -> &[DVec3] {
+        let Clipper { polygon, kept } = self;
+        polygon.clear();
+        polygon.extend(corners);
+        for axis in 0..3 {
+            for (bound, sign) in [(low[axis], 1.0), (high[axis], -1.0)] {
+                let depth = |p: &DVec3| (p[axis] - bound) * sign;
+                if polygon.iter().all(|p| depth(p) >= 0.0) {
+                    continue;
                 }
-                // The two depths have opposite signs, so their difference is not zero.
-                if (dp >= 0.0) != (dq >= 0.0) {
-                    kept.push(*p + (*q - *p) * (dp / (dp - dq)));
+                kept.clear();
+                for (i, p) in polygon.iter().enumerate() {
+                    let q = polygon.get(i + 1).unwrap_or(&polygon[0]);
+                    let (dp, dq) = (depth(p), depth(q));
+                    if dp >= 0.0 {
+                        kept.push(*p);
+                    }
+                    // The two depths have opposite signs, so their difference is not zero.
+                    if (dp >= 0.0) != (dq >= 0.0) {
+                        kept.push(*p + (*q - *p) * (dp / (dp - dq)));
+                    }
                 }
-            }
-            polygon = kept;
-            if polygon.is_empty() {
-                return polygon;
+                std::mem::swap(polygon, kept);
             }
         }
+        polygon
     }
-    polygon
 }
 
 /// Area and area centroid of a plane convex polygon; `None` if it has no area.

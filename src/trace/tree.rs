@@ -87,21 +87,31 @@ impl Tree {
         }
     }
 
-    /// Mesh indices of all triangles whose leaf touches the given box, ascending.
+    /// Mesh indices of all triangles whose own box touches the given one, ascending.
     pub fn triangles_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
+        let triangle_touches = |t: &&EdgeTriangle| {
+            (0..3).all(|i| {
+                let at = t.corners.map(|corner| f64::from(corner[i]));
+                at.iter().any(|&x| x >= low[i]) && at.iter().any(|&x| x <= high[i])
+            })
+        };
         let (low, high) = (low.as_vec3().to_array(), high.as_vec3().to_array());
         let mut found = Vec::new();
         let mut stack = vec![Child::default()];
         while let Some(next) = stack.pop() {
             if next.count > 0 {
                 let range = next.first as usize..(next.first + next.count) as usize;
-                found.extend(self.triangles[range].iter().map(|t| t.id));
+                found.extend(self.triangles[range].iter().filter(triangle_touches).map(|t| t.id));
                 continue;
             }
             let node = &self.nodes[next.first as usize];
-            let touches =
-                |k: &usize| (0..3).all(|i| node.planes[i][0][*k] <= high[i] && -node.planes[i][1][*k] >= low[i]);
-            stack.extend((0..WIDTH).filter(touches).map(|k| node.child[k]));
+            let mut touches = [true; WIDTH];
+            for (i, [lows, highs]) in node.planes.iter().enumerate() {
+                for (k, touches) in touches.iter_mut().enumerate() {
+                    *touches &= lows[k] <= high[i] && -highs[k] >= low[i];
+                }
+            }
+            stack.extend((0..WIDTH).filter(|&k| touches[k]).map(|k| node.child[k]));
         }
         found.sort_unstable();
         found.dedup();
