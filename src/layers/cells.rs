@@ -1,11 +1,9 @@
 //! Cells as plain tables, sorted by key: fine probes and the coarse cells of the bounce system alike. In: traced cells, or tables
 //! of an archive. Out: columns that recombination reads.
 
-use std::collections::HashMap;
-
 use super::extras::{Extras, MIRROR};
 use super::mirror::CellMirrors;
-use crate::scene::cells::CellKey;
+use crate::scene::cells::{CellKey, CellMap};
 
 /// Some cells: what each sees of the sky and which coarse cells.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,6 +47,9 @@ pub struct Cell {
     pub extras: Extras,
 }
 
+/// Bytes of a ray of [`Cell::to_bytes`].
+const RAY_BYTES: usize = 1 + size_of::<u128>();
+
 impl Cell {
     /// The cells that it sees, some of them in mirrors.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
@@ -58,7 +59,9 @@ impl Cell {
 
     /// All but the key, for sorting outside memory.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes: Vec<u8> = self.normal.iter().flat_map(|n| n.to_le_bytes()).collect();
+        let extras: usize = self.extras.iter().map(|layer| 4 + layer.len()).sum();
+        let mut bytes = Vec::with_capacity(12 + self.bits.len() + extras + RAY_BYTES * self.seen.len());
+        bytes.extend(self.normal.iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend(&self.bits);
         for layer in &self.extras {
             bytes.extend((layer.len() as u32).to_le_bytes());
@@ -66,18 +69,13 @@ impl Cell {
         }
         for (up, key) in &self.seen {
             bytes.push(u8::from(*up) | u8::from(key.is_some()) << 1);
-            bytes.extend(key.map_or([0; CellKey::BYTES], CellKey::to_bytes));
+            bytes.extend(key.map_or(0, CellKey::number).to_le_bytes());
         }
         bytes
     }
 
     /// Inverse of [`CellKey::to_bytes`] and [`Cell::to_bytes`] for a number of bytes of sky bits.
     pub fn from_bytes(key: &[u8], cell: &[u8], bits: usize) -> Self {
-        let key_of = |bytes: &[u8]| {
-            let mut key = [0; CellKey::BYTES];
-            key.copy_from_slice(bytes);
-            CellKey::from_bytes(&key)
-        };
         let (head, mut rest) = cell.split_at(12 + bits);
         let extras = std::array::from_fn(|_| {
             let (length, tail) = rest.split_at(4);
@@ -87,12 +85,15 @@ impl Cell {
             layer.to_vec()
         });
         let float = |axis: usize| f32::from_le_bytes([0, 1, 2, 3].map(|i| head[4 * axis + i]));
-        let ray = |ray: &[u8]| (ray[0] & 1 == 1, (ray[0] & 2 == 2).then(|| key_of(&ray[1..])));
+        let number = |bytes: &[u8]| u128::from_le_bytes(bytes.last_chunk().copied().unwrap_or_default());
+        let ray = |ray: &[u8]| (ray[0] & 1 == 1, (ray[0] & 2 == 2).then(|| CellKey::from_number(number(ray))));
+        let mut key_bytes = [0; CellKey::BYTES];
+        key_bytes.copy_from_slice(key);
         Cell {
-            key: key_of(key),
+            key: CellKey::from_bytes(&key_bytes),
             normal: [float(0), float(1), float(2)],
             bits: head[12..].to_vec(),
-            seen: rest.chunks_exact(1 + CellKey::BYTES).map(ray).collect(),
+            seen: rest.chunks_exact(RAY_BYTES).map(ray).collect(),
             extras,
         }
     }
@@ -101,14 +102,7 @@ impl Cell {
 impl Cells {
     /// A table of traced cells, which are sorted by key and have equal numbers of texels and rays.
     pub fn new(cells: &[Cell]) -> Self {
-        // Some thousand cells are seen ten times each: sorting comes after.
-        let mut numbers: HashMap<CellKey, u32> =
-            cells.iter().flat_map(|c| &c.seen).filter_map(|s| s.1).map(|key| (key, 0)).collect();
-        let mut seen: Vec<CellKey> = numbers.keys().copied().collect();
-        seen.sort_unstable();
-        for (key, number) in seen.iter().zip(0..) {
-            numbers.insert(*key, number);
-        }
+        let (seen, numbers) = numbered(cells.iter().flat_map(|c| &c.seen).filter_map(|s| s.1));
         let number = |&(up, key): &(bool, Option<CellKey>)| {
             // Every cell that is seen was listed above.
             let index = key.and_then(|key| numbers.get(&key).copied()).unwrap_or(MISS);
@@ -160,13 +154,10 @@ impl Cells {
 
     /// Tables one after the other; keys rise from table to table.
     pub fn join(parts: &[Cells]) -> Cells {
-        let mut seen: Vec<CellKey> = parts.iter().flat_map(|p| p.seen.iter().copied()).collect();
-        seen.sort_unstable();
-        seen.dedup();
+        let (seen, numbers) = numbered(parts.iter().flat_map(|p| p.seen.iter().copied()));
         let hits = parts.iter().flat_map(|part| {
             // Every cell that is seen was listed above.
-            let numbers: Vec<u32> =
-                part.seen.iter().map(|key| seen.binary_search(key).map_or(MISS, |i| i as u32)).collect();
+            let numbers: Vec<u32> = part.seen.iter().map(|key| numbers.get(key).copied().unwrap_or(MISS)).collect();
             part.hits.iter().map(move |&hit| renumber(hit, &numbers))
         });
         Cells {
@@ -238,6 +229,19 @@ impl Cells {
 /// Rows of a layer, none if all are empty.
 fn gathered<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Vec<Vec<u8>> {
     if rows.clone().all(<[u8]>::is_empty) { Vec::new() } else { rows.map(<[u8]>::to_vec).collect() }
+}
+
+/// Keys sorted, each once, and the place of each.
+pub(super) fn numbered(keys: impl Iterator<Item = CellKey>) -> (Vec<CellKey>, CellMap<u32>) {
+    // Most keys come many times: sorting comes after.
+    let mut numbers: CellMap<u32> = keys.map(|key| (key, 0)).collect();
+    let mut sorted: Vec<CellKey> = numbers.keys().copied().collect();
+    // Comparing keys costs more than making their bytes once.
+    sorted.sort_by_cached_key(|key| key.to_bytes());
+    for (key, number) in sorted.iter().zip(0..) {
+        numbers.insert(*key, number);
+    }
+    (sorted, numbers)
 }
 
 /// A hit under the new numbers of what is seen.

@@ -1,6 +1,7 @@
 //! The hit texture: which cell each texel of a receiver's own hemisphere meets. In: keys per texel. Out: a tile's palette of
 //! keys and 16-bit indices into it, and back.
 
+use super::cells::numbered;
 use crate::scene::cells::CellKey;
 
 /// Hits of the receivers of one tile.
@@ -19,14 +20,9 @@ impl HitTile {
     /// Gathers the receivers' textures, each of the same number of texels.
     pub fn new(receivers: &[impl AsRef<[Option<CellKey>]>]) -> Self {
         let textures = || receivers.iter().flat_map(AsRef::as_ref);
-        let mut palette: Vec<CellKey> = textures().flatten().copied().collect();
-        palette.sort_unstable();
-        palette.dedup();
-        let index = |key: &Option<CellKey>| match key {
-            // Every key of the textures is in the palette.
-            Some(key) => palette.binary_search(key).map_or(0, |i| i as u32 + 1),
-            None => 0,
-        };
+        let (palette, numbers) = numbered(textures().flatten().copied());
+        // Every key of the textures is in the palette.
+        let index = |key: &Option<CellKey>| key.and_then(|key| numbers.get(&key)).map_or(0, |number| number + 1);
         let texels = textures().map(index).collect();
         HitTile { palette, texels }
     }

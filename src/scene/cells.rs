@@ -4,6 +4,8 @@
 //! nest, so the cell of a coarser level holds whole cells of every finer one.
 
 use std::cmp::Ordering;
+use std::collections::{HashMap, HashSet};
+use std::hash::{BuildHasherDefault, Hash, Hasher};
 
 use glam::DVec3;
 
@@ -26,7 +28,7 @@ const BACK: u8 = 64;
 ///
 /// Keys are ordered by place first: by the Morton code of a region, then by the fields as they stand. So what is near each
 /// other lies near each other in an archive, and a part of a site needs a part of its cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellKey {
     pub level: i8,
     pub facing: u8,
@@ -39,10 +41,39 @@ const REGION_LEVEL: i8 = 6;
 
 impl Ord for CellKey {
     fn cmp(&self, other: &Self) -> Ordering {
-        let fields = |k: &Self| (k.level, k.facing, k.material, k.voxel);
-        morton_cmp(self.region_voxel(), other.region_voxel()).then_with(|| fields(self).cmp(&fields(other)))
+        morton_cmp(self.region_voxel(), other.region_voxel()).then_with(|| self.number().cmp(&other.number()))
     }
 }
+
+impl Hash for CellKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let [high, low] = [(self.number() >> 64) as u64, self.number() as u64];
+        state.write_u64(high);
+        state.write_u64(low);
+    }
+}
+
+/// Hashes of keys in few instructions, the same in every run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
+    }
+    fn write_u64(&mut self, value: u64) {
+        self.0 = mix(self.0, value);
+    }
+}
+
+/// Values by cell; their order means nothing.
+pub type CellMap<T> = HashMap<CellKey, T, BuildHasherDefault<KeyHasher>>;
+
+/// Cells, each once; their order means nothing.
+pub type CellSet = HashSet<CellKey, BuildHasherDefault<KeyHasher>>;
 
 impl PartialOrd for CellKey {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
@@ -60,39 +91,50 @@ impl CellKey {
         x | y << 1 | z << 2
     }
 
+    /// All fields as one number that sorts as they do.
+    pub fn number(self) -> u128 {
+        // Flipping the sign bit makes signed numbers sort as unsigned ones.
+        let [level] = self.level.to_be_bytes();
+        let head = u128::from(level ^ 0x80) << 24 | u128::from(self.facing) << 16 | u128::from(self.material);
+        self.voxel.iter().fold(head, |number, &v| number << 32 | u128::from((v ^ i32::MIN) as u32))
+    }
+
+    /// Inverse of [`CellKey::number`].
+    pub fn from_number(number: u128) -> Self {
+        // `as` cuts each part out.
+        let part = |shift: u32| (number >> shift) as u32;
+        CellKey {
+            level: (part(120) as u8 ^ 0x80).cast_signed(),
+            facing: part(112) as u8,
+            material: part(96) as u16,
+            voxel: [64, 32, 0].map(|shift| part(shift).cast_signed() ^ i32::MIN),
+        }
+    }
+
     /// Voxel of the region, 21 bits an axis.
     fn region_voxel(self) -> [u32; 3] {
         let finer = u32::from(REGION_LEVEL.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
         let coarser = u32::from(self.level.saturating_sub(REGION_LEVEL).max(0).unsigned_abs()).min(31);
         let middle = 1_i64 << (MORTON_BITS - 1);
         self.voxel.map(|v| {
-            let region = ((i64::from(v) << coarser) >> finer).saturating_add(middle);
+            let region = ((i64::from(v) << coarser) >> finer) + middle;
             region.clamp(0, 2 * middle - 1) as u32
         })
     }
 
     /// Bytes that sort as keys do, for sorting outside memory.
     pub fn to_bytes(self) -> [u8; CellKey::BYTES] {
-        // Flipping the sign bit makes signed numbers sort as unsigned ones.
-        let [level] = self.level.to_be_bytes();
-        let [x, y, z] = self.voxel.map(|v| (v ^ i32::MIN).to_be_bytes());
         let mut bytes = [0; CellKey::BYTES];
-        let parts = self.region().to_be_bytes().into_iter().chain([level ^ 0x80, self.facing]);
-        let parts = parts.chain(self.material.to_be_bytes()).chain(x).chain(y).chain(z);
-        bytes.iter_mut().zip(parts).for_each(|(byte, part)| *byte = part);
+        let (region, number) = bytes.split_at_mut(8);
+        region.copy_from_slice(&self.region().to_be_bytes());
+        number.copy_from_slice(&self.number().to_be_bytes());
         bytes
     }
 
     /// Inverse of [`CellKey::to_bytes`].
     pub fn from_bytes(bytes: &[u8; CellKey::BYTES]) -> Self {
-        let &[_, _, _, _, _, _, _, _, level, facing, m0, m1, x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3] = bytes;
-        let words = [[x0, x1, x2, x3], [y0, y1, y2, y3], [z0, z1, z2, z3]];
-        CellKey {
-            level: i8::from_be_bytes([level ^ 0x80]),
-            facing,
-            material: u16::from_be_bytes([m0, m1]),
-            voxel: words.map(|word| i32::from_be_bytes(word) ^ i32::MIN),
-        }
+        let number = bytes.last_chunk().copied().unwrap_or_default();
+        CellKey::from_number(u128::from_be_bytes(number))
     }
 
     /// Cell of edge 2^level metres that holds a surface point; `outward` is the triangle's normal, `back` says that its other
@@ -100,13 +142,7 @@ impl CellKey {
     pub fn new(point: DVec3, outward: DVec3, back: bool, material: u16, level: i8) -> Self {
         let size = size_of(level);
         let p = (point + GRID_SHIFT_M) / size;
-        CellKey {
-            level,
-            facing: facing_code(outward, back),
-            material,
-            // `as` saturates: no input can overflow.
-            voxel: [p.x.floor() as i32, p.y.floor() as i32, p.z.floor() as i32],
-        }
+        CellKey { level, facing: facing_code(outward, back), material, voxel: p.to_array().map(floor) }
     }
 
     /// The coarse cell of at least level `level` that this cell lies in: a whole cube face of directions.
@@ -159,7 +195,15 @@ impl CellKey {
 
 /// Edge of a cell of this level, metres.
 pub fn size_of(level: i8) -> f64 {
-    f64::powi(2.0, i32::from(level))
+    // The exponent of a power of two.
+    f64::from_bits((1023 + i64::from(level)).cast_unsigned() << 52)
+}
+
+/// The largest integer that is not above a number, without a call of the C library; what lies beyond i32 is taken to its end.
+fn floor(x: f64) -> i32 {
+    // `as` saturates: no input can overflow.
+    let towards_zero = x as i32;
+    if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
 }
 
 /// Level whose size is nearest (as a ratio) to `size_m`; exact exponent arithmetic, equal on every processor.
@@ -220,7 +264,7 @@ mod tests {
         }
     }
 
-    /// Bytes come back as the key and sort as keys do, and 4,000 keys of 8 levels lie region by region: each of the 418
+    /// Bytes and numbers come back as the key, bytes sort as keys do, and 4,000 keys of 8 levels lie region by region: each of the 418
     /// regions of 64 m is met once.
     #[test]
     fn order_is_by_place() {
@@ -234,7 +278,9 @@ mod tests {
         keys.sort();
         by_bytes.sort_by_key(|k| k.to_bytes());
         assert_eq!(keys, by_bytes);
-        assert!(keys.iter().all(|k| CellKey::from_bytes(&k.to_bytes()) == *k));
+        assert!(
+            keys.iter().all(|k| CellKey::from_bytes(&k.to_bytes()) == *k && CellKey::from_number(k.number()) == *k)
+        );
         let corner = |k: &CellKey| k.voxel.map(|v| v >> (6 - k.level));
         keys.dedup_by_key(|k| corner(k));
         let regions: std::collections::BTreeSet<[i32; 3]> = keys.iter().map(corner).collect();
@@ -265,10 +311,21 @@ mod tests {
         assert_eq!(cells.map(CellKey::axis), [(2, 1.0), (2, -1.0)]);
     }
 
-    /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5.
+    /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5; all 256 have the size 2^level.
     #[test]
     fn levels() {
         assert_eq!([0.5, 1.4, 1.5, 4.0, 30.0].map(level_of), [-1, 0, 1, 2, 5]);
-        assert_eq!(size_of(-1), 0.5);
+        for level in i8::MIN..=i8::MAX {
+            assert_eq!(size_of(level), f64::powi(2.0, i32::from(level)));
+        }
+    }
+
+    /// Twelve numbers, also beyond i32 and none, have the floor that the library gives them.
+    #[test]
+    fn floors() {
+        let far = 2147483648.0;
+        for x in [0.0, -0.0, 0.5, -0.5, 7.0, -7.0, -7.1, far, -far, -far - 0.5, 1e300, f64::NAN] {
+            assert_eq!(floor(x), x.floor() as i32, "{x}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The cells of a build: fine probes and coarse bounce cells, traced a batch at a time, sorted, packed, compressed and written.
 //! Nothing but their keys stays in memory.
 
-use std::collections::HashSet;
+use std::borrow::Cow;
 
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use crate::commands::progress::bar;
 use crate::error::Result;
 use crate::layers::cells::{Cell, Cells};
 use crate::recombine::load::cells_of;
-use crate::scene::cells::{CellKey, level_of};
+use crate::scene::cells::{CellKey, CellSet, level_of};
 use crate::spill::Sorter;
 use crate::trace::bounce::trace_bounce;
 use crate::trace::canopy::CellCrossings;
@@ -40,7 +40,7 @@ impl Cast {
 /// Cells that have been written, and what the next stage needs of them.
 pub(super) struct Written {
     pub count: u64,
-    pub seen: HashSet<CellKey>,
+    pub seen: CellSet,
 }
 
 impl Job<'_> {
@@ -54,13 +54,15 @@ impl Job<'_> {
         let texture = Directions::new(self.settings.probe);
         let progress = bar("probes", None);
         let mut chunks = Chunks::probes(self.settings.probe_hits);
-        let mut seen = HashSet::new();
+        let mut seen = CellSet::default();
         let mut keys = keys.peekable();
         while keys.peek().is_some() {
             let batch: Vec<CellKey> = keys.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
             progress.inc(batch.len() as u64);
-            let trace =
-                |keys: &[CellKey]| trace_missing(keys, self.known.probes(keys), |key| self.trace_probe(key, &texture));
+            let trace = |keys: &[CellKey]| {
+                let (cells, cast) = trace_missing(keys, self.known.probes(keys), |key| self.trace_probe(key, &texture));
+                (cells.into(), cast)
+            };
             let cast = self.write_chunks(&mut chunks, &batch, trace, writer, |chunk| seen.extend(chunk.reached()))?;
             rays.probe += cast.plain;
             rays.mirror += cast.mirror;
@@ -100,7 +102,7 @@ impl Job<'_> {
     }
 
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
-    pub fn write_bounces(&self, start: HashSet<CellKey>, writer: &mut Writer, rays: &mut Rays) -> Result<u64> {
+    pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut Rays) -> Result<u64> {
         let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
         if writer.has(format::INDEX, tables::Index::BOUNCE) {
             let index = tables::Index::from_block(&writer.block(format::INDEX, tables::Index::BOUNCE)?)?;
@@ -146,7 +148,7 @@ impl Job<'_> {
             let keys: Vec<CellKey> = batch.iter().map(|c| c.key).collect();
             let traced = |keys: &[CellKey]| {
                 let start = batch.partition_point(|c| c.key < keys[0]);
-                (batch[start..start + keys.len()].to_vec(), Cast::default())
+                (Cow::Borrowed(&batch[start..start + keys.len()]), Cast::default())
             };
             self.write_chunks(&mut chunks, &keys, traced, writer, |_| {})?;
         }
@@ -157,11 +159,11 @@ impl Job<'_> {
 impl Job<'_> {
     /// Writes the chunks of some keys: sorted, a batch at a time but for the last ones. A chunk that the file holds already is
     /// read instead of traced. Returns the rays cast.
-    fn write_chunks(
+    fn write_chunks<'c>(
         &self,
         chunks: &mut Chunks,
         keys: &[CellKey],
-        trace: impl Fn(&[CellKey]) -> (Vec<Cell>, Cast) + Sync,
+        trace: impl Fn(&[CellKey]) -> (Cow<'c, [Cell]>, Cast) + Sync,
         writer: &mut Writer,
         mut see: impl FnMut(&Cells),
     ) -> Result<Cast> {
