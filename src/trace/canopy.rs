@@ -5,11 +5,11 @@
 //! of a leaf drawn from both sides, crosses once. Where faces meet without a corner in common, a ray through that very line may
 //! count twice.
 
-use super::probe::{Directions, ProbeTrace, lifted};
+use super::probe::{Directions, ProbeTrace};
 use super::rays::{Hit, Ray, Tracer};
 use super::receiver::Viewpoint;
 use super::surroundings::Seen;
-use crate::hemisphere::{bit, jitter, mix, texel_direction, texels_in_blocks};
+use crate::hemisphere::{bit, jitter, mix, texel_direction};
 use crate::scene::Scene;
 use crate::scene::cells::CellKey;
 use crate::scene::crossing::Crossing;
@@ -130,20 +130,16 @@ impl CellCrossings {
         probe: &ProbeTrace,
         texture: &Directions,
         seen: &[Seen],
-        tracer: &Tracer,
     ) -> Self {
         let Some(canopies) = canopies.filter(|_| !probe.points.is_empty()) else { return CellCrossings::default() };
         let directions = texture.of(key);
         let sky = |texel: usize| {
-            let point = probe.points[usize::from(probe.owner[texel])].0;
-            let direction = directions[texel].as_vec3().to_array();
-            let ray = Ray { origin: lifted(point.position, point.normal, tracer), direction };
+            let origin = probe.origins[usize::from(probe.owner[texel])];
+            let ray = Ray { origin, direction: directions[texel].as_vec3().to_array() };
             Path { place: texel as u32, ray, reach_m: f32::INFINITY }
         };
         let open = |&texel: &usize| bit(&probe.bits, texel);
-        // Neighbours on the sphere make good packets.
-        let texels = texels_in_blocks(texture.n).map(|(column, row)| row * texture.n + column);
-        let sky: Vec<Path> = texels.filter(open).map(sky).collect();
+        let sky: Vec<Path> = texture.texels().filter(open).map(sky).collect();
         let mut order: Vec<&Seen> = seen.iter().collect();
         order.sort_by_key(|seen| (!seen.up, seen.cell.is_none(), seen.cell));
         let path = |(seen, place): (&Seen, u32)| seen.path.map(|(ray, reach_m)| Path { place, ray, reach_m });

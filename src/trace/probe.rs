@@ -6,6 +6,8 @@
 //! proportion to the sky that they see were tried: too much light in wells and canyons, where lower parts see little sky and
 //! yet are seen.)
 
+use std::cell::RefCell;
+
 use glam::DVec3;
 
 use super::rays::{Ray, Tracer};
@@ -19,6 +21,16 @@ use crate::scene::mesh::Mesh;
 pub struct Directions {
     pub n: usize,
     patterns: Vec<Vec<DVec3>>,
+    /// As [`texels_in_blocks`] lists them.
+    places: Vec<Place>,
+}
+
+/// A texel, its block, and where it stands in it.
+#[derive(Clone, Copy)]
+struct Place {
+    texel: usize,
+    block: u64,
+    inside: usize,
 }
 
 /// Jitter patterns: a receiver sees some hundred probes, their errors average out over this many.
@@ -28,7 +40,17 @@ impl Directions {
     pub fn new(n: usize) -> Self {
         let direction = |k: u64, t: usize| texel_direction(t % n, t / n, n, jitter(mix(0x7465_7865, k), t as u64));
         let patterns = (0..PATTERNS).map(|k| (0..n * n).map(|t| direction(k, t)).collect()).collect();
-        Directions { n, patterns }
+        let place = |(column, row): (usize, usize)| Place {
+            texel: row * n + column,
+            block: (row / 4 * n.div_ceil(4) + column / 4) as u64,
+            inside: (row % 4) * 4 + column % 4,
+        };
+        Directions { n, patterns, places: texels_in_blocks(n).map(place).collect() }
+    }
+
+    /// All texels; neighbours in the list are neighbours on the sphere.
+    pub fn texels(&self) -> impl Iterator<Item = usize> {
+        self.places.iter().map(|place| place.texel)
     }
 
     /// [texel]: unit directions of a cell's rays, world frame.
@@ -46,6 +68,8 @@ pub struct ProbeTrace {
     pub bits: Vec<u8>,
     /// Points and the share of the cell that each stands for (sum 1).
     pub points: Vec<(SurfacePoint, f64)>,
+    /// [point]: where its rays start, off the surface.
+    pub origins: Vec<[f32; 3]>,
     /// [texel]: the point that the texel's ray was cast from.
     pub owner: Vec<u8>,
     pub rays: u64,
@@ -58,62 +82,86 @@ pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tra
     let count = points.len();
     let mut bits = vec![0_u8; (n * n).div_ceil(8)];
     if count == 0 {
-        return ProbeTrace { normal: DVec3::ZERO, bits, points: Vec::new(), owner: Vec::new(), rays: 0 };
+        let (points, origins, owner) = Default::default();
+        return ProbeTrace { normal: DVec3::ZERO, bits, points, origins, owner, rays: 0 };
     }
     let seed = key.seed();
     let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
-    let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
-    let mut rays = 0;
-    // Answers for (texel, point): `None` where the texel is behind the point's surface.
-    let mut look = |asked: &[(usize, usize)]| -> Vec<Option<bool>> {
-        let mut cast = Vec::with_capacity(asked.len());
-        let mut answers: Vec<Option<bool>> = Vec::with_capacity(asked.len());
-        for &(texel, point) in asked {
-            let d = directions[texel];
-            let front = points[point].normal.dot(d) > 0.0;
-            answers.push(front.then_some(false));
-            if front {
-                cast.push(Ray { origin: origins[point], direction: d.as_vec3().to_array() });
-            }
-        }
-        rays += cast.len() as u64;
-        let met = tracer.occluded_many(&cast);
-        answers.iter_mut().flatten().zip(met).for_each(|(answer, met)| *answer = !met);
-        answers
-    };
+    let mut look = Look { directions, points: &points, origins: &origins, asked: ASKED.take(), cast: CAST.take() };
 
     // First round: every point gets the same share of texels, spread over the whole sky.
-    let mut owners: Vec<(usize, usize)> =
-        texels.iter().map(|&texel| (texel, slot(texel, n, seed) * count / POINTS)).collect();
     // At most POINTS, so a byte.
     let mut owner = vec![0_u8; n * n];
-    owners.iter().for_each(|&(texel, point)| owner[texel] = point as u8);
-    let mut open = vec![0_u32; count];
-    for (&(texel, point), sky) in owners.iter().zip(look(&owners)) {
-        if let Some(sky) = sky {
-            open[point] += u32::from(sky);
-            set(&mut bits, texel, sky);
+    for of_block in texture.places.chunk_by(|a, b| a.block == b.block) {
+        let turn = turn(seed, of_block[0].block);
+        for place in of_block {
+            let point = slot(place.inside, turn) * count / POINTS;
+            owner[place.texel] = point as u8;
+            look.ask(place.texel, point);
         }
     }
-    let worth: Vec<f64> = open.iter().map(|&o| if o > 0 { 1.0 } else { 0.0 }).collect();
+    let mut rays = look.cast.len() as u64;
+    let mut open = vec![false; count];
+    for (texel, point) in look.open(tracer) {
+        open[point] = true;
+        bits[texel / 8] |= 1 << (texel % 8);
+    }
+    let worth: Vec<f64> = open.iter().map(|&open| f64::from(u8::from(open))).collect();
     let lit: f64 = worth.iter().sum();
 
     // Second round: texels of points in the dark are asked again from the others.
     let share: Vec<f64> = if lit > 0.0 {
-        owners.retain(|&(_, point)| open[point] == 0);
-        for (texel, point) in &mut owners {
-            *point = pick(&worth, lit * unit(mix(seed ^ 0x6f70_656e, *texel as u64)));
+        for texel in texture.texels() {
+            if !open[usize::from(owner[texel])] {
+                let point = pick(&worth, lit * unit(mix(seed ^ 0x6f70_656e, texel as u64)));
+                owner[texel] = point as u8;
+                look.ask(texel, point);
+            }
         }
-        for (&(texel, _), sky) in owners.iter().zip(look(&owners)) {
-            set(&mut bits, texel, sky.unwrap_or(false));
-        }
-        owners.iter().for_each(|&(texel, point)| owner[texel] = point as u8);
+        rays += look.cast.len() as u64;
+        look.open(tracer).for_each(|(texel, _)| bits[texel / 8] |= 1 << (texel % 8));
         worth.iter().map(|w| w / lit).collect()
     } else {
         vec![1.0 / count as f64; count]
     };
+    ASKED.set(look.asked);
+    CAST.set(look.cast);
     let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
-    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), owner, rays }
+    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), origins, owner, rays }
+}
+
+thread_local! {
+    /// Memory of a thread for the lists of [`Look`], which serves one cell after the other.
+    static ASKED: RefCell<Vec<(usize, usize)>> = RefCell::default();
+    static CAST: RefCell<Vec<Ray>> = RefCell::default();
+}
+
+/// Asks for the sky behind texels from points of a cell.
+struct Look<'a> {
+    directions: &'a [DVec3],
+    points: &'a [SurfacePoint],
+    origins: &'a [[f32; 3]],
+    /// Texels and points of the rays to be cast.
+    asked: Vec<(usize, usize)>,
+    cast: Vec<Ray>,
+}
+
+impl Look<'_> {
+    /// A ray from a point through a texel, unless that is behind the point's surface.
+    fn ask(&mut self, texel: usize, point: usize) {
+        let direction = self.directions[texel];
+        if self.points[point].normal.dot(direction) > 0.0 {
+            self.asked.push((texel, point));
+            self.cast.push(Ray { origin: self.origins[point], direction: direction.as_vec3().to_array() });
+        }
+    }
+
+    /// Those texels and points, of all asked for, that see sky; after that none is asked for.
+    fn open(&mut self, tracer: &Tracer) -> impl Iterator<Item = (usize, usize)> {
+        let met = tracer.occluded_many(&self.cast);
+        self.cast.clear();
+        self.asked.drain(..).zip(met).filter(|(_, met)| !met).map(|(asked, _)| asked)
+    }
 }
 
 /// Ray origin of a surface point: lifted off the surface, f32.
@@ -121,12 +169,15 @@ pub fn lifted(position: DVec3, normal: DVec3, tracer: &Tracer) -> [f32; 3] {
     (position + normal * tracer.offset_m(position)).as_vec3().to_array()
 }
 
-/// Which of 16 points a texel asks in the first round: each 4 x 4 block asks all of them, in an order of its own.
-fn slot(texel: usize, n: usize, seed: u64) -> usize {
-    let (column, row) = (texel % n, texel / n);
-    let block = (row / 4 * n.div_ceil(4) + column / 4) as u64;
-    let turn = mix(seed ^ 0x736c_6f74, block) as usize;
-    (((row % 4) * 4 + column % 4) * 5 % 16) ^ (turn & 15)
+/// Which of 16 points a texel asks in the first round, by its place in a 4 x 4 block: each block asks all of them, in an order of
+/// its own.
+fn slot(inside: usize, turn: usize) -> usize {
+    (inside * 5 % 16) ^ turn
+}
+
+/// The order of a block.
+fn turn(seed: u64, block: u64) -> usize {
+    mix(seed ^ 0x736c_6f74, block) as usize % POINTS
 }
 
 /// First index at which the running sum of `weights` exceeds `at`; the last positive one if rounding leaves none.
@@ -139,9 +190,4 @@ pub fn pick(weights: &[f64], at: f64) -> usize {
         }
     }
     weights.iter().rposition(|&w| w > 0.0).unwrap_or(0)
-}
-
-fn set(bits: &mut [u8], index: usize, value: bool) {
-    let (byte, bit) = (index / 8, index % 8);
-    bits[byte] = bits[byte] & !(1 << bit) | (u8::from(value) << bit);
 }

@@ -89,17 +89,16 @@ impl Viewpoint {
         let texel_angle = (crate::hemisphere::HEMISPHERE_SR / (n * n) as f64).sqrt();
         let direction = self.hit_directions(n);
         let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
-        let rays: Vec<Ray> =
-            texels.iter().map(|&t| Ray { origin, direction: direction(t).as_vec3().to_array() }).collect();
+        let directions: Vec<DVec3> = texels.iter().map(|&texel| direction(texel)).collect();
+        let rays: Vec<Ray> = directions.iter().map(|d| Ray { origin, direction: d.as_vec3().to_array() }).collect();
         let mut nearest_m = f64::INFINITY;
         let mut keys = vec![None; n * n];
         let mut mirrors = Vec::new();
         let mut distances_m = vec![f32::INFINITY; n * n];
-        for (&texel, hit) in texels.iter().zip(tracer.closest_many(&rays)) {
+        for ((texel, direction), hit) in texels.into_iter().zip(directions).zip(tracer.closest_many(&rays)) {
             let Some(hit) = hit else { continue };
             nearest_m = nearest_m.min(f64::from(hit.t));
             distances_m[texel] = hit.t;
-            let direction = direction(texel);
             let level = cells.level(f64::from(hit.t), texel_angle);
             keys[texel] = Some(cell_of(hit, direction, level, mesh, lifted_position));
             if reflections.is_some_and(|r| r.orientation(hit).is_some()) {

@@ -7,9 +7,9 @@
 use glam::{DVec2, DVec3};
 
 use super::mirror::{Reflections, Start};
-use super::probe::{Directions, ProbeTrace, lifted, pick};
+use super::probe::{Directions, ProbeTrace, pick};
 use super::rays::{Hit, Ray, Tracer};
-use crate::hemisphere::{Frame, bit, direction_of, mix, texels_in_blocks, unit};
+use crate::hemisphere::{Frame, bit, direction_of, mix, unit};
 use crate::scene::cells::{CellKey, level_of};
 use crate::scene::mesh::Mesh;
 
@@ -73,49 +73,50 @@ pub fn surroundings(
     let (n, directions) = (texture.n, texture.of(key));
     let SurroundingSettings { closed_level, rays: count } = settings;
     let seed = key.seed();
-    // Blocked texels above the horizon and their cosines.
-    let mut blocked: Vec<(usize, f64)> = Vec::new();
-    let mut sum = 0.0;
-    for (column, row) in texels_in_blocks(if probe.points.is_empty() { 0 } else { n }) {
-        let texel = row * n + column;
-        if bit(&probe.bits, texel) {
-            continue;
-        }
-        let cos = probe.points[usize::from(probe.owner[texel])].0.normal.dot(directions[texel]);
-        if cos > 0.0 {
+    let normals: Vec<DVec3> = probe.points.iter().map(|p| p.0.normal).collect();
+    // Blocked texels above the horizon and the running sum of their cosines.
+    let blocked = || {
+        let texels = texture.texels().filter(|&texel| !normals.is_empty() && !bit(&probe.bits, texel));
+        let cosines = texels.map(|t| (t, normals[usize::from(probe.owner[t])].dot(directions[t])));
+        let mut sum = 0.0;
+        cosines.filter(|&(_, cos)| cos > 0.0).map(move |(texel, cos)| {
             sum += cos;
-            blocked.push((texel, sum));
-        }
-    }
+            (texel, sum)
+        })
+    };
+    let sum = blocked().last().map_or(0.0, |(_, sum)| sum);
     let above = sum * 2.0 / (n * n) as f64;
-    let below = if probe.points.is_empty() { 0.0 } else { ((1.0 - probe.normal.z) / 2.0).max(0.0) };
+    let below = if normals.is_empty() { 0.0 } else { ((1.0 - probe.normal.z) / 2.0).max(0.0) };
     let (up_count, down_count) = split(count, above, below);
 
     let mut rays: Vec<(DVec3, Ray, bool)> = Vec::with_capacity(count);
-    let start = unit(mix(seed, 11));
+    let mut from = |point: usize, direction: DVec3, up: bool| {
+        let ray = Ray { origin: probe.origins[point], direction: direction.as_vec3().to_array() };
+        rays.push((probe.points[point].0.position, ray, up));
+    };
+    let (start, mut last) = (unit(mix(seed, 11)), 0);
+    let mut blocked = blocked().peekable();
     for i in 0..up_count {
+        // These rise from ray to ray.
         let at = (i as f64 + start) / up_count as f64 * sum;
-        let index = blocked.partition_point(|b| b.1 <= at).min(blocked.len() - 1);
-        let texel = blocked[index].0;
-        let point = probe.points[usize::from(probe.owner[texel])].0;
-        let direction = directions[texel].as_vec3().to_array();
-        let origin = lifted(point.position, point.normal, tracer);
-        rays.push((point.position, Ray { origin, direction }, true));
-    }
-    let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
-    let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
-    // R2 sequence (Roberts 2018) over the cosine-distributed hemisphere, of which the part below the horizon is kept.
-    for j in 0..64 * down_count {
-        if rays.len() == up_count + down_count {
-            break;
+        while let Some(passed) = blocked.next_if(|&(_, sum)| sum <= at) {
+            last = passed.0;
         }
-        let draw = unit(mix(seed ^ 0x646f_776e, j as u64));
-        let point = probe.points[pick(&weights, draw)].0;
-        let square = j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset;
-        let direction = Frame::of(point.normal).to_world(cosine_direction(square.fract()));
-        if direction.z <= 0.0 {
-            let origin = lifted(point.position, point.normal, tracer);
-            rays.push((point.position, Ray { origin, direction: direction.as_vec3().to_array() }, false));
+        let texel = blocked.peek().map_or(last, |&(texel, _)| texel);
+        from(usize::from(probe.owner[texel]), directions[texel], true);
+    }
+    if down_count > 0 {
+        let frames: Vec<Frame> = normals.iter().map(|&normal| Frame::of(normal)).collect();
+        let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
+        let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
+        // R2 sequence (Roberts 2018) over the cosine-distributed hemisphere, of which the part below the horizon is kept.
+        let tries = (0..64 * down_count).map(|j| {
+            let point = pick(&weights, unit(mix(seed ^ 0x646f_776e, j as u64)));
+            let square = j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset;
+            (point, frames[point].to_world(cosine_direction(square.fract())))
+        });
+        for (point, direction) in tries.filter(|(_, direction)| direction.z <= 0.0).take(down_count) {
+            from(point, direction, false);
         }
     }
 

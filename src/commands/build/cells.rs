@@ -94,7 +94,7 @@ impl Job<'_> {
     ) -> (Cell, Cast) {
         let mut mirror = 0;
         let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
-        let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen, self.tracer);
+        let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen);
         let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
         let normal = probe.normal.as_vec3().to_array();
         let extras = [mirrors.to_bytes(probe.bits.len()), canopy_of_cell(&crossings, texture.n, seen.seen.len())];
