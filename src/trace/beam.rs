@@ -18,27 +18,17 @@ pub struct Beam<F> {
     inverse: [[F; 2]; 3],
     /// The side at which the rays enter: 1 where they go backwards.
     side: [usize; 3],
-    /// Rays go either way along this axis, and may enter at both sides.
-    mixed: [bool; 3],
 }
 
 impl<F: Copy> Beam<F> {
-    /// All rays of a packet.
+    /// All rays of a packet, which agree on the sign of each axis.
     #[inline(always)]
     pub fn whole<L: Lanes<F = F>>(l: L, origin: &[F; 3], inverse: &[F; 3]) -> Self {
-        let mut axes = [Axis::default(); 3];
-        for i in 0..3 {
-            let negative = l.less(inverse[i], l.splat(0.0));
-            axes[i] = Axis {
-                origin: [l.lowest(origin[i]), l.highest(origin[i])],
-                inverse: [l.lowest(inverse[i]), l.highest(inverse[i])],
-                least: [
-                    l.highest(l.select(negative, inverse[i], l.splat(f32::NEG_INFINITY))),
-                    l.lowest(l.select(negative, l.splat(f32::INFINITY), inverse[i])),
-                ],
-            };
-        }
-        Beam::new(l, &axes)
+        let axis = |i: usize| Axis {
+            origin: [l.lowest(origin[i]), l.highest(origin[i])],
+            inverse: [l.lowest(inverse[i]), l.highest(inverse[i])],
+        };
+        Beam::new(l, &[axis(0), axis(1), axis(2)])
     }
 
     /// Two rays of a packet, or twice the same one.
@@ -49,7 +39,7 @@ impl<F: Copy> Beam<F> {
         for i in 0..3 {
             let (from, ends) = ([origin[i].0[a], origin[i].0[b]], [inverse[i].0[a], inverse[i].0[b]]);
             let ends = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-            axes[i] = Axis { origin: [from[0].min(from[1]), from[0].max(from[1])], inverse: ends, least: ends };
+            axes[i] = Axis { origin: [from[0].min(from[1]), from[0].max(from[1])], inverse: ends };
         }
         Beam::new(l, &axes)
     }
@@ -57,25 +47,20 @@ impl<F: Copy> Beam<F> {
     #[inline(always)]
     fn new<L: Lanes<F = F>>(l: L, axes: &[Axis; 3]) -> Self {
         let zero = l.splat(0.0);
-        let mut beam = Beam { origin: [zero; 3], inverse: [[zero; 2]; 3], side: [0; 3], mixed: [false; 3] };
+        let mut beam = Beam { origin: [zero; 3], inverse: [[zero; 2]; 3], side: [0; 3] };
         for (i, axis) in axes.iter().enumerate() {
-            let Axis { origin: [low, high], inverse: [first, last], least } = *axis;
+            let Axis { origin: [low, high], inverse: [first, last] } = *axis;
             beam.side[i] = usize::from(last < 0.0);
-            beam.mixed[i] = first < 0.0 && last > 0.0;
             let (near, far) = if last < 0.0 { (-low, high) } else { (high, -low) };
             beam.origin[i] = l.select(ENTERING, l.splat(near), l.splat(far));
-            beam.inverse[i] = if beam.mixed[i] {
-                [l.select(ENTERING, l.splat(least[1]), l.splat(-least[0])); 2]
-            } else {
-                [l.splat(first.abs()), l.splat(last.abs())]
-            };
+            beam.inverse[i] = [l.splat(first.abs()), l.splat(last.abs())];
         }
         beam
     }
 
     /// Children whose boxes the rays may meet before `reach`, one bit each, and where they enter at the earliest.
     #[inline(always)]
-    pub fn meets<L: Lanes<F = F>, const OCTANT: bool>(&self, l: L, node: &Node, reach: f32) -> (u16, Sixteen) {
+    pub fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, reach: f32) -> (u16, Sixteen) {
         // Children that are not there are entered at infinity, and so refused.
         let reach = reach.min(f32::MAX / 2.0);
         let mut bounds = l.select(ENTERING, l.splat(0.0), l.splat(-reach));
@@ -83,13 +68,7 @@ impl<F: Copy> Beam<F> {
             let side = self.side[i] & 1;
             let planes = l.halves(&node.planes[i][side], &node.planes[i][side ^ 1]);
             let from = l.sub(planes, self.origin[i]);
-            let first = l.mul(from, self.inverse[i][0]);
-            let bound = if OCTANT || !self.mixed[i] {
-                l.min(first, l.mul(from, self.inverse[i][1]))
-            } else {
-                l.select(ENTERING, l.max(first, l.swap(first)), l.splat(f32::NEG_INFINITY))
-            };
-            bounds = l.max(bounds, bound);
+            bounds = l.max(bounds, l.min(l.mul(from, self.inverse[i][0]), l.mul(from, self.inverse[i][1])));
         }
         let far = l.mul(l.sub(l.splat(0.0), l.swap(bounds)), l.splat(FAR_PAD));
         (l.not_above(bounds, far) & ENTERING, l.store(bounds))
@@ -104,8 +83,6 @@ const ENTERING: u16 = 0x00ff;
 struct Axis {
     origin: [f32; 2],
     inverse: [f32; 2],
-    /// The negative and the positive reciprocal nearest to zero.
-    least: [f32; 2],
 }
 
 const _: () = assert!(2 * WIDTH == LANES);

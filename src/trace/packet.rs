@@ -4,11 +4,13 @@
 //! Where all rays share an origin, planes through origin and edges are computed once for sixteen rays (Wald et al. 2001, Boulos
 //! et al. 2007 for packets). Memory is what a walk waits for most, so some packets take turns.
 
+use std::cell::RefCell;
+
 use super::lanes::{Kernel, LANES, Lanes, Level, Sixteen, dispatch};
 use super::planes::bits;
 use super::rays::{Hit, Ray};
 use super::tree::Tree;
-use super::walk::Walk;
+use super::walk::{Stack, Walk};
 
 /// Distances to the far side of a box are widened by this factor.
 pub const FAR_PAD: f32 = 1.000_000_4;
@@ -25,7 +27,7 @@ pub fn inverse(d: f32) -> f32 {
     }
 }
 
-/// Sixteen rays; lanes beyond the given rays repeat the last one and are not active.
+/// Up to sixteen rays that agree on the sign of each axis; lanes beyond them repeat the last one and are not active.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
     pub(super) origin: [Sixteen; 3],
@@ -33,31 +35,29 @@ pub struct Packet {
     pub(super) active: u16,
     /// All rays start at one point.
     shared: bool,
-    /// All rays go up, or all go down, along each axis.
-    one_octant: bool,
+    /// Places of the rays among all that are asked about.
+    places: [u32; LANES],
 }
 
 impl Packet {
-    /// A packet of 1 to 16 rays.
-    pub fn new(rays: &[Ray]) -> Self {
-        let last = rays.len().min(LANES) - 1;
-        let first = rays[0];
-        let shared = rays[1..=last].iter().all(|r| r.origin == first.origin);
+    /// A packet of 1 to 16 of some rays.
+    fn new(rays: &[Ray], places: &[u32]) -> Self {
+        let last = places.len().min(LANES) - 1;
+        let ray = |lane: usize| rays[places[lane.min(last)] as usize];
+        let from = ray(0).origin;
+        let shared = (1..=last).all(|lane| ray(lane).origin == from);
         let mut packet = Packet {
-            origin: first.origin.map(|x| Sixteen([x; LANES])),
+            origin: from.map(|x| Sixteen([x; LANES])),
             direction: [Sixteen([0.0; LANES]); 3],
             active: u16::MAX >> (LANES - 1 - last),
             shared,
-            one_octant: true,
+            places: std::array::from_fn(|lane| places[lane.min(last)]),
         };
         for lane in 0..LANES {
-            let ray = &rays[lane.min(last)];
+            let ray = ray(lane);
             for axis in 0..3 {
                 packet.direction[axis].0[lane] = ray.direction[axis];
-                packet.one_octant &= (ray.direction[axis] < 0.0) == (first.direction[axis] < 0.0);
-            }
-            if !shared {
-                for axis in 0..3 {
+                if !shared {
                     packet.origin[axis].0[lane] = ray.origin[axis];
                 }
             }
@@ -72,73 +72,113 @@ impl Packet {
     }
 }
 
-/// Lanes of each packet that meet anything.
-pub fn occluded(tree: &Tree, level: Level, packets: &[Packet]) -> Vec<u16> {
-    dispatch(level, Traced::<true> { tree, packets }).0
+/// Whether each ray meets anything.
+pub fn occluded(tree: &Tree, level: Level, rays: &[Ray]) -> Vec<bool> {
+    let mut met = vec![false; rays.len()];
+    trace::<true>(tree, level, rays, &mut met, &mut []);
+    met
 }
 
-/// First hits: sixteen for each packet.
-pub fn closest(tree: &Tree, level: Level, packets: &[Packet]) -> Vec<Option<Hit>> {
-    dispatch(level, Traced::<false> { tree, packets }).1
+/// What each ray meets first.
+pub fn closest(tree: &Tree, level: Level, rays: &[Ray]) -> Vec<Option<Hit>> {
+    let mut hits = vec![None; rays.len()];
+    trace::<false>(tree, level, rays, &mut [], &mut hits);
+    hits
+}
+
+/// Memory of a thread for its packets: most calls are about a few only, and memory would cost as much as their first steps.
+#[derive(Default)]
+struct Space {
+    order: Vec<u32>,
+    packets: Vec<Packet>,
+    stacks: Vec<Stack>,
+}
+
+thread_local! {
+    static SPACE: RefCell<Space> = RefCell::default();
+}
+
+fn trace<const ANY: bool>(tree: &Tree, level: Level, rays: &[Ray], met: &mut [bool], hits: &mut [Option<Hit>]) {
+    SPACE.with_borrow_mut(|Space { order, packets, stacks }| {
+        // Sorted by counting; what the caller put together stays together.
+        let mut counts = [0; 8];
+        rays.iter().for_each(|ray| counts[octant(ray)] += 1);
+        let mut sum = 0;
+        let mut next = counts.map(|count| {
+            sum += count;
+            sum - count
+        });
+        order.resize(rays.len(), 0);
+        for (place, ray) in rays.iter().enumerate() {
+            let at = &mut next[octant(ray)];
+            order[*at] = place as u32;
+            *at += 1;
+        }
+        let starts = [0].into_iter().chain(next);
+        let alike = starts.zip(next).flat_map(|(start, end)| order[start..end].chunks(LANES));
+        packets.clear();
+        packets.extend(alike.map(|places| Packet::new(rays, places)));
+        dispatch(level, Traced::<ANY> { tree, packets, stacks, met, hits });
+    });
+}
+
+/// Which way a ray goes along each axis.
+fn octant(ray: &Ray) -> usize {
+    ray.direction.iter().fold(0, |octant, &d| octant << 1 | usize::from(d < 0.0))
 }
 
 /// Packets that are walked in turns: while one waits for memory, the others go on.
 const TURNS: usize = 4;
 
-/// Lanes that meet anything and, unless `ANY` hit will do, what they meet first.
+/// Notes which rays meet anything or, unless `ANY` hit will do, what they meet first.
 struct Traced<'a, const ANY: bool> {
     tree: &'a Tree,
     packets: &'a [Packet],
+    stacks: &'a mut Vec<Stack>,
+    met: &'a mut [bool],
+    hits: &'a mut [Option<Hit>],
 }
 
-/// Of each packet the lanes that met something, of each lane the first hit.
-type Found = (Vec<u16>, Vec<Option<Hit>>);
-
 impl<const ANY: bool> Kernel for Traced<'_, ANY> {
-    type Output = Found;
+    type Output = ();
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Found {
-        let hits = if ANY { 0 } else { self.packets.len() * LANES };
-        let mut found = (vec![0; self.packets.len()], vec![None; hits]);
-        self.alike::<L, true, true>(l, &mut found);
-        self.alike::<L, true, false>(l, &mut found);
-        self.alike::<L, false, true>(l, &mut found);
-        self.alike::<L, false, false>(l, &mut found);
-        found
+    fn run<L: Lanes>(mut self, l: L) {
+        self.alike::<L, true>(l);
+        self.alike::<L, false>(l);
     }
 }
 
 impl<const ANY: bool> Traced<'_, ANY> {
-    /// Traces those packets whose rays start at one point (`SHARED`) and agree on the sign of each axis (`OCTANT`), or do not.
+    /// Traces those packets whose rays start at one point (`SHARED`), or those whose do not.
     #[inline(always)]
-    fn alike<L: Lanes, const SHARED: bool, const OCTANT: bool>(&self, l: L, found: &mut Found) {
-        let alike = |&i: &usize| (self.packets[i].shared, self.packets[i].one_octant) == (SHARED, OCTANT);
-        let mut waiting = (0..self.packets.len()).filter(alike);
-        let mut walks = Vec::new();
-        for index in waiting.by_ref().take(TURNS) {
-            walks.push((index, Walk::new(l, &self.packets[index])));
-        }
+    fn alike<L: Lanes, const SHARED: bool>(&mut self, l: L) {
+        let packets = self.packets;
+        let mut waiting = packets.iter().filter(|packet| packet.shared == SHARED);
+        let mut walks: [Option<Walk<L::F>>; TURNS] =
+            std::array::from_fn(|_| Some(Walk::new(l, waiting.next()?, self.stacks.pop().unwrap_or_default())));
+        let mut under_way = walks.iter().flatten().count();
         let mut turn = 0;
-        while !walks.is_empty() {
-            turn = if turn + 1 < walks.len() { turn + 1 } else { 0 };
-            let (index, walk) = &mut walks[turn];
-            if walk.step::<L, ANY, SHARED, OCTANT>(l, self.tree) {
+        while under_way > 0 {
+            turn = (turn + 1) % TURNS;
+            let Some(walk) = &mut walks[turn] else { continue };
+            if walk.step::<L, ANY, SHARED>(l, self.tree) {
                 continue;
             }
-            found.0[*index] = walk.met;
-            if !ANY {
-                let t = l.store(walk.limit).0;
-                for lane in bits(walk.met) {
-                    found.1[*index * LANES + lane] = Some(Hit { t: t[lane], triangle: walk.triangle[lane] });
+            let (places, t) = (&walk.packet.places, l.store(walk.limit).0);
+            for lane in bits(walk.met) {
+                let place = places[lane] as usize;
+                if ANY {
+                    self.met[place] = true;
+                } else {
+                    self.hits[place] = Some(Hit { t: t[lane], triangle: walk.triangle[lane] });
                 }
             }
             match waiting.next() {
-                Some(next) => {
-                    *index = next;
-                    walk.restart(l, &self.packets[next]);
-                }
+                Some(next) => walk.restart(l, next),
                 None => {
-                    walks.swap_remove(turn);
+                    self.stacks.push(std::mem::take(&mut walk.stack));
+                    walks[turn] = None;
+                    under_way -= 1;
                 }
             }
         }

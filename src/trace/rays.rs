@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::lanes::Level;
-use super::packet::{self, Packet};
+use super::packet;
 use super::tree::{Child, Node, Tree, WIDTH};
 use super::triangle::intersect;
 use crate::error::Result;
@@ -61,24 +61,19 @@ impl Tracer {
         self.tree.reach
     }
 
-    /// Mesh indices of all triangles whose leaf touches the given box, ascending.
+    /// Mesh indices of all triangles whose own box touches the given one, ascending.
     pub fn triangles_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
         self.tree.triangles_near(low, high)
     }
 
-    /// Whether each ray meets anything. Fast where sixteen rays in a row are alike, faster where they share an origin.
+    /// Whether each ray meets anything. Fast where neighbours in the list are alike, faster where they share an origin.
     pub fn occluded_many(&self, rays: &[Ray]) -> Vec<bool> {
-        let packets: Vec<Packet> = rays.chunks(16).map(Packet::new).collect();
-        let met = packet::occluded(&self.tree, self.level, &packets);
-        (0..rays.len()).map(|i| met[i / 16] >> (i % 16) & 1 == 1).collect()
+        packet::occluded(&self.tree, self.level, rays)
     }
 
     /// What each ray meets first; the same triangles and bits as [`Tracer::closest`].
     pub fn closest_many(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        let packets: Vec<Packet> = rays.chunks(16).map(Packet::new).collect();
-        let mut hits: Vec<Option<Hit>> = packet::closest(&self.tree, self.level, &packets);
-        hits.truncate(rays.len());
-        hits
+        packet::closest(&self.tree, self.level, rays)
     }
 
     /// The first triangle met; among equal distances the one with the lowest index.

@@ -17,6 +17,8 @@ pub type Corners = [[f32; 3]; 3];
 pub struct EdgeTriangle {
     pub corners: Corners,
     pub id: u32,
+    /// Largest extent of an edge along an axis.
+    longest: f32,
 }
 
 /// Share of (largest distance to a corner) x (longest edge) below which a volume's sign is not trusted: eight roundings of
@@ -53,7 +55,9 @@ pub struct Fixed {
 impl EdgeTriangle {
     pub fn new(mut corners: Corners, id: u32) -> Self {
         corners.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
-        EdgeTriangle { corners, id }
+        let [a, b, c] = corners;
+        let longest = max_abs(sub(b, a)).max(max_abs(sub(c, b))).max(max_abs(sub(a, c)));
+        EdgeTriangle { corners, id, longest }
     }
 
     /// Edges from the corners themselves, so that both triangles of an edge have the same one.
@@ -61,8 +65,8 @@ impl EdgeTriangle {
     pub fn fixed(&self) -> Fixed {
         let [a, b, c] = self.corners;
         let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
-        let longest = max_abs(ab).max(max_abs(bc)).max(max_abs(ca));
-        Fixed { ab, bc, ca, normal: cross(ca, ab), doubt: DOUBT * longest, flat: DOUBT * longest * longest }
+        let (normal, doubt) = (cross(ca, ab), DOUBT * self.longest);
+        Fixed { ab, bc, ca, normal, doubt, flat: doubt * self.longest }
     }
 
     /// The triangle as seen from an origin.

@@ -11,10 +11,13 @@ use super::tree::{Child, Node, Tree, WIDTH};
 
 /// A child that waits for those lanes that met its box.
 #[derive(Clone, Copy)]
-struct Waiting {
+pub struct Waiting {
     child: Child,
     entry: Entry,
 }
+
+/// Children that wait, the next one last.
+pub type Stack = Vec<Waiting>;
 
 /// Where lanes enter a box at the earliest, which child it is, and which lanes: bits 32 to 63, 16 to 18 and 0 to 15. One number,
 /// because fields that are written apart and read together cost more than all arithmetic on them. Distances are not
@@ -43,12 +46,13 @@ impl Entry {
 
 /// A packet on its way.
 pub struct Walk<'a, F> {
-    packet: &'a Packet,
+    pub packet: &'a Packet,
     rays: Rays<F>,
     inverse: [Sixteen; 3],
     beam: Beam<F>,
     backwards: [bool; 3],
-    stack: Vec<Waiting>,
+    /// Serves one packet after the other.
+    pub stack: Stack,
     /// Lanes that met something.
     pub met: u16,
     /// Distance beyond which a lane is not interested; -1 for lanes that are done.
@@ -60,20 +64,15 @@ pub struct Walk<'a, F> {
 }
 
 impl<'a, F: Copy> Walk<'a, F> {
-    /// A packet at the root.
-    #[inline(always)]
-    pub fn new<L: Lanes<F = F>>(l: L, packet: &'a Packet) -> Self {
-        Walk::with_stack(l, packet, Vec::with_capacity(64))
-    }
-
     /// The next packet, at the root.
     #[inline(always)]
     pub fn restart<L: Lanes<F = F>>(&mut self, l: L, packet: &'a Packet) {
-        *self = Walk::with_stack(l, packet, std::mem::take(&mut self.stack));
+        *self = Walk::new(l, packet, std::mem::take(&mut self.stack));
     }
 
+    /// A packet at the root.
     #[inline(always)]
-    fn with_stack<L: Lanes<F = F>>(l: L, packet: &'a Packet, mut stack: Vec<Waiting>) -> Self {
+    pub fn new<L: Lanes<F = F>>(l: L, packet: &'a Packet, mut stack: Stack) -> Self {
         let [x, y, z] = &packet.origin;
         let origin = [l.load(x), l.load(y), l.load(z)];
         let [x, y, z] = &packet.direction;
@@ -96,13 +95,9 @@ impl<'a, F: Copy> Walk<'a, F> {
     }
 
     /// Visits the nearest child that waits; false at the end. `ANY` stops a lane at its first hit, `SHARED` says that all rays
-    /// start at one point, `OCTANT` that they agree on the sign of each axis.
+    /// start at one point.
     #[inline(always)]
-    pub fn step<L: Lanes<F = F>, const ANY: bool, const SHARED: bool, const OCTANT: bool>(
-        &mut self,
-        l: L,
-        tree: &Tree,
-    ) -> bool {
+    pub fn step<L: Lanes<F = F>, const ANY: bool, const SHARED: bool>(&mut self, l: L, tree: &Tree) -> bool {
         let (child, lanes) = loop {
             let Some(Waiting { child, entry }) = self.stack.pop() else { return false };
             let wanted = if ANY { !self.met } else { l.not_above(l.splat(entry.near()), self.limit) };
@@ -111,7 +106,7 @@ impl<'a, F: Copy> Walk<'a, F> {
             }
         };
         if child.count == 0 {
-            self.enter::<L, OCTANT>(l, tree, child, lanes);
+            self.enter(l, tree, child, lanes);
             return true;
         }
         for triangle in &tree.triangles[child.first as usize..(child.first + child.count) as usize] {
@@ -143,22 +138,22 @@ impl<'a, F: Copy> Walk<'a, F> {
 
     /// Lets the children of a node wait, the nearest in front.
     #[inline(always)]
-    fn enter<L: Lanes<F = F>, const OCTANT: bool>(&mut self, l: L, tree: &Tree, child: Child, lanes: u16) {
+    fn enter<L: Lanes<F = F>>(&mut self, l: L, tree: &Tree, child: Child, lanes: u16) {
         let node = &tree.nodes[child.first as usize];
         let others = lanes & (lanes - 1);
         let (children, nears) = if others & others.wrapping_sub(1) == 0 {
             let (a, b) = (lanes.trailing_zeros(), 15 - lanes.leading_zeros());
             let beam = Beam::of_two(l, &self.packet.origin, &self.inverse, a as usize, b as usize);
-            beam.meets::<L, OCTANT>(l, node, self.reach)
+            beam.meets(l, node, self.reach)
         } else {
-            self.beam.meets::<L, OCTANT>(l, node, self.reach)
+            self.beam.meets(l, node, self.reach)
         };
         let mut entries = [Entry(0); WIDTH];
         let mut count = 0;
         for k in bits(children) {
             let k = k % WIDTH;
             // One lane is a beam of its own.
-            let lanes = if others == 0 { lanes } else { lanes & self.meets::<L, OCTANT>(l, node, k) };
+            let lanes = if others == 0 { lanes } else { lanes & self.meets(l, node, k) };
             if lanes != 0 {
                 tree.fetch(node.child[k]);
                 let entry = Entry::new(nears.0[k], k, lanes);
@@ -176,21 +171,15 @@ impl<'a, F: Copy> Walk<'a, F> {
 
     /// Lanes that enter the box of a child before their limit.
     #[inline(always)]
-    fn meets<L: Lanes<F = F>, const OCTANT: bool>(&self, l: L, node: &Node, child: usize) -> u16 {
+    fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, child: usize) -> u16 {
         let mut near = l.splat(0.0);
         let mut far = l.splat(f32::INFINITY);
         for i in 0..3 {
             let plane = |at: f32| l.mul(l.sub(l.splat(at), self.rays.origin[i]), self.rays.inverse[i]);
             let (low, high) = (node.planes[i][0][child], -node.planes[i][1][child]);
-            let (enter, leave) = if OCTANT {
-                let (first, last) = if self.backwards[i] { (high, low) } else { (low, high) };
-                (plane(first), plane(last))
-            } else {
-                let (a, b) = (plane(low), plane(high));
-                (l.min(a, b), l.max(a, b))
-            };
-            near = l.max(near, enter);
-            far = l.min(far, leave);
+            let (first, last) = if self.backwards[i] { (high, low) } else { (low, high) };
+            near = l.max(near, plane(first));
+            far = l.min(far, plane(last));
         }
         l.not_above(near, l.min(l.mul(far, l.splat(FAR_PAD)), self.limit))
     }
