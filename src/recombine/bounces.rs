@@ -6,11 +6,10 @@
 //! fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
 //! depends on the cells reachable from it, not on which others are in the table.
 
-use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::canopies::{Leafages, Shade};
@@ -22,7 +21,7 @@ use crate::error::Result;
 use crate::hemisphere::{bit, texel_centres};
 use crate::layers::canopy::Powers;
 use crate::layers::cells::{Cells, DOWN, MISS};
-use crate::scene::cells::CellKey;
+use crate::scene::cells::{CellKey, CellMap};
 
 /// How many times light may be reflected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +36,16 @@ pub enum Depth {
 pub const TOLERANCE: f64 = 1e-3;
 
 /// Columns of the system solved together: small enough for a core's cache.
-const BLOCK: usize = 32;
+pub const BLOCK: usize = 32;
+
+/// A cell's values in these columns.
+pub type Block = [f32; BLOCK];
+
+/// out += weight x values.
+#[inline(always)]
+pub fn add_block(out: &mut Block, weight: f32, values: &Block) {
+    out.iter_mut().zip(values).for_each(|(o, x)| *o += weight * x);
+}
 
 /// How the system is made and solved.
 #[derive(Clone, Debug)]
@@ -114,18 +122,24 @@ impl Rules {
         out: &mut [f32],
     ) {
         let (texels, bits) = (self.side * self.side, cells.bits_of(i));
-        let lit = cells.normals[i].map(|n| rho * n);
-        for (value, column) in out.iter_mut().zip(columns.clone()) {
-            *value = if bit(bits, column % texels) { lit[column / texels] } else { 0.0 };
+        for (axis, n) in cells.normals[i].into_iter().enumerate() {
+            let (plane, lit) = (axis * texels..(axis + 1) * texels, rho * n);
+            let here = columns.start.max(plane.start)..columns.end.min(plane.end);
+            for column in here {
+                out[column - columns.start] = if bit(bits, column - plane.start) { lit } else { 0.0 };
+            }
         }
         if let Some(shares) = shares {
             out.iter_mut().zip(columns.clone()).for_each(|(value, column)| *value *= shares[column % texels]);
         }
-        for (column, value) in by_mirrors.iter().map(|&(column, value)| (column as usize, value)) {
-            if columns.contains(&column) {
-                out[column - columns.start] += rho * value;
-            }
-        }
+        let first = by_mirrors.partition_point(|&(column, _)| (column as usize) < columns.start);
+        let here = by_mirrors[first..].iter().take_while(|&&(column, _)| (column as usize) < columns.end);
+        here.for_each(|&(column, value)| out[column as usize - columns.start] += rho * value);
+    }
+
+    /// Columns of a block.
+    pub fn columns(&self, block: usize) -> Range<usize> {
+        block * BLOCK..self.width().min((block + 1) * BLOCK)
     }
 }
 
@@ -141,7 +155,7 @@ pub struct Closed {
 
 /// [block of columns][cell][column].
 enum Values {
-    Memory(Vec<Vec<[f32; BLOCK]>>),
+    Memory(Vec<Vec<Block>>),
     Disk(Scratch),
 }
 
@@ -163,9 +177,9 @@ impl Closed {
             }
         }
         let blocks = width.div_ceil(BLOCK);
-        let bytes = (states.len() * keys.len() * blocks * size_of::<[f32; BLOCK]>()) as u64;
+        let bytes = (states.len() * keys.len() * blocks * size_of::<Block>()) as u64;
         // A thread that solves a block holds three of its size: no more of them at a time than fit.
-        let of_thread = 3 * (keys.len() * size_of::<[f32; BLOCK]>()) as u64;
+        let of_thread = 3 * (keys.len() * size_of::<Block>()) as u64;
         let at_once = (memory / of_thread.max(1)).clamp(1, rayon::current_num_threads() as u64) as usize;
         let solve = |system: &System, state: &Reflectance| {
             let mut solved =
@@ -221,21 +235,28 @@ impl Closed {
     }
 
     /// Writes the values of one cell in a state, [axis][texel], to `out`.
-    pub fn read(&self, state: usize, cell: usize, out: &mut [f32]) -> Result<()> {
+    fn read(&self, state: usize, cell: usize, out: &mut [f32]) -> Result<()> {
         for (block, part) in out[..self.width].chunks_mut(BLOCK).enumerate() {
-            match &self.values[state] {
-                Values::Memory(blocks) => part.copy_from_slice(&blocks[block][cell][..part.len()]),
-                Values::Disk(scratch) => {
-                    let mut bytes = [0; 4 * BLOCK];
-                    let place = (block * self.keys.len() + cell) * bytes.len();
-                    scratch.read(place as u64, &mut bytes)?;
-                    for (value, bytes) in part.iter_mut().zip(bytes.chunks_exact(4)) {
-                        *value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-                    }
-                }
-            }
+            part.copy_from_slice(&self.block(state, block, cell)?[..part.len()]);
         }
         Ok(())
+    }
+
+    /// The values of one cell in a state in a block of columns; beyond the last column they mean nothing.
+    pub fn block(&self, state: usize, block: usize, cell: usize) -> Result<Block> {
+        match &self.values[state] {
+            Values::Memory(blocks) => Ok(blocks[block][cell]),
+            Values::Disk(scratch) => {
+                let mut bytes = [0; size_of::<Block>()];
+                let place = (block * self.keys.len() + cell) * bytes.len();
+                scratch.read(place as u64, &mut bytes)?;
+                let mut values = [0.0; BLOCK];
+                for (value, bytes) in values.iter_mut().zip(bytes.as_chunks().0) {
+                    *value = f32::from_le_bytes(*bytes);
+                }
+                Ok(values)
+            }
+        }
     }
 }
 
@@ -266,7 +287,7 @@ impl<'a> System<'a> {
             let chunk = source.chunk(number)?;
             let chains = Chains::of_cells(&chunk, tables, &centres);
             // Cells of the closed system see cells of it only.
-            let place: HashMap<CellKey, u32> =
+            let place: CellMap<u32> =
                 chunk.reached().filter_map(|key| Some((key, keys.binary_search(&key).ok()? as u32))).collect();
             for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
                 let shade = Shade::of(&chunk, i, rules.side, powers);
@@ -286,9 +307,9 @@ impl<'a> System<'a> {
     }
 
     /// One block of columns for a state. `space`: two buffers that serve block after block.
-    fn solve(&self, state: &Reflectance, block: usize, space: &mut [Vec<[f32; BLOCK]>; 2]) -> Vec<[f32; BLOCK]> {
+    fn solve(&self, state: &Reflectance, block: usize, space: &mut [Vec<Block>; 2]) -> Vec<Block> {
         let [source, next] = space;
-        let columns = block * BLOCK..self.rules.width().min((block + 1) * BLOCK);
+        let columns = self.rules.columns(block);
         source.clear();
         source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
         for (i, (source, key)) in source.iter_mut().zip(&self.cells.keys).enumerate() {
@@ -298,24 +319,33 @@ impl<'a> System<'a> {
         let mut now = source.clone();
         next.resize(source.len(), [0.0_f32; BLOCK]);
         for _ in 0..self.rules.steps(state) {
-            // Compiled for the processor at hand; sums and products only, so with the same bits everywhere.
-            Arch::new().dispatch(|| self.step(state, source, &now, next));
+            Arch::new().dispatch(Step { system: self, state, source, now: &now, next });
             std::mem::swap(&mut now, next);
         }
         now
     }
+}
 
-    /// One Jacobi step.
+/// One Jacobi step, compiled for the processor at hand (as the body of a closure would not be); sums and products only, so with
+/// the same bits everywhere.
+struct Step<'a> {
+    system: &'a System<'a>,
+    state: &'a Reflectance,
+    source: &'a [Block],
+    now: &'a [Block],
+    next: &'a mut [Block],
+}
+
+impl WithSimd for Step<'_> {
+    type Output = ();
     #[inline(always)]
-    fn step(&self, state: &Reflectance, source: &[[f32; BLOCK]], now: &[[f32; BLOCK]], next: &mut [[f32; BLOCK]]) {
-        let rows = self.cells.keys.iter().zip(self.starts.windows(2));
-        for ((next, source), (key, range)) in next.iter_mut().zip(source).zip(rows) {
-            let (mut sum, rho) = (*source, rho(state, key));
-            for &(cell, weight) in &self.rows[range[0]..range[1]] {
-                let weight = weight * rho;
-                for (s, x) in sum.iter_mut().zip(&now[cell as usize]) {
-                    *s += weight * x;
-                }
+    fn with_simd<S: Simd>(self, _: S) {
+        let System { cells, starts, rows, .. } = self.system;
+        let of_cells = cells.keys.iter().zip(starts.windows(2));
+        for ((next, source), (key, range)) in self.next.iter_mut().zip(self.source).zip(of_cells) {
+            let (mut sum, rho) = (*source, rho(self.state, key));
+            for &(cell, weight) in &rows[range[0]..range[1]] {
+                add_block(&mut sum, weight * rho, &self.now[cell as usize]);
             }
             *next = sum;
         }
@@ -354,7 +384,7 @@ pub fn centres_f32(n: usize) -> Vec<[f32; 3]> {
 /// Cells and their weights.
 pub type Weighted<T> = Vec<(T, f32)>;
 
-/// Columns and what a cell gets in them per unit of reflectance.
+/// Columns and what a cell gets in them per unit of reflectance; sorted by column, some come more than once.
 pub type Lit = Vec<(u32, f32)>;
 
 /// Share of a cell's hemisphere that each of its rays stands for: below the horizon, above it.
@@ -374,6 +404,8 @@ pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> Lit {
             lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * share)));
         }
     }
+    // Stable: what comes in one column is always added in the same order.
+    lit.sort_by_key(|lit| lit.0);
     lit
 }
 

@@ -5,14 +5,15 @@
 //! G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] ): linear in the sources, so one texture serves every sun and sky.
 
 use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::path::Path;
 
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::bounces::{
-    Closed, Depth, Lit, Reflectance, Rules, Surround, Weighted, centres_f32, each_ray, in_mirrors_lit, rho, seen,
-    surround,
+    BLOCK, Block, Closed, Depth, Lit, Reflectance, Rules, Surround, Weighted, add_block, centres_f32, each_ray,
+    in_mirrors_lit, rho, seen, surround,
 };
 use super::canopies::{Leafages, Shade};
 use super::load::{Tables, TileView};
@@ -26,7 +27,7 @@ use crate::layers::cells::Cells;
 use crate::layers::extras::MIRROR;
 use crate::layers::mirror::CellMirrors;
 use crate::layers::response::{CLASSES, Response};
-use crate::scene::cells::CellKey;
+use crate::scene::cells::{CellKey, CellMap, CellSet};
 
 /// Most by which radiosity may differ from an interpolation with half of the nodes. The error with all of them is about its square.
 const MOST_BENT: f64 = 5e-3;
@@ -106,7 +107,6 @@ impl Responder {
         };
         let mut responses: Vec<Vec<Vec<Response>>> =
             tiles.iter().map(|_| vec![Vec::new(); self.states.len()]).collect();
-        let mut radiosity = Vec::new();
         for leafage in 0..self.leafages.powers.len() {
             let rows = group.rows(tables, leafage)?;
             let lights = |tile: &TileView| -> Vec<Light> {
@@ -115,12 +115,9 @@ impl Responder {
             };
             let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect();
             for state in self.leafages.states(leafage) {
-                group.solve(tables, &rows, state, &mut radiosity)?;
-                let of_tile = |(lights, responses): (&Vec<Light>, &mut Vec<Vec<Response>>)| {
-                    responses[state] =
-                        lights.par_iter().map(|light| group.response(light, state, &radiosity)).collect();
-                };
-                lights.par_iter().zip(&mut responses).for_each(of_tile);
+                for (of_tile, responses) in group.responses(&rows, state, &lights)?.into_iter().zip(&mut responses) {
+                    responses[state] = of_tile;
+                }
             }
         }
         Ok(responses)
@@ -133,7 +130,7 @@ impl Responder {
         keys.dedup();
         let probes = tables.probes.fetch(&keys)?;
         let first_only = self.rules.depth == Depth::Count(1);
-        let mut known: HashSet<CellKey> = HashSet::new();
+        let mut known = CellSet::default();
         let mut fine = Vec::new();
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.reached().collect() };
         while !wave.is_empty() {
@@ -153,9 +150,9 @@ impl Responder {
             .collect();
         let mut keys: Vec<CellKey> = known.into_iter().collect();
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
-        let mut places: Vec<(CellKey, u32)> = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
-        places.sort_unstable();
-        let closed = keys.partition_point(|key| self.rules.closes(key));
+        let places = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
+        let find = |key: &CellKey| self.closed.find(key).ok_or_else(|| tables.bounces.missing(key));
+        let closed = keys.iter().take_while(|key| self.rules.closes(key)).map(find).collect::<Result<_>>()?;
         let chains = Chains::of_cells(&probes, tables, &self.centres);
         let mirrors: Vec<CellMirrors> = (0..probes.extras[MIRROR].len()).map(|i| probes.mirrors(i)).collect();
         let mut group = Group {
@@ -163,7 +160,7 @@ impl Responder {
             probes,
             surrounds,
             seen: Vec::new(),
-            mirrored: HashMap::new(),
+            mirrored: CellMap::default(),
             mirrors,
             chains,
             keys,
@@ -173,7 +170,7 @@ impl Responder {
         };
         let of_probe = |key: &CellKey| if first_only { Ok(0) } else { group.place(tables, key) };
         let mut seen: Vec<usize> = group.probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
-        let mut mirrored: HashMap<CellKey, usize> = group.probes.seen.iter().copied().zip(0..).collect();
+        let mut mirrored: CellMap<usize> = group.probes.seen.iter().copied().zip(0..).collect();
         if group.mirrors.is_empty() {
             mirrored.clear();
         }
@@ -196,16 +193,17 @@ struct Group<'r> {
     /// Place in `keys` of each cell that probes see, then of those that they see only in mirrors.
     seen: Vec<usize>,
     /// Where in `seen` each cell stands that probes see in mirrors; empty where there are no mirrors.
-    mirrored: HashMap<CellKey, usize>,
+    mirrored: CellMap<usize>,
     /// `[probe]`: what it sees in mirrors; empty where none sees any.
     mirrors: Vec<CellMirrors>,
     /// By which chains probes see the sky.
     chains: Chains,
     /// Bounce cells, coarser first: closed ones, then those of `fine`.
     keys: Vec<CellKey>,
+    /// Where the closed ones stand in the closed system.
+    closed: Vec<usize>,
     /// Their places in `keys`, by key.
-    places: Vec<(CellKey, u32)>,
-    closed: usize,
+    places: CellMap<u32>,
     fine: Vec<Cells>,
 }
 
@@ -238,17 +236,24 @@ struct Indirect {
     worth: f32,
 }
 
+/// What a bounce cell's radiosity is worth to a receiver in a state; its place in the group's `keys`.
+#[derive(Clone, Copy)]
+struct Worth {
+    place: usize,
+    class: usize,
+    worth: f32,
+}
+
 impl Group<'_> {
     /// Place of a bounce cell in `keys`.
     fn place(&self, tables: &Tables, key: &CellKey) -> Result<usize> {
-        let found = self.places.binary_search_by_key(key, |place| place.0);
-        found.map(|i| self.places[i].1 as usize).map_err(|_| tables.bounces.missing(key))
+        self.places.get(key).map(|&place| place as usize).ok_or_else(|| tables.bounces.missing(key))
     }
 
     /// The fine bounce cells behind the leaves of a leafage, by place.
     fn rows(&self, tables: &Tables, leafage: usize) -> Result<Vec<Row>> {
         let Responder { rules, leafages, bounce_centres, reflectors, .. } = self.responder;
-        let mut rows: Vec<Row> = Vec::with_capacity(self.keys.len() - self.closed);
+        let mut rows: Vec<Row> = Vec::with_capacity(self.keys.len() - self.closed.len());
         for (part, cells) in self.fine.iter().enumerate() {
             let chains = Chains::of_cells(cells, tables, bounce_centres);
             let of_cell = |row: usize| {
@@ -271,30 +276,17 @@ impl Group<'_> {
         Ok(rows)
     }
 
-    /// Radiosities in a state, [cell of `keys`][axis][texel], per unit normal irradiance: closed cells as solved, the others from those
-    /// that they see, given in `rows`.
-    fn solve(&self, tables: &Tables, rows: &[Row], state: usize, values: &mut Vec<f32>) -> Result<()> {
+    /// Radiosities in a state in a block of columns, by cell of `keys`, per unit normal irradiance: closed cells as solved, the others
+    /// from those that they see, given in `rows`.
+    fn solve(&self, rows: &[Row], state: usize, block: usize, values: &mut Vec<Block>) -> Result<()> {
         let Responder { rules, closed, states, .. } = self.responder;
-        let width = rules.width();
-        values.resize(self.keys.len() * width, 0.0);
-        let read = |(out, key): (&mut [f32], &CellKey)| {
-            let cell = closed.find(key).ok_or_else(|| tables.bounces.missing(key))?;
-            closed.read(state, cell, out)
-        };
-        values[..self.closed * width].par_chunks_mut(width).zip(&self.keys).try_for_each(read)?;
-        for level in rows.chunk_by(|a, b| self.keys[a.place].level == self.keys[b.place].level) {
-            let (before, here) = values.split_at_mut(level[0].place * width);
-            let solve = |(out, row): (&mut [f32], &Row)| {
-                let rho = rho(&states[state], &self.keys[row.place]);
-                let lit = (rho, row.shares.as_deref(), &row.lit);
-                rules.source(&self.fine[row.part], row.row, lit, 0..width, out);
-                for &(place, weight) in &row.seen {
-                    let (from, weight) = (place as usize * width, weight * rho);
-                    out.iter_mut().zip(&before[from..from + width]).for_each(|(o, x)| *o += weight * x);
-                }
-            };
-            here.par_chunks_mut(width).zip(level).for_each(solve);
+        values.clear();
+        for &cell in &self.closed {
+            values.push(closed.block(state, block, cell)?);
         }
+        values.resize(self.keys.len(), [0.0; BLOCK]);
+        let (state, columns) = (&states[state], rules.columns(block));
+        Arch::new().dispatch(Follow { group: self, rows, state, columns, values });
         Ok(())
     }
 
@@ -369,34 +361,98 @@ impl Group<'_> {
         Light { first, indirect: indirect.chunk_by(same).map(merge).collect() }
     }
 
-    /// A receiver's response in a state.
-    fn response(&self, light: &Light, state: usize, radiosity: &[f32]) -> Response {
-        let factors = self.responder.slots.factors(state);
+    /// Responses in a state: [tile][receiver]. A block of columns is solved at a time, so that the cells' values stay in a core's cache.
+    fn responses(&self, rows: &[Row], state: usize, lights: &[Vec<Light>]) -> Result<Vec<Vec<Response>>> {
+        let Responder { rules, slots, .. } = self.responder;
+        let factors = slots.factors(state);
+        let flat: Vec<&Light> = lights.iter().flatten().collect();
+        let worth: Vec<Vec<Worth>> = flat.par_iter().map(|light| self.worth(&light.indirect, factors)).collect();
+        let in_block = |values: &mut Vec<Block>, block: usize| {
+            self.solve(rows, state, block, values)?;
+            Ok(worth.iter().map(|worth| Arch::new().dispatch(Gather { worth, values })).collect())
+        };
+        let blocks = (0..rules.width().div_ceil(BLOCK)).into_par_iter();
+        let coarse: Vec<Vec<[Block; CLASSES]>> = blocks.map_init(Vec::new, in_block).collect::<Result<_>>()?;
+        let response = |(number, light): (usize, &&Light)| self.response(light, factors, number, &coarse);
+        let responses: Vec<Response> = flat.par_iter().enumerate().map(response).collect();
+        let mut responses = responses.into_iter();
+        Ok(lights.iter().map(|of_tile| responses.by_ref().take(of_tile.len()).collect()).collect())
+    }
+
+    /// What the cells are worth that a receiver's probes see, by cell and class.
+    fn worth(&self, indirect: &[Indirect], factors: &[f32]) -> Vec<Worth> {
+        let of_cells = indirect.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class));
+        let worth = |of_cell: &[Indirect]| Worth {
+            place: self.seen[of_cell[0].cell],
+            class: of_cell[0].class,
+            worth: of_cell.iter().map(|w| w.worth * factors[w.slot]).sum(),
+        };
+        of_cells.map(worth).collect()
+    }
+
+    /// The response of a receiver of a number; `coarse` is what the probes themselves get from other surfaces, by block and receiver.
+    fn response(&self, light: &Light, factors: &[f32], number: usize, coarse: &[Vec<[Block; CLASSES]>]) -> Response {
         let mut slots = light.first.iter().zip(factors);
         let mut values = slots.next().map_or_else(Vec::new, |(fixed, _)| fixed.clone());
         for (slot, factor) in slots {
             values.iter_mut().zip(slot).for_each(|(value, v)| *value += factor * v);
         }
-        self.add_indirect(&mut values, &light.indirect, factors, radiosity);
-        Response { values }
-    }
-
-    /// Adds the light that the probes themselves get from other surfaces.
-    fn add_indirect(&self, values: &mut [f32], worth: &[Indirect], factors: &[f32], radiosity: &[f32]) {
-        let width = self.responder.rules.width();
-        let mut coarse = vec![0.0_f32; CLASSES * width];
-        for of_cell in worth.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class)) {
-            let sum: f32 = of_cell.iter().map(|w| w.worth * factors[w.slot]).sum();
-            let (from, class) = (self.seen[of_cell[0].cell] * width, of_cell[0].class);
-            let x = &radiosity[from..from + width];
-            coarse[class * width..(class + 1) * width].iter_mut().zip(x).for_each(|(o, x)| *o += sum * x);
-        }
-        let upsample = &self.responder.upsample;
-        for (plane, coarse) in values.chunks_mut(upsample.len()).zip(coarse.chunks(width / 3)) {
-            for (value, corners) in plane.iter_mut().zip(upsample) {
-                *value += corners.iter().map(|&(t, w)| coarse[t] * w as f32).sum::<f32>();
+        let (upsample, width) = (&self.responder.upsample, self.responder.rules.width());
+        let of_class = |class: usize| -> Vec<f32> {
+            coarse.iter().flat_map(|of_block| of_block[number][class]).take(width).collect()
+        };
+        for (planes, coarse) in values.chunks_mut(3 * upsample.len()).zip((0..CLASSES).map(of_class)) {
+            for (plane, coarse) in planes.chunks_mut(upsample.len()).zip(coarse.chunks(width / 3)) {
+                for (value, corners) in plane.iter_mut().zip(upsample) {
+                    *value += corners.iter().map(|&(t, w)| coarse[t] * w as f32).sum::<f32>();
+                }
             }
         }
+        Response { values }
+    }
+}
+
+/// Finer cells from those that they see, in a block of columns, compiled as [`super::bounces`] compiles its steps.
+struct Follow<'a> {
+    group: &'a Group<'a>,
+    rows: &'a [Row],
+    state: &'a Reflectance,
+    columns: Range<usize>,
+    values: &'a mut [Block],
+}
+
+impl WithSimd for Follow<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Group { responder, keys, fine, .. } = self.group;
+        for row in self.rows {
+            let (before, here) = self.values.split_at_mut(row.place);
+            let (out, rho) = (&mut here[0], rho(self.state, &keys[row.place]));
+            let lit = (rho, row.shares.as_deref(), &row.lit);
+            responder.rules.source(&fine[row.part], row.row, lit, self.columns.clone(), out);
+            for &(place, weight) in &row.seen {
+                add_block(out, weight * rho, &before[place as usize]);
+            }
+        }
+    }
+}
+
+/// What the cells of one block of columns give a receiver, by class.
+struct Gather<'a> {
+    worth: &'a [Worth],
+    values: &'a [Block],
+}
+
+impl WithSimd for Gather<'_> {
+    type Output = [Block; CLASSES];
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut coarse = [[0.0; BLOCK]; CLASSES];
+        for w in self.worth {
+            add_block(&mut coarse[w.class], w.worth, &self.values[w.place]);
+        }
+        coarse
     }
 }
 
