@@ -148,6 +148,7 @@ pub fn texel_centres(n: usize) -> Vec<DVec3> {
 /// Directions of texel centres of square textures of several sizes, computed once: 24 bytes a texel.
 pub struct Centres {
     tables: Vec<(usize, Vec<DVec3>)>,
+    finest: usize,
 }
 
 /// Larger textures would not fit a core's share of cache and memory: their directions are computed when they are asked for.
@@ -157,7 +158,12 @@ impl Centres {
     /// Tables of `base` x `base` texels, twice as many a side, and so on up to `fine`.
     pub fn new(base: usize, fine: usize) -> Self {
         let sides = std::iter::successors(Some(base), |n| Some(n * 2)).take_while(|&n| n <= fine.min(LARGEST_TABLE));
-        Centres { tables: sides.map(|n| (n, texel_centres(n))).collect() }
+        Centres { tables: sides.map(|n| (n, texel_centres(n))).collect(), finest: fine }
+    }
+
+    /// Side of the finest texture.
+    pub fn finest(&self) -> usize {
+        self.finest
     }
 
     /// The smallest table, row-major.
