@@ -59,6 +59,9 @@ impl Directions {
     }
 }
 
+/// Rays of a point at least, so that it is known whether it sees sky.
+const LEAST_RAYS: usize = 16;
+
 /// Sky bits of a cell.
 #[derive(Clone, Debug)]
 pub struct ProbeTrace {
@@ -78,7 +81,8 @@ pub struct ProbeTrace {
 /// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
 pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
     let (n, directions) = (texture.n, texture.of(key));
-    let points = sample(key, mesh, tracer);
+    // With fewer rays a point, those that see little sky would drop out, and the cell be too bright.
+    let points = sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), mesh, tracer);
     let count = points.len();
     let mut bits = vec![0_u8; (n * n).div_ceil(8)];
     if count == 0 {

@@ -11,10 +11,10 @@ use crate::hemisphere::{mix, unit};
 use crate::scene::cells::CellKey;
 use crate::scene::mesh::Mesh;
 
-/// Points that a cell's rays start from.
+/// Points that a cell's rays start from, at most.
 pub const POINTS: usize = 16;
 
-/// Lines tried before fewer than [`POINTS`] points are accepted.
+/// Lines tried before fewer points than wanted are accepted.
 const TRIES: u32 = 160;
 
 /// A point of a cell, relative to the scene origin, and the normal on the side that the cell faces.
@@ -34,8 +34,8 @@ struct Candidate {
     high: DVec2,
 }
 
-/// Points of a cell; empty only if no surface of that name exists in the voxel.
-pub fn sample(key: CellKey, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
+/// Up to so many points of a cell; empty only if no surface of that name exists in the voxel.
+pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
     let (axis, sign) = key.axis();
     let (low, high) = key.bounds();
     // A hit point is known to about 1e-6 of the coordinates: a surface in the voxel's boundary counts as inside.
@@ -75,9 +75,9 @@ pub fn sample(key: CellKey, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
 
     let seed = key.seed();
     let start = DVec2::new(unit(mix(seed, 101)), unit(mix(seed, 102)));
-    let mut points = Vec::with_capacity(POINTS);
+    let mut points = Vec::with_capacity(wanted);
     for i in 0..TRIES {
-        if points.len() == POINTS || candidates.is_empty() {
+        if points.len() == wanted || candidates.is_empty() {
             break;
         }
         // R2 sequence (Roberts 2018): the plane's analogue of the golden ratio.

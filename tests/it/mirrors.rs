@@ -38,7 +38,7 @@ fn built(triangles: &Triangles, materials: Vec<Material>, receivers: &[Receiver]
     let scene = Scene::from_triangles(triangles, materials).expect("a valid scene");
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("site.helio");
-    let report = build(&scene, &mut tiles(receivers, &scene), &plan(&BuildSettings::default(), &path)).expect("built");
+    let report = build(&scene, &mut tiles(receivers, &scene), &plan(&fine(), &path)).expect("built");
     Built { _folder: folder, archive: Archive::open(&path).expect("an archive"), report }
 }
 

@@ -118,7 +118,7 @@ fn white_furnace() {
         receiver("down", v(-3.0, 10.0, 4.0), DVec3::NEG_Z),
         receiver("tilted", v(-3.0, 20.0, 1.5), tilted(35.0, 200.0)),
     ];
-    for (id, row) in site(&scene, &receivers, &BuildSettings::default()).uniform() {
+    for (id, row) in site(&scene, &receivers, &fine()).uniform() {
         assert_near(&id, row.total, OPEN, 0.01);
     }
 }
@@ -217,7 +217,7 @@ fn bounces_are_a_geometric_series() {
             receiver(&format!("{polar}"), 39.96 * outward, -outward)
         })
         .collect();
-    let site = site(&scene, &receivers, &BuildSettings::default());
+    let site = site(&scene, &receivers, &fine());
     let suns: Vec<(f64, f64)> = (0..24).map(|i| (f64::from(i) * 137.5, 30.0 + 2.3 * f64::from(i))).collect();
     let conditions: Vec<_> = suns.iter().map(|&(azimuth, altitude)| sun(azimuth, altitude, 1000.0, OPEN)).collect();
     let horizontal: f64 = suns.iter().map(|(_, altitude)| 1000.0 * altitude.to_radians().sin()).sum();

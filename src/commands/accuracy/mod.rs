@@ -194,8 +194,8 @@ pub(super) fn choose(scene: &Scene, ready: &Ready, receivers: &mut ReceiverTiles
     let (mut scale, mut round) = (1.0, 1);
     let (accuracy, expected) = loop {
         let (_, here) = try_out(1, chosen)?;
-        let left = Source::ALL.map(|source| errors.at(finer, source).min(errors.at(chosen, source)).powi(2));
-        let accuracy = found(&here.light, &truth, scale * left.iter().sum::<f64>().sqrt(), tile);
+        let left = Source::ALL.map(|source| scale * errors.at(finer, source).min(errors.at(chosen, source)));
+        let accuracy = found(&here.light, &truth, left, tile);
         let expected = scale * errors.total(chosen);
         let again = errors.cheapest(wish.target_percent * expected / (scale * accuracy.rmse_percent));
         if accuracy.rmse_percent <= wish.target_percent || round == ROUNDS || again == chosen {
@@ -230,19 +230,28 @@ fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
         if errors.at(rungs, source) > MATTERS * target_percent { (at + 1).min(length - 1) } else { at }
     };
     Rungs {
-        sky: up(Source::Sky, SKY.len()).max(2),
+        // Skies cost little.
+        sky: (rungs.sky + 1).clamp(2, SKY.len() - 1),
         seen: up(Source::Seen, SEEN.len()).max(2),
         bounced: up(Source::Bounced, BOUNCED.len()).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
         patches: rungs.patches,
     }
 }
 
-/// How far a light lies from a finer one that is itself off by `residual` percent.
-fn found(light: &Light, truth: &Light, residual: f64, tile: impl Fn(usize) -> u32) -> Accuracy {
+/// How far a light lies from a finer one that is itself off by `left` percent, source by source.
+fn found(light: &Light, truth: &Light, left: [f64; 3], tile: impl Fn(usize) -> u32) -> Accuracy {
     let mean = truth.mean();
+    let [sky, seen, bounced] = left;
     let in_percent = |difference: f64| rounded(percent(difference, mean));
     let names = Component::ALL.into_iter().map(|component| component.name().to_string());
-    let components = light.component_errors(truth).map(|error| in_percent(error.rmse));
+    // What is left is the sun's for the most part.
+    let left_of = |component| match component {
+        Component::SunDirect => sky,
+        Component::SunDiffuse => seen.hypot(bounced),
+        _ => 0.0,
+    };
+    let errors = Component::ALL.into_iter().zip(light.component_errors(truth));
+    let components = errors.map(|(component, error)| rounded(percent(error.rmse, mean).hypot(left_of(component))));
     let receivers = truth.rows.len() / truth.conditions.max(1);
     let mut tiles: Vec<TileError> = Vec::new();
     for receiver in 0..receivers {
@@ -265,7 +274,7 @@ fn found(light: &Light, truth: &Light, residual: f64, tile: impl Fn(usize) -> u3
         tile.rmse_w_m2.iter_mut().for_each(|sum| *sum = rounded((*sum / count).sqrt()));
     }
     Accuracy {
-        rmse_percent: rounded(percent(light.total_error(truth).rmse, mean).hypot(residual)),
+        rmse_percent: rounded(percent(light.total_error(truth).rmse, mean).hypot(sky).hypot(seen).hypot(bounced)),
         bias_percent: in_percent(light.total_error(truth).bias),
         yearly_percent: in_percent(light.yearly_error(truth).rmse),
         components_percent: names.zip(components).collect(),
