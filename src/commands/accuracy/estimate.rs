@@ -23,7 +23,7 @@ const fn typical(source: Source) -> Typical {
             cost: &[0.3, 0.8, 1.5, 3.5, 6.5, 20.0, 60.0],
         },
         Source::Bounced => {
-            Typical { percent: &[0.55, 0.42, 0.38, 0.2, 0.11, 0.06], cost: &[0.3, 0.5, 0.8, 3.0, 6.0, 25.0] }
+            Typical { percent: &[0.55, 0.42, 0.3, 0.2, 0.11, 0.06], cost: &[0.3, 0.5, 1.2, 3.0, 6.0, 25.0] }
         }
     }
 }

@@ -58,7 +58,7 @@ pub struct BouncedRung {
 pub const BOUNCED: [BouncedRung; 6] = [
     BouncedRung { probe_hits: 4, closed_m: 32.0, bounce_sky: 8, bounce_hits: 8 },
     BouncedRung { probe_hits: 8, closed_m: 32.0, bounce_sky: 8, bounce_hits: 8 },
-    BouncedRung { probe_hits: 8, closed_m: 16.0, bounce_sky: 8, bounce_hits: 8 },
+    BouncedRung { probe_hits: 8, closed_m: 16.0, bounce_sky: 16, bounce_hits: 8 },
     BouncedRung { probe_hits: 16, closed_m: 8.0, bounce_sky: 16, bounce_hits: 32 },
     BouncedRung { probe_hits: 16, closed_m: 4.0, bounce_sky: 16, bounce_hits: 16 },
     BouncedRung { probe_hits: 64, closed_m: 2.0, bounce_sky: 16, bounce_hits: 64 },
