@@ -57,7 +57,7 @@ fn targets_are_kept() {
         assert!(found < 2.0 * expected && expected < 2.0 * found, "{stated:?}");
         assert!((after(&said, "error: ") - expected).abs() < 0.006, "{said}");
         assert!((after(&said, "% expected, ") - found).abs() < 0.006, "{said}");
-        assert_eq!((stated.sample, stated.conditions, stated.components_percent.len()), (12, 256, 6));
+        assert_eq!((stated.sample, stated.conditions, stated.components_percent.len()), (20, 256, 6));
         let sun = stated.components_percent["sun_direct"];
         assert!(sun > 0.0 && sun <= found, "{stated:?}");
         bytes.push(fs::metadata(archive.path()).expect("a file").len());
@@ -69,7 +69,7 @@ fn targets_are_kept() {
     assert!(read("alone.helio") == read("4.helio"));
 
     let info = stdout(&folder.run("info 1.helio"));
-    assert!(info.contains("RMSE of hourly totals; 1 % wanted") && info.contains("tile 0 (12 receivers): "), "{info}");
+    assert!(info.contains("RMSE of hourly totals; 1 % wanted") && info.contains("tile 0 (20 receivers): "), "{info}");
     folder.write("some.csv", "receiver\nr1\nr2\n");
     assert_eq!(folder.run("extract 1.helio -r some.csv -o some.helio").status.code(), Some(0));
     let some = Archive::open(&folder.path("some.helio")).expect("an archive").manifest().accuracy.clone();

@@ -29,7 +29,7 @@ use crate::scene::receivers::{Receiver, TILE};
 
 /// Receivers of the pilot, and of the check: so many of all, within limits.
 const SHARE: usize = 16;
-const LEAST: usize = 12;
+const LEAST: usize = 20;
 const MOST: usize = 32;
 
 /// Suns and skies of an estimate.
@@ -39,7 +39,7 @@ const CONDITIONS: usize = 256;
 const MATTERS: f64 = 0.35;
 
 /// Finer bounces than these cost more than the rest of a build on a large site.
-const FINEST_PILOT_BOUNCES: usize = 3;
+const FINEST_PILOT_BOUNCES: usize = 4;
 
 /// Rounds of choosing and trying.
 const ROUNDS: usize = 3;

@@ -52,6 +52,7 @@ pub fn write() {
         memory_bytes: 1 << 27,
         start: Start::New,
         checkpoint_every: Duration::from_secs(30),
+        accuracy: None,
     };
     build(&scene, &mut tiles, &plan).expect("an archive");
     let bytes = fs::read(&site).expect("read");
