@@ -231,7 +231,7 @@ fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
     };
     Rungs {
         // Skies cost little.
-        sky: (rungs.sky + 1).clamp(2, SKY.len() - 1),
+        sky: (2..SKY.len()).find(|&at| SKY[at].fine > SKY[rungs.sky].fine).unwrap_or(SKY.len() - 1),
         seen: up(Source::Seen, SEEN.len()).max(2),
         bounced: up(Source::Bounced, BOUNCED.len()).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
         patches: rungs.patches,
