@@ -113,8 +113,8 @@ fn tradeoff() {
     assert_eq!(fs::read_dir(folder.path("report")).expect("a folder").count(), 6);
 }
 
-/// Errors that are no percentages, a target beside a quality or settings, weather that is not there, and a report in place of a file are refused:
-/// 6 of 6.
+/// Errors that are no percentages, a target beside a quality or settings, weather that is not there, and a report in place of a file or of
+/// receivers that are not there are refused: 7 of 7.
 #[test]
 fn wrong_inputs() {
     let folder = Folder::new();
@@ -125,5 +125,6 @@ fn wrong_inputs() {
     folder.refused(&format!("{build} --error 2% --set hit=16"), &["--set"]);
     folder.refused(&format!("{build} --error 2% --error-weather no.epw"), &["no.epw"]);
     folder.refused("tradeoff scene.obj -m materials.toml -r receivers.csv -o scene.obj", &["scene.obj"]);
-    assert!(!folder.path("x.helio").exists());
+    folder.refused("tradeoff scene.obj -m materials.toml -r no.csv -o report", &["no.csv"]);
+    assert!(!folder.path("x.helio").exists() && !folder.path("report").exists());
 }

@@ -256,7 +256,7 @@ fn small_site(path: &Path) {
         probe_hits: 300,
         bounce_sky: 8,
         bounce_hits: 300,
-        ..BuildSettings::default()
+        ..fine()
     };
     build(&scene, &mut tiles(&receivers, &scene), &plan(&settings, path)).expect("a build");
 }

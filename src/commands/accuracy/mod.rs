@@ -17,6 +17,7 @@ use self::estimate::{Errors, patch_errors, percent, rung};
 use self::trial::{Bench, Light, Source, Trial};
 use super::build::ladder::{BOUNCED, PATCHES, Rungs, SEEN, SKY};
 use super::build::{BuildSettings, Ready};
+use super::counted;
 use super::progress::bar;
 use crate::archive::accuracy::{Accuracy, TileError};
 use crate::cli::Effects;
@@ -101,9 +102,14 @@ impl Choice {
     pub fn outcome(&self, expected_s: f64, taken_s: f64) -> String {
         let a = &self.accuracy;
         format!(
-            "error: {:.2} % expected, {:.2} % found on {} other receivers (bias {:.2} %, means over all hours {:.2} %)\n\
+            "error: {:.2} % expected, {:.2} % found on {} (bias {:.2} %, means over all hours {:.2} %)\n\
              time: {expected_s:.1} s expected, {taken_s:.1} s taken, besides the pilot's {:.1} s\n",
-            a.predicted_percent, a.rmse_percent, a.sample, a.bias_percent, a.yearly_percent, self.pilot_s
+            a.predicted_percent,
+            a.rmse_percent,
+            counted(a.sample, "other receiver"),
+            a.bias_percent,
+            a.yearly_percent,
+            self.pilot_s
         )
     }
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use super::accuracy::trial::Bench;
 use super::accuracy::{conditions_of, sample};
 use super::build::{Ready, left_out};
-use super::{Outcome, say, warn};
+use super::{Outcome, say, temporary_folder, warn};
 use crate::cli::TradeoffArgs;
 use crate::error::{Error, Result};
 use crate::outputs::sink::Sink;
@@ -28,14 +28,15 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
     let scene = Scene::load(&args.scene, args.materials.as_deref())?;
     scene.report.warnings.iter().for_each(|w| warn(w));
     let (conditions, weather) = conditions_of(args.weather.as_deref(), CONDITIONS)?;
-    std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create"))?;
     let (mut warnings, folder) = (Vec::new(), &args.output);
-    let budget = args.memory.0 as usize / 8;
-    let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
+    let (budget, beside) = (args.memory.0 as usize / 8, temporary_folder(folder));
+    let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, beside, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
     let ready = Ready::new(&scene)?;
     let left_out = left_out(&scene, &ready, &mut receivers, folder, args.effects)?;
     let some: Vec<Receiver> = sample(&mut receivers, usize::from(args.sample))?.into_iter().map(|s| s.1).collect();
+    // Not before the inputs are known to be good.
+    std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
     let trials = tempfile::Builder::new().prefix("trials").tempdir_in(folder);
     let trials = trials.map_err(Error::io(folder, "make a folder in"))?;
     let bench = Bench {
