@@ -1,0 +1,77 @@
+//! Arguments of `build` and `plan`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{AccuracyArgs, Bytes, Wanted, parse_memory};
+
+#[derive(Args, Debug)]
+pub struct BuildArgs {
+    /// Scene geometry, Wavefront OBJ, metres, x east, y north, z up
+    pub scene: PathBuf,
+    /// Reflectances, one table per OBJ material name; without it the OBJ's MTL files are used
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
+    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[arg(long, short)]
+    pub receivers: PathBuf,
+    /// Archive to write
+    #[arg(long, short, value_name = "SITE.helio")]
+    pub output: PathBuf,
+    /// Go on with a build of the same inputs that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+    /// Seconds between checkpoints: what a crash costs at most
+    #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = parse_seconds)]
+    pub checkpoint: u32,
+    /// Start anew where an interrupted build lies
+    #[arg(long, conflicts_with = "resume")]
+    pub fresh: bool,
+    /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
+    #[arg(long, value_enum, default_value_t = Share::Cells, conflicts_with = "error")]
+    pub share: Share,
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
+    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
+    pub effects: Wanted,
+    /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
+    #[arg(long, value_name = "FOLDER")]
+    pub store: Option<PathBuf>,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+    /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}
+
+#[derive(Args, Debug)]
+pub struct PlanArgs {
+    /// Scene geometry, Wavefront OBJ, metres, x east, y north, z up
+    pub scene: PathBuf,
+    /// Reflectances, one table per OBJ material name; without it the OBJ's MTL files are used
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
+    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[arg(long, short)]
+    pub receivers: PathBuf,
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
+    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
+    pub effects: Wanted,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}
+
+/// How probes are shared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Share {
+    Cells,
+    None,
+}
+
+fn parse_seconds(text: &str) -> Result<u32, String> {
+    text.parse()
+        .map_err(|_| "give whole seconds from 0 (a checkpoint whenever something is written) to 4294967295".into())
+}
