@@ -1,6 +1,5 @@
 //! How exact a build is to be: a named rung of the accuracy ladder, a target in percent, or settings one by one.
 
-use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -27,7 +26,7 @@ pub struct AccuracyArgs {
 pub enum Quality {
     /// A quick look
     Draft,
-    /// The knee of error against time
+    /// Near the knee of error against time
     #[default]
     Standard,
     /// For publication
@@ -46,12 +45,6 @@ impl Quality {
             Quality::Fine => "fine",
             Quality::Reference => "reference",
         }
-    }
-}
-
-impl fmt::Display for Quality {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

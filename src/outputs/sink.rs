@@ -23,6 +23,18 @@ enum Target {
     },
 }
 
+/// Writes texts, by name, into a folder that is there: all of them get their names once all are written.
+pub fn write_texts(folder: &Path, texts: &[(&str, String)]) -> Result<()> {
+    let mut sinks = Vec::new();
+    for (name, text) in texts {
+        let path = folder.join(name);
+        let mut sink = Sink::file(&path)?;
+        sink.write_all(text.as_bytes()).map_err(Error::io(&path, "write to"))?;
+        sinks.push(sink);
+    }
+    sinks.into_iter().try_for_each(|sink| sink.finish().map(|_| ()))
+}
+
 impl Sink {
     pub fn stdout() -> Self {
         Sink { target: Target::Stdout(Some(io::stdout())), bytes: 0 }

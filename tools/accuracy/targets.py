@@ -30,8 +30,8 @@ def run(*args):
     return done.stdout, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def hours(program, archive, weather, folder):
-    """Conditions of hours with light, evenly chosen, as a file: the sun from the archive's own replay of the hour is not needed."""
+def hours(weather, folder):
+    """Conditions of hours with light, evenly chosen, as a file."""
     rows = []
     with open(weather) as lines:
         header = lines.readline().split(",")
@@ -81,7 +81,7 @@ def main(program, folder, weather):
         with tempfile.TemporaryDirectory() as scratch:
             finest, archive = f"{scratch}/finest.helio", f"{scratch}/site.helio"
             run(program, "build", *inputs, finest, *(word for s in FINEST for word in ("--set", s)))
-            conditions = hours(program, finest, weather, scratch)
+            conditions = hours(weather, scratch)
             truth = totals(program, finest, conditions, "--patches", "2305")
             mean = sum(truth.values()) / len(truth)
             for target in TARGETS:

@@ -1,12 +1,14 @@
-//! Suns and skies that errors are estimated under. In: a number, or a weather file. Out: that many conditions.
+//! Suns and skies that errors are estimated under. In: a weather file or none, a number. Out: that many conditions.
 
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
+use crate::commands::warn;
 use crate::error::{Error, Result};
 use crate::recombine::conditions::Condition;
 use crate::recombine::epw::read_epw;
+use crate::recombine::weather::Weather;
 use crate::units::direction_from_degrees;
 
 /// Altitudes of the suns, degrees: below, hardly any energy comes; above, few places have the sun.
@@ -16,7 +18,7 @@ const HIGHEST_DEG: f64 = 72.0;
 /// Suns from all sides, with no place on Earth in mind: even in azimuth and in the sine of the altitude. Half of the skies are clear, a quarter
 /// half covered, a quarter overcast. DNI of a clear sky is 1361 x 0.72^(m^0.678), m the air mass (Meinel and Meinel 1976, with
 /// 0.7 for 0.72; Kasten and Young 1989); the other numbers are round ones of the size that weather files have.
-pub fn spread(count: usize) -> Vec<Condition> {
+fn spread(count: usize) -> Vec<Condition> {
     let (low, high) = (LOWEST_DEG.to_radians().sin(), HIGHEST_DEG.to_radians().sin());
     let condition = |i: usize| {
         let sine = low + (high - low) * mirrored_bits(i as u32);
@@ -45,7 +47,7 @@ pub fn is_lit(condition: &Condition) -> bool {
 const LIT_HOURS: usize = 4380;
 
 /// A year of hours, each with so many sun positions, for timing: suns from all sides that move by 15 degrees.
-pub fn spread_year(steps: usize) -> Vec<Condition> {
+fn spread_year(steps: usize) -> Vec<Condition> {
     let moving = |condition: Condition| {
         let turned = |step: usize| DMat3::from_rotation_z((step as f64 / steps as f64 - 0.5) * 15_f64.to_radians());
         let suns: Vec<DVec3> = (0..steps).map(|step| turned(step) * condition.sky_sun).collect();
@@ -54,26 +56,56 @@ pub fn spread_year(steps: usize) -> Vec<Condition> {
     spread(LIT_HOURS).into_iter().map(moving).collect()
 }
 
-/// All hours of a weather file, each with so many sun positions.
-pub fn of_year(path: &Path, steps: usize) -> Result<Vec<Condition>> {
-    Ok(read_epw(path)?.conditions(steps))
-}
-
 /// Van der Corput's sequence in base 2: 0, 1/2, 1/4, 3/4, ...
 fn mirrored_bits(i: u32) -> f64 {
     f64::from(i.reverse_bits()) / 2.0_f64.powi(32)
 }
 
-/// Hours of a weather file with the sun up, evenly chosen, the sun in the middle of each.
-pub fn of_weather(path: &Path, count: usize) -> Result<Vec<Condition>> {
-    let weather = read_epw(path)?;
-    let lit: Vec<Condition> = weather.conditions(1).into_iter().filter(is_lit).collect();
-    if lit.is_empty() {
-        let hint = "give a weather file of a longer time";
-        return Err(Error::input(path, None, "has no hour with light", hint));
+/// Where conditions come from.
+pub enum Suns {
+    /// All sides: [`spread`].
+    Spread,
+    /// A file by its name.
+    Weather(String, Box<Weather>),
+}
+
+impl Suns {
+    /// Of a weather file, if one is given; it has an hour with light.
+    pub fn of(file: Option<&Path>) -> Result<Self> {
+        let Some(path) = file else { return Ok(Suns::Spread) };
+        let weather = read_epw(path)?;
+        weather.report.warnings.iter().for_each(|w| warn(w));
+        if !weather.conditions(1).iter().any(is_lit) {
+            let hint = "give a weather file of a longer time";
+            return Err(Error::input(path, None, "has no hour with light", hint));
+        }
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(Suns::Weather(name, Box::new(weather)))
     }
-    let count = count.min(lit.len());
-    Ok((0..count).map(|i| lit[i * lit.len() / count].clone()).collect())
+
+    /// For people and the manifest.
+    pub fn name(&self) -> &str {
+        match self {
+            Suns::Spread => "suns from all sides",
+            Suns::Weather(name, _) => name,
+        }
+    }
+
+    /// So many conditions; of a weather file hours with light, evenly chosen, the sun in the middle of each.
+    pub fn some(&self, count: usize) -> Vec<Condition> {
+        let Suns::Weather(_, weather) = self else { return spread(count) };
+        let lit: Vec<Condition> = weather.conditions(1).into_iter().filter(is_lit).collect();
+        let count = count.min(lit.len());
+        (0..count).map(|i| lit[i * lit.len() / count].clone()).collect()
+    }
+
+    /// All hours of a year, each with so many sun positions.
+    pub fn year(&self, steps: usize) -> Vec<Condition> {
+        match self {
+            Suns::Spread => spread_year(steps),
+            Suns::Weather(_, weather) => weather.conditions(steps),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -14,7 +14,8 @@ struct Typical {
     cost: &'static [f64],
 }
 
-/// Geometric means over the four sites of `tools/accuracy/run`.
+/// Rounded from trials on the sites of `tools/accuracy/run`, whose tradeoff.csv gives such errors (sky_percent, seen_percent,
+/// bounced_percent). Only their ratios count.
 const fn typical(source: Source) -> Typical {
     match source {
         Source::Sky => Typical { percent: &[4.2, 2.0, 0.58, 0.56, 0.33, 0.18], cost: &[1.0, 1.4, 2.0, 2.3, 3.5, 6.0] },

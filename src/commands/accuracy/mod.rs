@@ -13,6 +13,7 @@ pub mod trial;
 use std::path::Path;
 use std::time::Instant;
 
+use self::conditions::Suns;
 use self::estimate::{Errors, patch_errors, percent, rung};
 use self::trial::{Bench, Light, Source, Trial};
 use super::build::ladder::{BOUNCED, PATCHES, Rungs, SEEN, SKY};
@@ -23,7 +24,6 @@ use crate::archive::accuracy::{Accuracy, TileError};
 use crate::cli::Effects;
 use crate::error::{Error, Result};
 use crate::recombine::components::Component;
-use crate::recombine::conditions::Condition;
 use crate::scene::Scene;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::{Receiver, TILE};
@@ -34,7 +34,7 @@ const LEAST: usize = 20;
 const MOST: usize = 32;
 
 /// Suns and skies of an estimate.
-const CONDITIONS: usize = 256;
+pub const CONDITIONS: usize = 256;
 
 /// A source is looked at with finer settings if it makes up this share of the target.
 const MATTERS: f64 = 0.35;
@@ -131,21 +131,11 @@ pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, R
     Ok(sample)
 }
 
-/// Conditions of an estimate, and what they are called.
-pub fn conditions_of(weather: Option<&Path>, count: usize) -> Result<(Vec<Condition>, String)> {
-    match weather {
-        None => Ok((conditions::spread(count), "suns from all sides".into())),
-        Some(path) => {
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            Ok((conditions::of_weather(path, count)?, name))
-        }
-    }
-}
-
 /// Settings for a target.
 pub(super) fn choose(scene: &Scene, ready: &Ready, receivers: &mut ReceiverTiles, wish: &Wish) -> Result<Choice> {
     let started = Instant::now();
-    let (conditions, weather) = conditions_of(wish.weather, CONDITIONS)?;
+    let suns = Suns::of(wish.weather)?;
+    let conditions = suns.some(CONDITIONS);
     let each = (receivers.count() / SHARE).clamp(LEAST, MOST).min(receivers.count().div_ceil(2));
     let sample = sample(receivers, 2 * each)?;
     let half = |odd: usize| -> Vec<Receiver> { sample.iter().skip(odd).step_by(2).map(|s| s.1.clone()).collect() };
@@ -220,7 +210,7 @@ pub(super) fn choose(scene: &Scene, ready: &Ready, receivers: &mut ReceiverTiles
         target_percent: wish.target_percent,
         predicted_percent: rounded(expected),
         conditions: conditions.len() as u64,
-        weather,
+        weather: suns.name().into(),
         ..accuracy
     };
     let [sky, seen, bounced] = Source::ALL.map(|source| scale * errors.at(chosen, source));

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::Write as _;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -12,7 +11,7 @@ use crate::commands::{Outcome, counted, guard_output, say};
 use crate::error::{Error, Result};
 use crate::mapping::{MappedRay, Mapping};
 use crate::outputs::plot::{Axis, Plot, Series, Style};
-use crate::outputs::sink::Sink;
+use crate::outputs::sink::write_texts;
 use crate::scene::Scene;
 use crate::scene::materials::{Class, Material};
 use crate::scene::wall::Wall;
@@ -22,6 +21,9 @@ use crate::trace::receiver::Viewpoint;
 /// Edge of the wall, and of the receiver over which points are spread, metres.
 const WALL_M: f64 = 10.0;
 const RECEIVER_M: f64 = 1.0;
+
+/// What is written.
+const NAMES: [&str; 3] = ["wall.csv", "wall.svg", "wall_error.svg"];
 
 /// Pixels of the pictures.
 const PICTURE: (u32, u32) = (720, 440);
@@ -44,18 +46,11 @@ impl Row {
 /// `heliotile study wall`.
 pub fn run(args: &WallArgs) -> Result<Outcome> {
     fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create the folder"))?;
-    let paths = ["wall.csv", "wall.svg", "wall_error.svg"].map(|name| args.output.join(name));
-    paths.iter().try_for_each(|path| guard_output(path, &[]))?;
+    NAMES.iter().try_for_each(|name| guard_output(&args.output.join(name), &[]))?;
     let rows = rows(args)?;
     let picture = |plot: Plot| plot.svg(PICTURE.0, PICTURE.1);
     let texts = [table(&rows, args.points), picture(curves(&rows, args))?, picture(errors(&rows, args))?];
-    let mut sinks = Vec::new();
-    for (path, text) in paths.iter().zip(&texts) {
-        let mut sink = Sink::file(path)?;
-        sink.write_all(text.as_bytes()).map_err(Error::io(path, "write to"))?;
-        sinks.push(sink);
-    }
-    sinks.into_iter().try_for_each(|sink| sink.finish().map(|_| ()))?;
+    write_texts(&args.output, &NAMES.into_iter().zip(texts).collect::<Vec<_>>())?;
     say(&report(&rows, args))?;
     Ok(Outcome::Fine)
 }

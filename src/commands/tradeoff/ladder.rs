@@ -1,12 +1,10 @@
 //! The ladder of settings, climbed. In: a bench. Out: errors, seconds and bytes of every rung.
 
-use std::path::Path;
-
 use cpu_time::ProcessTime;
 
 use crate::archive::{Access, Archive, codec};
 use crate::cli::{Effects, Quality};
-use crate::commands::accuracy::conditions::{of_year, spread_year};
+use crate::commands::accuracy::conditions::Suns;
 use crate::commands::accuracy::estimate::{Errors, percent};
 use crate::commands::accuracy::trial::{Bench, Light, Source, Trial};
 use crate::commands::build::BuildSettings;
@@ -91,7 +89,7 @@ fn rungs() -> Vec<(String, Rungs)> {
 }
 
 impl Ladder {
-    pub fn climb(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> Result<Self> {
+    pub fn climb(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Self> {
         let rungs = rungs();
         let progress = bar("ladder", Some(rungs.len() as u64 + 1));
         let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
@@ -104,7 +102,7 @@ impl Ladder {
         let mut costs = Vec::new();
         for (_, rungs) in &rungs {
             let (rungs, trial) = try_out(*rungs)?;
-            costs.push((compression_s(&trial)?, replay_s(bench, &trial, weather)?));
+            costs.push((compression_s(&trial)?, replay_s(bench, &trial, suns)?));
             std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
             trials.push((rungs, trial));
         }
@@ -179,12 +177,8 @@ fn compression_s(trial: &Trial) -> Result<f64> {
 }
 
 /// CPU seconds to replay a year of hours into sums, with the sun positions and patches that belong to the rung.
-fn replay_s(bench: &Bench, trial: &Trial, weather: Option<&Path>) -> Result<f64> {
-    let steps = usize::from(trial.settings.steps);
-    let conditions = match weather {
-        Some(path) => of_year(path, steps)?,
-        None => spread_year(steps),
-    };
+fn replay_s(bench: &Bench, trial: &Trial, suns: &Suns) -> Result<f64> {
+    let conditions = suns.year(usize::from(trial.settings.steps));
     let started = ProcessTime::now();
     let archive = Archive::open_with(&trial.archive, Access::Read)?;
     let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };

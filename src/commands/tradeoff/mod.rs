@@ -5,29 +5,25 @@ mod ladder;
 mod report;
 mod sources;
 
-use std::io::Write;
-use std::path::Path;
-
+use super::accuracy::conditions::Suns;
 use super::accuracy::trial::Bench;
-use super::accuracy::{conditions_of, sample};
+use super::accuracy::{CONDITIONS, sample};
 use super::build::{Ready, left_out};
 use super::{Outcome, say, temporary_folder, warn};
 use crate::cli::TradeoffArgs;
 use crate::error::{Error, Result};
-use crate::outputs::sink::Sink;
+use crate::outputs::sink::write_texts;
 use crate::scene::Scene;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use ladder::Ladder;
 
-/// Suns and skies that errors are estimated under.
-const CONDITIONS: usize = 256;
-
 /// `heliotile tradeoff`.
 pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
     let scene = Scene::load(&args.scene, args.materials.as_deref())?;
     scene.report.warnings.iter().for_each(|w| warn(w));
-    let (conditions, weather) = conditions_of(args.weather.as_deref(), CONDITIONS)?;
+    let suns = Suns::of(args.weather.as_deref())?;
+    let conditions = suns.some(CONDITIONS);
     let (mut warnings, folder) = (Vec::new(), &args.output);
     let (budget, beside) = (args.memory.0 as usize / 8, temporary_folder(folder));
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, beside, budget, &mut warnings)?;
@@ -47,25 +43,18 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
         folder: trials.path(),
         memory_bytes: args.memory.0,
     };
-    let ladder = Ladder::climb(&bench, left_out, args.weather.as_deref())?;
+    let ladder = Ladder::climb(&bench, left_out, &suns)?;
     say(&ladder.table())?;
     let sources = match args.sources {
-        true => Some(sources::each_alone(&bench, left_out, args.weather.as_deref())?),
+        true => Some(sources::each_alone(&bench, left_out, &suns)?),
         false => None,
     };
     if let Some(sources) = &sources {
         say(&sources::table(sources))?;
     }
-    let site = report::Site { scene: &args.scene, receivers: receivers.count(), sample: some.len(), weather: &weather };
-    for (name, text) in report::files(&site, &ladder, sources.as_deref())? {
-        write(&folder.join(name), &text)?;
-    }
+    let site =
+        report::Site { scene: &args.scene, receivers: receivers.count(), sample: some.len(), weather: suns.name() };
+    write_texts(folder, &report::files(&site, &ladder, sources.as_deref())?)?;
     say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;
     Ok(Outcome::Fine)
-}
-
-fn write(path: &Path, text: &str) -> Result<()> {
-    let mut sink = Sink::file(path)?;
-    sink.write_all(text.as_bytes()).map_err(Error::io(path, "write to"))?;
-    sink.finish().map(|_| ())
 }

@@ -1,9 +1,7 @@
 //! Each source of error alone. In: a bench. Out: how fast its error falls when its setting is made finer, all others staying as they are.
 
-use std::path::Path;
-
 use crate::cli::{Effects, Quality, Share};
-use crate::commands::accuracy::conditions::{is_lit, of_year};
+use crate::commands::accuracy::conditions::{Suns, is_lit};
 use crate::commands::accuracy::estimate::percent;
 use crate::commands::accuracy::trial::{Bench, Difference, Light, Source};
 use crate::commands::build::BuildSettings;
@@ -88,7 +86,7 @@ const STEPS: [usize; 6] = [1, 2, 4, 6, 12, 30];
 const MOST_STEPS: usize = 60;
 
 /// All settings, one after the other, at the quality `fine` otherwise. Sun positions need a weather file.
-pub fn each_alone(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> Result<Vec<Point>> {
+pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<Point>> {
     let base = BuildSettings { left_out, ..Rungs::of(Quality::Fine).settings() };
     let progress = bar("settings", None);
     let mut points = Vec::new();
@@ -96,6 +94,8 @@ pub fn each_alone(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> R
         progress.inc(1);
         bench.trial(settings)
     };
+    let fine = trial(base)?;
+    let mean = fine.light.mean();
     for row in &ROWS {
         let of_sky = row.source == Source::Sky;
         // What is seen directly needs no cells.
@@ -103,7 +103,6 @@ pub fn each_alone(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> R
         let mut finest = base;
         (row.finest)(&mut finest);
         let truth = trial(finest)?;
-        let mean = if of_sky { 0.0 } else { truth.light.mean() };
         let from = points.len();
         for &value in row.values {
             let mut settings = base;
@@ -114,10 +113,6 @@ pub fn each_alone(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> R
         }
         orders(&mut points[from..], row.setting == "cell_factor" || row.setting == "closed_m");
     }
-    let fine = trial(base)?;
-    let mean = fine.light.mean();
-    // Without cells there is no other light in the mean.
-    points.iter_mut().filter(|p| p.setting == "sky_fine").for_each(|p| in_percent(p, mean));
     let lights: Vec<Light> = PATCHES.iter().map(|n| bench.light(&fine.archive, *n)).collect::<Result<_>>()?;
     let from = points.len();
     if let Some((truth, others)) = lights.split_last() {
@@ -127,9 +122,9 @@ pub fn each_alone(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> R
     }
     orders(&mut points[from..], false);
     let from = points.len();
-    if let Some(path) = weather {
+    if let Suns::Weather(..) = suns {
         let light = |steps: usize| -> Result<Light> {
-            let mut conditions = of_year(path, steps)?;
+            let mut conditions = suns.year(steps);
             conditions.retain(is_lit);
             Bench { conditions: &conditions, ..*bench }.light(&fine.archive, base.patches)
         };
@@ -144,7 +139,7 @@ pub fn each_alone(bench: &Bench, left_out: Effects, weather: Option<&Path>) -> R
     Ok(points)
 }
 
-/// A point; with a mean of 0 its errors stay in W/m2.
+/// A point; `mean` in W/m2.
 fn point(
     setting: &'static str,
     value: f64,
@@ -153,19 +148,9 @@ fn point(
     mean: f64,
     cost: (u64, f64),
 ) -> Point {
-    let Difference { rmse, bias, mean_absolute } = error;
+    let [rmse, mean_absolute, bias] = [error.rmse, error.mean_absolute, error.bias].map(|error| percent(error, mean));
     let (rays, build_s) = cost;
-    let mut point = Point { setting, value, truth, rmse, mean_absolute, bias, order: None, rays, build_s };
-    if mean > 0.0 {
-        in_percent(&mut point, mean);
-    }
-    point
-}
-
-fn in_percent(point: &mut Point, mean: f64) {
-    for error in [&mut point.rmse, &mut point.mean_absolute, &mut point.bias] {
-        *error = percent(*error, mean);
-    }
+    Point { setting, value, truth, rmse, mean_absolute, bias, order: None, rays, build_s }
 }
 
 /// Fills the orders of neighbouring values; `falling` where small values are the fine ones.
@@ -206,7 +191,7 @@ mod tests {
         let of = |values: [f64; 3], errors: [f64; 3], falling: bool| -> Vec<Option<f64>> {
             let at = |(value, mean_absolute): (f64, f64)| {
                 let error = Difference { rmse: 0.0, bias: 0.0, mean_absolute };
-                point("hit", value, "", error, 0.0, (0, 0.0))
+                point("hit", value, "", error, 100.0, (0, 0.0))
             };
             let mut points: Vec<Point> = values.into_iter().zip(errors).map(at).collect();
             orders(&mut points, falling);
