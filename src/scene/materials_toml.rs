@@ -8,8 +8,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::endless_ground::{self, EndlessGround};
+use super::geometry::MAX_COORDINATE_M;
 use super::materials::{Class, Glass, Material, Table, table_header};
-use super::obj::MAX_COORDINATE_M;
 use super::text::{excerpt, line_of_offset, without_byte_order_mark};
 use crate::error::{Error, Result};
 

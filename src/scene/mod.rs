@@ -2,21 +2,26 @@
 //! It never casts a ray and knows nothing of archives.
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
+mod assumed;
 pub mod cells;
 pub mod crossing;
 mod endless_ground;
+mod formats;
+mod geometry;
+mod load;
 pub mod materials;
 mod materials_toml;
 pub mod mesh;
 pub mod mirrors;
 mod morton;
-mod mtl;
-mod obj;
+mod palette;
 mod polygon;
 pub mod receiver_ids;
 pub mod receiver_tiles;
 pub mod receivers;
+pub mod reference;
 mod rows;
+pub mod site;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -27,9 +32,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use geometry::MAX_COORDINATE_M;
 use materials::{Class, Material, MaterialUse};
 use mesh::{Canonical, Mesh, RawTriangle, canonical};
-use obj::{MAX_COORDINATE_M, ObjFile};
 
 /// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
 #[derive(Clone, Debug)]
@@ -58,58 +63,6 @@ pub struct LoadReport {
 }
 
 impl Scene {
-    /// Reads an OBJ file with `materials.toml`, or without it the reflectances of the MTL libraries the OBJ names.
-    pub fn load(obj: &Path, materials: Option<&Path>) -> Result<Scene> {
-        let mut file = ObjFile::read(obj)?;
-        let mut cut = polygon::triangulate(&file)?;
-        let stated = materials.map(materials_toml::read_toml).transpose()?;
-        let ground = stated.as_ref().and_then(|(_, ground)| *ground);
-        let hidden = ground.and_then(|ground| {
-            let names = &mut file.material_names;
-            let known = names.iter().position(|name| name == endless_ground::NAME);
-            let material = known.unwrap_or_else(|| {
-                names.push(endless_ground::NAME.to_owned());
-                names.len() - 1
-            });
-            ground.add(&mut file.vertices, &mut cut.triangles, material as u32)
-        });
-        let names = rank_by_name(&file.material_names, &mut cut.triangles);
-        let Canonical { mesh, used, dropped } = canonical(&file.vertices, cut.triangles)?;
-        if mesh.triangles.is_empty() {
-            let what = format!("none of the {} faces has an area", file.faces_read());
-            return Err(Error::input(obj, None, what, "check the export's unit: the scene is read in metres"));
-        }
-        let mut report = LoadReport {
-            faces_read: file.faces_read(),
-            triangles: mesh.triangles.len(),
-            degenerate_dropped: cut.degenerate_faces + dropped.degenerate,
-            duplicates_dropped: dropped.duplicates,
-            concave_faces: cut.concave_faces,
-            materials: count_uses(&mesh, &used, |rank| names.get(rank).cloned()),
-            warnings: std::mem::take(&mut file.warnings),
-        };
-        if let Some((count, line)) = cut.crossing_faces {
-            report.warnings.push(format!(
-                "{}, line {line}: the outline of the face crosses itself; of {count} such faces the area may not be right",
-                obj.display()
-            ));
-        }
-        report.warnings.extend(contested_warning(dropped.contested));
-        report.warnings.extend(hidden);
-        let table = match stated {
-            Some((table, _)) => table,
-            None => mtl::read_libraries(obj, &file.libraries, &mut report.warnings)?,
-        };
-        let (selected, unused) = materials::select(table, &report.materials, materials.unwrap_or(obj))?;
-        if let Some(path) = materials {
-            let unused = unused.keys().map(|name| {
-                format!("{}: the scene does not use material `{}`", path.display(), text::excerpt(name.as_bytes()))
-            });
-            report.warnings.extend(unused);
-        }
-        Ok(Scene { mesh, materials: selected, report })
-    }
-
     /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as if read from a file.
     pub fn from_triangles(triangles: &[([DVec3; 3], u16)], materials: Vec<Material>) -> Result<Scene> {
         let refuse = |what: String, hint: &str| Err(Error::input(Path::new("triangles in memory"), None, what, hint));

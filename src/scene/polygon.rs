@@ -1,10 +1,11 @@
-//! In: the polygons of an OBJ file, flat or nearly so, convex or not. Out: triangles of the same area, winding and corners.
+//! In: polygons with holes, flat or nearly so, convex or not. Out: triangles of the same area, winding and corners.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-use super::mesh::{NO_AREA, RawTriangle};
-use super::obj::{ObjFile, Polygon};
+use super::geometry::{Geometry, Polygon};
+use super::mesh::{NO_AREA, RawTriangle, lexicographic};
+use super::text::excerpt;
 use crate::error::{Error, Result};
 
 /// Most corners a face may have: ear clipping costs up to the square of this (6 s measured for a star that
@@ -14,107 +15,161 @@ const MAX_CORNERS: usize = 65_536;
 /// Triangles may cover this much more or less than their ring before it is said to cross itself.
 const AREA_TOLERANCE: f64 = 1e-6;
 
+/// Corners further than this from the mean plane of their face, metres, are worth a word.
+pub(super) const OFF_PLANE_M: f64 = 0.05;
+
 #[derive(Debug, Default)]
 pub(super) struct Triangulation {
     pub triangles: Vec<RawTriangle>,
+    /// Object of each triangle.
+    pub objects: Vec<u32>,
     pub concave_faces: usize,
     /// Faces with fewer than three distinct corners or without area.
     pub degenerate_faces: usize,
-    /// Count and first line of faces whose outline crosses itself.
-    pub crossing_faces: Option<(usize, usize)>,
+    /// Count and first face of those whose outline crosses itself or its holes.
+    pub crossing_faces: Option<(usize, Place)>,
+    /// Count of faces with a corner more than [`OFF_PLANE_M`] off their mean plane, and the largest distance in metres.
+    pub off_plane: (usize, f64),
+}
+
+/// Which face a message is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    /// 0 where the format has no lines.
+    pub line: usize,
+    pub object: u32,
 }
 
 /// Triangulates every face of a file, in file order.
-pub(super) fn triangulate(obj: &ObjFile) -> Result<Triangulation> {
+pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
     let mut done = Triangulation::default();
-    let mut ring = Ring::default();
-    for face in obj.polygons() {
-        if let &[a, b, c] = face.corners {
+    let mut rings = Rings::default();
+    for face in geometry.faces() {
+        let corners = face.corners();
+        if let (&[a, b, c], false) = (corners, face.has_holes()) {
             done.triangles.push(RawTriangle { corners: [a, b, c], material: face.material });
+            done.objects.push(face.object);
             continue;
         }
-        if face.corners.len() > MAX_CORNERS {
+        if corners.len() > MAX_CORNERS {
+            let place = match face.line {
+                0 => format!("a face of {}", object_name(geometry, face.object)),
+                line => format!("the face in line {line}"),
+            };
             return Err(Error::Limit {
-                what: format!("the number of corners of the face in line {}", face.line),
-                value: face.corners.len() as u64,
+                what: format!("the number of corners of {place}"),
+                value: corners.len() as u64,
                 max: MAX_CORNERS as u64,
             });
         }
-        ring.fill(&face, &obj.vertices);
-        ring.cut(&face, &mut done);
+        rings.fill(&face, &geometry.vertices);
+        rings.cut(&face, &mut done);
+        done.objects.resize(done.triangles.len(), face.object);
     }
     Ok(done)
 }
 
-/// Scratch space for one face after another.
+/// An object as messages name it.
+pub(super) fn object_name(geometry: &Geometry, object: u32) -> String {
+    let name = geometry.objects.as_slice().get(object as usize);
+    format!("`{}`", excerpt(name.map_or("", String::as_str).as_bytes()))
+}
+
+/// Scratch space for one face after another: outline, then holes.
 #[derive(Default)]
-struct Ring {
+struct Rings {
     corners: Vec<u32>,
+    /// Where holes begin in `corners`.
+    holes: Vec<usize>,
     /// Relative to the first corner, metres.
     positions: Vec<DVec3>,
-    /// On the plane that the ring covers most of, counter-clockwise.
+    /// On the plane that the outline covers most of, counter-clockwise.
     flat: Vec<[f64; 2]>,
     earcut: Option<Earcut<f64>>,
     cut: Vec<u32>,
 }
 
-impl Ring {
-    /// Takes the face's corners without repetitions, beginning at its least vertex: where a file starts a ring must not
-    /// decide which diagonals are cut.
+impl Rings {
+    /// Takes the face's corners without repetitions, each ring beginning at its least vertex and holes in the order of those: where a
+    /// file starts a ring must not decide which diagonals are cut.
     fn fill(&mut self, face: &Polygon, vertices: &[DVec3]) {
         let position = |corner: u32| vertices.get(corner as usize).copied().unwrap_or_default();
         self.corners.clear();
-        self.corners.extend_from_slice(face.corners);
-        self.corners.dedup_by_key(|corner| position(*corner).to_array());
-        while let [first, .., last] = self.corners.as_slice()
-            && position(*first) == position(*last)
-        {
-            self.corners.pop();
-        }
-        let least = (0..self.corners.len())
-            .zip(&self.corners)
-            .min_by(|(_, a), (_, b)| super::mesh::lexicographic(position(**a), position(**b)));
-        if let Some((start, _)) = least {
-            self.corners.rotate_left(start);
+        self.holes.clear();
+        let mut rings = face.rings().map(|ring| begin_at_least(ring, &position));
+        self.corners.extend(rings.next().unwrap_or_default());
+        let mut holes: Vec<Vec<u32>> = rings.filter(|ring| ring.len() > 2).collect();
+        let least = |ring: &Vec<u32>| ring.first().map_or(DVec3::ZERO, |&corner| position(corner));
+        holes.sort_by(|a, b| lexicographic(least(a), least(b)));
+        for hole in holes {
+            self.holes.push(self.corners.len());
+            self.corners.extend(hole);
         }
         let first = self.corners.first().map_or(DVec3::ZERO, |&corner| position(corner));
         self.positions.clear();
         self.positions.extend(self.corners.iter().map(|&corner| position(corner) - first));
     }
 
+    /// Length of the outline.
+    fn outline(&self) -> usize {
+        self.holes.first().copied().unwrap_or(self.corners.len())
+    }
+
     fn cut(&mut self, face: &Polygon, done: &mut Triangulation) {
         let normal = self.newell_normal();
         let extent = self.positions.iter().fold(0.0, |far: f64, p| far.max(p.length_squared()));
-        if self.corners.len() < 3 || normal.length() <= 2.0 * NO_AREA * extent {
+        if self.outline() < 3 || normal.length() <= 2.0 * NO_AREA * extent {
             done.degenerate_faces += 1;
             return;
         }
+        self.note_bend(normal.normalize_or_zero(), done);
         self.project(normal);
         let turns = self.turns();
-        if turns == Turns::Concave {
+        if turns == Turns::Concave || !self.holes.is_empty() {
             done.concave_faces += 1;
         }
         self.cut.clear();
-        match (self.corners.len(), turns) {
-            (3, _) => self.cut.extend([0, 1, 2]),
-            (4, Turns::Convex) => self.cut.extend([0, 1, 2, 0, 2, 3]),
+        match (self.corners.len(), turns, self.holes.is_empty()) {
+            (3, _, true) => self.cut.extend([0, 1, 2]),
+            (4, Turns::Convex, true) => self.cut.extend([0, 1, 2, 0, 2, 3]),
             _ => {
                 let earcut = self.earcut.get_or_insert_with(Earcut::new);
-                earcut.earcut_slice(&self.flat, &[], &mut self.cut);
+                let holes: Vec<u32> = self.holes.iter().map(|&start| start as u32).collect();
+                earcut.earcut_slice(&self.flat, &holes, &mut self.cut);
             }
         }
         let covered = self.push_triangles(face.material, &mut done.triangles);
-        let area = signed_area(&self.flat);
+        let area = self.area();
         if (covered - area).abs() > AREA_TOLERANCE * area {
-            let (count, line) = done.crossing_faces.unwrap_or((0, face.line));
-            done.crossing_faces = Some((count + 1, line));
+            let first = Place { line: face.line, object: face.object };
+            let (count, place) = done.crossing_faces.unwrap_or((0, first));
+            done.crossing_faces = Some((count + 1, place));
         }
+    }
+
+    /// Counts the face if it is not flat.
+    fn note_bend(&self, normal: DVec3, done: &mut Triangulation) {
+        let heights = self.positions.iter().map(|p| p.dot(normal));
+        let mean = heights.clone().sum::<f64>() / self.positions.len().max(1) as f64;
+        let off = heights.fold(0.0, |off: f64, height| off.max((height - mean).abs()));
+        if off > OFF_PLANE_M {
+            done.off_plane = (done.off_plane.0 + 1, done.off_plane.1.max(off));
+        }
+    }
+
+    /// Area of the outline without its holes, on the plane it is projected to.
+    fn area(&self) -> f64 {
+        let ends = self.holes.iter().copied().skip(1).chain([self.flat.len()]);
+        let holes = self.holes.iter().zip(ends).map(|(&start, end)| self.flat.get(start..end).unwrap_or_default());
+        let outline = self.flat.get(..self.outline()).unwrap_or_default();
+        signed_area(outline) - holes.map(|hole| signed_area(hole).abs()).sum::<f64>()
     }
 
     /// Twice the area times the mean normal (Newell; Tampieri, Graphics Gems III, 1992); robust for rings that are not flat.
     fn newell_normal(&self) -> DVec3 {
-        let following = self.positions.iter().cycle().skip(1);
-        let edges = self.positions.iter().zip(following);
+        let outline = self.positions.get(..self.outline()).unwrap_or_default();
+        let following = outline.iter().cycle().skip(1);
+        let edges = outline.iter().zip(following);
         edges.map(|(a, b)| a.cross(*b)).sum()
     }
 
@@ -138,7 +193,7 @@ impl Ring {
     }
 
     fn turns(&self) -> Turns {
-        let points = self.flat.iter().map(|&p| DVec2::from(p));
+        let points = self.flat.iter().take(self.outline()).map(|&p| DVec2::from(p));
         let following = points.clone().cycle().skip(1);
         let after = points.clone().cycle().skip(2);
         let mut turns = Turns::Convex;
@@ -180,6 +235,22 @@ impl Ring {
     }
 }
 
+/// A ring without repeated corners, rotated so that its least vertex is first.
+fn begin_at_least(ring: &[u32], position: impl Fn(u32) -> DVec3) -> Vec<u32> {
+    let mut corners = ring.to_vec();
+    corners.dedup_by_key(|corner| position(*corner).to_array());
+    while let [first, .., last] = corners.as_slice()
+        && position(*first) == position(*last)
+    {
+        corners.pop();
+    }
+    let least = (0..corners.len()).zip(&corners).min_by(|(_, a), (_, b)| lexicographic(position(**a), position(**b)));
+    if let Some((start, _)) = least {
+        corners.rotate_left(start);
+    }
+    corners
+}
+
 /// How a ring bends, seen against its normal.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Turns {
@@ -200,21 +271,26 @@ fn signed_area(ring: &[[f64; 2]]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
 
     /// Triangulates one face and returns it with the sum of its triangles' area vectors.
     fn face(points: &[[f64; 3]]) -> (Triangulation, DVec3) {
-        let mut text = String::new();
-        for [x, y, z] in points {
-            text += &format!("v {x} {y} {z}\n");
+        with_holes(&[points])
+    }
+
+    /// The same for an outline and its holes.
+    fn with_holes(rings: &[&[[f64; 3]]]) -> (Triangulation, DVec3) {
+        let mut obj = Geometry::default();
+        for (i, ring) in rings.iter().enumerate() {
+            if i > 0 {
+                obj.begin_hole();
+            }
+            for &point in *ring {
+                obj.push_corner(obj.vertices.len() as u32);
+                obj.vertices.push(DVec3::from(point));
+            }
         }
-        text += "f";
-        for index in 1..=points.len() {
-            text += &format!(" {index}");
-        }
-        let obj = ObjFile::parse(text.as_bytes(), Path::new("face.obj")).expect("readable");
+        obj.end_face(0, 0, 6);
         let done = triangulate(&obj).expect("within limits");
         let area = done.triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.corners.map(|corner| obj.vertices[corner as usize]);
@@ -324,14 +400,53 @@ mod tests {
         assert_eq!((closed.0.degenerate_faces, closed.1.z), (0, 0.5));
     }
 
+    /// A square with two holes is 16 - 1 - 1 = 14 m2 in every plane, whichever way the holes turn and wherever rings start.
+    #[test]
+    fn true_holes() {
+        let square = |low: f64, high: f64, across: f64| {
+            vec![[low, across, 0.], [high, across, 0.], [high, across + high - low, 0.], [low, across + high - low, 0.]]
+        };
+        let (outline, mut one, mut two) = (square(0., 4., 0.), square(1., 2., 1.), square(2.5, 3.5, 2.5));
+        let mut found: Option<Vec<RawTriangle>> = None;
+        for turn in 0..4 {
+            one.rotate_left(1);
+            if turn % 2 == 1 {
+                two.reverse();
+            }
+            let (done, area) = with_holes(&[&outline, &one, &two]);
+            assert_eq!((done.crossing_faces, done.concave_faces), (None, 1));
+            assert!((area - DVec3::new(0., 0., 14.)).length() < 1e-12, "{area}");
+            assert_eq!(done.triangles.len(), 14);
+            assert_eq!(found.get_or_insert(done.triangles.clone()).len(), done.triangles.len());
+        }
+        let upright = |ring: &Vec<[f64; 3]>| ring.iter().map(|[x, y, _]| [7., *x, *y]).collect::<Vec<_>>();
+        let (_, area) = with_holes(&[&upright(&outline), &upright(&one), &upright(&two)]);
+        assert!((area - DVec3::new(14., 0., 0.)).length() < 1e-12, "{area}");
+        // A hole of two corners is none.
+        assert_eq!(with_holes(&[&outline, &[[1., 1., 0.], [2., 2., 0.]]]).1.z, 16.0);
+    }
+
+    /// A hole that reaches out of its outline is reported, and so is a face with a corner 0.4 m off its mean plane.
+    #[test]
+    fn odd_faces() {
+        let outline = [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.]];
+        let (done, _) = with_holes(&[&outline, &[[3., 3., 0.], [6., 3., 0.], [6., 3.5, 0.]]]);
+        assert_eq!(done.crossing_faces, Some((1, Place { line: 6, object: 0 })));
+        let (done, _) = face(&[[0., 0., 0.], [4., 0., 0.], [4., 4., 1.6], [0., 4., 0.]]);
+        assert_eq!(done.off_plane.0, 1);
+        assert!((0.3..0.8).contains(&done.off_plane.1), "{}", done.off_plane.1);
+    }
+
     /// An outline that crosses itself is reported with its line, and one beyond the limit is refused with its size.
     #[test]
     fn hostile_rings() {
         let (done, _) = face(&[[0., 0., 0.], [3., 0., 0.], [3., 3., 0.], [1., -1., 0.], [0., 3., 0.]]);
-        assert_eq!(done.crossing_faces, Some((1, 6)));
+        assert_eq!(done.crossing_faces, Some((1, Place { line: 6, object: 0 })));
 
-        let text = format!("v 0 0 0\nf{}\n", " 1".repeat(MAX_CORNERS + 1));
-        let obj = ObjFile::parse(text.as_bytes(), Path::new("face.obj")).expect("readable");
+        let mut obj = Geometry::default();
+        obj.vertices.push(DVec3::ZERO);
+        (0..=MAX_CORNERS).for_each(|_| obj.push_corner(0));
+        obj.end_face(0, 0, 2);
         let message = triangulate(&obj).expect_err("too large").to_string();
         assert!(message.contains("line 2 is 65537, the limit is 65536"), "{message}");
     }

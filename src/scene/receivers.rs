@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::obj::MAX_COORDINATE_M;
+use super::geometry::MAX_COORDINATE_M;
 use super::rows::{Rows, cell_error};
 use super::text::excerpt;
 use crate::error::{Error, Result};

@@ -116,9 +116,16 @@ fn missing_material() {
     for part in ["materials.toml: ", "`default`, which 2 triangles use", "[default]"] {
         assert!(found.contains(part), "{found}");
     }
+}
+
+/// Without any description a usual reflectance of 0.20 is assumed, and one warning says of what, and how to say better.
+#[test]
+fn assumed_material() {
     let folder = Folder::new();
-    let found = Scene::load(&folder.write("town.obj", &obj), None).expect_err("no library").to_string();
-    assert!(found.contains("town.obj: ") && found.contains("--materials"), "{found}");
+    let scene = Scene::load(&folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n")), None).expect("assumed");
+    assert_eq!((scene.materials[0].diffuse, scene.report.warnings.len()), (0.2, 1));
+    let found = &scene.report.warnings[0];
+    assert!(found.contains("`default` diffuse 0.20") && found.contains("--materials"), "{found}");
 }
 
 /// Scenes of nothing but degenerate faces and files that are not there are refused by name.
@@ -181,7 +188,7 @@ fn damaged_files() {
                 _ => bytes.insert(place, b"0123456789.-+e/ \\\n\r#vfn\xff"[random(24)]),
             }
         }
-        let Ok(obj) = ObjFile::parse(&bytes, Path::new("town.obj")) else {
+        let Ok((obj, _)) = formats::obj::parse(&bytes, Path::new("town.obj")) else {
             continue;
         };
         let cut = polygon::triangulate(&obj).expect("small faces");

@@ -1,17 +1,15 @@
-//! In: the bytes of a Wavefront OBJ file. Out: its vertices, polygons, material names and libraries, every index checked.
+//! In: the bytes of a Wavefront OBJ file. Out: its polygons, materials and objects, every index checked.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
+use super::mtl;
+use super::{Asked, stem};
 use crate::error::{Error, Result};
-
-/// Largest coordinate that is taken for a position in metres and not for an accident.
-pub(super) const MAX_COORDINATE_M: f64 = 1e9;
+use crate::scene::geometry::{Geometry, MAX_COORDINATE_M};
+use crate::scene::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
 
 /// Name of the material of faces that stand before any `usemtl`.
 const DEFAULT_MATERIAL: &str = "default";
@@ -19,85 +17,47 @@ const DEFAULT_MATERIAL: &str = "default";
 /// Statements of other kinds of geometry that are named in warnings one by one; a hostile file holds millions.
 const MAX_KINDS_IGNORED: usize = 16;
 
-/// What an OBJ file says, in file order.
-#[derive(Debug, Default)]
-pub(super) struct ObjFile {
-    /// Input coordinates, metres; finite.
-    pub vertices: Vec<DVec3>,
-    /// Corners of all faces one after the other: indices into `vertices`, all in range.
-    corners: Vec<u32>,
-    faces: Vec<Face>,
-    /// Indexed by `Polygon::material`; no two equal.
-    pub material_names: Vec<String>,
-    pub libraries: Vec<Library>,
-    pub warnings: Vec<String>,
-}
-
-#[derive(Debug)]
-struct Face {
-    end: usize,
-    material: u32,
-    line: usize,
-}
-
 /// One `mtllib` statement: a file name, or several.
 #[derive(Debug)]
-pub(super) struct Library {
+pub(in crate::scene) struct Library {
     pub line: usize,
     pub text: String,
 }
 
-/// One `f` statement.
-pub(super) struct Polygon<'a> {
-    pub corners: &'a [u32],
-    pub material: u32,
-    pub line: usize,
+/// Reads an OBJ file, and its libraries where reflectances are wanted.
+pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    let (mut geometry, libraries) = parse(&bytes, path)?;
+    if asked.reflectances {
+        geometry.stated = mtl::read_libraries(path, &libraries, &mut geometry.warnings)?;
+    }
+    Ok(geometry)
 }
 
-impl ObjFile {
-    pub(super) fn read(path: &Path) -> Result<ObjFile> {
-        let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-        ObjFile::parse(&bytes, path)
-    }
-
-    pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<ObjFile> {
-        let mut reader = Reader::new(file);
-        let mut lines = Lines::new(bytes);
-        while let Some((line, text)) = lines.next() {
-            let (keyword, rest) = keyword_and_rest(text);
-            match keyword {
-                b"v" => reader.vertex(line, rest)?,
-                b"f" => reader.face(line, rest)?,
-                b"usemtl" => reader.use_material(line, rest)?,
-                b"mtllib" => {
-                    reader.obj.libraries.push(Library { line, text: String::from_utf8_lossy(rest).into_owned() })
-                }
-                b"vn" | b"vt" | b"g" | b"o" | b"s" | b"l" | b"p" => {}
-                other => reader.ignore(line, other),
-            }
+pub(in crate::scene) fn parse(bytes: &[u8], file: &Path) -> Result<(Geometry, Vec<Library>)> {
+    let mut reader = Reader::new(file);
+    let mut lines = Lines::new(bytes);
+    while let Some((line, text)) = lines.next() {
+        let (keyword, rest) = keyword_and_rest(text);
+        match keyword {
+            b"v" => reader.vertex(line, rest)?,
+            b"f" => reader.face(line, rest)?,
+            b"usemtl" => reader.use_material(rest),
+            b"o" | b"g" => reader.use_object(rest),
+            b"mtllib" => reader.libraries.push(Library { line, text: String::from_utf8_lossy(rest).into_owned() }),
+            b"vn" | b"vt" | b"s" | b"l" | b"p" => {}
+            other => reader.ignore(line, other),
         }
-        reader.finish()
     }
-
-    pub(super) fn faces_read(&self) -> usize {
-        self.faces.len()
-    }
-
-    pub(super) fn polygons(&self) -> impl Iterator<Item = Polygon<'_>> {
-        let mut start = 0;
-        self.faces.iter().map(move |face| {
-            let corners = self.corners.get(start..face.end).unwrap_or_default();
-            start = face.end;
-            Polygon { corners, material: face.material, line: face.line }
-        })
-    }
+    reader.finish()
 }
 
 struct Reader<'f> {
     file: &'f Path,
-    obj: ObjFile,
-    material_of_name: HashMap<String, u32>,
+    geometry: Geometry,
+    libraries: Vec<Library>,
     material: Option<u32>,
+    object: Option<u32>,
     /// Largest index that was beyond the vertices read so far, and its line: allowed if the vertex comes later.
     ahead: Option<(i64, usize)>,
     /// Keyword, first line and count of statements that this reader passes over.
@@ -108,9 +68,10 @@ impl<'f> Reader<'f> {
     fn new(file: &'f Path) -> Self {
         Reader {
             file,
-            obj: ObjFile::default(),
-            material_of_name: HashMap::new(),
+            geometry: Geometry::default(),
+            libraries: Vec::new(),
             material: None,
+            object: None,
             ahead: None,
             ignored: Vec::new(),
         }
@@ -123,23 +84,14 @@ impl<'f> Reader<'f> {
             self.coordinate(line, "y", words.next())?,
             self.coordinate(line, "z", words.next())?,
         );
-        if self.obj.vertices.len() >= u32::MAX as usize {
-            return Err(Error::Limit {
-                what: format!("the number of vertices of {}", self.file.display()),
-                value: self.obj.vertices.len() as u64 + 1,
-                max: u64::from(u32::MAX),
-            });
-        }
-        self.obj.vertices.push(position);
-        Ok(())
+        self.geometry.push_vertex(self.file, position).map(drop)
     }
 
     #[inline]
     fn coordinate(&self, line: usize, axis: &str, word: Option<&[u8]>) -> Result<f64> {
         let value = word.and_then(number);
         match value {
-            // + 0.0 turns -0.0 into 0.0.
-            Some(value) if value.abs() <= MAX_COORDINATE_M => Ok(value + 0.0),
+            Some(value) if value.abs() <= MAX_COORDINATE_M => Ok(value),
             _ => Err(self.coordinate_error(line, axis, word, value)),
         }
     }
@@ -160,22 +112,21 @@ impl<'f> Reader<'f> {
     }
 
     fn face(&mut self, line: usize, text: &[u8]) -> Result<()> {
-        let material = match self.material {
-            Some(material) => material,
-            None => self.select_material(line, DEFAULT_MATERIAL.to_owned())?,
-        };
+        let Geometry { materials, objects, .. } = &mut self.geometry;
+        let material = *self.material.get_or_insert_with(|| materials.id(DEFAULT_MATERIAL));
+        let object = *self.object.get_or_insert_with(|| objects.id(&stem(self.file)));
         for word in Words(text) {
             let corner = self.corner(line, word)?;
-            self.obj.corners.push(corner);
+            self.geometry.push_corner(corner);
         }
-        self.obj.faces.push(Face { end: self.obj.corners.len(), material, line });
+        self.geometry.end_face(material, object, line);
         Ok(())
     }
 
     /// The vertex of `a`, `a/b`, `a//c` or `a/b/c`, counted from 0.
     #[inline]
     fn corner(&mut self, line: usize, word: &[u8]) -> Result<u32> {
-        let count = self.obj.vertices.len() as i64;
+        let count = self.geometry.vertices.len() as i64;
         let zero_based = match leading_index(word) {
             Some(index) if index > 0 => {
                 if index > count && self.ahead.is_none_or(|(furthest, _)| index > furthest) {
@@ -191,7 +142,7 @@ impl<'f> Reader<'f> {
 
     #[cold]
     fn corner_error(&self, line: usize, word: &[u8]) -> Error {
-        let count = self.obj.vertices.len();
+        let count = self.geometry.vertices.len();
         let what = match leading_index(word) {
             Some(0) => format!("face corner `{}` points to vertex 0, but vertices count from 1", excerpt(word)),
             Some(_) => format!("face corner `{}` points beyond the {count} vertices above this line", excerpt(word)),
@@ -204,28 +155,20 @@ impl<'f> Reader<'f> {
         Error::input(self.file, line, what, allowed)
     }
 
-    fn use_material(&mut self, line: usize, name: &[u8]) -> Result<()> {
+    fn use_material(&mut self, name: &[u8]) {
         let name = match name {
-            [] => DEFAULT_MATERIAL.to_owned(),
-            _ => String::from_utf8_lossy(name).into_owned(),
+            [] => DEFAULT_MATERIAL.into(),
+            _ => String::from_utf8_lossy(name),
         };
-        self.select_material(line, name).map(drop)
+        self.material = Some(self.geometry.materials.id(&name));
     }
 
-    fn select_material(&mut self, line: usize, name: String) -> Result<u32> {
-        let names = &mut self.obj.material_names;
-        let material = match self.material_of_name.entry(name) {
-            Entry::Occupied(known) => *known.get(),
-            Entry::Vacant(new) => {
-                let id = u32::try_from(names.len()).map_err(|_| {
-                    Error::input(self.file, line, "more than 4294967295 material names", "join materials")
-                })?;
-                names.push(new.key().clone());
-                *new.insert(id)
-            }
+    /// A group or an object; without a name that of the file.
+    fn use_object(&mut self, name: &[u8]) {
+        self.object = match name {
+            [] => None,
+            _ => Some(self.geometry.objects.id(&String::from_utf8_lossy(name))),
         };
-        self.material = Some(material);
-        Ok(material)
     }
 
     fn ignore(&mut self, line: usize, keyword: &[u8]) {
@@ -236,8 +179,8 @@ impl<'f> Reader<'f> {
         }
     }
 
-    fn finish(mut self) -> Result<ObjFile> {
-        let count = self.obj.vertices.len();
+    fn finish(mut self) -> Result<(Geometry, Vec<Library>)> {
+        let count = self.geometry.vertices.len();
         if let Some((index, line)) = self.ahead.filter(|&(index, _)| index > count as i64) {
             return Err(Error::input(
                 self.file,
@@ -246,7 +189,7 @@ impl<'f> Reader<'f> {
                 format!("use 1 to {count}, or negative numbers to count back from the line"),
             ));
         }
-        if self.obj.faces.is_empty() {
+        if self.geometry.face_count() == 0 {
             return Err(Error::input(
                 self.file,
                 None,
@@ -255,13 +198,13 @@ impl<'f> Reader<'f> {
             ));
         }
         for (keyword, line, times) in &self.ignored {
-            self.obj.warnings.push(format!(
+            self.geometry.warnings.push(format!(
                 "{}, line {line}: `{}` is no polygon statement; {times} such lines were passed over",
                 self.file.display(),
                 excerpt(keyword)
             ));
         }
-        Ok(self.obj)
+        Ok((self.geometry, self.libraries))
     }
 }
 
@@ -269,13 +212,13 @@ impl<'f> Reader<'f> {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<ObjFile> {
-        ObjFile::parse(text.as_bytes(), Path::new("town.obj"))
+    fn parse(text: &str) -> Result<Geometry> {
+        super::parse(text.as_bytes(), Path::new("town.obj")).map(|read| read.0)
     }
 
     fn corners(text: &str) -> Vec<Vec<u32>> {
         let obj = parse(text).expect("readable");
-        obj.polygons().map(|face| face.corners.to_vec()).collect()
+        obj.faces().map(|face| face.corners().to_vec()).collect()
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\n";
@@ -292,13 +235,13 @@ mod tests {
     fn as_found_in_the_wild() {
         let wild = b"\xef\xbb\xbf# caf\xe9\r\no b\r\n \tv\t0 0 0\r\nv 1. +0 .0e0\r\nv 1 1 0\r\nv 0 1 0\r\nvn 0 0 1\r\n\
             vt 0 0\r\ng roof\r\ns off\r\nmtllib my town.mtl\r\nusemtl tile\xe9 red \r\nf 1 2\\\r\n 3 4 # end\r\nl 1 2\r\ncurv 0 1\r\n";
-        let obj = ObjFile::parse(wild, Path::new("town.obj")).expect("readable");
+        let (obj, libraries) = super::parse(wild, Path::new("town.obj")).expect("readable");
         assert_eq!(obj.vertices.len(), 4);
         assert_eq!(obj.vertices[1], DVec3::new(1.0, 0.0, 0.0));
-        assert_eq!(obj.polygons().next().expect("a face").corners, [0, 1, 2, 3]);
-        assert_eq!(obj.material_names, ["tile\u{fffd} red"]);
-        assert_eq!((obj.libraries[0].line, obj.libraries[0].text.as_str()), (11, "my town.mtl"));
-        assert_eq!(obj.warnings.len(), 1);
+        assert_eq!(obj.faces().next().expect("a face").corners(), [0, 1, 2, 3]);
+        assert_eq!(obj.materials.as_slice(), ["tile\u{fffd} red"]);
+        assert_eq!((libraries[0].line, libraries[0].text.as_str()), (11, "my town.mtl"));
+        assert_eq!((obj.objects.as_slice(), obj.warnings.len()), (&["roof".to_owned()][..], 1));
         assert!(obj.warnings[0].contains("line 16: `curv`"), "{}", obj.warnings[0]);
     }
 
@@ -307,8 +250,8 @@ mod tests {
     fn materials_in_file_order() {
         let obj = parse(&format!("{SQUARE}f 1 2 3\nusemtl b\nf 1 2 3\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
         let obj = obj.expect("readable");
-        assert_eq!(obj.material_names, ["default", "b", "a"]);
-        let used: Vec<u32> = obj.polygons().map(|face| face.material).collect();
+        assert_eq!(obj.materials.as_slice(), ["default", "b", "a"]);
+        let used: Vec<u32> = obj.faces().map(|face| face.material).collect();
         assert_eq!(used, [0, 1, 2, 1]);
     }
 

@@ -6,10 +6,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::materials::{Class, Material, Table};
 use super::obj::Library;
-use super::text::{Lines, Words, excerpt, keyword_and_rest, number};
 use crate::error::{Error, Result};
+use crate::scene::materials::{Class, Material, Table};
+use crate::scene::text::{Lines, Words, excerpt, keyword_and_rest, number};
 
 /// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
 pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut Vec<String>) -> Result<Table> {

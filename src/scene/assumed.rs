@@ -1,0 +1,63 @@
+//! What is assumed of materials that nobody describes. In: a name. Out: plain reflectances of its kind, for a warning to list.
+
+use super::materials::{Class, Material};
+
+/// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output Reference, `Solar Absorptance`).
+const WALL: f64 = 0.3;
+/// Of ground: the value that Liu and Jordan (1963) introduced and EnergyPlus takes by default; of roofs and of all else the
+/// default of EnergyPlus' shading surfaces (`ShadingProperty:Reflectance`).
+const OTHER: f64 = 0.2;
+/// Of open water for a high sun; it is no mirror here.
+const WATER: f64 = 0.07;
+/// Of coated and clear double glazing, straight on; it is no mirror here.
+const WINDOW: f64 = 0.15;
+/// What a tree crown's hull lets through at each of its two walls: 3 % in all, the default of SOLWEIG (Lindberg and Grimmond 2011).
+const CROWN: f64 = 0.17;
+
+/// A material of usual reflectance for its name.
+pub(super) fn assumed(name: &str) -> Material {
+    let lower = name.to_lowercase();
+    let has = |words: &[&str]| words.iter().any(|word| lower.contains(word));
+    let class = Class::of_name(name);
+    if has(&["vegetation", "tree", "canopy"]) && class == Class::Obstruction && !lower.contains("street") {
+        let matt = Material::matt(name, 0.0, class);
+        return Material { transmittance: Some(CROWN), ..matt };
+    }
+    let diffuse = match () {
+        () if lower.contains("water") => WATER,
+        () if has(&["window", "glass", "glazing"]) => WINDOW,
+        () if has(&["wall", "facade"]) => WALL,
+        () => OTHER,
+    };
+    Material::matt(name, diffuse, class)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten names get the reflectance of their kind, and all of them are materials that the checks let pass.
+    #[test]
+    fn by_name() {
+        for (name, diffuse, transmittance, class) in [
+            ("RoofSurface", 0.2, None, Class::Obstruction),
+            ("WallSurface", 0.3, None, Class::Obstruction),
+            ("GroundSurface", 0.2, None, Class::Ground),
+            ("TINRelief", 0.2, None, Class::Ground),
+            ("WaterBody", 0.07, None, Class::Ground),
+            ("Window", 0.15, None, Class::Obstruction),
+            ("SolitaryVegetationObject", 0.0, Some(0.17), Class::Obstruction),
+            ("street", 0.2, None, Class::Ground),
+            ("default", 0.2, None, Class::Obstruction),
+            ("", 0.2, None, Class::Obstruction),
+        ] {
+            let material = assumed(name);
+            assert_eq!(
+                (material.diffuse, material.transmittance, material.class),
+                (diffuse, transmittance, class),
+                "{name}"
+            );
+            material.check().expect(name);
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Readers of scene files, one a file, chosen by the ending of the name. In: a file of unknown origin. Out: polygons whose every
+//! index and coordinate is checked. They drop nothing silently and never look at another file than those they are given.
+
+mod mtl;
+pub(super) mod obj;
+
+use std::path::Path;
+
+use super::geometry::Geometry;
+use crate::error::{Error, Result};
+
+/// What is asked of a reader besides the geometry.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Asked {
+    /// Whether the materials that the file itself describes are wanted.
+    pub reflectances: bool,
+    /// Level of detail where an object carries several; the finest without it.
+    pub lod: Option<String>,
+}
+
+const ENDINGS: &str = ".obj";
+
+/// Reads a scene file of any format.
+pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let (_, ending) = name.rsplit_once('.').unwrap_or_default();
+    match ending {
+        "obj" => obj::read(path, asked),
+        _ => Err(Error::Unsupported {
+            what: format!("the scene {}", path.display()),
+            found: if ending.is_empty() {
+                "a name without ending".into()
+            } else {
+                format!("a name that ends with .{ending}")
+            },
+            supported: ENDINGS.into(),
+        }),
+    }
+}
+
+/// Name of a file without its folder and ending: what an object without a name is called.
+pub(super) fn stem(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.split('.').find(|part| !part.is_empty()).unwrap_or("scene").to_owned()
+}

@@ -1,0 +1,159 @@
+//! Several files, one scene. In: the parts of a site. Out: a scene, and its triangles with the objects they belong to.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::endless_ground::EndlessGround;
+use super::formats::{self, Asked};
+use super::geometry::{Geometry, Names, is_position};
+use super::mesh::{Canonical, RawTriangle, canonical};
+use super::palette::Palette;
+use super::polygon::{self, OFF_PLANE_M, Triangulation, object_name};
+use super::site::{Part, Site};
+use super::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
+use crate::error::{Error, Result};
+
+/// Triangles of a scene in the order of its files, each with the object it is a part of.
+#[derive(Debug, Default)]
+pub(crate) struct Soup {
+    /// Input coordinates, metres.
+    pub positions: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Indices into `Scene::materials`, `u16::MAX` for one that no triangle of the scene bears.
+    pub materials: Vec<u16>,
+    /// Indices into `object_names`.
+    pub objects: Vec<u32>,
+    pub object_names: Vec<String>,
+}
+
+/// What was read so far.
+#[derive(Default)]
+struct Pile {
+    positions: Vec<DVec3>,
+    triangles: Vec<RawTriangle>,
+    objects: Vec<u32>,
+    names: Names,
+    report: LoadReport,
+}
+
+impl Scene {
+    /// Reads one file with `materials.toml`, or without it with the reflectances that the file itself gives.
+    pub fn load(file: &Path, materials: Option<&Path>) -> Result<Scene> {
+        Scene::load_site(&Site { parts: vec![Part::plain(file, materials)] })
+    }
+
+    /// Reads all files of a site.
+    pub fn load_site(site: &Site) -> Result<Scene> {
+        Scene::load_with_objects(site).map(|loaded| loaded.0)
+    }
+
+    /// The same, and what its triangles are parts of.
+    pub(crate) fn load_with_objects(site: &Site) -> Result<(Scene, Soup)> {
+        let (mut palette, mut pile) = (Palette::default(), Pile::default());
+        for part in &site.parts {
+            if let Some(path) = &part.materials {
+                palette.open(path)?;
+            }
+            let asked = Asked { reflectances: part.materials.is_none(), lod: part.lod.clone() };
+            pile.add(part, formats::read(&part.file, &asked)?, &mut palette)?;
+        }
+        let ground = palette.ground();
+        pile.finish(site, &palette, ground)
+    }
+}
+
+impl Pile {
+    fn add(&mut self, part: &Part, geometry: Geometry, palette: &mut Palette) -> Result<()> {
+        let cut = polygon::triangulate(&geometry)?;
+        self.note(part, &geometry, &cut);
+        let materials = palette.add(&part.file, &geometry, part.materials.as_deref());
+        let objects: Vec<u32> = geometry.objects.as_slice().iter().map(|name| self.names.id(name)).collect();
+        let first = self.positions.len() as u64;
+        if first + geometry.vertices.len() as u64 > u64::from(u32::MAX) - 4 {
+            return Err(Error::Limit {
+                what: "the number of vertices of the scene".into(),
+                value: first + geometry.vertices.len() as u64,
+                max: u64::from(u32::MAX) - 4,
+            });
+        }
+        for &vertex in &geometry.vertices {
+            let placed = part.place(vertex);
+            if !is_position(placed) {
+                let what = format!("offset and scale put a vertex at {placed}");
+                return Err(Error::input(&part.file, None, what, "positions are metres, at most 1e9 in size"));
+            }
+            self.positions.push(placed);
+        }
+        let number = |of: &[u32], local: u32| of.get(local as usize).copied().unwrap_or_default();
+        self.triangles.extend(cut.triangles.iter().map(|triangle| RawTriangle {
+            corners: triangle.corners.map(|corner| corner + first as u32),
+            material: number(&materials, triangle.material),
+        }));
+        self.objects.extend(cut.objects.iter().map(|&object| number(&objects, object)));
+        Ok(())
+    }
+
+    /// Notes what was found in a file.
+    fn note(&mut self, part: &Part, geometry: &Geometry, cut: &Triangulation) {
+        let (report, file) = (&mut self.report, part.file.display());
+        report.faces_read += geometry.face_count();
+        report.degenerate_dropped += cut.degenerate_faces;
+        report.concave_faces += cut.concave_faces;
+        report.warnings.extend(geometry.warnings.iter().cloned());
+        for (reason, count) in &geometry.left_out {
+            report.warnings.push(format!("{file}: {count} left out {reason}"));
+        }
+        if let Some((count, place)) = cut.crossing_faces {
+            let first = match place.line {
+                0 => format!("the outline of a face of {}", object_name(geometry, place.object)),
+                line => format!("line {line}: the outline of the face"),
+            };
+            let between = if place.line == 0 { ": " } else { ", " };
+            report.warnings.push(format!(
+                "{file}{between}{first} crosses itself; of {count} such faces the area may not be right"
+            ));
+        }
+        if cut.off_plane.0 > 0 {
+            let (count, most) = cut.off_plane;
+            report.warnings.push(format!(
+                "{file}: {count} faces are not flat, corners lie up to {most:.2} m off (more than {OFF_PLANE_M} m counts); \
+                 they are folded along their diagonals"
+            ));
+        }
+    }
+
+    fn finish(self, site: &Site, palette: &Palette, ground: Option<(EndlessGround, u32)>) -> Result<(Scene, Soup)> {
+        let Pile { mut positions, mut triangles, objects, mut names, mut report } = self;
+        let objects = &mut { objects };
+        let mut late = Vec::new();
+        if let Some((ground, material)) = ground {
+            late.extend(ground.add(&mut positions, &mut triangles, material));
+            objects.resize(triangles.len(), names.id(super::endless_ground::NAME));
+        }
+        let sorted = rank_by_name(&palette.names(), &mut triangles);
+        let soup: Vec<RawTriangle> = triangles.clone();
+        let Canonical { mesh, used, dropped } = canonical(&positions, triangles)?;
+        if mesh.triangles.is_empty() {
+            let file = site.parts.first().map_or(Path::new(""), |part| &part.file);
+            let what = format!("none of the {} faces has an area", report.faces_read);
+            return Err(Error::input(file, None, what, "check the export's unit: the scene is read in metres"));
+        }
+        report.triangles = mesh.triangles.len();
+        report.degenerate_dropped += dropped.degenerate;
+        report.duplicates_dropped = dropped.duplicates;
+        report.materials = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
+        report.warnings.extend(contested_warning(dropped.contested));
+        report.warnings.extend(late);
+        let materials = palette.select(&report.materials, &mut report.warnings)?;
+        let number = |rank: u32| used.binary_search(&rank).map_or(u16::MAX, |i| i as u16);
+        let soup = Soup {
+            positions,
+            materials: soup.iter().map(|triangle| number(triangle.material)).collect(),
+            triangles: soup.iter().map(|triangle| triangle.corners).collect(),
+            objects: std::mem::take(objects),
+            object_names: names.into_vec(),
+        };
+        Ok((Scene { mesh, materials, report }, soup))
+    }
+}

@@ -1,0 +1,152 @@
+//! Materials of several files under names of one scene. In: the names that each file uses and the table that describes them. Out:
+//! one list of names; where two files mean different things by one name, the later one's gets the file's name behind it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::assumed::assumed;
+use super::endless_ground::{self, EndlessGround};
+use super::formats::stem;
+use super::geometry::Geometry;
+use super::materials::{Material, MaterialUse, Table, select};
+use super::materials_toml::read_toml;
+use super::text::excerpt;
+use crate::error::{Error, Result};
+
+#[derive(Default)]
+pub(super) struct Palette {
+    entries: Vec<Entry>,
+    /// `materials.toml` files that were read, once each.
+    tables: BTreeMap<PathBuf, Table>,
+    ground: Option<(PathBuf, EndlessGround)>,
+}
+
+struct Entry {
+    /// In the scene.
+    name: String,
+    /// In its file.
+    local: String,
+    /// The file that describes it, or ought to.
+    source: PathBuf,
+    /// `None` if `source` does not.
+    material: Option<Material>,
+    /// Nobody describes it.
+    assumed: bool,
+}
+
+impl Palette {
+    /// Reads a `materials.toml` if it was not read before.
+    pub(super) fn open(&mut self, path: &Path) -> Result<()> {
+        if self.tables.contains_key(path) {
+            return Ok(());
+        }
+        let (table, ground) = read_toml(path)?;
+        if let Some(ground) = ground {
+            if let Some((other, _)) = &self.ground {
+                let what = format!("describes the endless ground, as {} does", other.display());
+                return Err(Error::input(path, None, what, "a scene has one: leave one of the two tables out"));
+            }
+            self.ground = Some((path.to_owned(), ground));
+        }
+        self.tables.insert(path.to_owned(), table);
+        Ok(())
+    }
+
+    /// Adds the materials of a file, described by a `materials.toml` that was opened or, without one, by the file itself. Gives the
+    /// scene's number of each.
+    pub(super) fn add(&mut self, file: &Path, geometry: &Geometry, materials: Option<&Path>) -> Vec<u32> {
+        let names = geometry.materials.as_slice();
+        names.iter().map(|name| self.add_one(name, file, &geometry.stated, materials)).collect()
+    }
+
+    fn add_one(&mut self, local: &str, file: &Path, stated: &Table, materials: Option<&Path>) -> u32 {
+        let source = materials.unwrap_or(file);
+        let described = match materials {
+            Some(path) => self.tables.get(path).and_then(|table| table.get(local)),
+            None => stated.get(local),
+        };
+        let assumes = described.is_none() && materials.is_none();
+        let material = described.cloned().or_else(|| assumes.then(|| assumed(local)));
+        let same = |entry: &Entry| entry.local == local && entry.material == material;
+        if let Some(known) = self.entries.iter().position(same) {
+            return known as u32;
+        }
+        let mut name = local.to_owned();
+        let mut behind = format!(" ({})", stem(file));
+        while self.entries.iter().any(|entry| entry.name == name) {
+            name = format!("{local}{behind}");
+            behind.push('\'');
+        }
+        self.entries.push(Entry {
+            name,
+            local: local.to_owned(),
+            source: source.to_owned(),
+            material,
+            assumed: assumes,
+        });
+        self.entries.len() as u32 - 1
+    }
+
+    /// The endless ground, if a table describes it, and the number of its material.
+    pub(super) fn ground(&mut self) -> Option<(EndlessGround, u32)> {
+        let (path, ground) = self.ground.clone()?;
+        let none = Table::new();
+        Some((ground, self.add_one(endless_ground::NAME, &path, &none, Some(&path))))
+    }
+
+    /// Names in the scene, by number.
+    pub(super) fn names(&self) -> Vec<String> {
+        self.entries.iter().map(|entry| entry.name.clone()).collect()
+    }
+
+    /// The materials in use, in that order, and warnings: what is assumed of which, and what is described for nothing.
+    pub(super) fn select(&self, used: &[MaterialUse], warnings: &mut Vec<String>) -> Result<Vec<Material>> {
+        let entry_of = |name: &str| self.entries.iter().find(|entry| entry.name == name);
+        let described = self.entries.iter().filter_map(|entry| {
+            let material = entry.material.clone()?;
+            Some((entry.name.clone(), Material { name: entry.name.clone(), ..material }))
+        });
+        let missing = used.iter().filter_map(|entry| entry_of(&entry.name)).find(|entry| entry.material.is_none());
+        let source = missing.or(self.entries.first()).map_or(Path::new(""), |entry| &entry.source);
+        let known: Table = described.collect();
+        // What was misspelt stands in the file's table.
+        let near = missing.and_then(|entry| self.tables.get(&entry.source)).cloned().unwrap_or_default();
+        let (materials, _) = select(near.into_iter().chain(known).collect(), used, source)?;
+
+        let assumed: Vec<String> = used
+            .iter()
+            .filter_map(|entry| entry_of(&entry.name).filter(|entry| entry.assumed))
+            .filter_map(|entry| {
+                Some(format!("`{}` {}", excerpt(entry.name.as_bytes()), optics(entry.material.as_ref()?)))
+            })
+            .collect();
+        if !assumed.is_empty() {
+            warnings.push(format!(
+                "nobody says how much light these materials reflect, assumed is: {}; --materials materials.toml says it",
+                assumed.join(", ")
+            ));
+        }
+        for (path, table) in &self.tables {
+            let is_used = |name: &str| {
+                let used = |entry: &Entry| used.iter().any(|found| found.name == entry.name);
+                self.entries.iter().any(|entry| entry.local == name && entry.source == *path && used(entry))
+            };
+            warnings.extend(table.keys().filter(|name| !is_used(name)).map(|name| {
+                format!("{}: the scene does not use material `{}`", path.display(), excerpt(name.as_bytes()))
+            }));
+        }
+        Ok(materials)
+    }
+}
+
+/// What a material does with light, in words.
+pub(super) fn optics(material: &Material) -> String {
+    match (material.transmittance, material.glass) {
+        (Some(transmittance), _) => format!("transmittance {transmittance:.2}"),
+        (None, Some(glass)) => format!("diffuse {:.2}, glass of {} panes", material.diffuse, glass.panes()),
+        (None, None) if material.specular > 0.0 => {
+            format!("diffuse {:.2}, specular {:.2}", material.diffuse, material.specular)
+        }
+        (None, None) => format!("diffuse {:.2}", material.diffuse),
+    }
+}
