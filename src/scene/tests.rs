@@ -87,8 +87,9 @@ fn report() {
         report.materials.iter().map(|entry| (entry.name.as_str(), entry.triangles)).collect();
     assert_eq!(used, [("roof", 3), ("wall", 1)]);
     assert_eq!(scene.materials.iter().map(|material| material.diffuse).collect::<Vec<_>>(), [0.2, 0.3]);
-    assert_eq!(report.warnings.len(), 1);
-    assert!(report.warnings[0].contains("does not use material `glass`"), "{}", report.warnings[0]);
+    assert_eq!(report.warnings.len(), 2);
+    assert!(report.warnings[0].contains("1 faces are not flat"), "{}", report.warnings[0]);
+    assert!(report.warnings[1].contains("does not use material `glass`"), "{}", report.warnings[1]);
 }
 
 /// Without `materials.toml` the MTL libraries beside the OBJ file serve; with it they are not even opened.

@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(obj.faces().next().expect("a face").corners(), [0, 1, 2, 3]);
         assert_eq!(obj.materials.as_slice(), ["tile\u{fffd} red"]);
         assert_eq!((libraries[0].line, libraries[0].text.as_str()), (11, "my town.mtl"));
-        assert_eq!((obj.objects.as_slice(), obj.warnings.len()), (&["roof".to_owned()][..], 1));
+        assert_eq!((obj.objects.as_slice(), obj.warnings.len()), (&["b".to_owned(), "roof".to_owned()][..], 1));
         assert!(obj.warnings[0].contains("line 16: `curv`"), "{}", obj.warnings[0]);
     }
 
