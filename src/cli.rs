@@ -1,9 +1,11 @@
 //! The command line: clap types of every subcommand, nothing else.
 
 mod build;
+mod cover;
 mod effects;
 mod export;
 mod quality;
+mod scene;
 mod study;
 mod tradeoff;
 
@@ -23,9 +25,11 @@ use crate::recombine::span::Moment;
 use crate::recombine::temperatures::Temperature;
 
 pub use self::build::{BuildArgs, PlanArgs, Share};
+pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
 pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
 pub use self::quality::{AccuracyArgs, Percent, Quality};
+pub use self::scene::SceneArgs;
 pub use self::study::{Distances, Rays, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
 
@@ -39,6 +43,8 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Cover the surfaces of a scene with receivers
+    Receivers(ReceiversArgs),
     /// Trace every receiver of a scene once and store its layers in an archive
     Build(BuildArgs),
     /// What a build would trace, what it would cost, and what leaving an effect out could cost
@@ -245,11 +251,8 @@ pub struct VerifyArgs {
 pub struct RepairArgs {
     /// Archive to repair
     pub archive: PathBuf,
-    /// Scene that it was built from
-    pub scene: PathBuf,
-    /// Materials that it was built from
-    #[arg(long, short)]
-    pub materials: Option<PathBuf>,
+    #[command(flatten)]
+    pub scene: SceneArgs,
     /// Receivers that it was built from; needed where the archive's own are damaged
     #[arg(long, short)]
     pub receivers: Option<PathBuf>,

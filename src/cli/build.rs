@@ -4,15 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{AccuracyArgs, Bytes, Wanted, parse_memory};
+use super::{AccuracyArgs, Bytes, SceneArgs, Wanted, parse_memory};
 
 #[derive(Args, Debug)]
 pub struct BuildArgs {
-    /// Scene geometry, Wavefront OBJ, metres, x east, y north, z up
-    pub scene: PathBuf,
-    /// Reflectances, one table per OBJ material name; without it the OBJ's MTL files are used
-    #[arg(long, short)]
-    pub materials: Option<PathBuf>,
+    #[command(flatten)]
+    pub scene: SceneArgs,
     /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: PathBuf,
@@ -46,11 +43,8 @@ pub struct BuildArgs {
 
 #[derive(Args, Debug)]
 pub struct PlanArgs {
-    /// Scene geometry, Wavefront OBJ, metres, x east, y north, z up
-    pub scene: PathBuf,
-    /// Reflectances, one table per OBJ material name; without it the OBJ's MTL files are used
-    #[arg(long, short)]
-    pub materials: Option<PathBuf>,
+    #[command(flatten)]
+    pub scene: SceneArgs,
     /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: PathBuf,

@@ -9,6 +9,7 @@ pub mod inspect;
 mod interrupt;
 mod pack;
 mod progress;
+pub mod receivers;
 pub mod repair;
 pub mod replay;
 pub mod store;
@@ -21,8 +22,10 @@ use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
 use crate::archive::format;
-use crate::cli::Command;
+use crate::cli::{Command, SceneArgs};
 use crate::error::{Error, Result};
+use crate::scene::Scene;
+use crate::scene::site::Site;
 
 /// How a command that ran ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +41,7 @@ pub fn run(command: &Command) -> Result<Outcome> {
     match command {
         Command::Build(args) => build::run(args),
         Command::Plan(args) => build::plan(args),
+        Command::Receivers(args) => receivers::run(args),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Query(args) => replay::query(args),
         Command::Replay(args) => replay::replay(args),
@@ -51,6 +55,19 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Export(args) => export::run(args),
         Command::Study(args) => study::run(args),
     }
+}
+
+/// Reads a scene and prints what its files are warned of.
+fn load_scene(args: &SceneArgs) -> Result<Scene> {
+    let scene = Scene::load_site(&args.site()?)?;
+    scene.report.warnings.iter().for_each(|w| warn(w));
+    Ok(scene)
+}
+
+/// Refuses an output that would replace a file of the scene or another input.
+fn guard_site(output: &Path, site: &Site, others: &[Option<&Path>]) -> Result<()> {
+    let inputs: Vec<&Path> = site.files().chain(others.iter().copied().flatten()).collect();
+    guard_output(output, &inputs)
 }
 
 /// Refuses an output that would replace one of the inputs, or that is no regular file (a folder, a device).

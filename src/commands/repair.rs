@@ -4,24 +4,18 @@ use std::path::{Path, PathBuf};
 
 use super::build::{BuildPlan, BuildSettings, Start, build_with};
 use super::copy::copy_whole;
-use super::{Outcome, counted, guard_output, interrupt, say, temporary_folder, warn};
+use super::{Outcome, counted, guard_site, interrupt, load_scene, say, temporary_folder, warn};
 use crate::archive::{self, Access, Archive, Blocks, format, tables};
 use crate::cli::RepairArgs;
 use crate::error::{Error, Result};
 use crate::recombine::load::settings;
-use crate::scene::Scene;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let output = args.output.as_ref().unwrap_or(&args.archive);
-    let inputs: Vec<&Path> = [Some(&args.scene), args.materials.as_ref(), args.receivers.as_ref()]
-        .into_iter()
-        .flatten()
-        .map(|p| &**p)
-        .collect();
-    guard_output(output, &inputs)?;
+    guard_site(output, &args.scene.site()?, &[args.receivers.as_deref()])?;
     // A damaged block makes references to it dangle: those are no damage of their own.
     let mut report = archive::verify(&args.archive, Access::Read, false)?;
     if report.problems.is_empty() {
@@ -36,12 +30,12 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     }
     // Without header, directory and manifest nothing is known of the rest.
     let archive = Archive::open_with(&args.archive, Access::Read)?;
-    let scene = Scene::load(&args.scene, args.materials.as_deref())?;
+    let scene = load_scene(&args.scene)?;
     let (found, expected) = (format::hex(&scene.content_hash()), &archive.manifest().scene.content_hash);
     if found != *expected {
         let what = format!("is not the scene of the archive: its hash is {found}, that of the archive {expected}");
         return Err(Error::input(
-            &args.scene,
+            args.scene.first(),
             None,
             what,
             "give the scene and the materials that the archive was built from",

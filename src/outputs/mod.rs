@@ -18,6 +18,7 @@ mod parquet;
 pub mod periods;
 pub mod plot;
 mod plot_scale;
+pub mod receivers;
 pub mod sink;
 pub mod surfaces;
 pub mod table;

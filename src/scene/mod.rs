@@ -4,11 +4,12 @@
 
 mod assumed;
 pub mod cells;
+pub mod cover;
 pub mod crossing;
 mod endless_ground;
 mod formats;
 mod geometry;
-mod load;
+pub(crate) mod load;
 pub mod materials;
 mod materials_toml;
 pub mod mesh;
@@ -22,6 +23,7 @@ pub mod receivers;
 pub mod reference;
 mod rows;
 pub mod site;
+pub mod surfaces;
 #[cfg(test)]
 mod tests;
 mod text;

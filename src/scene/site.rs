@@ -1,8 +1,15 @@
-//! What a scene is made of. In: files on the command line. Out: one part for each, with its materials and its place.
+//! What a scene is made of. In: files on the command line, or a `site.toml` that lists them. Out: one part for each, with its
+//! materials and its place.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use serde::Deserialize;
+
+use super::geometry::is_position;
+use super::text::line_of_offset;
+use crate::error::{Error, Result};
 
 /// Files that make up one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,5 +51,163 @@ impl Part {
         let p = p * self.scale;
         let p = if self.y_up { DVec3::new(p.x, -p.z, p.y) } else { p };
         p + self.offset + 0.0
+    }
+}
+
+/// `site.toml` as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    scene: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    file: PathBuf,
+    materials: Option<PathBuf>,
+    offset: Option<[f64; 3]>,
+    scale: Option<f64>,
+    up: Option<Up>,
+    lod: Option<String>,
+}
+
+#[derive(Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Up {
+    Y,
+    Z,
+}
+
+const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
+                    offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\"";
+
+impl Site {
+    /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
+    /// `site.toml` in it.
+    pub fn of(files: &[PathBuf], materials: Option<&Path>) -> Result<Site> {
+        let mut site = Site::default();
+        for file in files {
+            let listed = if file.is_dir() { file.join("site.toml") } else { file.clone() };
+            if listed.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+                site.parts.extend(read_parts(&listed, materials)?);
+            } else {
+                site.parts.push(Part::plain(file, materials));
+            }
+        }
+        Ok(site)
+    }
+
+    /// All files that the site is read from, besides `site.toml`.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.parts.iter().flat_map(|part| [Some(part.file.as_path()), part.materials.as_deref()]).flatten()
+    }
+}
+
+fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let document: Document = toml::from_str(&text).map_err(|error| {
+        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
+        Error::input(path, line, error.message(), KEYS)
+    })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let refuse = |entry: &Entry, what: String| {
+        Err(Error::input(path, None, format!("the scene {}: {what}", entry.file.display()), KEYS))
+    };
+    let mut parts = Vec::new();
+    for entry in &document.scene {
+        let (offset, scale) = (DVec3::from(entry.offset.unwrap_or_default()), entry.scale.unwrap_or(1.0));
+        if !is_position(offset) {
+            return refuse(entry, format!("`offset` is {offset}"));
+        }
+        // NaN compares false.
+        if !(1e-6..=1e6).contains(&scale) {
+            return refuse(entry, format!("`scale` is {scale}, not from 1e-6 to 1e6"));
+        }
+        parts.push(Part {
+            file: folder.join(&entry.file),
+            materials: entry.materials.as_ref().map(|own| folder.join(own)).or(materials.map(Path::to_owned)),
+            offset,
+            scale,
+            y_up: entry.up == Some(Up::Y),
+            lod: entry.lod.clone(),
+        });
+    }
+    if parts.is_empty() {
+        return Err(Error::input(path, None, "lists no scene", KEYS));
+    }
+    Ok(parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    const SQUARE: &str = "v 0 0 0\nv 2 0 0\nv 2 0 -2\nv 0 0 -2\nusemtl wall\nf 1 2 3 4\n";
+
+    fn site(toml: &str) -> (tempfile::TempDir, Result<Site>) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+        write("a.obj", SQUARE);
+        write("b.obj", SQUARE);
+        write("a.toml", "[wall]\ndiffuse = 0.5\n");
+        write("b.toml", "[wall]\ndiffuse = 0.1\n");
+        write("site.toml", toml);
+        let site = Site::of(&[folder.path().to_owned()], None);
+        (folder, site)
+    }
+
+    /// Two files with one material name and two tables keep 0.5 and 0.1; offset, scale and axis put the second where it belongs.
+    #[test]
+    fn merges() {
+        let (_folder, site) = site(
+            "[[scene]]\nfile = \"a.obj\"\nmaterials = \"a.toml\"\n[[scene]]\nfile = \"b.obj\"\nmaterials = \"b.toml\"\n\
+             offset = [10, 20, 30]\nscale = 0.5\nup = \"y\"\n",
+        );
+        let scene = Scene::load_site(&site.expect("readable")).expect("a scene");
+        let found: Vec<(&str, f64)> = scene.materials.iter().map(|m| (m.name.as_str(), m.diffuse)).collect();
+        assert_eq!(found, [("wall", 0.5), ("wall (b)", 0.1)]);
+        let (low, high) = scene.mesh.bounds();
+        // y up: z = -2 becomes y = 1 at half the size; the first one hangs below z = 0.
+        assert_eq!(
+            (low + scene.mesh.origin, high + scene.mesh.origin),
+            (DVec3::new(0., 0., -2.), DVec3::new(11., 21., 30.))
+        );
+        assert_eq!((scene.mesh.triangles.len(), scene.report.warnings.len()), (4, 0));
+    }
+
+    /// One file twice under one table is one material, and the order of the parts does not change the hash of two scenes.
+    #[test]
+    fn order_of_parts() {
+        let parts = [
+            "[[scene]]\nfile = \"a.obj\"\nmaterials = \"a.toml\"\n",
+            "[[scene]]\nfile = \"b.obj\"\nmaterials = \"a.toml\"\noffset = [5, 0, 0]\n",
+        ];
+        let hash = |order: [usize; 2]| {
+            let (_folder, site) = site(&format!("{}{}", parts[order[0]], parts[order[1]]));
+            let scene = Scene::load_site(&site.expect("readable")).expect("a scene");
+            (scene.materials.len(), scene.content_hash())
+        };
+        assert_eq!(hash([0, 1]), hash([1, 0]));
+        assert_eq!(hash([0, 1]).0, 1);
+    }
+
+    /// Seven wrong site files are refused by name, with a line where there is one.
+    #[test]
+    fn refusals() {
+        for (toml, quoted) in [
+            ("", "missing field `scene`"),
+            ("scene = []", "lists no scene"),
+            ("[[scene]]\nfle = \"a.obj\"\n", "line 2"),
+            ("[[scene]]\nfile = \"a.obj\"\nscale = 0\n", "`scale` is 0"),
+            ("[[scene]]\nfile = \"a.obj\"\nscale = nan\n", "`scale` is NaN"),
+            ("[[scene]]\nfile = \"a.obj\"\noffset = [0, inf, 0]\n", "`offset` is"),
+            ("[[scene]]\nfile = \"a.obj\"\nup = \"x\"\n", "line 3"),
+        ] {
+            let message = site(toml).1.expect_err(toml).to_string();
+            assert!(message.contains("site.toml") && message.contains(quoted), "{toml:?}: {message}");
+        }
     }
 }

@@ -6,6 +6,7 @@ pub mod bounce;
 pub mod canopy;
 pub mod form_factor;
 pub mod lanes;
+pub mod lying;
 pub mod mirror;
 pub mod packet;
 pub mod planes;

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use super::accuracy::{Choice, Wish, choose};
 use super::store::{Folder, Store, StoreKey, open_all};
-use super::{Outcome, counted, guard_archive, guard_output, interrupt, say, temporary_folder, warn};
+use super::{Outcome, counted, guard_archive, guard_site, interrupt, load_scene, say, temporary_folder, warn};
 use crate::archive::accuracy::Accuracy;
 use crate::archive::{self, Archive, Manifest, Writer, format};
 use crate::cli::{AccuracyArgs, BuildArgs, Percent, PlanArgs, Wanted};
@@ -163,58 +163,75 @@ impl<'a> Job<'a> {
 
 /// `heliotile build`.
 pub fn run(args: &BuildArgs) -> Result<Outcome> {
-    let inputs: Vec<&Path> = [Some(&args.scene), Some(&args.receivers), args.materials.as_ref()]
-        .into_iter()
-        .flatten()
-        .map(|p| &**p)
-        .collect();
-    guard_output(&args.output, &inputs)?;
+    guard_site(&args.output, &args.scene.site()?, &[Some(&args.receivers)])?;
     guard_archive(&args.output)?;
-    let scene = Scene::load(&args.scene, args.materials.as_deref())?;
-    scene.report.warnings.iter().for_each(|w| warn(w));
+    let scene = load_scene(&args.scene)?;
     let mut warnings = Vec::new();
     let folder = temporary_folder(&args.output);
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
     warnings.iter().for_each(|w| warn(w));
-    let settings = BuildSettings { share: args.share, ..settings_of(&args.accuracy)? };
     let start = match (args.resume, args.fresh) {
         (true, _) => Start::Resume,
         (_, true) => Start::Fresh,
         _ => Start::New,
     };
-    interrupt::watch();
-    let mut plan = BuildPlan {
-        settings,
+    let plan = BuildPlan {
+        settings: BuildSettings { share: args.share, ..settings_of(&args.accuracy)? },
         output: args.output.clone(),
         memory_bytes: args.memory.0,
         start,
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
         accuracy: None,
     };
-    let ready = Ready::new(&scene)?;
-    let (forecast, choice) = decide(&scene, &ready, &mut receivers, &mut plan, &args.accuracy, args.effects)?;
-    say(&forecast.table())?;
     let store = args.store.as_deref().map(Folder::create).transpose()?;
+    let ready = Ready::new(&scene)?;
+    build_planned(
+        &scene,
+        &ready,
+        &mut receivers,
+        plan,
+        &Asked { accuracy: &args.accuracy, effects: args.effects, store },
+    )?;
+    Ok(Outcome::Fine)
+}
+
+/// What is asked of a build besides its plan.
+pub(super) struct Asked<'a> {
+    pub accuracy: &'a AccuracyArgs,
+    pub effects: Wanted,
+    pub store: Option<Folder>,
+}
+
+/// Decides, builds, and says what is done.
+pub(super) fn build_planned(
+    scene: &Scene,
+    ready: &Ready,
+    receivers: &mut ReceiverTiles,
+    mut plan: BuildPlan,
+    asked: &Asked,
+) -> Result<()> {
+    interrupt::watch();
+    let (forecast, choice) = decide(scene, ready, receivers, &mut plan, asked.accuracy, asked.effects)?;
+    say(&forecast.table())?;
     let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
-    let earlier = store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key))?;
-    let report = build_ready(&scene, &ready, &mut receivers, &plan, &earlier)?;
-    if let Some(store) = &store {
-        store.add(&key, &args.output, &report.root)?;
+    let earlier = asked.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key))?;
+    let report = build_ready(scene, ready, receivers, &plan, &earlier)?;
+    if let Some(store) = &asked.store {
+        store.add(&key, &plan.output, &report.root)?;
     }
     report.warnings.iter().for_each(|w| warn(w));
-    say(&summary(&report, &scene, &args.output))?;
+    say(&summary(&report, scene, &plan.output))?;
     if let Some(choice) = choice {
         let taken = report.seconds.iter().map(|stage| stage.1).sum();
         say(&choice.outcome(forecast.seconds(), taken))?;
     }
-    Ok(Outcome::Fine)
+    Ok(())
 }
 
 /// `heliotile plan`.
 pub fn plan(args: &PlanArgs) -> Result<Outcome> {
-    let scene = Scene::load(&args.scene, args.materials.as_deref())?;
-    scene.report.warnings.iter().for_each(|w| warn(w));
+    let scene = load_scene(&args.scene)?;
     let (mut warnings, folder) = (Vec::new(), std::env::temp_dir());
     let budget = args.memory.0 as usize / 8;
     let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, &folder, budget, &mut warnings)?;
@@ -231,7 +248,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     let (forecast, _) = decide(&scene, &ready, &mut receivers, &mut plan, &args.accuracy, args.effects)?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",
-        args.scene.display(),
+        args.scene.first().display(),
         forecast.receivers,
         scene.mesh.triangles.len(),
         counted(rayon::current_num_threads() as u64, "thread"),

@@ -9,19 +9,17 @@ use super::accuracy::conditions::Suns;
 use super::accuracy::trial::Bench;
 use super::accuracy::{CONDITIONS, sample};
 use super::build::{Ready, left_out};
-use super::{Outcome, say, temporary_folder, warn};
+use super::{Outcome, load_scene, say, temporary_folder, warn};
 use crate::cli::TradeoffArgs;
 use crate::error::{Error, Result};
 use crate::outputs::sink::write_texts;
-use crate::scene::Scene;
 use crate::scene::receiver_tiles::ReceiverTiles;
 use crate::scene::receivers::Receiver;
 use ladder::Ladder;
 
 /// `heliotile tradeoff`.
 pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
-    let scene = Scene::load(&args.scene, args.materials.as_deref())?;
-    scene.report.warnings.iter().for_each(|w| warn(w));
+    let scene = load_scene(&args.scene)?;
     let suns = Suns::of(args.weather.as_deref())?;
     let conditions = suns.some(CONDITIONS);
     let (mut warnings, folder) = (Vec::new(), &args.output);
@@ -52,8 +50,12 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
     if let Some(sources) = &sources {
         say(&sources::table(sources))?;
     }
-    let site =
-        report::Site { scene: &args.scene, receivers: receivers.count(), sample: some.len(), weather: suns.name() };
+    let site = report::Site {
+        scene: args.scene.first(),
+        receivers: receivers.count(),
+        sample: some.len(),
+        weather: suns.name(),
+    };
     write_texts(folder, &report::files(&site, &ladder, sources.as_deref())?)?;
     say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;
     Ok(Outcome::Fine)

@@ -1,0 +1,257 @@
+//! Receivers spread evenly over a surface. In: a surface and how densely. Out: pieces of equal area that make up the surface, each
+//! with a point on it and its normal.
+//!
+//! A surface is cut in two across its longer side, in the ratio of the points that go on both parts, and the parts again, until each
+//! has one point. Cuts are exact: areas add up to the surface.
+
+use glam::{DVec2, DVec3};
+
+use super::surfaces::{Kind, Surface, area_vector};
+
+/// How many points go on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// About so far apart, metres: one for each square of this side, and along narrow surfaces too.
+    Spacing(f64),
+    PerSurface(u32),
+}
+
+/// Most points on one surface.
+pub const MOST_POINTS: f64 = 100e6;
+
+impl Density {
+    /// Number of points on a surface.
+    pub fn points(self, surface: &Surface) -> f64 {
+        match self {
+            Density::PerSurface(count) => f64::from(count.max(1)),
+            Density::Spacing(metres) => {
+                let (low, high) = Frame::of(surface).extent(&surface.triangles);
+                let longest = (high - low).max_element();
+                // A hair less than a whole number of squares is that number.
+                let up = |x: f64| (x - 1e-6).ceil();
+                up(surface.area_m2 / (metres * metres)).max(up(longest / metres)).max(1.0)
+            }
+        }
+    }
+}
+
+/// A part of a surface and the point that stands for it.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// On the surface, input coordinates.
+    pub position: DVec3,
+    /// Mean over the piece, unit length.
+    pub normal: DVec3,
+    pub area_m2: f64,
+    pub triangles: Vec<[DVec3; 3]>,
+}
+
+/// Cuts a surface into pieces of equal area, as many as [`Density::points`] says.
+pub fn cover(surface: &Surface, density: Density) -> Vec<Piece> {
+    let frame = Frame::of(surface);
+    let count = density.points(surface).min(MOST_POINTS) as usize;
+    let mut pieces = Vec::with_capacity(count);
+    divide(surface.triangles.clone(), count, &frame, &mut pieces);
+    pieces
+}
+
+/// Two directions along a surface, and the one away from it.
+struct Frame {
+    along: [DVec3; 2],
+    away: DVec3,
+}
+
+impl Frame {
+    /// Terrain is looked at from above. Of others the first axis is level, or along the longest edge of what is level itself.
+    fn of(surface: &Surface) -> Frame {
+        let normal = surface.normal;
+        if surface.kind == Kind::Ground {
+            return Frame { along: [DVec3::X, DVec3::Y], away: DVec3::Z };
+        }
+        let level = DVec3::Z.cross(normal);
+        let first = if level.length() > 0.35 { level } else { longest_edge(surface) };
+        // Across the normal; a direction of its own if that is nothing.
+        let across = (first - normal * first.dot(normal)).normalize_or_zero();
+        let across = if across == DVec3::ZERO { normal.any_orthonormal_vector() } else { across };
+        Frame { along: [across, normal.cross(across)], away: normal }
+    }
+
+    fn flat(&self, p: DVec3) -> DVec2 {
+        DVec2::new(self.along[0].dot(p), self.along[1].dot(p))
+    }
+
+    fn extent(&self, triangles: &[[DVec3; 3]]) -> (DVec2, DVec2) {
+        triangles.iter().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| {
+            let p = self.flat(p);
+            (low.min(p), high.max(p))
+        })
+    }
+}
+
+/// Direction of the longest edge that no other triangle of the surface has.
+fn longest_edge(surface: &Surface) -> DVec3 {
+    let key = |p: DVec3| p.to_array().map(f64::to_bits);
+    let mut edges: Vec<([[u64; 3]; 2], DVec3)> = Vec::new();
+    for &[a, b, c] in &surface.triangles {
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            let (p, q) = if key(p) <= key(q) { (p, q) } else { (q, p) };
+            edges.push(([key(p), key(q)], q - p));
+        }
+    }
+    edges.sort_unstable_by_key(|edge| edge.0);
+    let outline =
+        edges.chunk_by(|a, b| a.0 == b.0).filter_map(|same| if same.len() == 1 { same.first() } else { None });
+    let mut longest = DVec3::ZERO;
+    for (_, edge) in outline {
+        // By more than rounding, so that equal sides do not take turns.
+        if edge.length() > longest.length() * (1.0 + 1e-9) {
+            longest = *edge;
+        }
+    }
+    longest
+}
+
+/// Cuts until each part has one point.
+fn divide(triangles: Vec<[DVec3; 3]>, count: usize, frame: &Frame, pieces: &mut Vec<Piece>) {
+    if count <= 1 {
+        pieces.extend(piece(triangles, frame));
+        return;
+    }
+    let (low, high) = frame.extent(&triangles);
+    let size = high - low;
+    // By more than rounding: squares are cut across the first axis.
+    let axis = if size.y > size.x * (1.0 + 1e-9) { frame.along[1] } else { frame.along[0] };
+    let first = count / 2;
+    let at = cut_place(&triangles, axis, first as f64 / count as f64);
+    let (mut before, mut behind) = (Vec::new(), Vec::new());
+    for triangle in triangles {
+        split(&triangle, axis, at, &mut before, &mut behind);
+    }
+    divide(before, first, frame, pieces);
+    divide(behind, count - first, frame, pieces);
+}
+
+/// A triangle along an axis: its corners' places in order, and its area.
+struct Span {
+    places: [f64; 3],
+    area: f64,
+}
+
+impl Span {
+    /// Area before a place.
+    fn before(&self, at: f64) -> f64 {
+        let [a, b, c] = self.places;
+        match () {
+            () if at <= a => 0.0,
+            () if at >= c => self.area,
+            () if at < b => self.area * (at - a) * (at - a) / ((b - a) * (c - a)),
+            () => self.area * (1.0 - (c - at) * (c - at) / ((c - b) * (c - a)).max(f64::MIN_POSITIVE)),
+        }
+    }
+}
+
+/// Where along an axis this share of the area lies before.
+fn cut_place(triangles: &[[DVec3; 3]], axis: DVec3, share: f64) -> f64 {
+    let mut spans: Vec<Span> = Vec::with_capacity(triangles.len());
+    let (mut low, mut high, mut total) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
+    for triangle in triangles {
+        let mut places = triangle.map(|p| p.dot(axis));
+        places.sort_unstable_by(f64::total_cmp);
+        let area = area_vector(triangle).length();
+        (low, high, total) = (low.min(places[0]), high.max(places[2]), total + area);
+        spans.push(Span { places, area });
+    }
+    // What lies before `low` for good.
+    let (mut done, wanted) = (0.0, total * share);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        let here: f64 = spans.iter().map(|span| span.before(middle)).sum();
+        if done + here < wanted {
+            low = middle
+        } else {
+            high = middle
+        }
+        // Large surfaces are cut fast: only what the place may still lie in is looked at again.
+        if spans.len() > 64 {
+            spans.retain(|span| {
+                let passed = span.places[2] <= low;
+                if passed {
+                    done += span.area;
+                }
+                !passed && span.places[0] < high
+            });
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The parts of a triangle before and behind a plane across an axis.
+fn split(triangle: &[DVec3; 3], axis: DVec3, at: f64, before: &mut Vec<[DVec3; 3]>, behind: &mut Vec<[DVec3; 3]>) {
+    let place = triangle.map(|p| p.dot(axis) - at);
+    if place.iter().all(|d| *d <= 0.0) {
+        return before.push(*triangle);
+    }
+    if place.iter().all(|d| *d >= 0.0) {
+        return behind.push(*triangle);
+    }
+    // One corner is alone on its side.
+    for turn in 0..3 {
+        let [i, j, k] = [turn, (turn + 1) % 3, (turn + 2) % 3];
+        let (Some(&a), Some(&b), Some(&c)) = (triangle.get(i), triangle.get(j), triangle.get(k)) else { return };
+        let (Some(&da), Some(&db), Some(&dc)) = (place.get(i), place.get(j), place.get(k)) else { return };
+        let alone = (da > 0.0 && db <= 0.0 && dc <= 0.0) || (da < 0.0 && db >= 0.0 && dc >= 0.0);
+        if alone {
+            let (p, q) = (a.lerp(b, da / (da - db)), a.lerp(c, da / (da - dc)));
+            let (own, other) = if da > 0.0 { (behind, before) } else { (before, behind) };
+            own.push([a, p, q]);
+            other.extend([[p, b, c], [p, c, q]]);
+            return;
+        }
+    }
+}
+
+/// The point that stands for a part: its centre, or where that lies outside, the centre of the triangle next to it. `None` if the part
+/// has no area.
+fn piece(triangles: Vec<[DVec3; 3]>, frame: &Frame) -> Option<Piece> {
+    let (mut sum, mut vector, mut area_m2) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    let origin = triangles.first()?[0];
+    for triangle in &triangles {
+        let own = area_vector(triangle);
+        let size = own.length();
+        sum += size * (triangle.iter().map(|p| *p - origin).sum::<DVec3>() / 3.0);
+        vector += own;
+        area_m2 += size;
+    }
+    let normal = vector.normalize_or_zero();
+    if normal == DVec3::ZERO || area_m2 <= 0.0 {
+        return None;
+    }
+    let centre = sum / area_m2 + origin;
+    let flat = frame.flat(centre);
+    let over = triangles.iter().find(|t| contains(&t.map(|p| frame.flat(p)), flat));
+    let position = match over.and_then(|t| dropped(centre, t, frame.away)) {
+        Some(position) => position,
+        None => {
+            let middle = |t: &[DVec3; 3]| (t[0] + t[1] + t[2]) / 3.0;
+            let largest = triangles.iter().map(|t| area_vector(t).length()).fold(0.0, f64::max);
+            let fit = triangles.iter().filter(|t| area_vector(t).length() >= 0.3 * largest);
+            fit.map(middle).min_by(|a, b| a.distance(centre).total_cmp(&b.distance(centre)))?
+        }
+    };
+    position.is_finite().then_some(Piece { position, normal, area_m2, triangles })
+}
+
+fn contains(&[a, b, c]: &[DVec2; 3], p: DVec2) -> bool {
+    let sides = [(b - a).perp_dot(p - a), (c - b).perp_dot(p - b), (a - c).perp_dot(p - c)];
+    sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+}
+
+/// Where a line through a point meets a triangle's plane.
+fn dropped(point: DVec3, triangle: &[DVec3; 3], line: DVec3) -> Option<DVec3> {
+    let normal = area_vector(triangle);
+    let along = normal.dot(line);
+    (along.abs() > 1e-9 * normal.length()).then(|| point + line * (normal.dot(triangle[0] - point) / along))
+}

@@ -1,0 +1,278 @@
+//! Surfaces that receivers are put on. In: a scene's triangles and the objects they belong to. Out: surfaces with names: the
+//! neighbouring triangles of an object and a material that lie in one plane; terrain as a whole. Neither the order of files, objects
+//! and faces nor the way faces are cut into triangles (but for the order of ties) matters.
+
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::load::Soup;
+use super::materials::{Class, Material};
+use super::mesh::lexicographic;
+
+/// Triangles lie in the plane of the first one of their surface if their normals are within this of its normal (cosine of 2 degrees) ...
+const SAME_DIRECTION: f64 = 0.999_390_8;
+/// ... and their corners within this of its plane, metres.
+const SAME_PLANE_M: f64 = 0.1;
+
+/// What a surface is for who puts receivers on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Roof,
+    Wall,
+    Window,
+    Ground,
+    /// It looks down: the floor of a storey that juts out, the underside of a building.
+    Floor,
+}
+
+impl Kind {
+    pub const ALL: [Kind; 5] = [Kind::Roof, Kind::Wall, Kind::Window, Kind::Ground, Kind::Floor];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Roof => "roof",
+            Kind::Wall => "wall",
+            Kind::Window => "window",
+            Kind::Ground => "ground",
+            Kind::Floor => "floor",
+        }
+    }
+
+    /// By the name of the material, else by its class and where the surface looks: up to 60 degrees of tilt is a roof, within 30
+    /// degrees of the vertical a wall.
+    fn of(material: &Material, up: f64) -> Kind {
+        let name = material.name.to_lowercase();
+        let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
+        match () {
+            () if has(&["window", "glazing"]) => Kind::Window,
+            () if up < -0.5 => Kind::Floor,
+            () if has(&["roof"]) => Kind::Roof,
+            () if has(&["wall", "facade"]) => Kind::Wall,
+            () if material.class == Class::Ground => Kind::Ground,
+            () if up > 0.5 => Kind::Roof,
+            () => Kind::Wall,
+        }
+    }
+}
+
+/// A surface: corners in input coordinates, counter-clockwise as seen from the side that gets light.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// That of its object, with kind and number behind it where the object has several: `house/roof2`.
+    pub name: String,
+    pub kind: Kind,
+    /// Index into the scene's materials.
+    pub material: u16,
+    pub triangles: Vec<[DVec3; 3]>,
+    pub area_m2: f64,
+    /// Sum of area vectors over its length.
+    pub normal: DVec3,
+}
+
+/// All surfaces of a scene, by object and kind.
+#[derive(Clone, Debug, Default)]
+pub struct Surfaces {
+    pub list: Vec<Surface>,
+    /// Closed objects whose faces all looked inwards: they are turned.
+    pub turned_objects: usize,
+    /// Closed objects.
+    pub closed_objects: usize,
+    pub objects: usize,
+    /// Edges at which two faces of one object are turned against each other.
+    pub contrary_edges: usize,
+}
+
+/// A triangle by the ranks of its corners.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Facet {
+    material: u16,
+    corners: [u32; 3],
+}
+
+impl Surfaces {
+    /// Finds the surfaces of a scene; canopies and the endless ground have none.
+    pub(crate) fn find(soup: &Soup, materials: &[Material]) -> Surfaces {
+        let positions = distinct(&soup.positions);
+        let rank = |corner: u32| {
+            let p = soup.positions.get(corner as usize).copied().unwrap_or_default();
+            positions.binary_search_by(|q| lexicographic(*q, p)).unwrap_or_default() as u32
+        };
+        let mut objects: BTreeMap<&str, Vec<Facet>> = BTreeMap::new();
+        for ((corners, &material), &object) in soup.triangles.iter().zip(&soup.materials).zip(&soup.objects) {
+            let Some(name) = soup.object_names.get(object as usize) else { continue };
+            let opaque = materials.get(usize::from(material)).is_some_and(|m| m.transmittance.is_none());
+            if opaque && name != super::endless_ground::NAME {
+                let corners = least_first(corners.map(rank));
+                objects.entry(name).or_default().push(Facet { material, corners });
+            }
+        }
+        let mut found = Surfaces { objects: objects.len(), ..Surfaces::default() };
+        for (name, mut facets) in objects {
+            facets.sort_unstable();
+            facets.dedup();
+            found.add_object(name, facets, &positions, materials);
+        }
+        found
+    }
+
+    fn add_object(&mut self, name: &str, mut facets: Vec<Facet>, positions: &[DVec3], materials: &[Material]) {
+        let point = |corner: u32| positions.get(corner as usize).copied().unwrap_or_default();
+        let (closed, contrary) = shell(&facets);
+        self.contrary_edges += contrary;
+        if closed {
+            self.closed_objects += 1;
+            let origin = facets.first().map_or(DVec3::ZERO, |facet| point(facet.corners[0]));
+            let volume = |facet: &Facet| {
+                let [a, b, c] = facet.corners.map(|corner| point(corner) - origin);
+                a.dot(b.cross(c))
+            };
+            if facets.iter().map(volume).sum::<f64>() < 0.0 {
+                self.turned_objects += 1;
+                facets.iter_mut().for_each(|facet| facet.corners.swap(1, 2));
+            }
+        }
+        let mut surfaces: Vec<Surface> = Vec::new();
+        for group in facets.chunk_by(|a, b| a.material == b.material) {
+            let Some(first) = group.first() else { continue };
+            let Some(material) = materials.get(usize::from(first.material)) else { continue };
+            let triangles: Vec<[DVec3; 3]> = group.iter().map(|facet| facet.corners.map(point)).collect();
+            // A sheet of terrain looks up, however it is wound.
+            let sheet = material.class == Class::Ground && !closed;
+            let whole = sheet && Kind::of(material, 1.0) == Kind::Ground;
+            let groups = if whole { vec![(0..triangles.len()).collect()] } else { planes(group, &triangles) };
+            for members in groups {
+                let mut own: Vec<[DVec3; 3]> = members.iter().filter_map(|&i| triangles.get(i).copied()).collect();
+                if sheet {
+                    own.iter_mut().filter(|t| area_vector(t).z < 0.0).for_each(|t| t.swap(1, 2));
+                }
+                let sum: DVec3 = own.iter().map(area_vector).sum();
+                let area_m2: f64 = own.iter().map(|t| area_vector(t).length()).sum();
+                let normal = sum.normalize_or_zero();
+                if normal != DVec3::ZERO && area_m2 > 0.0 {
+                    let kind = Kind::of(material, normal.z);
+                    surfaces.push(Surface {
+                        name: String::new(),
+                        kind,
+                        material: first.material,
+                        triangles: own,
+                        area_m2,
+                        normal,
+                    });
+                }
+            }
+        }
+        surfaces
+            .sort_by(|a, b| (a.kind, a.material).cmp(&(b.kind, b.material)).then(lexicographic(centre(a), centre(b))));
+        let single = surfaces.len() == 1;
+        let mut numbers: BTreeMap<Kind, usize> = BTreeMap::new();
+        for surface in &mut surfaces {
+            let number = numbers.entry(surface.kind).or_default();
+            *number += 1;
+            surface.name = if single { name.to_owned() } else { format!("{name}/{}{number}", surface.kind.name()) };
+        }
+        self.list.extend(surfaces);
+    }
+}
+
+/// Half the cross product of two edges: as long as the area, along the normal.
+pub(super) fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    0.5 * (*b - *a).cross(*c - *a)
+}
+
+fn centre(surface: &Surface) -> DVec3 {
+    let sum: DVec3 = surface.triangles.iter().map(|t| area_vector(t).length() * (t[0] + t[1] + t[2]) / 3.0).sum();
+    sum / surface.area_m2
+}
+
+/// Positions in order, each once.
+fn distinct(positions: &[DVec3]) -> Vec<DVec3> {
+    let mut sorted = positions.to_vec();
+    sorted.sort_unstable_by(|a, b| lexicographic(*a, *b));
+    sorted.dedup();
+    sorted
+}
+
+fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+fn edges_of(corners: [u32; 3]) -> [(u32, u32); 3] {
+    let [a, b, c] = corners;
+    [(a, b), (b, c), (c, a)]
+}
+
+/// Whether each edge of an object is met as often in one direction as in the other; and at how many edges two faces are turned
+/// against each other.
+fn shell(facets: &[Facet]) -> (bool, usize) {
+    // Balance and count of an edge, taken from its lower corner to its higher one.
+    let mut edges: HashMap<(u32, u32), (i32, u32)> = HashMap::new();
+    for (a, b) in facets.iter().flat_map(|facet| edges_of(facet.corners)) {
+        let entry = edges.entry((a.min(b), a.max(b))).or_default();
+        entry.0 += if a < b { 1 } else { -1 };
+        entry.1 += 1;
+    }
+    let closed = !edges.is_empty() && edges.values().all(|(balance, _)| *balance == 0);
+    let contrary = edges.values().filter(|(balance, count)| *count == 2 && *balance != 0).count();
+    (closed, contrary)
+}
+
+/// Groups triangles that neighbour each other in one plane: grown from the largest one, then the largest of the rest.
+fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
+    let mut at_edge: Vec<((u32, u32), usize)> = Vec::with_capacity(3 * facets.len());
+    for (i, facet) in facets.iter().enumerate() {
+        at_edge.extend(edges_of(facet.corners).map(|(a, b)| ((a.min(b), a.max(b)), i)));
+    }
+    at_edge.sort_unstable();
+    let neighbours = |edge: (u32, u32)| -> Range<usize> {
+        at_edge.partition_point(|entry| entry.0 < edge)..at_edge.partition_point(|entry| entry.0 <= edge)
+    };
+    let area: Vec<DVec3> = triangles.iter().map(area_vector).collect();
+    let size = |i: usize| area.get(i).map_or(0.0, |a| a.length());
+    let mut order: Vec<usize> = (0..triangles.len()).collect();
+    // A stable sort: ties stay in the order of positions.
+    order.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+    let mut taken = vec![false; triangles.len()];
+    let mut groups = Vec::new();
+    for seed in order {
+        let Some(&[origin, ..]) = triangles.get(seed) else { continue };
+        if taken.get(seed) != Some(&false) {
+            continue;
+        }
+        let normal = area.get(seed).copied().unwrap_or_default().normalize_or_zero();
+        let flat = |i: usize| {
+            let direction = area.get(i).copied().unwrap_or_default().normalize_or_zero();
+            let near = |p: &DVec3| (*p - origin).dot(normal).abs() < SAME_PLANE_M;
+            direction.dot(normal) > SAME_DIRECTION && triangles.get(i).is_some_and(|t| t.iter().all(near))
+        };
+        let (mut members, mut next) = (Vec::new(), vec![seed]);
+        if let Some(mark) = taken.get_mut(seed) {
+            *mark = true;
+        }
+        while let Some(i) = next.pop() {
+            members.push(i);
+            let Some(facet) = facets.get(i) else { continue };
+            for edge in edges_of(facet.corners) {
+                let (a, b) = edge;
+                for (_, other) in at_edge.get(neighbours((a.min(b), a.max(b)))).unwrap_or_default() {
+                    if taken.get(*other) == Some(&false) && flat(*other) {
+                        if let Some(mark) = taken.get_mut(*other) {
+                            *mark = true;
+                        }
+                        next.push(*other);
+                    }
+                }
+            }
+        }
+        members.sort_unstable();
+        groups.push(members);
+    }
+    groups
+}
