@@ -5,6 +5,7 @@ mod cover;
 mod effects;
 mod export;
 mod quality;
+mod run;
 mod scene;
 mod study;
 mod tradeoff;
@@ -29,6 +30,7 @@ pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
 pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
 pub use self::quality::{AccuracyArgs, Percent, Quality};
+pub use self::run::RunArgs;
 pub use self::scene::SceneArgs;
 pub use self::study::{Distances, Rays, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
@@ -43,6 +45,8 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// From scene files to a year's sun in one go: receivers, archive, sums, map
+    Run(RunArgs),
     /// Cover the surfaces of a scene with receivers
     Receivers(ReceiversArgs),
     /// Trace every receiver of a scene once and store its layers in an archive

@@ -12,6 +12,7 @@ mod progress;
 pub mod receivers;
 pub mod repair;
 pub mod replay;
+pub mod run;
 pub mod store;
 pub mod study;
 pub mod tradeoff;
@@ -44,6 +45,7 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Receivers(args) => receivers::run(args),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Query(args) => replay::query(args),
+        Command::Run(args) => run::run(args),
         Command::Replay(args) => replay::replay(args),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),

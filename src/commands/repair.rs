@@ -48,7 +48,9 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
             let mut warnings = Vec::new();
             let mut receivers = ReceiverTiles::open(path, scene.mesh.origin, folder, budget, &mut warnings)?;
             warnings.iter().for_each(|w| warn(w));
-            check_receivers(&archive, &mut receivers, path)?;
+            if let Some(what) = other_receivers(&archive, &mut receivers)? {
+                return Err(Error::input(path, None, what, "give the receivers that the archive was built from"));
+            }
             receivers
         }
         None => ReceiverTiles::from_receivers(&receivers_of(&archive)?, scene.mesh.origin, folder, budget)?,
@@ -89,23 +91,21 @@ fn with_ending(path: &Path, ending: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Whether a receivers file is that of an archive: as many receivers, and in every good tile the same ones.
-fn check_receivers(archive: &Archive, receivers: &mut ReceiverTiles, path: &Path) -> Result<()> {
-    let wrong =
-        |what: String| Err(Error::input(path, None, what, "give the receivers that the archive was built from"));
+/// How receivers differ from those of an archive, if they do: there are as many, and in every good tile the same ones.
+pub(super) fn other_receivers(archive: &Archive, receivers: &mut ReceiverTiles) -> Result<Option<String>> {
     let (found, expected) = (receivers.count() as u64, archive.manifest().receivers.count);
     if found != expected {
-        return wrong(format!("holds {found} receivers, the archive {expected}"));
+        return Ok(Some(format!("holds {found} receivers, the archive {expected}")));
     }
     for (tile, given) in receivers.tiles()?.enumerate() {
         let given = given?;
         let table = Blocks::block(archive, format::RECEIVERS, tile as u32);
         let Ok(table) = table.and_then(|block| tables::Receivers::from_block(&block)) else { continue };
         if given != table.receivers() {
-            return wrong(format!("holds other receivers than tile {tile} of the archive"));
+            return Ok(Some(format!("holds other receivers than tile {tile} of the archive")));
         }
     }
-    Ok(())
+    Ok(None)
 }
 
 /// Receivers of all tiles, which must be good.

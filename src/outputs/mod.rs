@@ -4,6 +4,7 @@
 //! complete or not there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy
 //! sums.
 
+pub mod annual;
 mod arrow;
 mod canvas;
 mod csv;

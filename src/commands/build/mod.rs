@@ -320,7 +320,7 @@ fn decide(
 }
 
 /// Settings of a quality with some set by name.
-fn settings_of(accuracy: &AccuracyArgs) -> Result<BuildSettings> {
+pub(super) fn settings_of(accuracy: &AccuracyArgs) -> Result<BuildSettings> {
     let mut settings = Rungs::of(accuracy.quality).settings();
     accuracy.set.iter().try_for_each(|text| settings.set(text))?;
     settings.check()?;

@@ -1,0 +1,243 @@
+//! `heliotile run`: from scene files to a year's sun in one go. In: a scene, weather. Out: a folder with receivers, the archive, sums and
+//! a map. What is there already and still fits is not traced again.
+
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::build::{Asked, BuildPlan, BuildSettings, Effects, Ready, Start, build_planned, settings_of};
+use super::progress::bar;
+use super::receivers::{self, Covered, cover_site};
+use super::repair::other_receivers;
+use super::transfer::rows::Rows;
+use super::{Outcome, guard_archive, guard_output, guard_site, load_scene, say, temporary_folder, warn};
+use crate::archive::{Access, Archive, format};
+use crate::cli::{Percent, RunArgs, Wanted};
+use crate::error::{Error, Result};
+use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
+use crate::outputs::periods::{Every, Periods};
+use crate::outputs::sink::Sink;
+use crate::recombine::components::Component;
+use crate::recombine::epw::read_epw;
+use crate::recombine::replay::{Replay, ReplaySettings};
+use crate::recombine::weather::Weather;
+use crate::recombine::years::Years;
+use crate::scene::Scene;
+use crate::scene::cover::Piece;
+use crate::scene::receiver_tiles::ReceiverTiles;
+use crate::scene::surfaces::Kind;
+
+/// Files of the folder.
+struct Files {
+    receivers: PathBuf,
+    archive: PathBuf,
+    table: PathBuf,
+    map: PathBuf,
+}
+
+/// `heliotile run`.
+pub fn run(args: &RunArgs) -> Result<Outcome> {
+    let site = args.scene.site()?;
+    let folder = args.output.clone().unwrap_or_else(|| default_folder(args.scene.first()));
+    let files = Files {
+        receivers: args.receivers.clone().unwrap_or_else(|| folder.join("receivers.csv")),
+        archive: folder.join("site.helio"),
+        table: folder.join("annual.csv"),
+        map: folder.join("annual.ply"),
+    };
+    for output in [&files.archive, &files.table, &files.map] {
+        guard_site(output, &site, &[Some(&args.weather), args.receivers.as_deref()])?;
+    }
+    guard_archive(&files.archive)?;
+    let weather = read_epw(&args.weather)?;
+    weather.report.warnings.iter().for_each(|w| warn(w));
+    let (scene, covered) = match args.receivers {
+        Some(_) => (load_scene(&args.scene)?, None),
+        None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered)))?,
+    };
+    fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
+    if let Some(covered) = &covered {
+        guard_output(&files.receivers, &[&args.weather])?;
+        receivers::write(Sink::file(&files.receivers)?, covered.free(), args.cover.offset.0, false)?;
+        say(&format!("{}: {}", files.receivers.display(), receivers::summary(covered, &scene)))?;
+    }
+    let archive = up_to_date(args, &files, &scene)?;
+    let rows = annual(&archive, &weather, args.memory.0)?;
+    write_table(Sink::file(&files.table)?, &rows)?;
+    write_map(&files.map, &rows, covered.as_ref())?;
+    say(&table(&rows, covered.as_ref(), &args.weather))?;
+    say(&format!(
+        "{}: receivers.csv, site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
+         --weather {} --every month -o months.csv\n",
+        folder.display(),
+        files.archive.display(),
+        args.weather.display()
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// `town.city.json` gives `town.sun`, beside nothing: in the folder that one works in.
+fn default_folder(scene: &Path) -> PathBuf {
+    let whole = fs::canonicalize(scene).unwrap_or_else(|_| scene.to_owned());
+    let name = whole.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.split('.').find(|part| !part.is_empty()).unwrap_or("site");
+    PathBuf::from(format!("{stem}.sun"))
+}
+
+/// The archive of these inputs: the one that is there, or a new one.
+fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene) -> Result<Archive> {
+    let (mut warnings, folder) = (Vec::new(), temporary_folder(&files.archive));
+    let budget = args.memory.0 as usize / 8;
+    let mut receivers = ReceiverTiles::open(&files.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
+    warnings.iter().for_each(|w| warn(w));
+    let settings = settings_of(&args.accuracy)?;
+    if files.archive.exists()
+        && let Ok(archive) = Archive::open_with(&files.archive, Access::Read)
+        && fits(&archive, scene, &mut receivers, &settings, args)?
+    {
+        say(&format!("{}: up to date, nothing is traced again\n", files.archive.display()))?;
+        return Ok(archive);
+    }
+    let ready = Ready::new(scene)?;
+    let asked = Asked { accuracy: &args.accuracy, effects: Wanted::Auto, store: None };
+    let mut plan = BuildPlan {
+        settings,
+        output: files.archive.clone(),
+        memory_bytes: args.memory.0,
+        start: Start::GoOn,
+        checkpoint_every: Duration::from_secs(30),
+        accuracy: None,
+    };
+    match build_planned(scene, &ready, &mut receivers, plan.clone(), &asked) {
+        // What lies there was begun for other inputs.
+        Err(Error::Incomplete { .. }) => {
+            plan.start = Start::Fresh;
+            build_planned(scene, &ready, &mut receivers, plan, &asked)?;
+        }
+        done => done?,
+    }
+    Archive::open_with(&files.archive, Access::Read)
+}
+
+/// Whether an archive is what a build would give.
+fn fits(
+    archive: &Archive,
+    scene: &Scene,
+    receivers: &mut ReceiverTiles,
+    settings: &BuildSettings,
+    args: &RunArgs,
+) -> Result<bool> {
+    let manifest = archive.manifest();
+    let stated = BuildSettings { left_out: Effects::default(), ..BuildSettings::of(&manifest.settings) };
+    let accuracy = manifest.accuracy.as_ref();
+    let chosen = match args.accuracy.error {
+        Some(Percent(target)) => accuracy.is_some_and(|accuracy| accuracy.target_percent == target),
+        None => stated == *settings && accuracy.is_none(),
+    };
+    let same_scene = manifest.scene.content_hash == format::hex(&scene.content_hash());
+    Ok(chosen && same_scene && other_receivers(archive, receivers)?.is_none())
+}
+
+/// Sums over the weather file of all receivers, in the archive's order.
+fn annual(archive: &Archive, weather: &Weather, memory_bytes: u64) -> Result<Vec<AnnualRow>> {
+    let conditions = weather.conditions(usize::from(archive.manifest().settings.steps()));
+    let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
+    let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
+    let bins = Periods::new(Every::Total, years, &stamped).bins();
+    let settings =
+        ReplaySettings { patches: archive.manifest().settings.patches(), memory_bytes, ..ReplaySettings::default() };
+    let replay = Replay::summed(archive, &conditions, settings, &bins)?;
+    let progress = bar("receivers", Some(archive.manifest().receivers.count));
+    let mut rows = Vec::new();
+    let mut receivers = Rows::<()>::new(archive);
+    for result in replay.results(0..replay.tiles()) {
+        let values = result?.1;
+        for (i, row) in receivers.by_ref().take(values.receivers()).enumerate() {
+            let sum = |component: Component| values.row(component as usize, i).first().copied().unwrap_or_default();
+            rows.push(AnnualRow { receiver: row?.receiver, kwh_m2: Component::ALL.map(sum) });
+        }
+        progress.inc(values.receivers() as u64);
+    }
+    progress.finish_and_clear();
+    Ok(rows)
+}
+
+fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Result<()> {
+    let pieces = pieces_by_name(covered);
+    let patches: Vec<Patch> = rows
+        .iter()
+        .map(|row| Patch {
+            triangles: pieces.get(&row.receiver.id).map_or(&[][..], |(piece, _)| &piece.triangles),
+            middle: row.receiver.position,
+            total_kwh_m2: row.total(),
+        })
+        .collect();
+    write_ply(Sink::file(path)?, &patches)
+}
+
+fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, (&Piece, Kind)> {
+    let rows = covered.into_iter().flat_map(Covered::free);
+    rows.map(|(name, piece, surface, _)| (name, (piece, surface.kind))).collect()
+}
+
+/// Sums by kind of surface and side.
+fn table(rows: &[AnnualRow], covered: Option<&Covered>, weather: &Path) -> String {
+    let pieces = pieces_by_name(covered);
+    // Receivers, area, sums by area of the components.
+    let mut groups: Vec<(String, usize, f64, [f64; 7])> = Vec::new();
+    for row in rows {
+        let kind = pieces.get(&row.receiver.id).map(|found| found.1);
+        let area = row.receiver.area.unwrap_or(1.0);
+        for name in group_of(kind, row.receiver.normal) {
+            let at = groups.iter().position(|group| group.0 == name).unwrap_or_else(|| {
+                groups.push((name, 0, 0.0, [0.0; 7]));
+                groups.len() - 1
+            });
+            let group = &mut groups[at];
+            group.1 += 1;
+            group.2 += area;
+            group.3.iter_mut().zip(row.kwh_m2).for_each(|(sum, value)| *sum += area * f64::from(value));
+        }
+    }
+    groups.sort_by(|a, b| a.0.cmp(&b.0));
+    let mut out = format!("\nIrradiation through {}, kWh/m2 (means by area):\n", weather.display());
+    let _ = writeln!(
+        out,
+        "{:14} {:>9} {:>11} {:>10} {:>9} {:>9} {:>9} {:>9} {:>11}",
+        "surfaces", "receivers", "area m2", "sun_direct", "sky_direct", "reflected", "mirrored", "total", "sum, MWh"
+    );
+    for (name, count, area, sums) in groups {
+        let mean = |components: &[Component]| -> f64 {
+            components.iter().map(|component| sums[*component as usize]).sum::<f64>() / area
+        };
+        let total = mean(&[Component::Total]);
+        let _ = writeln!(
+            out,
+            "{name:14} {count:>9} {area:>11.1} {:>10.1} {:>10.1} {:>9.1} {:>9.1} {total:>9.1} {:>11.1}",
+            mean(&[Component::SunDirect]),
+            mean(&[Component::SkyDirect]),
+            mean(&[Component::SunDiffuse, Component::SkyDiffuse]),
+            mean(&[Component::SunSpecular, Component::SkySpecular]),
+            total * area / 1e3
+        );
+    }
+    out
+}
+
+/// Groups of the table that a receiver counts in: its kind, and for what stands upright the side that it looks to.
+fn group_of(kind: Option<Kind>, normal: glam::DVec3) -> Vec<String> {
+    let kind = match kind {
+        Some(kind) => kind.name(),
+        None if normal.z > 0.5 => "looking up",
+        None if normal.z < -0.5 => "looking down",
+        None => "upright",
+    };
+    let side = match normal {
+        n if n.z.abs() > 0.5 => return vec![kind.to_owned()],
+        n if n.y.abs() >= n.x.abs() => ["south", "north"][usize::from(n.y > 0.0)],
+        n => ["west", "east"][usize::from(n.x > 0.0)],
+    };
+    vec![kind.to_owned(), format!("{kind}, {side}")]
+}

@@ -1,0 +1,143 @@
+//! Sums over a whole weather file as a map. In: receivers, their sums in kWh/m2, and the pieces of surface that they stand for. Out: a
+//! table with places, and a PLY file whose faces have the sums as a property and as colours.
+
+use std::io::{self, Write};
+
+use glam::DVec3;
+
+use super::sink::Sink;
+use crate::error::{Error, Result};
+use crate::recombine::components::Component;
+use crate::scene::receivers::Receiver;
+
+/// A receiver and its sums, kWh/m2: the six components and their total.
+#[derive(Clone, Debug)]
+pub struct AnnualRow {
+    pub receiver: Receiver,
+    pub kwh_m2: [f32; 7],
+}
+
+impl AnnualRow {
+    pub fn total(&self) -> f32 {
+        self.kwh_m2[Component::Total as usize]
+    }
+}
+
+/// Writes `receiver,x,y,z,nx,ny,nz,area,surface` and the sums.
+pub fn write_table(sink: Sink, rows: &[AnnualRow]) -> Result<()> {
+    let path = sink.path().to_owned();
+    let mut csv = ::csv::Writer::from_writer(sink);
+    let failed = |error: ::csv::Error| Error::io(&path, "write to")(io::Error::from(error));
+    let places = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface"].map(str::to_owned);
+    let sums = Component::ALL.map(|component| format!("{}_kwh_m2", component.name()));
+    csv.write_record(places.iter().chain(&sums)).map_err(failed)?;
+    for row in rows {
+        let Receiver { id, position: p, normal: n, area, surface } = &row.receiver;
+        let mut cells = vec![id.clone()];
+        cells.extend([p.x, p.y, p.z].map(|metres| format!("{metres:.4}")));
+        cells.extend([n.x, n.y, n.z].map(|share| format!("{share:.6}")));
+        cells.push(area.map_or(String::new(), |area| format!("{area:.4}")));
+        cells.push(surface.clone().unwrap_or_default());
+        cells.extend(row.kwh_m2.map(|sum| format!("{sum:.3}")));
+        csv.write_record(&cells).map_err(failed)?;
+    }
+    let sink = csv.into_inner().map_err(|error| Error::io(&path, "write to")(error.into_error()))?;
+    sink.finish().map(|_| ())
+}
+
+/// A piece of surface, or only its middle, and the light that falls on it.
+pub struct Patch<'a> {
+    /// Input coordinates, metres; empty for a point.
+    pub triangles: &'a [[DVec3; 3]],
+    pub middle: DVec3,
+    pub total_kwh_m2: f32,
+}
+
+/// Writes a binary PLY file: vertices with `total_kwh_m2` and colours from 0 (dark) to the largest sum (bright), triangles or points.
+pub fn write_ply(mut sink: Sink, patches: &[Patch]) -> Result<()> {
+    let path = sink.path().to_owned();
+    let largest = patches.iter().map(|patch| patch.total_kwh_m2).fold(0.0, f32::max);
+    let faces: usize = patches.iter().map(|patch| patch.triangles.len()).sum();
+    let points = patches.iter().filter(|patch| patch.triangles.is_empty()).count();
+    let vertices = 3 * faces as u64 + points as u64;
+    if vertices > i32::MAX as u64 {
+        return Err(Error::Limit {
+            what: "the number of vertices of the map".into(),
+            value: vertices,
+            max: i32::MAX as u64,
+        });
+    }
+    let mut write = || -> io::Result<()> {
+        write!(
+            sink,
+            "ply\nformat binary_little_endian 1.0\ncomment heliotile: total_kwh_m2, colours from 0 to {largest:.1}\n\
+             element vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n\
+             property float total_kwh_m2\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+        )?;
+        if faces > 0 {
+            write!(sink, "element face {faces}\nproperty list uchar int vertex_indices\n")?;
+        }
+        writeln!(sink, "end_header")?;
+        for patch in patches {
+            let corners = patch.triangles.iter().flatten();
+            let middle = patch.triangles.is_empty().then_some(&patch.middle);
+            let share = if largest > 0.0 { patch.total_kwh_m2 / largest } else { 0.0 };
+            for corner in corners.chain(middle) {
+                for metres in corner.to_array() {
+                    sink.write_all(&metres.to_le_bytes())?;
+                }
+                sink.write_all(&patch.total_kwh_m2.to_le_bytes())?;
+                sink.write_all(&colour(share))?;
+            }
+        }
+        let mut first = 0_i32;
+        for patch in patches {
+            for _ in patch.triangles {
+                sink.write_all(&[3])?;
+                for corner in first..first + 3 {
+                    sink.write_all(&corner.to_le_bytes())?;
+                }
+                first += 3;
+            }
+            first += i32::from(patch.triangles.is_empty());
+        }
+        Ok(())
+    };
+    write().map_err(Error::io(&path, "write to"))?;
+    sink.finish().map(|_| ())
+}
+
+/// Six stops of the map `inferno` (Smith and van der Walt 2015), from black to pale yellow, linear between them.
+fn colour(share: f32) -> [u8; 3] {
+    const STOPS: [[f32; 3]; 6] =
+        [[0., 0., 4.], [66., 10., 104.], [147., 38., 103.], [221., 81., 58.], [252., 165., 10.], [252., 255., 164.]];
+    let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
+    let low = (place as usize).min(STOPS.len() - 2);
+    let part = place - low as f32;
+    let (a, b) = (STOPS[low], STOPS[low + 1]);
+    [0, 1, 2].map(|i| (a[i] + (b[i] - a[i]) * part).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 2 patches, one of 2 triangles and one a point, the PLY file has 7 vertices of 31 bytes and 2 faces of 13; 0 is dark, the most bright.
+    #[test]
+    fn ply() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("map.ply");
+        let square = [[DVec3::ZERO, DVec3::X, DVec3::Y], [DVec3::X, DVec3::ONE, DVec3::Y]];
+        let patches = [
+            Patch { triangles: &square, middle: DVec3::ZERO, total_kwh_m2: 0.0 },
+            Patch { triangles: &[], middle: DVec3::Z, total_kwh_m2: 1000.0 },
+        ];
+        write_ply(Sink::file(&path).expect("created"), &patches).expect("written");
+        let bytes = std::fs::read(&path).expect("read");
+        let end = bytes.windows(11).position(|w| w == b"end_header\n").expect("a header") + 11;
+        let header = String::from_utf8_lossy(&bytes[..end]);
+        assert!(header.contains("element vertex 7\n") && header.contains("element face 2\n"), "{header}");
+        assert_eq!(bytes.len() - end, 7 * 31 + 2 * 13);
+        assert_eq!((colour(0.0), colour(1.0), colour(f32::NAN)[0] < 255), ([0, 0, 4], [252, 255, 164], true));
+    }
+}
