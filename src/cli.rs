@@ -59,8 +59,8 @@ pub enum Command {
     Query(QueryArgs),
     /// Irradiance of every receiver through a weather file
     Replay(ReplayArgs),
-    /// What is inside an archive
-    Info(ArchiveArg),
+    /// What is inside an archive, or a scene
+    Info(InfoArgs),
     /// Check every block of an archive; exit code 1 if one is damaged
     Verify(VerifyArgs),
     /// Trace the damaged parts of an archive again
@@ -297,9 +297,13 @@ pub enum StoreCommand {
 }
 
 #[derive(Args, Debug)]
-pub struct ArchiveArg {
-    /// Archive to read
-    pub archive: PathBuf,
+pub struct InfoArgs {
+    /// Archive, or scene files as a build takes them
+    #[arg(required = true, value_name = "SITE.helio|SCENE")]
+    pub files: Vec<PathBuf>,
+    /// Reflectances of the scene, one table per material name
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
     /// How the archive is read
     #[arg(long, value_enum, default_value_t)]
     pub io: Access,

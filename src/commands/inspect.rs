@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, counted, say, warn};
+use super::{Outcome, counted, is_archive, say, scene, warn};
 use crate::archive::accuracy::Accuracy;
 use crate::archive::{self, Archive, format, tables};
-use crate::cli::{ArchiveArg, VerifyArgs};
+use crate::cli::{InfoArgs, VerifyArgs};
 use crate::error::Result;
 use crate::recombine::components::Component;
+use crate::scene::site::Site;
 
 /// One line of text.
 macro_rules! line {
@@ -18,12 +19,16 @@ macro_rules! line {
 }
 
 /// `heliotile info`.
-pub fn info(args: &ArchiveArg) -> Result<Outcome> {
-    let archive = Archive::open_with(&args.archive, args.io)?;
+pub fn info(args: &InfoArgs) -> Result<Outcome> {
+    let path = match args.files.as_slice() {
+        [path] if is_archive(path) => path,
+        files => return scene::info(&Site::of(files, args.materials.as_deref())?),
+    };
+    let archive = Archive::open_with(path, args.io)?;
     let manifest = archive.manifest();
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
-    line!(out, "{}", args.archive.display());
+    line!(out, "{}", path.display());
     line!(out, "  written by  {} {}", manifest.creator.name, manifest.creator.version);
     line!(out, "  root        {}", format::hex(&archive.root()));
     line!(

@@ -13,6 +13,7 @@ pub mod receivers;
 pub mod repair;
 pub mod replay;
 pub mod run;
+mod scene;
 pub mod store;
 pub mod study;
 pub mod tradeoff;
@@ -86,14 +87,25 @@ fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
 
 /// Refuses to replace a file that is not an archive.
 fn guard_archive(output: &Path) -> Result<()> {
-    let mut head = [0; format::MAGIC.len()];
-    match File::open(output).and_then(|mut file| file.read_exact(&mut head)) {
-        Ok(()) if head != format::MAGIC => {
+    match starts_as_archive(output) {
+        Some(false) => {
             let hint = "give the archive a name of its own, or remove the file";
             Err(Error::input(output, None, "exists and is not an archive, it would be replaced", hint))
         }
         _ => Ok(()),
     }
+}
+
+/// Whether a file is an archive by its name, or by its first bytes.
+fn is_archive(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "helio") || starts_as_archive(path) == Some(true)
+}
+
+/// `None` for a file that cannot be read, or is shorter.
+fn starts_as_archive(path: &Path) -> Option<bool> {
+    let mut head = [0; format::MAGIC.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut head)).ok()?;
+    Some(head == format::MAGIC)
 }
 
 /// Where temporary files of a command go: beside its output.

@@ -161,7 +161,7 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
 
 fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {
     let position = piece.position + piece.normal * offset_m - scene.mesh.origin;
-    lying(&Viewpoint { position, normal: piece.normal }, offset_m, tracer)
+    lying(&Viewpoint { position, normal: piece.normal }, offset_m, &scene.mesh, tracer)
 }
 
 /// Surfaces that are asked for.

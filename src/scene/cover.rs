@@ -255,3 +255,87 @@ fn dropped(point: DVec3, triangle: &[DVec3; 3], line: DVec3) -> Option<DVec3> {
     let along = normal.dot(line);
     (along.abs() > 1e-9 * normal.length()).then(|| point + line * (normal.dot(triangle[0] - point) / along))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn surface(kind: Kind, triangles: Vec<[DVec3; 3]>) -> Surface {
+        let sum: DVec3 = triangles.iter().map(area_vector).sum();
+        let area_m2 = triangles.iter().map(|t| area_vector(t).length()).sum();
+        Surface { name: "s".into(), kind, material: 0, triangles, area_m2, normal: sum.normalize() }
+    }
+
+    /// A parallelogram of two triangles.
+    fn quad(corner: DVec3, along: DVec3, up: DVec3) -> Vec<[DVec3; 3]> {
+        let [a, b, c, d] = [corner, corner + along, corner + along + up, corner + up];
+        vec![[a, b, c], [a, c, d]]
+    }
+
+    /// A wall of 10 x 3 m gets 8 receivers at 2 m: 4 by 2, each of 3.75 m2, 2.5 and 1.5 m apart, within 1e-6; turned by any angle, too.
+    #[test]
+    fn wall() {
+        for degrees in [0.0_f64, 17.0, 133.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let along = DVec3::new(cos, sin, 0.0);
+            let wall = surface(Kind::Wall, quad(DVec3::new(78e3, 457e3, 2.0), along * 10.0, DVec3::Z * 3.0));
+            let pieces = cover(&wall, Density::Spacing(2.0));
+            assert_eq!(pieces.len(), 8);
+            let mut places: Vec<(f64, f64)> = pieces
+                .iter()
+                .map(|piece| ((piece.position - wall.triangles[0][0]).dot(along), piece.position.z - 2.0))
+                .collect();
+            places.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (i, (x, z)) in places.into_iter().enumerate() {
+                assert!((x - (1.25 + 2.5 * (i / 2) as f64)).abs() < 1e-6, "{x}");
+                assert!((z - 0.75).abs() < 1e-6 || (z - 2.25).abs() < 1e-6, "{z}");
+            }
+            for piece in &pieces {
+                assert!((piece.area_m2 - 3.75).abs() < 1e-6 && piece.normal.dot(wall.normal) > 1.0 - 1e-12);
+            }
+        }
+    }
+
+    /// 1, 2, 3, 7 and 100 receivers on an L with a hole are so many, of equal area within 1e-6, all on the surface; they add up to it.
+    #[test]
+    fn exact_counts() {
+        let mut triangles = Vec::new();
+        for (x, y, w, h) in [(0., 0., 6., 2.), (0., 2., 2., 4.), (4., 2., 2., 2.), (2., 3., 2., 1.)] {
+            triangles.extend(quad(DVec3::new(x, y, 5.0), DVec3::X * w, DVec3::Y * h));
+        }
+        let roof = surface(Kind::Roof, triangles.clone());
+        assert!((roof.area_m2 - 26.0).abs() < 1e-12);
+        for count in [1, 2, 3, 7, 100] {
+            let pieces = cover(&roof, Density::PerSurface(count));
+            assert_eq!(pieces.len(), count as usize);
+            let total: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
+            assert!((total - 26.0).abs() < 1e-9, "{total}");
+            for piece in &pieces {
+                assert!((piece.area_m2 / (26.0 / f64::from(count)) - 1.0).abs() < 1e-6, "{}", piece.area_m2);
+                let p = piece.position.truncate();
+                let inside = triangles.iter().any(|t| contains(&t.map(|q| q.truncate()), p));
+                assert!(inside && (piece.position.z - 5.0).abs() < 1e-12, "{p}");
+            }
+        }
+    }
+
+    /// A strip of 0.2 x 20 m gets 10 receivers at 2 m, not the 1 that its area calls for; a hill's lie on it and look along its normals.
+    #[test]
+    fn strips_and_hills() {
+        let strip = surface(Kind::Wall, quad(DVec3::ZERO, DVec3::X * 20.0, DVec3::Z * 0.2));
+        assert_eq!(cover(&strip, Density::Spacing(2.0)).len(), 10);
+        let height = |x: f64, y: f64| 0.3 * x + 0.1 * y;
+        let p = |x: f64, y: f64| DVec3::new(x, y, height(x, y));
+        let mut triangles = Vec::new();
+        for (i, j) in (0..20).flat_map(|i| (0..20).map(move |j| (f64::from(i), f64::from(j)))) {
+            triangles.extend([[p(i, j), p(i + 1., j), p(i + 1., j + 1.)], [p(i, j), p(i + 1., j + 1.), p(i, j + 1.)]]);
+        }
+        let hill = surface(Kind::Ground, triangles);
+        let pieces = cover(&hill, Density::Spacing(5.0));
+        assert!((17..=24).contains(&pieces.len()), "{}", pieces.len());
+        for piece in &pieces {
+            assert!((piece.position.z - height(piece.position.x, piece.position.y)).abs() < 1e-9);
+            assert!(piece.normal.dot(DVec3::new(-0.3, -0.1, 1.0).normalize()) > 1.0 - 1e-12);
+        }
+    }
+}

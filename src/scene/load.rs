@@ -45,22 +45,27 @@ impl Scene {
 
     /// Reads all files of a site.
     pub fn load_site(site: &Site) -> Result<Scene> {
-        Scene::load_with_objects(site).map(|loaded| loaded.0)
+        load(site, false).map(|loaded| loaded.0)
     }
 
     /// The same, and what its triangles are parts of.
     pub(crate) fn load_with_objects(site: &Site) -> Result<(Scene, Soup)> {
-        let (mut palette, mut pile) = (Palette::default(), Pile::default());
-        for part in &site.parts {
-            if let Some(path) = &part.materials {
-                palette.open(path)?;
-            }
-            let asked = Asked { reflectances: part.materials.is_none(), lod: part.lod.clone() };
-            pile.add(part, formats::read(&part.file, &asked)?, &mut palette)?;
-        }
-        let ground = palette.ground();
-        pile.finish(site, &palette, ground)
+        load(site, true)
     }
+}
+
+/// Reads all files; without `keep` the soup is empty.
+fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
+    let (mut palette, mut pile) = (Palette::default(), Pile::default());
+    for part in &site.parts {
+        if let Some(path) = &part.materials {
+            palette.open(path)?;
+        }
+        let asked = Asked { reflectances: part.materials.is_none(), lod: part.lod.clone() };
+        pile.add(part, formats::read(&part.file, &asked)?, &mut palette)?;
+    }
+    let ground = palette.ground();
+    pile.finish(site, &palette, ground, keep)
 }
 
 impl Pile {
@@ -123,16 +128,21 @@ impl Pile {
         }
     }
 
-    fn finish(self, site: &Site, palette: &Palette, ground: Option<(EndlessGround, u32)>) -> Result<(Scene, Soup)> {
-        let Pile { mut positions, mut triangles, objects, mut names, mut report } = self;
-        let objects = &mut { objects };
+    fn finish(
+        self,
+        site: &Site,
+        palette: &Palette,
+        ground: Option<(EndlessGround, u32)>,
+        keep: bool,
+    ) -> Result<(Scene, Soup)> {
+        let Pile { mut positions, mut triangles, mut objects, mut names, mut report } = self;
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {
             late.extend(ground.add(&mut positions, &mut triangles, material));
             objects.resize(triangles.len(), names.id(super::endless_ground::NAME));
         }
         let sorted = rank_by_name(&palette.names(), &mut triangles);
-        let soup: Vec<RawTriangle> = triangles.clone();
+        let soup = if keep { triangles.clone() } else { Vec::new() };
         let Canonical { mesh, used, dropped } = canonical(&positions, triangles)?;
         if mesh.triangles.is_empty() {
             let file = site.parts.first().map_or(Path::new(""), |part| &part.file);
@@ -145,13 +155,13 @@ impl Pile {
         report.materials = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
         report.warnings.extend(contested_warning(dropped.contested));
         report.warnings.extend(late);
-        let materials = palette.select(&report.materials, &mut report.warnings)?;
+        let materials = palette.select(&mut report)?;
         let number = |rank: u32| used.binary_search(&rank).map_or(u16::MAX, |i| i as u16);
         let soup = Soup {
             positions,
             materials: soup.iter().map(|triangle| number(triangle.material)).collect(),
             triangles: soup.iter().map(|triangle| triangle.corners).collect(),
-            objects: std::mem::take(objects),
+            objects,
             object_names: names.into_vec(),
         };
         Ok((Scene { mesh, materials, report }, soup))

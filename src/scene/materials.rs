@@ -71,6 +71,18 @@ impl Material {
         self.specular > 0.0 || self.glass.is_some()
     }
 
+    /// What it does with light, in words.
+    pub fn optics(&self) -> String {
+        let diffuse = self.diffuse;
+        match (self.transmittance, self.glass) {
+            (Some(transmittance), _) => format!("transmittance {transmittance:.2}"),
+            (None, Some(Glass::Single)) => format!("diffuse {diffuse:.2}, glass"),
+            (None, Some(Glass::Double)) => format!("diffuse {diffuse:.2}, double glass"),
+            (None, None) if self.specular > 0.0 => format!("diffuse {diffuse:.2}, specular {:.2}", self.specular),
+            (None, None) => format!("diffuse {diffuse:.2}"),
+        }
+    }
+
     /// Says what is wrong with properties that this type must not hold.
     pub(super) fn check(&self) -> std::result::Result<(), String> {
         let Material { diffuse, specular, .. } = *self;

@@ -15,6 +15,7 @@ mod materials_toml;
 pub mod mesh;
 pub mod mirrors;
 mod morton;
+pub(crate) mod objects;
 mod palette;
 mod polygon;
 pub mod receiver_ids;
@@ -61,6 +62,8 @@ pub struct LoadReport {
     pub concave_faces: usize,
     /// In the order of `Scene::materials`.
     pub materials: Vec<MaterialUse>,
+    /// Names of materials that nobody describes.
+    pub assumed: Vec<String>,
     pub warnings: Vec<String>,
 }
 
@@ -117,6 +120,7 @@ impl Scene {
             duplicates_dropped: dropped.duplicates,
             concave_faces: 0,
             materials: uses,
+            assumed: Vec::new(),
             warnings: contested_warning(dropped.contested).into_iter().collect(),
         };
         Ok(Scene { mesh, materials, report })

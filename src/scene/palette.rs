@@ -4,11 +4,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::LoadReport;
 use super::assumed::assumed;
 use super::endless_ground::{self, EndlessGround};
 use super::formats::stem;
 use super::geometry::Geometry;
-use super::materials::{Material, MaterialUse, Table, select};
+use super::materials::{Material, Table, select};
 use super::materials_toml::read_toml;
 use super::text::excerpt;
 use crate::error::{Error, Result};
@@ -100,7 +101,8 @@ impl Palette {
     }
 
     /// The materials in use, in that order, and warnings: what is assumed of which, and what is described for nothing.
-    pub(super) fn select(&self, used: &[MaterialUse], warnings: &mut Vec<String>) -> Result<Vec<Material>> {
+    pub(super) fn select(&self, report: &mut LoadReport) -> Result<Vec<Material>> {
+        let LoadReport { materials: used, warnings, .. } = report;
         let entry_of = |name: &str| self.entries.iter().find(|entry| entry.name == name);
         let described = self.entries.iter().filter_map(|entry| {
             let material = entry.material.clone()?;
@@ -113,11 +115,11 @@ impl Palette {
         let near = missing.and_then(|entry| self.tables.get(&entry.source)).cloned().unwrap_or_default();
         let (materials, _) = select(near.into_iter().chain(known).collect(), used, source)?;
 
-        let assumed: Vec<String> = used
-            .iter()
-            .filter_map(|entry| entry_of(&entry.name).filter(|entry| entry.assumed))
+        let nobody = || used.iter().filter_map(|entry| entry_of(&entry.name).filter(|entry| entry.assumed));
+        report.assumed = nobody().map(|entry| entry.name.clone()).collect();
+        let assumed: Vec<String> = nobody()
             .filter_map(|entry| {
-                Some(format!("`{}` {}", excerpt(entry.name.as_bytes()), optics(entry.material.as_ref()?)))
+                Some(format!("`{}` {}", excerpt(entry.name.as_bytes()), entry.material.as_ref()?.optics()))
             })
             .collect();
         if !assumed.is_empty() {
@@ -136,17 +138,5 @@ impl Palette {
             }));
         }
         Ok(materials)
-    }
-}
-
-/// What a material does with light, in words.
-pub(super) fn optics(material: &Material) -> String {
-    match (material.transmittance, material.glass) {
-        (Some(transmittance), _) => format!("transmittance {transmittance:.2}"),
-        (None, Some(glass)) => format!("diffuse {:.2}, glass of {} panes", material.diffuse, glass.panes()),
-        (None, None) if material.specular > 0.0 => {
-            format!("diffuse {:.2}, specular {:.2}", material.diffuse, material.specular)
-        }
-        (None, None) => format!("diffuse {:.2}", material.diffuse),
     }
 }

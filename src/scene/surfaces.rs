@@ -276,3 +276,79 @@ fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
     }
     groups
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scene;
+    use super::super::site::{Part, Site};
+    use super::*;
+
+    fn find(obj: &str) -> Surfaces {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("town.obj");
+        std::fs::write(&path, obj).expect("written");
+        let site = Site { parts: vec![Part::plain(&path, None)] };
+        let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
+        Surfaces::find(&soup, &scene.materials)
+    }
+
+    const CORNERS: &str =
+        "v 0 0 0\nv 4 0 0\nv 4 6 0\nv 0 6 0\nv 0 0 3\nv 4 0 3\nv 4 6 3\nv 0 6 3\nv 2 3 3\no house\nusemtl brick\n";
+    const WALLS: [&str; 5] = ["f 1 2 6 5", "f 2 3 7 6", "f 3 4 8 7", "f 4 1 5 8", "f 4 3 2 1"];
+    const ROOF: [&str; 4] = ["f 5 6 9", "f 6 7 9", "f 7 8 9", "f 8 5 9"];
+
+    fn house(faces: impl Iterator<Item = &'static str>) -> String {
+        faces.fold(CORNERS.to_owned(), |text, face| text + face + "\n")
+    }
+
+    /// A box of 9 faces has 6 surfaces: a roof of 24 m2, 4 walls of 60 m2, a floor of 24 m2, however its faces are ordered.
+    #[test]
+    fn box_of_faces() {
+        let one = find(&house(WALLS.into_iter().chain(ROOF)));
+        let other = find(&house(ROOF.into_iter().rev().chain(WALLS.into_iter().rev())));
+        let told = |surfaces: &Surfaces| -> Vec<(String, f64, [f64; 3])> {
+            surfaces.list.iter().map(|s| (s.name.clone(), s.area_m2, s.normal.to_array())).collect()
+        };
+        assert_eq!(told(&one), told(&other));
+        let names: Vec<&str> = one.list.iter().map(|surface| surface.name.as_str()).collect();
+        let expected = ["house/roof1", "house/wall1", "house/wall2", "house/wall3", "house/wall4", "house/floor1"];
+        assert_eq!(names, expected);
+        let area = |kind: Kind| -> f64 { one.list.iter().filter(|s| s.kind == kind).map(|s| s.area_m2).sum() };
+        assert_eq!((area(Kind::Roof), area(Kind::Wall), area(Kind::Floor)), (24.0, 60.0, 24.0));
+        assert_eq!((one.closed_objects, one.turned_objects, one.contrary_edges), (1, 0, 0));
+    }
+
+    /// The same box inside out is turned: 1 object, the same roof; one face turned alone leaves it open with 4 contrary edges.
+    #[test]
+    fn inside_out() {
+        let backwards = |face: &str| {
+            let mut corners: Vec<&str> = face.split(' ').skip(1).collect();
+            corners.reverse();
+            format!("f {}\n", corners.join(" "))
+        };
+        let text = WALLS.into_iter().chain(ROOF).fold(CORNERS.to_owned(), |text, face| text + &backwards(face));
+        let turned = find(&text);
+        assert_eq!((turned.turned_objects, turned.list[0].name.as_str()), (1, "house/roof1"));
+        assert!((turned.list[0].normal - DVec3::Z).length() < 1e-12);
+        let one = house(WALLS.into_iter().skip(1).chain(ROOF)) + &backwards(WALLS[0]);
+        let odd = find(&one);
+        assert_eq!((odd.closed_objects, odd.contrary_edges), (0, 4));
+    }
+
+    /// Names decide on kinds, then class and tilt: 7 materials and tilts.
+    #[test]
+    fn kinds() {
+        for (name, up, kind) in [
+            ("RoofSurface", 0.1, Kind::Roof),
+            ("WallSurface", 0.9, Kind::Wall),
+            ("GroundSurface", -1.0, Kind::Floor),
+            ("terrain", 1.0, Kind::Ground),
+            ("Window Fixed", 0.0, Kind::Window),
+            ("brick", 0.6, Kind::Roof),
+            ("brick", 0.4, Kind::Wall),
+        ] {
+            let material = super::super::assumed::assumed(name);
+            assert_eq!(Kind::of(&material, up), kind, "{name} {up}");
+        }
+    }
+}

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use super::rays::{Ray, Tracer};
 use super::receiver::Viewpoint;
+use crate::scene::mesh::Mesh;
 
 /// How a receiver lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,8 +20,12 @@ pub enum Lying {
 /// Side of the hemisphere of rays that look for sky.
 const SIDE: usize = 8;
 
+/// Who sees no sky and this share of backs of faces is behind them. Crossings alone would not tell in a cellar: with the terrain above it
+/// they are even.
+const BACKS: f64 = 0.9;
+
 /// Looks where a receiver lies that is `offset_m` off its surface.
-pub fn lying(view: &Viewpoint, offset_m: f64, tracer: &Tracer) -> Lying {
+pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> Lying {
     let first = |direction: DVec3| {
         let ray = Ray { origin: view.position.as_vec3().into(), direction: direction.as_vec3().into() };
         tracer.closest(ray).map_or(f64::INFINITY, |hit| f64::from(hit.t))
@@ -30,11 +35,14 @@ pub fn lying(view: &Viewpoint, offset_m: f64, tracer: &Tracer) -> Lying {
         return Lying::Covered;
     }
     let origin = view.origin(tracer);
-    let up: Vec<Ray> = (0..SIDE * SIDE)
-        .map(view.hit_directions(SIDE))
-        .filter(|direction| direction.z > 0.0)
-        .map(|direction| Ray { origin, direction: direction.as_vec3().into() })
-        .collect();
-    let blind = tracer.occluded_many(&up).into_iter().all(|met| met);
-    if blind && view.enclosed(tracer) { Lying::Inside } else { Lying::Free }
+    let up: Vec<DVec3> =
+        (0..SIDE * SIDE).map(view.hit_directions(SIDE)).filter(|direction| direction.z > 0.0).collect();
+    let rays: Vec<Ray> = up.iter().map(|direction| Ray { origin, direction: direction.as_vec3().into() }).collect();
+    let hits = tracer.closest_many(&rays);
+    if hits.iter().any(Option::is_none) {
+        return Lying::Free;
+    }
+    let backs = up.iter().zip(hits.iter().flatten()).filter(|(d, hit)| d.dot(mesh.normal(hit.triangle as usize)) > 0.0);
+    let behind = !up.is_empty() && backs.count() as f64 >= BACKS * up.len() as f64;
+    if behind || view.enclosed(tracer) { Lying::Inside } else { Lying::Free }
 }

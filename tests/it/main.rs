@@ -21,6 +21,7 @@ mod replay;
 mod response;
 mod results;
 mod scenes;
+mod site;
 mod store;
 mod study;
 mod tidy;

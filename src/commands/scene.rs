@@ -1,0 +1,105 @@
+//! What a scene holds (`info` of scene files). In: scene files. Out: counts, sizes, materials, and what looks odd.
+
+use std::fmt::Write;
+
+use super::{Outcome, counted, say, warn};
+use crate::error::Result;
+use crate::scene::Scene;
+use crate::scene::objects::twins;
+use crate::scene::site::Site;
+use crate::scene::surfaces::{Kind, Surfaces};
+
+/// Pairs of objects that are named.
+const MOST_PAIRS: usize = 5;
+
+/// One line of text.
+macro_rules! line {
+    ($out:ident, $($part:tt)*) => {
+        // Writing to a string cannot fail.
+        let _ = writeln!($out, $($part)*);
+    };
+}
+
+/// `heliotile info` of scene files.
+pub fn info(site: &Site) -> Result<Outcome> {
+    let (scene, soup) = Scene::load_with_objects(site)?;
+    scene.report.warnings.iter().for_each(|w| warn(w));
+    let surfaces = Surfaces::find(&soup, &scene.materials);
+    let report = &scene.report;
+    let mut out = String::new();
+    for part in &site.parts {
+        line!(out, "{}", part.file.display());
+    }
+    let solids = match surfaces.turned_objects {
+        0 => String::new(),
+        turned => format!(", {turned} of them inside out"),
+    };
+    line!(out, "  objects     {}, {} closed{solids}", surfaces.objects, surfaces.closed_objects);
+    line!(
+        out,
+        "  faces       {}: {} triangles; dropped: {} without area, {} repeated",
+        report.faces_read,
+        report.triangles,
+        report.degenerate_dropped,
+        report.duplicates_dropped
+    );
+    let (low, high) = scene.mesh.bounds();
+    let [low, high, size] = [low + scene.mesh.origin, high + scene.mesh.origin, high - low];
+    line!(
+        out,
+        "  bounds      {:.2} {:.2} {:.2} to {:.2} {:.2} {:.2} m: {:.1} x {:.1} x {:.1} m",
+        low.x,
+        low.y,
+        low.z,
+        high.x,
+        high.y,
+        high.z,
+        size.x,
+        size.y,
+        size.z
+    );
+    if surfaces.contrary_edges > 0 {
+        line!(
+            out,
+            "  turned      {} where two faces of an object are turned against each other: receivers may go on the wrong side",
+            counted(surfaces.contrary_edges as u64, "edge")
+        );
+    }
+    let pairs = twins(&soup);
+    if let [first, ..] = pairs.as_slice() {
+        line!(
+            out,
+            "  twice?      {} of objects fill the same box, such as `{}` and `{}`: one building twice?",
+            counted(pairs.len() as u64, "pair"),
+            first.0,
+            first.1
+        );
+        for (a, b) in pairs.iter().take(MOST_PAIRS).skip(1) {
+            line!(out, "              `{a}` and `{b}`");
+        }
+    }
+    materials(&mut out, &scene);
+    for kind in Kind::ALL {
+        let of_kind = || surfaces.list.iter().filter(|surface| surface.kind == kind);
+        if of_kind().next().is_some() {
+            let area: f64 = of_kind().map(|surface| surface.area_m2).sum();
+            line!(out, "  {:11} {}, {area:.1} m2", kind.name(), counted(of_kind().count() as u64, "surface"));
+        }
+    }
+    say(&out)?;
+    Ok(Outcome::Fine)
+}
+
+fn materials(out: &mut String, scene: &Scene) {
+    let mut area = vec![0.0; scene.materials.len()];
+    for (i, &material) in scene.mesh.triangle_material.iter().enumerate() {
+        let [a, b, c] = scene.mesh.triangle_points(i);
+        area[usize::from(material)] += 0.5 * (b - a).cross(c - a).length();
+    }
+    let width = scene.materials.iter().map(|material| material.name.chars().count()).max().unwrap_or(0).clamp(8, 40);
+    line!(out, "  {:width$}   triangles      area m2   light", "material");
+    for ((material, used), area) in scene.materials.iter().zip(&scene.report.materials).zip(area) {
+        let assumed = if scene.report.assumed.contains(&material.name) { " (assumed)" } else { "" };
+        line!(out, "  {:width$} {:>11} {area:>12.1}   {}{assumed}", material.name, used.triangles, material.optics());
+    }
+}

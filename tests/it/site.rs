@@ -1,0 +1,147 @@
+//! From scene files to receivers, and on to a year: who gets a receiver, and what `run` leaves behind.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use crate::cli::{Folder, stderr, stdout};
+
+/// Two houses of 10 m a side with a wall in common, 1 m deep in a meadow.
+fn houses(reversed: bool) -> String {
+    let mut text = String::new();
+    for x in [0, 10] {
+        for (dx, y, z) in
+            [(0, 0, 0), (10, 0, 0), (10, 10, 0), (0, 10, 0), (0, 0, 10), (10, 0, 10), (10, 10, 10), (0, 10, 10)]
+        {
+            text += &format!("v {} {y} {z}\n", x + dx);
+        }
+    }
+    text += "v -99 -99 1\nv 99 -99 1\nv 99 99 1\nv -99 99 1\n";
+    let mut faces = vec!["o meadow\nusemtl grass\nf 17 18 19 20\n".to_owned()];
+    for (name, first) in [("west", 1), ("east", 9)] {
+        for ring in [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7], [3, 2, 1, 0]] {
+            let [a, b, c, d] = ring.map(|corner| corner + first);
+            faces.push(format!("o {name}\nusemtl brick\nf {a} {b} {c} {d}\n"));
+        }
+    }
+    if reversed {
+        faces.reverse();
+    }
+    text + &faces.concat()
+}
+
+fn rows(csv: &str) -> Vec<BTreeMap<String, String>> {
+    let mut lines = csv.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    lines.map(|line| header.iter().map(|h| h.to_string()).zip(line.split(',').map(str::to_owned)).collect()).collect()
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Of 1,000 receivers on walls and roofs of two houses 740 get light: 200 lie in the wall between them, 60 more below the meadow; areas
+/// of those that are written are 740 m2, and the order of the file does not change a byte.
+#[test]
+fn buried_are_left_out() {
+    let folder = Folder::new();
+    fs::write(folder.path("a.obj"), houses(false)).expect("written");
+    fs::write(folder.path("b.obj"), houses(true)).expect("written");
+    let tables = ["a", "b"].map(|name| {
+        let output = folder.run(&format!("receivers {name}.obj -o {name}.csv --buried {name}_buried.csv --spacing 1m"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let report = stdout(&output);
+        assert!(report.contains("740 receivers on 10 surfaces of 3 objects"), "{report}");
+        assert!(report.contains("260 inside a neighbour or below the terrain, 0 covered"), "{report}");
+        [format!("{name}.csv"), format!("{name}_buried.csv")].map(|file| read(&folder.path(&file)))
+    });
+    assert_eq!(tables[0], tables[1]);
+    let free = rows(&tables[0][0]);
+    let area: f64 = free.iter().map(|row| row["area"].parse::<f64>().expect("a number")).sum();
+    assert_eq!((free.len(), (area - 740.0).abs() < 1e-6), (740, true));
+    assert!(free.iter().all(|row| row["receiver"].starts_with(&format!("{}#", row["surface"]))));
+    assert!(free.iter().any(|row| row["surface"] == "west/roof1"), "{:?}", free[0]);
+    let buried = rows(&tables[0][1]);
+    assert_eq!((buried.len(), buried.iter().filter(|row| row["reason"] == "inside").count()), (260, 260));
+}
+
+/// 3 receivers a surface on 2 roofs are 6 rows 5 mm off the roof, by kind or by the name of the material of 11 surfaces, one hidden.
+#[test]
+fn by_kind_and_material() {
+    let folder = Folder::new();
+    fs::write(folder.path("a.obj"), houses(false)).expect("written");
+    let roofs = folder.run("receivers a.obj --on roof --per-surface 3 --offset 5mm");
+    let table = rows(&stdout(&roofs));
+    assert_eq!(table.len(), 6);
+    assert!(table.iter().all(|row| row["z"] == "10.0050" && row["area"] == "33.3333" && row["nz"] == "1.000000"));
+    assert!(stderr(&roofs).contains("6 receivers on 2 surfaces"), "{}", stderr(&roofs));
+    let bricks = rows(&stdout(&folder.run("receivers a.obj --on brick --per-surface 1")));
+    // Eight walls but the two between the houses, two roofs.
+    assert_eq!(bricks.len(), 8);
+}
+
+/// Five wrong wishes are refused with exit code 2 and what could be asked for; nothing is written.
+#[test]
+fn refusals() {
+    let folder = Folder::new();
+    fs::write(folder.path("a.obj"), houses(false)).expect("written");
+    for (arguments, part) in [
+        (
+            "a.obj --on door",
+            "there are surfaces of roof (2), wall (8), ground (1), floor (2); materials are brick, grass",
+        ),
+        ("a.obj --on window", "the scene has no surface of window"),
+        ("a.obj --spacing 2ft", "is not a length"),
+        ("a.obj --on floor", "no receiver: 0 receivers on 2 surfaces"),
+        ("a.obj b.xyz", "ends with .xyz"),
+    ] {
+        let output = folder.run(&format!("receivers -o out.csv {arguments}"));
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        assert!(stderr(&output).contains(part), "{arguments}: {}", stderr(&output));
+        assert!(!folder.path("out.csv").exists());
+    }
+    let output = folder.run("receivers a.obj -o a.obj");
+    assert!(stderr(&output).contains("is also an input"), "{}", stderr(&output));
+}
+
+/// One command writes 4 files, its sums are those of `replay`, of `south` rows more sun than `north`; a second run traces nothing and
+/// leaves the archive's bytes, another spacing builds it anew.
+#[test]
+fn run_and_run_again() {
+    let folder = Folder::new();
+    fs::write(folder.path("a.obj"), houses(false)).expect("written");
+    let weather = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/weather/golden_3_days.epw");
+    let run = |more: &str| {
+        let output = folder.run(&format!("run a.obj --weather {weather} --quality draft {more}"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stdout(&output)
+    };
+    let report = run("--spacing 5m");
+    let made = folder.path("a.sun");
+    let mut names: Vec<String> = fs::read_dir(&made)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["annual.csv", "annual.ply", "receivers.csv", "site.helio"]);
+    let table = rows(&read(&made.join("annual.csv")));
+    let count = rows(&read(&made.join("receivers.csv"))).len();
+    assert_eq!(table.len(), count);
+    let replayed = rows(&stdout(&folder.run(&format!("replay a.sun/site.helio --weather {weather} --every total"))));
+    for (row, same) in table.iter().zip(&replayed) {
+        assert_eq!(row["receiver"], same["receiver"]);
+        let [a, b] = [row, same].map(|row| row["total_kwh_m2"].parse::<f64>().expect("a number"));
+        assert!((a - b).abs() <= 6e-4 * b.max(1.0), "{a} {b}");
+    }
+    let total = |group: &str| -> f64 {
+        let line = report.lines().find(|line| line.starts_with(group)).expect(group);
+        line.split_whitespace().rev().nth(1).expect("a total").parse().expect("a number")
+    };
+    assert!(total("wall, south") > 1.5 * total("wall, north"), "{report}");
+
+    let before = fs::read(made.join("site.helio")).expect("an archive");
+    assert!(run("--spacing 5m").contains("up to date, nothing is traced again"));
+    assert_eq!(fs::read(made.join("site.helio")).expect("an archive"), before);
+    let report = run("--spacing 4m");
+    assert!(!report.contains("up to date") && report.contains("root"), "{report}");
+}
