@@ -1,6 +1,7 @@
 //! Readers of scene files, one a file, chosen by the ending of the name. In: a file of unknown origin. Out: polygons whose every
 //! index and coordinate is checked. They drop nothing silently and never look at another file than those they are given.
 
+mod cityjson;
 mod mtl;
 pub(super) mod obj;
 
@@ -18,13 +19,14 @@ pub(super) struct Asked {
     pub lod: Option<String>,
 }
 
-const ENDINGS: &str = ".obj";
+const ENDINGS: &str = ".obj, .json, .jsonl";
 
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let (_, ending) = name.rsplit_once('.').unwrap_or_default();
     match ending {
+        "json" | "jsonl" => cityjson::read(path, asked),
         "obj" => obj::read(path, asked),
         _ => Err(Error::Unsupported {
             what: format!("the scene {}", path.display()),

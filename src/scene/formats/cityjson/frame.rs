@@ -1,0 +1,124 @@
+//! In: transform and reference system of a CityJSON object. Out: positions in metres, and where on Earth they lie.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::document::Document;
+use crate::error::{Error, Result};
+use crate::scene::reference::Reference;
+use crate::scene::text::excerpt;
+
+/// Reference systems in degrees that cities are published in, horizontal, with ellipsoidal and with other heights, by their
+/// numbers in the EPSG register: worldwide, Europe and its countries, North America, Australasia, Japan, China and Korea, South
+/// America.
+const GEOGRAPHIC: [u32; 46] = [
+    4326, 4979, 9518, 9707, //
+    4258, 4937, 7423, 4171, 4965, 4289, 4314, 4277, 4230, 4149, 4150, 4313, 4619, 4977, 4265, 4312, 4124, //
+    4269, 4267, 4152, 4759, 6318, 6319, 4617, 4955, 5498, //
+    4283, 4939, 7844, 7843, 4167, 4959, //
+    4612, 4947, 6668, 6667, 6697, 4490, 4480, 4737, //
+    4674, 4989,
+];
+
+/// From numbers of the file to metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    scale: DVec3,
+    translate: DVec3,
+}
+
+impl Frame {
+    /// The transform of a document: required from version 1.1 on (CityJSON 1.1, section 4), positions are plain without it in 1.0.
+    pub(super) fn of(document: &Document, file: &Path) -> Result<Frame> {
+        let Some(transform) = &document.transform else {
+            if document.version.0.starts_with("1.0") {
+                return Ok(Frame { scale: DVec3::ONE, translate: DVec3::ZERO });
+            }
+            let what =
+                format!("`transform` is missing, which CityJSON {} asks for", excerpt(document.version.0.as_bytes()));
+            let hint = "add `\"transform\": {\"scale\": [0.001, 0.001, 0.001], \"translate\": [0, 0, 0]}` with the values \
+                        that the vertices were written with";
+            return Err(Error::input(file, None, what, hint));
+        };
+        let [scale, translate] = [transform.scale, transform.translate].map(DVec3::from);
+        // The reader of JSON lets no infinite number pass, yet this type promises none.
+        if !(scale.is_finite() && translate.is_finite() && scale.min_element() > 0.0) {
+            let what = format!("`transform` has the scale {scale} and the translation {translate}");
+            return Err(Error::input(file, None, what, "scales are metres a step, more than 0 on every axis"));
+        }
+        Ok(Frame { scale, translate })
+    }
+
+    pub(super) fn place(&self, [x, y, z]: [f64; 3]) -> DVec3 {
+        DVec3::new(x, y, z) * self.scale + self.translate
+    }
+}
+
+/// Where `metadata.referenceSystem` says that coordinates lie; coordinates in degrees are an error.
+pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> Result<Option<Reference>> {
+    let number = epsg(text);
+    if number.is_some_and(|number| GEOGRAPHIC.contains(&number)) || text.contains("CRS84") {
+        let what = format!("coordinates are degrees: `metadata.referenceSystem` is `{}`", excerpt(text.as_bytes()));
+        let hint =
+            "reproject the file to a system in metres, such as the national grid or UTM, or correct the metadata";
+        return Err(Error::input(file, None, what, hint));
+    }
+    if number.is_none() {
+        warnings.push(format!(
+            "{}: `metadata.referenceSystem` is `{}`, no number of the EPSG register; the place stays unknown",
+            file.display(),
+            excerpt(text.as_bytes())
+        ));
+    }
+    Ok(number.map(Reference::Epsg))
+}
+
+/// The number behind the first `EPSG`: of `https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`,
+/// `EPSG:7415`, and the first, horizontal one of `urn:ogc:def:crs,crs:EPSG::28992,crs:EPSG::5709`.
+fn epsg(text: &str) -> Option<u32> {
+    let upper = text.to_ascii_uppercase();
+    let (_, behind) = upper.split_once("EPSG")?;
+    let words = behind.split([',', '&', '+', '?']).next().unwrap_or_default();
+    words.split(['/', ':', '#']).rfind(|word| !word.is_empty())?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seven spellings of reference systems give their number, three others none.
+    #[test]
+    fn spellings() {
+        for (text, expected) in [
+            ("https://www.opengis.net/def/crs/EPSG/0/7415", Some(7415)),
+            ("http://www.opengis.net/def/crs/EPSG/9.8.5/28992/", Some(28992)),
+            ("urn:ogc:def:crs:EPSG::7415", Some(7415)),
+            ("urn:ogc:def:crs:EPSG:9.9:25832", Some(25832)),
+            ("EPSG:28992", Some(28992)),
+            ("epsg:2056", Some(2056)),
+            ("urn:ogc:def:crs,crs:EPSG::28992,crs:EPSG::5709", Some(28992)),
+            ("https://www.opengis.net/def/crs/OGC/1.3/CRS84", None),
+            ("EPSG", None),
+            ("Amersfoort / RD New", None),
+        ] {
+            assert_eq!(epsg(text), expected, "{text}");
+        }
+    }
+
+    /// Degrees are refused under 4 names, metres are not, and a name without a number is worth 1 warning.
+    #[test]
+    fn degrees() {
+        let mut warnings = Vec::new();
+        let mut of = |text: &str| reference(text, Path::new("town.city.json"), &mut warnings);
+        for text in
+            ["EPSG:4326", "urn:ogc:def:crs:EPSG::4979", "http://www.opengis.net/def/crs/EPSG/0/6697", "OGC:CRS84"]
+        {
+            let message = of(text).expect_err(text).to_string();
+            assert!(message.contains("coordinates are degrees") && message.contains("reproject"), "{message}");
+        }
+        assert_eq!(of("EPSG:7415").expect("metres"), Some(Reference::Epsg(7415)));
+        assert_eq!(of("the local grid").expect("unknown"), None);
+        assert_eq!(warnings.len(), 1);
+    }
+}

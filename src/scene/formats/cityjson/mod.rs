@@ -1,0 +1,135 @@
+//! City models. In: a CityJSON object of version 1.0 to 2.0 (`.city.json`, `.json`) or a sequence of features (`.city.jsonl`,
+//! `.jsonl`). Out: polygons with holes, named after city objects, of materials named after semantic surfaces.
+//!
+//! Semantics name the materials, then the type of the object; faces of buildings without semantics are told apart by tilt. Colours of
+//! `appearance` are those of pictures, not reflectances, and are not read; neither are attributes and `geographicalExtent`.
+
+mod document;
+mod frame;
+mod nested;
+mod objects;
+mod refuse;
+mod surfaces;
+mod templates;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use super::Asked;
+use crate::error::{Error, Result};
+use crate::scene::geometry::Geometry;
+use crate::scene::text::{excerpt, without_byte_order_mark};
+use document::{Document, Lod};
+use frame::Frame;
+use objects::Reader;
+use templates::Template;
+
+/// Reads a city model; a name that ends with `.jsonl` is that of a sequence.
+pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    parse(&bytes, path, asked)
+}
+
+fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+    let asked = asked.lod.as_deref().map(|text| level(text, file)).transpose()?;
+    let bytes = without_byte_order_mark(bytes);
+    if bytes.trim_ascii().is_empty() {
+        return Err(Error::input(file, None, "the file is empty", "export the city model again"));
+    }
+    let is_sequence = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"));
+    if is_sequence {
+        return sequence(bytes, file, asked);
+    }
+    let mut document = refuse::document(bytes, file, None)?;
+    refuse::other_kinds(&document, bytes, file, None)?;
+    let (header, geometry) = Header::of(&mut document, file)?;
+    let mut reader = header.reader(file, asked, geometry);
+    reader.add(&document)?;
+    finish(reader)
+}
+
+/// One line the header, every other a feature with vertices of its own (CityJSON 2.0.1, section 7).
+fn sequence(bytes: &[u8], file: &Path, asked: Option<Lod>) -> Result<Geometry> {
+    let mut lines = (1..).zip(bytes.split(|byte| *byte == b'\n')).filter(|(_, text)| !text.trim_ascii().is_empty());
+    let (line, text) = lines.next().unwrap_or((1, b""));
+    let mut first = refuse::document(text, file, Some(line))?;
+    refuse::other_kinds(&first, text, file, Some(line))?;
+    let (header, geometry) = Header::of(&mut first, file)?;
+    let mut reader = header.reader(file, asked, geometry);
+    reader.line = Some(line);
+    reader.add(&first)?;
+    drop(first);
+    for (line, text) in lines {
+        let feature = refuse::document(text, file, Some(line))?;
+        refuse::other_than_features(&feature, file, line)?;
+        reader.line = Some(line);
+        reader.add(&feature)?;
+    }
+    finish(reader)
+}
+
+/// What holds for all objects of a file.
+struct Header<'a> {
+    frame: Frame,
+    templates: Vec<Template<'a>>,
+}
+
+impl<'a> Header<'a> {
+    fn of(document: &mut Document<'a>, file: &Path) -> Result<(Header<'a>, Geometry)> {
+        let mut geometry = Geometry::default();
+        if let Some(text) = &document.reference_system {
+            geometry.reference = frame::reference(&text.0, file, &mut geometry.warnings)?;
+        }
+        let frame = Frame::of(document, file)?;
+        let templates = templates::prepare(std::mem::take(&mut document.templates)).map_err(|what| {
+            Error::input(file, None, what, "the file is no valid CityJSON: validate it (cjval) or export it again")
+        })?;
+        Ok((Header { frame, templates }, geometry))
+    }
+
+    fn reader<'f>(&'a self, file: &'f Path, asked: Option<Lod>, geometry: Geometry) -> Reader<'f, 'a> {
+        Reader {
+            file,
+            line: None,
+            asked,
+            frame: self.frame,
+            templates: &self.templates,
+            geometry,
+            objects: 0,
+            levels: BTreeSet::new(),
+            instanced: 0,
+        }
+    }
+}
+
+fn finish(reader: Reader) -> Result<Geometry> {
+    let Reader { file, geometry, objects, levels, asked, .. } = reader;
+    if geometry.face_count() > 0 {
+        return Ok(geometry);
+    }
+    if objects == 0 {
+        return Err(Error::input(
+            file,
+            None,
+            "the file holds no city objects",
+            "export the city model with its objects",
+        ));
+    }
+    let what = format!("none of the {objects} city objects has a surface");
+    let levels: Vec<String> = levels.iter().map(Lod::to_string).collect();
+    let hint = match asked {
+        Some(asked) => format!("level of detail {asked} is asked for, the file holds {}", levels.join(", ")),
+        None => "export surfaces or solids; points and lines shade nothing".into(),
+    };
+    Err(Error::input(file, None, what, hint))
+}
+
+fn level(text: &str, file: &Path) -> Result<Lod> {
+    Lod::of(text).ok_or_else(|| {
+        let what = format!("level of detail `{}` is asked for", excerpt(text.as_bytes()));
+        Error::input(file, None, what, "levels are numbers as 1, 1.3 or 2.2")
+    })
+}

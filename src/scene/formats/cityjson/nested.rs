@@ -1,0 +1,240 @@
+//! In: whole numbers in arrays in arrays (boundaries, semantic values). Out: one flat list of marks of four bytes, and the surfaces
+//! in it, found without recursion.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::Deserialize;
+use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Visitor};
+
+/// Begins an array.
+const OPEN: u32 = u32::MAX;
+/// Ends one.
+const CLOSE: u32 = u32::MAX - 1;
+/// A null.
+const NOTHING: u32 = u32::MAX - 2;
+
+/// Arrays in arrays of a MultiSolid, the deepest geometry there is (CityJSON 2.0.1, section 3).
+const DEEPEST: usize = 5;
+
+/// Arrays in arrays of numbers below `NOTHING`; every `OPEN` has its `CLOSE`.
+#[derive(Debug, Default)]
+pub(super) struct Nested(pub(super) Vec<u32>);
+
+/// Where a surface's rings stand among the marks, and its semantic value.
+pub(super) type Surface = (Range<usize>, Option<u32>);
+
+impl Nested {
+    /// All surfaces where numbers stand `depth` arrays deep (3 in a MultiSurface, 4 in a Solid, 5 in a MultiSolid), each with its
+    /// number in `values`, which are two arrays less deep. An error is what is wrong, in words.
+    pub(super) fn surfaces(&self, depth: usize, values: Option<&Nested>) -> Result<Vec<Surface>, String> {
+        let mut values = Values { marks: values.map(|values| values.0.as_slice()), nulls: 0 };
+        let (mut level, mut start, mut value) = (0_usize, 0, None);
+        let mut found = Vec::new();
+        for (i, &mark) in self.0.iter().enumerate() {
+            match mark {
+                OPEN => {
+                    level += 1;
+                    if level > depth {
+                        return Err(format!("boundaries are nested more than {depth} arrays deep"));
+                    } else if level + 1 == depth {
+                        start = i + 1;
+                        value = values.take()?;
+                    } else if level + 1 < depth {
+                        values.open()?;
+                    }
+                }
+                CLOSE => {
+                    if level + 1 == depth {
+                        found.push((start..i, value));
+                    } else if level + 1 < depth {
+                        values.close()?;
+                    }
+                    level = level.saturating_sub(1);
+                }
+                NOTHING => return Err("boundaries hold null".into()),
+                _ if level != depth => {
+                    return Err(format!("boundaries hold vertex numbers {level} arrays deep in place of {depth}"));
+                }
+                _ => {}
+            }
+        }
+        Ok(found)
+    }
+
+    /// Rings of a surface, the outline first.
+    pub(super) fn rings(&self, surface: &Surface) -> impl Iterator<Item = &[u32]> {
+        let marks = self.0.get(surface.0.clone()).unwrap_or_default();
+        marks.split(|mark| *mark == CLOSE).filter_map(|ring| ring.strip_prefix(&[OPEN]))
+    }
+
+    /// All numbers, whatever their depth.
+    pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut u32> {
+        self.0.iter_mut().filter(|mark| **mark < NOTHING)
+    }
+
+    /// The only number, if there is one and no other.
+    pub(super) fn single(&self) -> Option<u32> {
+        match *self.0.as_slice() {
+            [OPEN, number, CLOSE] if number < NOTHING => Some(number),
+            _ => None,
+        }
+    }
+}
+
+/// Semantic values, read in step with boundaries. A null in place of an array is one of nulls.
+struct Values<'a> {
+    marks: Option<&'a [u32]>,
+    /// How many arrays are open within a null.
+    nulls: usize,
+}
+
+impl Values<'_> {
+    fn next(&mut self) -> Result<Option<u32>, String> {
+        let Some(marks) = &mut self.marks else { return Ok(None) };
+        let Some((&mark, rest)) = marks.split_first() else { return Err(differs()) };
+        *marks = rest;
+        Ok(Some(mark))
+    }
+
+    fn open(&mut self) -> Result<(), String> {
+        if self.nulls > 0 {
+            self.nulls += 1;
+            return Ok(());
+        }
+        match self.next()? {
+            None | Some(OPEN) => {}
+            Some(NOTHING) => self.nulls = 1,
+            Some(_) => return Err(differs()),
+        }
+        Ok(())
+    }
+
+    fn take(&mut self) -> Result<Option<u32>, String> {
+        if self.nulls > 0 {
+            return Ok(None);
+        }
+        match self.next()? {
+            None | Some(NOTHING) => Ok(None),
+            Some(OPEN | CLOSE) => Err(differs()),
+            value => Ok(value),
+        }
+    }
+
+    fn close(&mut self) -> Result<(), String> {
+        if self.nulls > 0 {
+            self.nulls -= 1;
+            return Ok(());
+        }
+        match self.next()? {
+            None | Some(CLOSE) => Ok(()),
+            Some(_) => Err(differs()),
+        }
+    }
+}
+
+fn differs() -> String {
+    "the values of its semantics are not one for each surface, in arrays as those of boundaries".into()
+}
+
+impl<'de> Deserialize<'de> for Nested {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        let mut marks = Vec::new();
+        Level { marks: &mut marks, depth: 0 }.deserialize(source)?;
+        Ok(Nested(marks))
+    }
+}
+
+/// What stands in `depth` arrays.
+struct Level<'m> {
+    marks: &'m mut Vec<u32>,
+    depth: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for Level<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, source: D) -> Result<(), D::Error> {
+        source.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Level<'_> {
+    type Value = ();
+
+    fn expecting(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        to.write_str("whole numbers from 0 in arrays")
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<(), E> {
+        let mark = u32::try_from(number).ok().filter(|mark| *mark < NOTHING);
+        self.marks
+            .push(mark.ok_or_else(|| E::custom(format_args!("{number} is beyond the 4294967292 vertices allowed")))?);
+        Ok(())
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        self.marks.push(NOTHING);
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<(), A::Error> {
+        if self.depth == DEEPEST {
+            return Err(A::Error::custom(format_args!("arrays in arrays more than {DEEPEST} deep")));
+        }
+        self.marks.push(OPEN);
+        while items.next_element_seed(Level { marks: &mut *self.marks, depth: self.depth + 1 })?.is_some() {}
+        self.marks.push(CLOSE);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nested(text: &str) -> Nested {
+        serde_json::from_str(text).expect(text)
+    }
+
+    /// Two shells of 2 and 1 surfaces come back with their 4 rings and with values of which a whole shell's may be null.
+    #[test]
+    fn in_step() {
+        let solid = nested("[[[[0,1,2],[3,4,5]],[[6,7,8]]],[[[9,10,11]]]]");
+        for (values, expected) in [
+            (Some("[[4,null],[5]]"), [Some(4), None, Some(5)]),
+            (Some("[null,[5]]"), [None, None, Some(5)]),
+            (Some("null"), [None; 3]),
+            (None, [None; 3]),
+        ] {
+            let values = values.map(nested);
+            let surfaces = solid.surfaces(4, values.as_ref()).expect("in step");
+            assert_eq!(surfaces.iter().map(|surface| surface.1).collect::<Vec<_>>(), expected);
+            let rings: Vec<&[u32]> = surfaces.iter().flat_map(|surface| solid.rings(surface)).collect();
+            assert_eq!(rings, [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]);
+        }
+    }
+
+    /// Nine shapes that do not fit are refused in words.
+    #[test]
+    fn out_of_step() {
+        for (boundaries, depth, values, said) in [
+            ("[[0,1,2]]", 3, None, "2 arrays deep in place of 3"),
+            ("7", 3, None, "0 arrays deep in place of 3"),
+            ("[[[[0,1,2]]]]", 3, None, "more than 3 arrays deep"),
+            ("[[[0,null,2]]]", 3, None, "hold null"),
+            ("[[[0,1,2]]]", 3, Some("[]"), "not one for each surface"),
+            ("[[[0,1,2]]]", 3, Some("[0,1]"), "not one for each surface"),
+            ("[[[0,1,2]]]", 3, Some("[[0]]"), "not one for each surface"),
+            ("[[[0,1,2]]]", 3, Some("0"), "not one for each surface"),
+            ("[[[[0,1,2]]],[[[0,1,2]]]]", 4, Some("[[0]]"), "not one for each surface"),
+        ] {
+            let values = values.map(nested);
+            let what = nested(boundaries).surfaces(depth, values.as_ref()).expect_err(boundaries);
+            assert!(what.contains(said), "{boundaries}: {what}");
+        }
+        for text in ["[-1]", "[1.5]", "[4294967293]", "[\"a\"]", "[[[[[[0]]]]]]", "{}"] {
+            assert!(serde_json::from_str::<Nested>(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! City objects as polygons. In: typed text of a document or of a line of a sequence. Out: faces with holes, each of a material and an
+//! object; of geometry that stands there several times, one.
+
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+
+use super::document::{CityObject, Document, Lod, Shape, Text};
+use super::frame::Frame;
+use super::surfaces::{VIRTUAL, by_tilt, depth_of, is_building, plain, semantic};
+use super::templates::{MAX_CORNERS, Template, matrix};
+use crate::error::{Error, Result};
+use crate::scene::geometry::{Geometry, is_position};
+use crate::scene::text::excerpt;
+
+/// Levels of detail that a message lists at most.
+const LEVELS_NAMED: usize = 12;
+
+/// Geometry as far as it was read.
+pub(super) struct Reader<'f, 'h> {
+    pub file: &'f Path,
+    /// Of a sequence.
+    pub line: Option<usize>,
+    pub asked: Option<Lod>,
+    pub frame: Frame,
+    pub templates: &'h [Template<'h>],
+    pub geometry: Geometry,
+    pub objects: usize,
+    /// Some of the levels of detail that were found.
+    pub levels: BTreeSet<Lod>,
+    /// Corners of instances.
+    pub instanced: u64,
+}
+
+/// Consecutive vertices that boundaries count in.
+#[derive(Clone, Copy)]
+struct Range {
+    first: u32,
+    count: u32,
+    /// Whether rings turn the other way round.
+    mirrored: bool,
+}
+
+/// An object whose geometry is being read.
+struct Owner<'d> {
+    id: &'d str,
+    kind: &'d str,
+    number: u32,
+}
+
+/// What an object offers: its geometries that bound something, with their levels of detail.
+type Offers<'d> = Vec<(Option<Lod>, &'d Shape<'d>)>;
+
+impl Reader<'_, '_> {
+    /// Adds the objects of a document or of a feature.
+    pub(super) fn add(&mut self, document: &Document) -> Result<()> {
+        let range = self.vertices(&document.vertices)?;
+        self.objects += document.objects.len();
+        let chosen: Vec<Offers> = document.objects.iter().map(|(_, object)| self.choose(object)).collect();
+        let parts = finest_parts(&document.objects, &chosen);
+        for (((id, object), shapes), finest) in document.objects.iter().zip(chosen).zip(parts) {
+            let level = shapes.first().and_then(|(lod, _)| *lod);
+            if finest > level {
+                (0..shapes.len())
+                    .for_each(|_| self.geometry.leave_out("as coarser geometry of objects whose parts have finer"));
+                continue;
+            }
+            for (_, shape) in shapes {
+                let number = self.geometry.objects.id(&id.0);
+                let owner = Owner { id: &id.0, kind: plain(&object.kind), number };
+                self.shape(&owner, shape, range)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn vertices(&mut self, vertices: &[[f64; 3]]) -> Result<Range> {
+        let first = self.geometry.vertices.len();
+        for (i, &vertex) in vertices.iter().enumerate() {
+            let position = self.frame.place(vertex);
+            if !is_position(position) {
+                let what = format!("vertex {i} lies at {position}, beyond all positions on Earth");
+                return Err(self.error(what, "scale and translation of `transform` give metres, at most 1e9 in size"));
+            }
+            self.geometry.push_vertex(self.file, position)?;
+        }
+        // `push_vertex` allows no more than u32 counts.
+        Ok(Range { first: first as u32, count: vertices.len() as u32, mirrored: false })
+    }
+
+    /// Of geometry in several levels of detail, the level that is asked for, else the finest below it; without being asked the
+    /// finest. All geometries of that level belong to the object (CityJSON 2.0.1, section 3).
+    fn choose<'d>(&mut self, object: &'d CityObject) -> Offers<'d> {
+        let mut offers: Offers = Vec::new();
+        if object.kind.0 == "CityObjectGroup" {
+            let outlines = object.geometry.iter().flatten().count();
+            (0..outlines).for_each(|_| self.geometry.leave_out("as outlines of groups of objects"));
+            return offers;
+        }
+        for shape in object.geometry.iter().flatten() {
+            let template = match (shape.kind.0.as_ref(), shape.template) {
+                ("GeometryInstance", Some(number)) => usize::try_from(number).ok().and_then(|i| self.templates.get(i)),
+                _ => None,
+            };
+            let shown = template.map_or(shape, |template| &template.shape);
+            match depth_of(&shown.kind.0) {
+                None if shown.kind.0 != "GeometryInstance" => self.geometry.leave_out(match shown.kind.0.as_ref() {
+                    "MultiPoint" | "MultiLineString" => "as points or lines, which shade nothing",
+                    _ => "as geometry of a type that CityJSON 2.0 does not have",
+                }),
+                _ => offers.push((shown.lod, shape)),
+            }
+        }
+        if self.levels.len() < LEVELS_NAMED {
+            self.levels.extend(offers.iter().filter_map(|offer| offer.0));
+        }
+        let asked = self.asked;
+        let Some(level) = offers.iter().map(|offer| offer.0).filter(|level| asked.is_none() || *level <= asked).max()
+        else {
+            offers
+                .iter()
+                .for_each(|_| self.geometry.leave_out("for want of the level of detail asked for or a coarser one"));
+            return Vec::new();
+        };
+        let before = offers.len();
+        offers.retain(|offer| offer.0 == level);
+        (offers.len()..before).for_each(|_| self.geometry.leave_out("as geometry in another level of detail"));
+        offers
+    }
+
+    fn shape(&mut self, owner: &Owner, shape: &Shape, range: Range) -> Result<()> {
+        if shape.kind.0 != "GeometryInstance" {
+            return self.surfaces(owner, shape, range);
+        }
+        let templates = self.templates;
+        let number = shape.template.unwrap_or(u64::MAX);
+        let Some(template) = usize::try_from(number).ok().and_then(|i| templates.get(i)) else {
+            let what = match shape.template {
+                Some(number) => format!("it stands for template {number} of {}, counted from 0", templates.len()),
+                None => "its instance of a template has no `template`".into(),
+            };
+            return Err(self.wrong(owner, what));
+        };
+        let matrix = matrix(shape.matrix.as_deref()).map_err(|what| self.wrong(owner, what))?;
+        let Some(anchor) = shape.boundaries.as_ref().and_then(|boundaries| boundaries.single()) else {
+            return Err(self.wrong(owner, "boundaries of an instance of a template are not one vertex number".into()));
+        };
+        let at = self.geometry.vertices.get(self.corner(owner, range, anchor)? as usize).copied().unwrap_or_default();
+        self.instanced += template.corners;
+        if self.instanced > MAX_CORNERS {
+            return Err(Error::Limit {
+                what: format!("the number of corners of instances of templates in {}", self.file.display()),
+                value: self.instanced,
+                max: MAX_CORNERS,
+            });
+        }
+        let first = self.geometry.vertices.len() as u32;
+        for &vertex in &template.vertices {
+            let position = matrix.transform_point3(vertex) + at;
+            if !is_position(position) {
+                let what = format!("its template would have a vertex at {position}, beyond all positions on Earth");
+                return Err(self.wrong(owner, what));
+            }
+            self.geometry.push_vertex(self.file, position)?;
+        }
+        let mirrored = matrix.determinant() < 0.0;
+        self.surfaces(owner, &template.shape, Range { first, count: template.vertices.len() as u32, mirrored })
+    }
+
+    fn surfaces(&mut self, owner: &Owner, shape: &Shape, range: Range) -> Result<()> {
+        let Some(boundaries) = &shape.boundaries else {
+            return Err(self.wrong(owner, format!("its {} has no `boundaries`", excerpt(shape.kind.0.as_bytes()))));
+        };
+        let values = shape.semantics.as_ref().and_then(|semantics| semantics.values.as_ref());
+        let depth = depth_of(&shape.kind.0).unwrap_or_default();
+        let surfaces = boundaries.surfaces(depth, values).map_err(|what| self.wrong(owner, what))?;
+        for surface in &surfaces {
+            let stated = semantic(shape, surface.1).map_err(|what| self.wrong(owner, what))?;
+            if stated.is_some_and(|name| VIRTUAL.contains(&name)) {
+                self.geometry.leave_out("as surfaces that only close a volume where nothing is");
+                continue;
+            }
+            self.face(owner, boundaries.rings(surface), stated, range)?;
+        }
+        Ok(())
+    }
+
+    fn face<'r>(
+        &mut self,
+        owner: &Owner,
+        mut rings: impl Iterator<Item = &'r [u32]>,
+        stated: Option<&str>,
+        range: Range,
+    ) -> Result<()> {
+        let outline = rings.next().unwrap_or_default();
+        if outline.len() < 3 {
+            self.geometry.leave_out("with fewer than three corners");
+            return Ok(());
+        }
+        self.ring(owner, outline, range)?;
+        for hole in rings {
+            if hole.len() < 3 {
+                self.geometry.leave_out("as holes with fewer than three corners");
+                continue;
+            }
+            self.geometry.begin_hole();
+            self.ring(owner, hole, range)?;
+        }
+        let name = match stated {
+            Some(name) => name,
+            None if is_building(owner.kind) => self.tilt(outline, range),
+            None => owner.kind,
+        };
+        let material = self.geometry.materials.id(name);
+        self.geometry.end_face(material, owner.number, self.line.unwrap_or_default());
+        Ok(())
+    }
+
+    fn ring(&mut self, owner: &Owner, ring: &[u32], range: Range) -> Result<()> {
+        let mut push = |number: &u32| {
+            let corner = self.corner(owner, range, *number)?;
+            self.geometry.push_corner(corner);
+            Ok(())
+        };
+        if range.mirrored { ring.iter().rev().try_for_each(&mut push) } else { ring.iter().try_for_each(&mut push) }
+    }
+
+    /// The vertex that a number means.
+    #[inline]
+    fn corner(&self, owner: &Owner, range: Range, number: u32) -> Result<u32> {
+        if number < range.count {
+            return Ok(range.first + number);
+        }
+        Err(self
+            .wrong(owner, format!("its boundaries name vertex {number} of {} vertices, counted from 0", range.count)))
+    }
+
+    fn tilt(&self, outline: &[u32], range: Range) -> &'static str {
+        let position = |number: &u32| self.geometry.vertices.get((range.first + number) as usize).copied();
+        let ring = outline.iter().map(|number| position(number).unwrap_or_default());
+        if range.mirrored { by_tilt(ring.rev()) } else { by_tilt(ring) }
+    }
+
+    fn error(&self, what: String, hint: &str) -> Error {
+        Error::input(self.file, self.line, what, hint)
+    }
+
+    #[cold]
+    fn wrong(&self, owner: &Owner, what: String) -> Error {
+        let hint = "the file is no valid CityJSON: validate it (cjval) or export it again";
+        self.error(format!("object `{}`: {what}", excerpt(owner.id.as_bytes())), hint)
+    }
+}
+
+/// The finest level of the parts of each object, by its number; `None` without parts.
+///
+/// A Building and its BuildingParts both have geometry in two cases: a coarser stand-in for all parts (3DBAG gives every building its
+/// footprint as LoD 0 beside parts of LoD 2.2), which must go, and a main part that the other parts stand beside (CityGML 2.0, section
+/// 10.3.1), which has their level of detail and must stay. Children that are no parts, such as installations, replace nothing.
+fn finest_parts(objects: &[(Text, CityObject)], chosen: &[Offers]) -> Vec<Option<Lod>> {
+    let mut finest = vec![None; objects.len()];
+    if objects.iter().all(|(_, object)| object.parents.is_none() && object.children.is_none()) {
+        return finest;
+    }
+    let numbers: HashMap<&str, usize> = objects.iter().enumerate().map(|(i, (id, _))| (id.0.as_ref(), i)).collect();
+    let number = |id: &Text| numbers.get(id.0.as_ref()).copied();
+    let mut link = |parent: usize, child: usize| {
+        let is_part = objects.get(child).is_some_and(|(_, object)| plain(&object.kind).ends_with("Part"));
+        let level = chosen.get(child).and_then(|shapes| shapes.first()).and_then(|(lod, _)| *lod);
+        if let (true, Some(slot)) = (is_part && parent != child, finest.get_mut(parent)) {
+            *slot = level.max(*slot);
+        }
+    };
+    for (i, (_, object)) in objects.iter().enumerate() {
+        object.parents.iter().flatten().filter_map(number).for_each(|parent| link(parent, i));
+        object.children.iter().flatten().filter_map(number).for_each(|child| link(i, child));
+    }
+    finest
+}

@@ -1,0 +1,147 @@
+//! In: text that ought to be CityJSON. Out: its document, or what it is instead, in words.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, IgnoredAny, MapAccess, Visitor};
+
+use super::document::Document;
+use crate::error::{Error, Result};
+use crate::scene::text::excerpt;
+
+/// Characters of a message by serde_json that are shown; it may quote the file.
+const LONGEST_MESSAGE: usize = 300;
+
+/// Reads one JSON value; `line` is its line in a sequence.
+pub(super) fn document<'a>(text: &'a [u8], file: &Path, line: Option<usize>) -> Result<Document<'a>> {
+    serde_json::from_slice(text).map_err(|error| {
+        // A foreign file that is JSON is better named than described by its first oddity.
+        if let Some(Err(other)) = serde_json::from_slice(text).ok().map(|sketch| kind_of(&sketch, file, line)) {
+            return other;
+        }
+        let said = error.to_string();
+        let place = format!(" at line {} column {}", error.line(), error.column());
+        let said = said.replace(&place, "");
+        let shown: String =
+            said.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).take(LONGEST_MESSAGE).collect();
+        let (what, hint) = if said.contains("EOF while") {
+            (format!("the JSON text ends too early: {shown}"), "the file was cut off: copy or export it again")
+        } else if said.contains("trailing characters") && line.is_none() {
+            (
+                format!("more follows on the JSON value: {shown}"),
+                "let the name of a sequence of features end with .city.jsonl",
+            )
+        } else {
+            (shown, "the file is no valid CityJSON: validate it (cjval) or export it again")
+        };
+        let at = line.unwrap_or(error.line());
+        Error::input(file, (at > 0).then_some(at), format!("{what} (column {})", error.column()), hint)
+    })
+}
+
+/// Lets only CityJSON objects of known versions pass.
+pub(super) fn other_kinds(document: &Document, text: &[u8], file: &Path, line: Option<usize>) -> Result<()> {
+    if document.kind.0 != "CityJSON" {
+        let sketch = serde_json::from_slice(text).unwrap_or_default();
+        kind_of(&sketch, file, line)?;
+    }
+    if !["1.0", "1.1", "2.0"].iter().any(|known| document.version.0.starts_with(known)) {
+        return Err(Error::Unsupported {
+            what: format!("the CityJSON version of {}", file.display()),
+            found: format!("`{}`", excerpt(document.version.0.as_bytes())),
+            supported: "1.0, 1.1, 2.0; `cjio old.json upgrade save new.city.json` brings older ones up".into(),
+        });
+    }
+    Ok(())
+}
+
+/// Lets only features pass.
+pub(super) fn other_than_features(document: &Document, file: &Path, line: usize) -> Result<()> {
+    if document.kind.0 == "CityJSONFeature" {
+        return Ok(());
+    }
+    let what = format!("the line's `type` is `{}`, not CityJSONFeature", excerpt(document.kind.0.as_bytes()));
+    Err(Error::input(file, line, what, "a sequence has one header, its first line; join two with cjio"))
+}
+
+/// An error unless the value calls itself CityJSON.
+fn kind_of(sketch: &Sketch, file: &Path, line: Option<usize>) -> Result<()> {
+    let has = |key: &str| sketch.keys.iter().any(|found| found == key);
+    let (what, hint) = match sketch.kind.as_deref() {
+        Some("CityJSON") => return Ok(()),
+        // As the line of a sequence it is judged by its place.
+        Some("CityJSONFeature") if line.is_some_and(|line| line > 1) => return Ok(()),
+        Some("CityJSONFeature") => (
+            "the first line is a CityJSONFeature, not the header".to_owned(),
+            "a sequence begins with a line of type CityJSON that holds `transform`",
+        ),
+        Some("FeatureCollection" | "Feature") => {
+            ("this is GeoJSON, not CityJSON".to_owned(), "export the 3D city model, flat outlines shade nothing")
+        }
+        Some(other) => (
+            format!("`type` is `{}`, not CityJSON", excerpt(other.as_bytes())),
+            "give a CityJSON file, one of type CityJSON",
+        ),
+        None if sketch.is_list => ("this is a JSON list, not a CityJSON object".to_owned(), "give a CityJSON file"),
+        None if has("Building") || has("Zone") || has("BuildingSurface:Detailed") => (
+            "this looks like an EnergyPlus model (epJSON), not CityJSON".to_owned(),
+            "let the name of an EnergyPlus model end with .epJSON",
+        ),
+        None if has("asset") && (has("scenes") || has("meshes") || has("nodes")) => {
+            ("this looks like glTF, not CityJSON".to_owned(), "let the name of a glTF file end with .gltf")
+        }
+        None => {
+            let keys: Vec<String> = sketch.keys.iter().map(|key| format!("`{}`", excerpt(key.as_bytes()))).collect();
+            let found =
+                if keys.is_empty() { "holds nothing".into() } else { format!("begins with {}", keys.join(", ")) };
+            (format!("this JSON has no `type`, so it is no CityJSON; it {found}"), "give a CityJSON file")
+        }
+    };
+    Err(Error::input(file, line, what, hint))
+}
+
+/// What a JSON value is, seen from outside.
+#[derive(Default)]
+struct Sketch {
+    kind: Option<String>,
+    /// The first ones.
+    keys: Vec<String>,
+    is_list: bool,
+}
+
+impl<'de> Deserialize<'de> for Sketch {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> std::result::Result<Self, D::Error> {
+        struct Outside;
+        impl<'de> Visitor<'de> for Outside {
+            type Value = Sketch;
+
+            fn expecting(&self, to: &mut fmt::Formatter) -> fmt::Result {
+                to.write_str("a JSON object or list")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<Sketch, A::Error> {
+                const KEYS_KEPT: usize = 64;
+                let mut sketch = Sketch::default();
+                while let Some(key) = map.next_key::<String>()? {
+                    if key == "type" {
+                        let kind: serde_json::Value = map.next_value()?;
+                        sketch.kind = Some(kind.as_str().unwrap_or_default().to_owned());
+                    } else {
+                        map.next_value::<IgnoredAny>()?;
+                    }
+                    if sketch.keys.len() < KEYS_KEPT {
+                        sketch.keys.push(key);
+                    }
+                }
+                Ok(sketch)
+            }
+
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut items: A) -> std::result::Result<Sketch, A::Error> {
+                while items.next_element::<IgnoredAny>()?.is_some() {}
+                Ok(Sketch { is_list: true, ..Sketch::default() })
+            }
+        }
+        source.deserialize_any(Outside)
+    }
+}

@@ -1,0 +1,84 @@
+//! What surfaces are made of, by name. In: semantics, the object's type and the tilt of a face. Out: the name of a material.
+
+use glam::DVec3;
+
+use super::document::{Shape, Text};
+
+/// Faces steeper than this are walls: |z| of the unit normal below 0.26, 75 degrees from level. Mansard roofs reach 70 degrees,
+/// and walls of photogrammetry lean by ten.
+const STEEP: f64 = 0.26;
+
+/// Material of what semantics call closed though nothing is there: the mouth of a tunnel, the border between two waters.
+pub(super) const VIRTUAL: [&str; 2] = ["ClosureSurface", "WaterClosureSurface"];
+
+/// Types of geometry that bound something, with the depth of their arrays.
+pub(super) fn depth_of(kind: &str) -> Option<usize> {
+    match kind {
+        "MultiSurface" | "CompositeSurface" => Some(3),
+        "Solid" => Some(4),
+        "MultiSolid" | "CompositeSolid" => Some(5),
+        _ => None,
+    }
+}
+
+/// The type that semantics give to a surface, an extension's without its mark.
+pub(super) fn semantic<'s>(shape: &'s Shape, value: Option<u32>) -> Result<Option<&'s str>, String> {
+    let Some(value) = value else { return Ok(None) };
+    let surfaces = shape.semantics.as_ref().and_then(|semantics| semantics.surfaces.as_deref()).unwrap_or_default();
+    match surfaces.get(value as usize) {
+        Some(surface) => Ok(Some(plain(&surface.kind)).filter(|name| !name.is_empty())),
+        None => Err(format!("the values of its semantics name surface {value} of {}, counted from 0", surfaces.len())),
+    }
+}
+
+/// Names of extensions begin with `+` (CityJSON 2.0.1, section 8).
+pub(super) fn plain<'t>(name: &'t Text) -> &'t str {
+    name.0.strip_prefix('+').unwrap_or(&name.0)
+}
+
+/// Whether faces without semantics are told apart by their tilt.
+pub(super) fn is_building(kind: &str) -> bool {
+    matches!(kind, "Building" | "BuildingPart")
+}
+
+/// What a face of a building is, by the upward part of its normal: a roof faces up, walls are steeper than 75 degrees from level, all
+/// that faces down counts as the floor plate on the ground, the few undersides of balconies too.
+pub(super) fn by_tilt(ring: impl Iterator<Item = DVec3> + Clone) -> &'static str {
+    // Twice the area times the mean normal (Newell), relative to the first corner: coordinates of a country are large.
+    let first = ring.clone().next().unwrap_or_default();
+    let edges = ring.clone().zip(ring.skip(1));
+    let normal: DVec3 = edges.map(|(a, b)| (a - first).cross(b - first)).sum();
+    let up = normal.normalize_or_zero().z;
+    match () {
+        () if up > STEEP => "RoofSurface",
+        () if up < -STEEP => "GroundSurface",
+        () => "WallSurface",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Faces 0 to 74 degrees from level are roofs, 76 to 104 walls, from 106 on floor plates, far from the origin too.
+    #[test]
+    fn tilt() {
+        for (degrees, expected) in [
+            (0.0, "RoofSurface"),
+            (45.0, "RoofSurface"),
+            (74.0, "RoofSurface"),
+            (76.0, "WallSurface"),
+            (90.0, "WallSurface"),
+            (104.0, "WallSurface"),
+            (106.0, "GroundSurface"),
+            (180.0, "GroundSurface"),
+        ] {
+            let (sin, cos) = f64::to_radians(degrees).sin_cos();
+            let at = DVec3::new(78_000.0, 457_000.0, 3.0);
+            let up_slope = DVec3::new(0.0, cos, sin);
+            let ring = [at, at + DVec3::X, at + DVec3::X + up_slope, at + up_slope];
+            assert_eq!(by_tilt(ring.into_iter()), expected, "{degrees}");
+        }
+        assert_eq!(by_tilt([DVec3::ZERO; 3].into_iter()), "WallSurface");
+    }
+}
