@@ -2,6 +2,7 @@
 //! index and coordinate is checked. They drop nothing silently and never look at another file than those they are given.
 
 mod cityjson;
+mod energyplus;
 mod mtl;
 pub(super) mod obj;
 
@@ -19,14 +20,16 @@ pub(super) struct Asked {
     pub lod: Option<String>,
 }
 
-const ENDINGS: &str = ".obj, .json, .jsonl";
+const ENDINGS: &str = ".json and .jsonl (CityJSON), .epJSON and .idf (EnergyPlus), .obj";
 
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let (_, ending) = name.rsplit_once('.').unwrap_or_default();
     match ending {
+        "json" if energyplus::is_model(path)? => energyplus::read(path, asked),
         "json" | "jsonl" => cityjson::read(path, asked),
+        "epjson" | "idf" => energyplus::read(path, asked),
         "obj" => obj::read(path, asked),
         _ => Err(Error::Unsupported {
             what: format!("the scene {}", path.display()),

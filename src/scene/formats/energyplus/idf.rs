@@ -1,0 +1,182 @@
+//! The text form of EnergyPlus models. In: the bytes of an IDF file. Out: objects, their fields named by place.
+//!
+//! `Class, field, field;` with `!` before comments (Input Output Reference, chapter "Input Data Dictionary").
+
+use std::path::Path;
+
+use super::layout::{Layout, Version};
+use super::model::{Model, Object, Value};
+use super::vertex_error;
+use crate::error::{Error, Result};
+use crate::scene::geometry::MAX_COORDINATE_M;
+use crate::scene::text::{excerpt, without_byte_order_mark};
+
+/// What the newest known version is taken for where a file states none.
+const NEWEST: Version = Version { major: u16::MAX, minor: 0 };
+
+/// Reads all objects of known classes.
+pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
+    let version = version(bytes, file)?;
+    let mut reader = Reader {
+        file,
+        version: version.unwrap_or(NEWEST),
+        model: Model { version, ..Model::default() },
+        current: None,
+    };
+    fields(bytes, file, |field| reader.take(field))?;
+    Ok(reader.model)
+}
+
+/// The version stands anywhere in the file but decides what its fields mean.
+fn version(bytes: &[u8], file: &Path) -> Result<Option<Version>> {
+    let mut of_version = false;
+    let mut found = None;
+    fields(bytes, file, |field| {
+        if found.is_none() && of_version && field.place == 1 {
+            found = Version::parse(&String::from_utf8_lossy(field.text));
+        }
+        of_version = field.place == 0 && field.text.eq_ignore_ascii_case(b"version");
+        Ok(found.is_none())
+    })?;
+    Ok(found)
+}
+
+struct Field<'a> {
+    /// 0 is the class.
+    place: usize,
+    text: &'a [u8],
+    line: usize,
+    /// Whether the object ends here.
+    last: bool,
+}
+
+/// Gives all fields of all objects until `take` is content (`false`).
+fn fields(bytes: &[u8], file: &Path, mut take: impl FnMut(Field) -> Result<bool>) -> Result<()> {
+    // What of a field stands in the lines before.
+    let mut begun = Vec::new();
+    let (mut place, mut line_of_object) = (0, 0);
+    let bytes = without_byte_order_mark(bytes);
+    // Only files of the old Macintosh hold no LF at all.
+    let end_of_line = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+    for (line, text) in (1..).zip(bytes.split(|&byte| byte == end_of_line)) {
+        let mut rest = text.split(|&byte| byte == b'!').next().unwrap_or_default().trim_ascii();
+        if rest.starts_with(b"##") {
+            return Err(Error::Unsupported {
+                what: format!("{}, line {line}", file.display()),
+                found: format!("the macro `{}`", excerpt(rest)),
+                supported: "IDF without macros: run EP-Macro, or save the model from its editor".into(),
+            });
+        }
+        while let Some(end) = rest.iter().position(|&byte| byte == b',' || byte == b';') {
+            let (piece, after) = rest.split_at(end);
+            let last = after.first() == Some(&b';');
+            rest = after.get(1..).unwrap_or_default();
+            if place == 0 && begun.is_empty() {
+                line_of_object = line;
+            }
+            begun.extend_from_slice(piece);
+            if !take(Field { place, text: begun.trim_ascii(), line, last })? {
+                return Ok(());
+            }
+            begun.clear();
+            place = if last { 0 } else { place + 1 };
+        }
+        if !rest.is_empty() {
+            if place == 0 && begun.is_empty() {
+                line_of_object = line;
+            }
+            begun.extend_from_slice(rest);
+            begun.push(b' ');
+        }
+    }
+    if place > 0 || !begun.is_empty() {
+        let what = "the object that begins here does not end";
+        return Err(Error::input(file, line_of_object, what, "put `;` behind its last field"));
+    }
+    Ok(())
+}
+
+struct Reader<'f> {
+    file: &'f Path,
+    version: Version,
+    model: Model,
+    /// The object being read, if its class is known.
+    current: Option<Current>,
+}
+
+struct Current {
+    object: Object,
+    order: Vec<&'static str>,
+    /// Coordinates of a vertex that is not complete.
+    coordinates: Vec<f64>,
+}
+
+impl Reader<'_> {
+    fn take(&mut self, field: Field) -> Result<bool> {
+        if field.place == 0 {
+            self.begin(&field)?;
+        } else if let Some(current) = &mut self.current {
+            current.take(self.file, &field)?;
+        }
+        if field.last
+            && let Some(current) = self.current.take()
+        {
+            let number = self.model.objects.len() + 1;
+            self.model.objects.push(current.finish(self.file, number)?);
+        }
+        Ok(true)
+    }
+
+    fn begin(&mut self, field: &Field) -> Result<()> {
+        if field.text.is_empty() && !field.last {
+            let what = "an object without a class begins here";
+            return Err(Error::input(self.file, field.line, what, "write `Class, field, field;`"));
+        }
+        let layout = std::str::from_utf8(field.text).ok().and_then(Layout::of);
+        self.current = layout.map(|layout| Current {
+            object: Object { layout, name: String::new(), line: field.line, fields: Vec::new(), vertices: Vec::new() },
+            order: layout.order(self.version),
+            coordinates: Vec::new(),
+        });
+        Ok(())
+    }
+}
+
+impl Current {
+    fn take(&mut self, file: &Path, field: &Field) -> Result<()> {
+        let text = || String::from_utf8_lossy(field.text).into_owned();
+        let layout = self.object.layout;
+        match self.order.get(field.place - 1) {
+            Some(&"name") => self.object.name = text(),
+            // A blank says nothing.
+            Some(key) if !field.text.is_empty() => self.object.fields.push((key, Value::Text(text()))),
+            None if layout.has_vertices => {
+                // A list may end with blanks, but none may stand within.
+                let number = std::str::from_utf8(field.text).ok().and_then(|word| word.parse::<f64>().ok());
+                match number.filter(|number| number.abs() <= MAX_COORDINATE_M) {
+                    Some(number) => self.coordinates.push(number),
+                    None if field.text.is_empty() && field.last => {}
+                    None => return Err(vertex_error(file, field.line, &self.object.title(), &text())),
+                }
+                if let [x, y, z] = *self.coordinates {
+                    self.object.vertices.push([x, y, z]);
+                    self.coordinates.clear();
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, file: &Path, number: usize) -> Result<Object> {
+        if !self.coordinates.is_empty() {
+            let left = self.coordinates.len();
+            let what = format!("{left} coordinates are left over after {} vertices", self.object.vertices.len());
+            return Err(self.object.error(file, what, "give x, y and z of every vertex"));
+        }
+        if !self.object.layout.is_named() {
+            self.object.name = format!("{} {number}", self.object.layout.class);
+        }
+        Ok(self.object)
+    }
+}

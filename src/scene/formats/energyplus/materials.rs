@@ -1,0 +1,245 @@
+//! What light does at surfaces of a model. In: constructions, their layers and what is said of shades. Out: materials called like
+//! the construction, one for each optical property.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::model::{Model, Object, same};
+use super::notes::Notes;
+use crate::error::Result;
+use crate::scene::geometry::Geometry;
+use crate::scene::materials::{Class, Glass, Material, Table};
+
+/// Default of `Solar Absorptance` (Input Output Reference, `Material`).
+const ABSORPTANCE: f64 = 0.7;
+/// Default of `Leaf Reflectivity` (`Material:RoofVegetation`).
+const LEAF_REFLECTANCE: f64 = 0.22;
+/// Default of shades (`ShadingProperty:Reflectance`).
+const SHADE_REFLECTANCE: f64 = 0.2;
+/// Glazing systems that lose less are of two panes: W/(m2 K). A single pane of the Input Output Reference's examples loses 5.8, two
+/// clear ones 2.7.
+const TWO_PANES_BELOW: f64 = 4.0;
+/// Reflectance of clear glass straight on, one pane and two: n = 1.526 (Duffie and Beckman, section 5.1).
+const CLEAR_GLASS: [f64; 2] = [0.08, 0.15];
+
+const LAYERS: [&str; 10] = [
+    "outside_layer",
+    "layer_2",
+    "layer_3",
+    "layer_4",
+    "layer_5",
+    "layer_6",
+    "layer_7",
+    "layer_8",
+    "layer_9",
+    "layer_10",
+];
+
+pub(super) struct Materials<'m> {
+    file: &'m Path,
+    constructions: HashMap<String, &'m Object>,
+    layers: HashMap<String, &'m Object>,
+    /// `ShadingProperty:Reflectance` by the name of its shade.
+    reflectances: HashMap<String, &'m Object>,
+    schedules: HashMap<String, &'m Object>,
+    stated: Table,
+    /// Numbers of constructions that were met, of floors on the ground and of all else.
+    known: HashMap<(String, bool), u32>,
+}
+
+impl<'m> Materials<'m> {
+    pub(super) fn new(model: &'m Model, file: &'m Path) -> Self {
+        let reflectances = model.of("ShadingProperty:Reflectance");
+        Materials {
+            file,
+            constructions: model.by_name(&[
+                "Construction",
+                "Construction:CfactorUndergroundWall",
+                "Construction:FfactorGroundFloor",
+            ]),
+            layers: model.by_name(&[
+                "Material",
+                "Material:NoMass",
+                "Material:AirGap",
+                "Material:InfraredTransparent",
+                "Material:RoofVegetation",
+                "WindowMaterial:Glazing",
+                "WindowMaterial:Glazing:RefractionExtinctionMethod",
+                "WindowMaterial:GlazingGroup:Thermochromic",
+                "WindowMaterial:SimpleGlazingSystem",
+            ]),
+            reflectances: reflectances.map(|object| (same(object.text("shading_surface_name")), object)).collect(),
+            schedules: model.by_name(&["Schedule:Constant"]),
+            stated: Table::new(),
+            known: HashMap::new(),
+        }
+    }
+
+    pub(super) fn into_stated(self) -> Table {
+        self.stated
+    }
+
+    /// The material of a wall or window. A construction that the file lacks is a name that nobody describes.
+    pub(super) fn of_construction(
+        &mut self,
+        surface: &Object,
+        on_ground: bool,
+        geometry: &mut Geometry,
+        notes: &mut Notes,
+    ) -> Result<u32> {
+        let name = surface.text("construction_name");
+        let key = (same(name), on_ground);
+        if let Some(&id) = self.known.get(&key) {
+            return Ok(id);
+        }
+        let class = if on_ground { Class::Ground } else { Class::Obstruction };
+        let id = match self.constructions.get(&key.0).copied() {
+            Some(construction) => {
+                let material = self.construction(construction, class, notes)?;
+                self.add(material, geometry)
+            }
+            None => {
+                notes.add("constructions are not in the file; what they reflect is assumed", name);
+                geometry.materials.id(if name.is_empty() { "default" } else { name })
+            }
+        };
+        self.known.insert(key, id);
+        Ok(id)
+    }
+
+    fn construction(&self, construction: &Object, class: Class, notes: &mut Notes) -> Result<Material> {
+        let layers: Vec<&Object> =
+            LAYERS.iter().filter_map(|key| self.layers.get(&same(construction.text(key))).copied()).collect();
+        let matt = |diffuse| Material::matt(&construction.name, diffuse, class);
+        if let Some(glass) = self.glass(&layers)? {
+            return Ok(Material { glass: Some(glass), ..matt(0.0) });
+        }
+        let outside = construction.text("outside_layer");
+        let layer = self.layers.get(&same(outside));
+        let diffuse = match layer.map(|layer| (layer, layer.layout.class)) {
+            Some((layer, "Material" | "Material:NoMass")) => {
+                1.0 - share(layer, self.file, "solar_absorptance", ABSORPTANCE, notes)?
+            }
+            Some((layer, "Material:RoofVegetation")) => {
+                share(layer, self.file, "leaf_reflectivity", LEAF_REFLECTANCE, notes)?
+            }
+            // Underground constructions have no layers, and no light.
+            None if construction.layout.class != "Construction" => 1.0 - ABSORPTANCE,
+            _ => {
+                notes.add(
+                    "constructions have an outside layer without solar absorptance; the default of 0.7 is taken",
+                    &construction.name,
+                );
+                1.0 - ABSORPTANCE
+            }
+        };
+        Ok(matt(diffuse))
+    }
+
+    /// Panes among the layers: systems count by their heat loss.
+    fn glass(&self, layers: &[&Object]) -> Result<Option<Glass>> {
+        let mut panes = 0;
+        for layer in layers {
+            panes += match layer.layout.class {
+                "WindowMaterial:SimpleGlazingSystem" => {
+                    let loss = layer.number_or(self.file, "u_factor", 0.0)?;
+                    if loss < TWO_PANES_BELOW { 2 } else { 1 }
+                }
+                class if class.starts_with("WindowMaterial:") => 1,
+                _ => 0,
+            };
+        }
+        Ok(match panes {
+            0 => None,
+            1 => Some(Glass::Single),
+            _ => Some(Glass::Double),
+        })
+    }
+
+    /// The material of a shading surface.
+    pub(super) fn of_shade(&mut self, shade: &Object, geometry: &mut Geometry, notes: &mut Notes) -> Result<u32> {
+        let transmittance = self.transmittance(shade, notes)?;
+        if transmittance > 0.0 {
+            let name = format!("shading transmittance {}", shown(transmittance));
+            let matt = Material::matt(name, 0.0, Class::Obstruction);
+            return Ok(self.add(Material { transmittance: Some(transmittance), ..matt }, geometry));
+        }
+        let Some(said) = self.reflectances.get(&same(&shade.name)).copied() else {
+            return Ok(self.add(Material::matt("shading", SHADE_REFLECTANCE, Class::Obstruction), geometry));
+        };
+        let key = "diffuse_solar_reflectance_of_unglazed_part_of_shading_surface";
+        let diffuse = share(said, self.file, key, SHADE_REFLECTANCE, notes)?;
+        let glazed = share(said, self.file, "fraction_of_shading_surface_that_is_glazed", 0.0, notes)?;
+        if glazed == 0.0 {
+            let name = match shown(diffuse).as_str() {
+                "0.2" => "shading".to_owned(),
+                other => format!("shading {other}"),
+            };
+            return Ok(self.add(Material::matt(name, diffuse, Class::Obstruction), geometry));
+        }
+        let glass = self.glazing(said)?;
+        let name = format!("shading {} glazed {}", shown(diffuse), shown(glazed));
+        let matt = Material::matt(name, (1.0 - glazed) * diffuse, Class::Obstruction);
+        if glazed == 1.0 {
+            return Ok(self.add(Material { glass: Some(glass), ..matt }, geometry));
+        }
+        notes.add("shades are glazed in part; that part is a mirror of the same reflectance at any angle", &shade.name);
+        let [one, two] = CLEAR_GLASS;
+        let straight_on = if glass == Glass::Single { one } else { two };
+        Ok(self.add(Material { specular: glazed * straight_on, ..matt }, geometry))
+    }
+
+    /// Panes of a glazed shade; one where its construction is not known.
+    fn glazing(&self, said: &Object) -> Result<Glass> {
+        let construction = self.constructions.get(&same(said.text("glazing_construction_name")));
+        let names = construction.iter().flat_map(|construction| LAYERS.map(|key| same(construction.text(key))));
+        let layers: Vec<&Object> = names.filter_map(|name| self.layers.get(&name).copied()).collect();
+        Ok(self.glass(&layers)?.unwrap_or(Glass::Single))
+    }
+
+    /// A constant share of light that a shade lets through.
+    fn transmittance(&self, shade: &Object, notes: &mut Notes) -> Result<f64> {
+        let name = shade.text("transmittance_schedule_name");
+        if name.is_empty() {
+            return Ok(0.0);
+        }
+        match self.schedules.get(&same(name)) {
+            Some(schedule) => share(schedule, self.file, "hourly_value", 0.0, notes),
+            None => {
+                notes.add(
+                    "shades let light through by a schedule that is not constant; they are opaque here",
+                    &shade.name,
+                );
+                Ok(0.0)
+            }
+        }
+    }
+
+    /// The number of a material. A name that means something else already gets a number behind it.
+    fn add(&mut self, material: Material, geometry: &mut Geometry) -> u32 {
+        let mut material = material;
+        let plain = material.name.clone();
+        let mut number = 2;
+        while self.stated.get(&material.name).is_some_and(|known| *known != material) {
+            material.name = format!("{plain} ({number})");
+            number += 1;
+        }
+        let id = geometry.materials.id(&material.name);
+        self.stated.insert(material.name.clone(), material);
+        id
+    }
+}
+
+/// A share of light, moved into 0..=1.
+fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
+    let value = object.number_or(file, key, otherwise)?;
+    if !(0.0..=1.0).contains(&value) {
+        notes.add("shares of light are not from 0 to 1; the nearest is taken", &object.name);
+    }
+    Ok(value.clamp(0.0, 1.0))
+}
+
+/// Three decimals are enough to tell reflectances apart.
+fn shown(share: f64) -> String {
+    ((share * 1000.0).round() / 1000.0).to_string()
+}

@@ -1,0 +1,112 @@
+//! Reader of EnergyPlus models. In: an epJSON or IDF file. Out: the outer hull of its buildings with windows cut out, and what
+//! shades it, normals outwards, x to the east. It reads geometry and what light does at surfaces; a multiplier draws nothing twice.
+
+mod epjson;
+mod holes;
+mod idf;
+mod layout;
+mod materials;
+mod model;
+mod notes;
+mod place;
+mod shades;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::path::Path;
+
+use super::Asked;
+use crate::error::{Error, Result};
+use crate::scene::geometry::Geometry;
+use crate::scene::reference::Reference;
+use layout::Version;
+use materials::Materials;
+use model::Model;
+use notes::Notes;
+use place::Place;
+use surfaces::Surfaces;
+
+/// Fields of older versions may stand elsewhere than is known here.
+const OLDEST: Version = Version { major: 8, minor: 0 };
+
+/// Reads a model: JSON if it begins with a brace, text else.
+pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    parse(&bytes, path, asked)
+}
+
+/// Whether a file that only calls itself JSON is a model.
+pub(super) fn is_model(path: &Path) -> Result<bool> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    Ok(epjson::looks_like(&bytes))
+}
+
+fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+    let json = file.extension().is_some_and(|ending| !ending.eq_ignore_ascii_case("idf"));
+    let model = if json { epjson::parse(bytes, file)? } else { idf::parse(bytes, file)? };
+    assemble(&model, file, asked)
+}
+
+fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
+    let mut geometry = Geometry::default();
+    let mut notes = Notes::default();
+    note_version(model, file, &mut geometry.warnings);
+    let place = Place::read(model, file, &mut geometry.warnings)?;
+    geometry.reference = reference(model, file, &mut notes)?;
+    for object in model.of("GeometryTransform") {
+        notes.add("GeometryTransform objects are passed over: the building keeps its proportions", &object.name);
+    }
+    for zone in model.of("Zone") {
+        if zone.number_or(file, "multiplier", 1.0)? > 1.0 {
+            notes.add("zones stand for several by their multiplier and are drawn once", &zone.name);
+        }
+    }
+    let mut materials = Materials::new(model, file);
+    let surfaces = Surfaces::read(model, file, &place, &mut geometry, &mut notes)?;
+    surfaces.write(file, &mut geometry, &mut materials, &mut notes)?;
+    shades::write(model, file, &place, &surfaces, &mut geometry, &mut materials, &mut notes)?;
+    notes.say(file, &mut geometry.warnings);
+    if asked.reflectances {
+        geometry.stated = materials.into_stated();
+    }
+    if geometry.face_count() == 0 {
+        let what = format!("no surface of the {} objects that were read faces outdoors", model.objects.len());
+        let hint = "give a model with building or shading surfaces, such as BuildingSurface:Detailed";
+        return Err(Error::input(file, None, what, hint));
+    }
+    Ok(geometry)
+}
+
+fn note_version(model: &Model, file: &Path, warnings: &mut Vec<String>) {
+    match model.version {
+        None => warnings.push(format!("{}: states no version of EnergyPlus, the newest is assumed", file.display())),
+        Some(version) if version < OLDEST => warnings.push(format!(
+            "{}: is of EnergyPlus {}.{}; fields of versions before 8.0 may be misread, upgrade it with the Transition tool",
+            file.display(),
+            version.major,
+            version.minor
+        )),
+        Some(_) => {}
+    }
+}
+
+fn reference(model: &Model, file: &Path, notes: &mut Notes) -> Result<Option<Reference>> {
+    let Some(site) = model.of("Site:Location").next() else { return Ok(None) };
+    let (Some(latitude_deg), Some(longitude_deg)) = (site.number(file, "latitude")?, site.number(file, "longitude")?)
+    else {
+        return Ok(None);
+    };
+    if latitude_deg.abs() > 90.0 || longitude_deg.abs() > 180.0 {
+        notes.add("places lie nowhere on Earth and are passed over", &site.name);
+        return Ok(None);
+    }
+    Ok(Some(Reference::Place { latitude_deg, longitude_deg }))
+}
+
+fn vertex_error(file: &Path, line: usize, title: &str, found: &str) -> Error {
+    let shown = crate::scene::text::excerpt(found.as_bytes());
+    let what = format!("{title}: a coordinate is `{shown}`, not a number of at most 1e9 in size");
+    Error::input(file, line, what, "write a decimal number with a point, in metres")
+}

@@ -1,0 +1,114 @@
+//! Objects of an EnergyPlus model, whichever way they are written. In: classes, keys and values. Out: fields by key, numbers checked.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::layout::{Layout, Version};
+use crate::error::{Error, Result};
+use crate::scene::geometry::MAX_COORDINATE_M;
+use crate::scene::text::excerpt;
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    Text(String),
+    Number(f64),
+    /// What a field cannot be: a list, an object, a truth value.
+    Other(&'static str),
+}
+
+#[derive(Debug)]
+pub(super) struct Object {
+    pub layout: &'static Layout,
+    /// As written; a number of its own for objects of a class without names.
+    pub name: String,
+    /// 1-based; 0 where the format has none.
+    pub line: usize,
+    pub fields: Vec<(&'static str, Value)>,
+    pub vertices: Vec<[f64; 3]>,
+}
+
+/// Objects in the order of the file.
+#[derive(Debug, Default)]
+pub(super) struct Model {
+    pub objects: Vec<Object>,
+    pub version: Option<Version>,
+}
+
+impl Model {
+    /// Objects of a class, in the order of the file.
+    pub(super) fn of(&self, class: &'static str) -> impl Iterator<Item = &Object> {
+        self.objects.iter().filter(move |object| object.layout.class == class)
+    }
+
+    /// Objects of several classes by name, in lower case; the first of a name counts.
+    pub(super) fn by_name<'m>(&'m self, classes: &[&str]) -> HashMap<String, &'m Object> {
+        let mut found = HashMap::new();
+        for object in self.objects.iter().filter(|object| classes.contains(&object.layout.class)) {
+            found.entry(same(&object.name)).or_insert(object);
+        }
+        found
+    }
+}
+
+/// A name as EnergyPlus compares it: without regard to case.
+pub(super) fn same(name: &str) -> String {
+    name.trim().to_lowercase()
+}
+
+impl Object {
+    fn value(&self, key: &str) -> Option<&Value> {
+        self.fields.iter().find(|field| field.0 == key).map(|field| &field.1)
+    }
+
+    /// The text of a field; empty if there is none.
+    pub(super) fn text(&self, key: &str) -> &str {
+        match self.value(key) {
+            Some(Value::Text(text)) => text.trim(),
+            _ => "",
+        }
+    }
+
+    pub(super) fn is(&self, key: &str, word: &str) -> bool {
+        self.text(key).eq_ignore_ascii_case(word)
+    }
+
+    /// The number of a field that has one; `autocalculate` and a blank are none.
+    pub(super) fn number(&self, file: &Path, key: &str) -> Result<Option<f64>> {
+        let shown = match self.value(key) {
+            None => return Ok(None),
+            Some(Value::Number(number)) if number.abs() <= MAX_COORDINATE_M => return Ok(Some(*number)),
+            Some(Value::Number(number)) => number.to_string(),
+            Some(Value::Other(kind)) => (*kind).to_owned(),
+            Some(Value::Text(text)) => {
+                let text = text.trim();
+                if ["", "autocalculate", "autosize"].iter().any(|word| text.eq_ignore_ascii_case(word)) {
+                    return Ok(None);
+                }
+                match text.parse::<f64>() {
+                    // NaN compares false.
+                    Ok(number) if number.abs() <= MAX_COORDINATE_M => return Ok(Some(number)),
+                    _ => excerpt(text.as_bytes()),
+                }
+            }
+        };
+        Err(self.error(
+            file,
+            format!("`{key}` is `{shown}`, not a number of at most 1e9 in size"),
+            "write a decimal number with a point",
+        ))
+    }
+
+    pub(super) fn number_or(&self, file: &Path, key: &str, otherwise: f64) -> Result<f64> {
+        Ok(self.number(file, key)?.unwrap_or(otherwise))
+    }
+
+    /// As messages call it: class and name.
+    pub(super) fn title(&self) -> String {
+        format!("{} `{}`", self.layout.class, excerpt(self.name.as_bytes()))
+    }
+
+    pub(super) fn error(&self, file: &Path, what: String, hint: &str) -> Error {
+        let line = (self.line > 0).then_some(self.line);
+        Error::input(file, line, format!("{}: {what}", self.title()), hint)
+    }
+}

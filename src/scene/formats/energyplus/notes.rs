@@ -1,0 +1,23 @@
+//! What a reader comes across, by kind. In: a kind and a name, over and over. Out: one warning a kind, with the first name.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::scene::text::excerpt;
+
+#[derive(Debug, Default)]
+pub(super) struct Notes(BTreeMap<&'static str, (usize, String)>);
+
+impl Notes {
+    /// `kind` completes "3 ...".
+    pub(super) fn add(&mut self, kind: &'static str, name: &str) {
+        let note = self.0.entry(kind).or_insert_with(|| (0, excerpt(name.as_bytes())));
+        note.0 += 1;
+    }
+
+    pub(super) fn say(&self, file: &Path, warnings: &mut Vec<String>) {
+        for (kind, (count, first)) in &self.0 {
+            warnings.push(format!("{}: {count} {kind} (first: `{first}`)", file.display()));
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Where coordinates of a model lie. In: geometry rules, the building's and the zones' north axes and origins. Out: vertices in the
+//! world frame, first the upper left one and then counter-clockwise.
+//!
+//! Follows EnergyPlus' `SurfaceGeometry` (`GetVertices`, `MakeRectangularVertices`, `MakeRelativeRectangularVertices`).
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+
+use super::model::{Model, Object, same};
+use crate::error::Result;
+
+/// Normals this close to the vertical are of a level surface, whose azimuth its edges decide.
+const LEVEL: f64 = 1e-9;
+
+/// What coordinates are relative to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Of<'n> {
+    Site,
+    Building,
+    /// By its name.
+    Zone(&'n str),
+}
+
+#[derive(Debug)]
+pub(super) struct Place {
+    clockwise: bool,
+    /// Corner that comes first: upper left, lower left, lower right, upper right.
+    corner: usize,
+    world: bool,
+    rectangles_world: bool,
+    /// Of the building's axis, degrees clockwise from north.
+    north_deg: f64,
+    zones: HashMap<String, Zone>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Zone {
+    north_deg: f64,
+    origin: DVec3,
+}
+
+/// A rectangle's or a polygon's own axes: what windows, overhangs and fins are placed by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    /// Lower left corner.
+    pub origin: DVec3,
+    /// Of the outward normal, degrees clockwise from north; of level surfaces that of their lower edge.
+    pub azimuth_deg: f64,
+    pub tilt_deg: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Frame {
+    /// Along the surface, to the right as seen from outside.
+    pub(super) fn right(&self) -> DVec3 {
+        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
+        DVec3::new(-cos, sin, 0.0)
+    }
+
+    /// Along the surface, upwards.
+    pub(super) fn up(&self) -> DVec3 {
+        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
+        let (sin_tilt, cos_tilt) = self.tilt_deg.to_radians().sin_cos();
+        DVec3::new(-cos_tilt * sin, -cos_tilt * cos, sin_tilt)
+    }
+
+    /// Corners, upper left first; negative widths go to the left.
+    pub(super) fn corners(&self) -> Vec<DVec3> {
+        let (right, up) = (self.width * self.right(), self.height * self.up());
+        vec![self.origin + up, self.origin, self.origin + right, self.origin + right + up]
+    }
+
+    /// Of a polygon whose first corner is the upper left one.
+    pub(super) fn of(vertices: &[DVec3]) -> Option<Frame> {
+        let &[first, second, third, ..] = vertices else { return None };
+        let normal = area_vector(vertices).normalize_or_zero();
+        let level = normal.x.hypot(normal.y) <= LEVEL;
+        let right = if level { third - second } else { DVec3::Z.cross(normal) };
+        Some(Frame {
+            origin: second,
+            azimuth_deg: right.y.atan2(-right.x).to_degrees(),
+            tilt_deg: normal.z.clamp(-1.0, 1.0).acos().to_degrees(),
+            width: (third - second).length(),
+            height: (second - first).length(),
+        })
+    }
+}
+
+/// Area times normal (Newell).
+pub(super) fn area_vector(vertices: &[DVec3]) -> DVec3 {
+    let Some(&first) = vertices.first() else { return DVec3::ZERO };
+    let after = vertices.iter().skip(1).chain([&first]);
+    vertices.iter().zip(after).map(|(a, b)| 0.5 * (*a - first).cross(*b - first)).sum()
+}
+
+/// A point of an axis' own coordinates, `degrees` clockwise from north.
+fn turned(p: DVec3, degrees: f64) -> DVec3 {
+    if degrees == 0.0 {
+        return p;
+    }
+    DVec2::from_angle(-degrees.to_radians()).rotate(p.truncate()).extend(p.z)
+}
+
+impl Place {
+    pub(super) fn read(model: &Model, file: &Path, warnings: &mut Vec<String>) -> Result<Place> {
+        let rules = model.of("GlobalGeometryRules").next();
+        let text = |key| rules.map_or("", |rules| rules.text(key));
+        let corner = text("starting_vertex_position").to_lowercase();
+        let corner = ["upperleftcorner", "lowerleftcorner", "lowerrightcorner", "upperrightcorner"]
+            .iter()
+            .position(|name| *name == corner);
+        let direction = text("vertex_entry_direction").to_lowercase();
+        let system = text("coordinate_system").to_lowercase();
+        let known = ["counterclockwise", "ccw", "clockwise", "cw"].contains(&direction.as_str())
+            && ["relative", "world", "absolute"].contains(&system.as_str());
+        if !known || corner.is_none() {
+            warnings.push(format!(
+                "{}: GlobalGeometryRules are missing or unclear; taken are UpperLeftCorner, Counterclockwise and, as \
+                 EnergyPlus does, World where they do not say so",
+                file.display()
+            ));
+        }
+        let mut zones = HashMap::new();
+        for zone in model.of("Zone") {
+            let number = |key| zone.number_or(file, key, 0.0);
+            let origin = DVec3::new(number("x_origin")?, number("y_origin")?, number("z_origin")?);
+            zones.entry(same(&zone.name)).or_insert(Zone { north_deg: number("direction_of_relative_north")?, origin });
+        }
+        let building = model.of("Building").next();
+        let north = building.map_or(Ok(0.0), |building| building.number_or(file, "north_axis", 0.0))?;
+        Ok(Place {
+            clockwise: direction.starts_with("cl") || direction == "cw",
+            corner: corner.unwrap_or(0),
+            world: system != "relative",
+            rectangles_world: ["world", "absolute"]
+                .contains(&text("rectangular_surface_coordinate_system").to_lowercase().as_str()),
+            north_deg: north,
+            zones,
+        })
+    }
+
+    pub(super) fn has_zone(&self, name: &str) -> bool {
+        self.zones.contains_key(&same(name))
+    }
+
+    fn zone(&self, name: &str) -> Zone {
+        self.zones.get(&same(name)).copied().unwrap_or_default()
+    }
+
+    fn placed(&self, p: DVec3, of: Of) -> DVec3 {
+        match of {
+            Of::Site => p,
+            Of::Building => turned(p, self.north_deg),
+            Of::Zone(name) => {
+                let zone = self.zone(name);
+                turned(turned(p, zone.north_deg) + zone.origin, self.north_deg)
+            }
+        }
+    }
+
+    /// Vertices of a detailed surface, from the upper left one counter-clockwise.
+    pub(super) fn vertices(&self, vertices: &[[f64; 3]], of: Of) -> Vec<DVec3> {
+        let of = if self.world { Of::Site } else { of };
+        let mut placed: Vec<DVec3> = vertices.iter().map(|&p| self.placed(DVec3::from_array(p), of)).collect();
+        if self.clockwise
+            && let Some(after_first) = placed.get_mut(1..)
+        {
+            after_first.reverse();
+        }
+        if !placed.is_empty() {
+            let steps = self.corner % placed.len();
+            placed.rotate_right(steps);
+        }
+        placed
+    }
+
+    /// The frame of a surface that is given by a corner, two angles and two lengths.
+    pub(super) fn rectangle(&self, object: &Object, file: &Path, of: Of, tilt_deg: f64) -> Result<Frame> {
+        let number = |key| object.number_or(file, key, 0.0);
+        let corner =
+            [number("starting_x_coordinate")?, number("starting_y_coordinate")?, number("starting_z_coordinate")?];
+        // EnergyPlus turns the angle by the rules of detailed surfaces, the corner by those of rectangular ones.
+        let turn_deg = match of {
+            _ if self.world => 0.0,
+            Of::Site => 0.0,
+            Of::Building => self.north_deg,
+            Of::Zone(name) => self.north_deg + self.zone(name).north_deg,
+        };
+        let of = if self.rectangles_world { Of::Site } else { of };
+        let height = match object.number(file, "height")? {
+            Some(height) => height,
+            None => number("width")?,
+        };
+        Ok(Frame {
+            origin: self.placed(DVec3::from_array(corner), of),
+            azimuth_deg: number("azimuth_angle")? + turn_deg,
+            tilt_deg: object.number_or(file, "tilt_angle", tilt_deg)?,
+            width: number("length")?,
+            height,
+        })
+    }
+}

@@ -1,0 +1,398 @@
+//! Walls, roofs and floors with their windows and doors. In: objects of a model. Out: faces of the outer hull, openings cut out.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::holes::{self, Fit};
+use super::materials::Materials;
+use super::model::{Model, Object, same};
+use super::notes::Notes;
+use super::place::{Frame, Of, Place, area_vector};
+use crate::error::Result;
+use crate::scene::geometry::{Geometry, is_position};
+
+pub(super) const TOO_FEW: &str = "with fewer than three corners";
+pub(super) const NO_SIZE: &str = "with a length, height or depth that is not above 0";
+pub(super) const TOO_FAR: &str = "because they lie more than 1e9 m away";
+const INSIDE: &str = "because they lie inside the building";
+const NO_BASE: &str = "because the surface that they name is not in the file";
+const BEYOND: &str = "windows or doors are left out, their walls stay whole: they reach over the wall's edge or another, or lie off its plane";
+
+/// What lies behind a surface, seen from its zone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Behind {
+    Outdoors,
+    Ground,
+    /// Nothing is said: a wall to a neighbour, or one between zones.
+    Adiabatic,
+    Inside,
+}
+
+pub(super) struct Surface<'m> {
+    pub object: &'m Object,
+    pub vertices: Vec<DVec3>,
+    pub frame: Frame,
+    /// Index of the surface that it is an opening of; of a wall its own.
+    pub base: usize,
+    behind: Behind,
+    is_floor: bool,
+}
+
+pub(super) struct Surfaces<'m> {
+    pub list: Vec<Surface<'m>>,
+    /// By name in lower case.
+    by_name: HashMap<String, usize>,
+    /// Openings of each surface.
+    openings: HashMap<usize, Vec<usize>>,
+}
+
+impl<'m> Surfaces<'m> {
+    pub(super) fn read(
+        model: &'m Model,
+        file: &Path,
+        place: &Place,
+        geometry: &mut Geometry,
+        notes: &mut Notes,
+    ) -> Result<Surfaces<'m>> {
+        let mut surfaces = Surfaces { list: Vec::new(), by_name: HashMap::new(), openings: HashMap::new() };
+        for object in &model.objects {
+            if let Some(kind) = Kind::of(object) {
+                surfaces.add_base(object, &kind, file, place, geometry, notes)?;
+            }
+        }
+        for object in &model.objects {
+            match object.layout.class {
+                "FenestrationSurface:Detailed" | "Window" | "GlazedDoor" | "Door" => {
+                    surfaces.add_opening(object, file, place, geometry, notes)?;
+                }
+                "Window:Interzone" | "GlazedDoor:Interzone" | "Door:Interzone" => geometry.leave_out(INSIDE),
+                _ => {}
+            }
+        }
+        surfaces.pair_up();
+        Ok(surfaces)
+    }
+
+    pub(super) fn find(&self, name: &str) -> Option<&Surface<'m>> {
+        self.by_name.get(&same(name)).and_then(|&index| self.list.get(index))
+    }
+
+    fn add_base(
+        &mut self,
+        object: &'m Object,
+        kind: &Kind,
+        file: &Path,
+        place: &Place,
+        geometry: &mut Geometry,
+        notes: &mut Notes,
+    ) -> Result<()> {
+        let zone = object.text("zone_name");
+        if !place.has_zone(zone) {
+            notes.add(
+                "surfaces are of a zone that is not in the file, which is taken to lie at the origin",
+                &object.name,
+            );
+        }
+        let (mut vertices, mut frame);
+        if object.layout.has_vertices {
+            vertices = place.vertices(stated_vertices(object, file, notes)?, Of::Zone(zone));
+            let up = area_vector(&vertices).z;
+            // As EnergyPlus does.
+            if (kind.is_floor && up > 0.0) || (kind.is_roof && up < 0.0) {
+                notes.add("floors or roofs face the wrong way and are turned over", &object.name);
+                vertices.reverse();
+            }
+            frame = Frame::of(&vertices);
+        } else {
+            let rectangle = place.rectangle(object, file, Of::Zone(zone), kind.tilt_deg)?;
+            vertices = rectangle.corners();
+            frame = Some(rectangle);
+            if !(rectangle.width > 0.0 && rectangle.height > 0.0) {
+                geometry.leave_out(NO_SIZE);
+                frame = None;
+            }
+        }
+        let index = self.list.len();
+        self.push(object, vertices, frame, index, kind.behind, kind.is_floor, geometry, notes);
+        Ok(())
+    }
+
+    fn add_opening(
+        &mut self,
+        object: &'m Object,
+        file: &Path,
+        place: &Place,
+        geometry: &mut Geometry,
+        notes: &mut Notes,
+    ) -> Result<()> {
+        let found = self.by_name.get(&same(object.text("building_surface_name"))).copied();
+        let Some((base, wall)) = found.and_then(|index| Some((index, self.list.get(index)?))) else {
+            geometry.leave_out(NO_BASE);
+            return Ok(());
+        };
+        if object.number_or(file, "multiplier", 1.0)? > 1.0 {
+            notes.add("windows or doors stand for several by their multiplier and are drawn once", &object.name);
+        }
+        let (vertices, frame);
+        if object.layout.class == "FenestrationSurface:Detailed" {
+            let corners = corners_of_four(object, file)?;
+            vertices = place.vertices(&corners, Of::Zone(wall.object.text("zone_name")));
+            frame = Frame::of(&vertices);
+        } else {
+            let number = |key| object.number_or(file, key, 0.0);
+            let (x, z) = (number("starting_x_coordinate")?, number("starting_z_coordinate")?);
+            let rectangle = Frame {
+                origin: wall.frame.origin + x * wall.frame.right() + z * wall.frame.up(),
+                width: number("length")?,
+                height: number("height")?,
+                ..wall.frame
+            };
+            if !(rectangle.width > 0.0 && rectangle.height > 0.0) {
+                geometry.leave_out(NO_SIZE);
+                return Ok(());
+            }
+            (vertices, frame) = (rectangle.corners(), Some(rectangle));
+        }
+        let behind = wall.behind;
+        if let Some(index) = self.push(object, vertices, frame, base, behind, false, geometry, notes) {
+            self.openings.entry(base).or_default().push(index);
+        }
+        Ok(())
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "what a surface is made of")]
+    fn push(
+        &mut self,
+        object: &'m Object,
+        vertices: Vec<DVec3>,
+        frame: Option<Frame>,
+        base: usize,
+        behind: Behind,
+        is_floor: bool,
+        geometry: &mut Geometry,
+        notes: &mut Notes,
+    ) -> Option<usize> {
+        let Some(frame) = frame else {
+            if vertices.len() < 3 {
+                geometry.leave_out(TOO_FEW);
+            }
+            return None;
+        };
+        if !vertices.iter().all(|&p| is_position(p)) {
+            geometry.leave_out(TOO_FAR);
+            return None;
+        }
+        let index = self.list.len();
+        if self.by_name.insert(same(&object.name), index).is_some() {
+            notes.add("surfaces bear the name of another", &object.name);
+        }
+        self.list.push(Surface { object, vertices, frame, base, behind, is_floor });
+        Some(index)
+    }
+
+    /// Adiabatic surfaces back to back part two zones: they lie inside.
+    fn pair_up(&mut self) {
+        // Centre and area on a grid of half metres and square metres: both of a pair are typed from one drawing.
+        let key = |surface: &Surface| {
+            let centre = surface.vertices.iter().sum::<DVec3>() / surface.vertices.len().max(1) as f64;
+            (centre * 2.0).round().as_i64vec3()
+        };
+        let mut at: HashMap<_, Vec<usize>> = HashMap::new();
+        for (i, surface) in self.list.iter().enumerate().filter(|(_, surface)| surface.behind == Behind::Adiabatic) {
+            at.entry(key(surface)).or_default().push(i);
+        }
+        let mut inside = HashSet::new();
+        for group in at.into_values() {
+            // A group is what stands in half a cubic metre; a hostile one is not compared in full.
+            let group: Vec<(usize, DVec3)> = group
+                .into_iter()
+                .take(64)
+                .filter_map(|i| Some((i, area_vector(&self.list.get(i)?.vertices))))
+                .collect();
+            for (n, (i, a)) in group.iter().enumerate() {
+                for (j, b) in group.iter().skip(n + 1) {
+                    if (*a + *b).length() < 0.02 * a.length() {
+                        inside.extend([*i, *j]);
+                    }
+                }
+            }
+        }
+        for i in 0..self.list.len() {
+            let base = self.list.get(i).map_or(i, |surface| surface.base);
+            if inside.contains(&base)
+                && let Some(surface) = self.list.get_mut(i)
+            {
+                surface.behind = Behind::Inside;
+            }
+        }
+    }
+
+    /// Writes the faces of the hull.
+    pub(super) fn write(
+        &self,
+        file: &Path,
+        geometry: &mut Geometry,
+        materials: &mut Materials,
+        notes: &mut Notes,
+    ) -> Result<()> {
+        for (index, surface) in self.list.iter().enumerate() {
+            if surface.behind == Behind::Inside {
+                geometry.leave_out(INSIDE);
+            } else if surface.base == index {
+                let openings = self.openings.get(&index).map_or(&[][..], Vec::as_slice);
+                let openings: Vec<&Surface> = openings.iter().filter_map(|&i| self.list.get(i)).collect();
+                write_wall(surface, &openings, file, geometry, materials, notes)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes a wall and what is cut out of it.
+fn write_wall(
+    wall: &Surface,
+    openings: &[&Surface],
+    file: &Path,
+    geometry: &mut Geometry,
+    materials: &mut Materials,
+    notes: &mut Notes,
+) -> Result<()> {
+    let outlines: Vec<&[DVec3]> = openings.iter().map(|opening| opening.vertices.as_slice()).collect();
+    let fits = holes::fit(&wall.vertices, &wall.frame, &outlines);
+    let mut rings = vec![wall.vertices.as_slice()];
+    for ((opening, &outline), fit) in openings.iter().zip(&outlines).zip(&fits) {
+        match fit {
+            Fit::Hole => rings.push(outline),
+            Fit::Whole => rings.clear(),
+            Fit::Beyond => {
+                notes.add(BEYOND, &opening.object.name);
+                continue;
+            }
+        }
+        let material = materials.of_construction(opening.object, false, geometry, notes)?;
+        write_face(&[outline], material, &opening.object.name, opening.object.line, file, geometry)?;
+    }
+    if fits.contains(&Fit::Whole) {
+        geometry.leave_out("because a window takes up the whole of them");
+        return Ok(());
+    }
+    let on_ground = wall.behind == Behind::Ground && wall.is_floor;
+    let material = materials.of_construction(wall.object, on_ground, geometry, notes)?;
+    write_face(&rings, material, &wall.object.name, wall.object.line, file, geometry)
+}
+
+/// Writes one face.
+pub(super) fn write_face(
+    rings: &[&[DVec3]],
+    material: u32,
+    name: &str,
+    line: usize,
+    file: &Path,
+    geometry: &mut Geometry,
+) -> Result<()> {
+    let id = geometry.objects.id(name);
+    for (i, ring) in rings.iter().enumerate() {
+        if i > 0 {
+            geometry.begin_hole();
+        }
+        for &p in *ring {
+            let corner = geometry.push_vertex(file, p)?;
+            geometry.push_corner(corner);
+        }
+    }
+    geometry.end_face(material, id, line);
+    Ok(())
+}
+
+/// What the class of a surface says.
+struct Kind {
+    behind: Behind,
+    is_floor: bool,
+    is_roof: bool,
+    tilt_deg: f64,
+}
+
+impl Kind {
+    fn of(object: &Object) -> Option<Kind> {
+        let kind = |behind, what| Kind {
+            behind,
+            is_floor: what == "floor",
+            is_roof: what == "roof" || what == "ceiling",
+            tilt_deg: match what {
+                "floor" => 180.0,
+                "wall" => 90.0,
+                _ => 0.0,
+            },
+        };
+        Some(match object.layout.class {
+            "BuildingSurface:Detailed" => kind(behind(object), object.text("surface_type").to_lowercase().as_str()),
+            "Wall:Detailed" => kind(behind(object), "wall"),
+            "RoofCeiling:Detailed" => kind(behind(object), "roof"),
+            "Floor:Detailed" => kind(behind(object), "floor"),
+            "Wall:Exterior" => kind(Behind::Outdoors, "wall"),
+            "Roof" => kind(Behind::Outdoors, "roof"),
+            "Wall:Underground" => kind(Behind::Ground, "wall"),
+            "Floor:GroundContact" => kind(Behind::Ground, "floor"),
+            "Wall:Adiabatic" => kind(Behind::Adiabatic, "wall"),
+            "Ceiling:Adiabatic" => kind(Behind::Adiabatic, "ceiling"),
+            "Floor:Adiabatic" => kind(Behind::Adiabatic, "floor"),
+            "Wall:Interzone" => kind(Behind::Inside, "wall"),
+            "Ceiling:Interzone" => kind(Behind::Inside, "ceiling"),
+            "Floor:Interzone" => kind(Behind::Inside, "floor"),
+            _ => return None,
+        })
+    }
+}
+
+fn behind(object: &Object) -> Behind {
+    let condition = object.text("outside_boundary_condition").to_lowercase();
+    match condition.as_str() {
+        // A surface behind itself is how older models say adiabatic.
+        "surface" if same(object.text("outside_boundary_condition_object")) == same(&object.name) => Behind::Adiabatic,
+        "surface" | "zone" | "space" => Behind::Inside,
+        "adiabatic" => Behind::Adiabatic,
+        ground if ground.starts_with("ground") || ground == "foundation" => Behind::Ground,
+        // `Outdoors`, `OtherSideCoefficients`, `OtherSideConditionsModel`: part of the hull.
+        _ => Behind::Outdoors,
+    }
+}
+
+/// The vertices that count: as many as are stated, or all.
+pub(super) fn stated_vertices<'o>(object: &'o Object, file: &Path, notes: &mut Notes) -> Result<&'o [[f64; 3]]> {
+    let all = object.vertices.as_slice();
+    let Some(stated) = object.number(file, "number_of_vertices")? else { return Ok(all) };
+    if stated == all.len() as f64 {
+        return Ok(all);
+    }
+    notes.add("surfaces have another number of vertices than they state", &object.name);
+    // Negative numbers and beyond all saturate.
+    Ok(all.get(..stated as usize).unwrap_or(all))
+}
+
+/// Three or four corners in fields of their own.
+fn corners_of_four(object: &Object, file: &Path) -> Result<Vec<[f64; 3]>> {
+    let mut corners = Vec::new();
+    for keys in [
+        ["vertex_1_x_coordinate", "vertex_1_y_coordinate", "vertex_1_z_coordinate"],
+        ["vertex_2_x_coordinate", "vertex_2_y_coordinate", "vertex_2_z_coordinate"],
+        ["vertex_3_x_coordinate", "vertex_3_y_coordinate", "vertex_3_z_coordinate"],
+        ["vertex_4_x_coordinate", "vertex_4_y_coordinate", "vertex_4_z_coordinate"],
+    ] {
+        let [x, y, z] = keys.map(|key| object.number(file, key));
+        match (x?, y?, z?) {
+            (Some(x), Some(y), Some(z)) => corners.push([x, y, z]),
+            (None, None, None) => {}
+            _ => {
+                let what = format!("corner {} lacks a coordinate", corners.len() + 1);
+                return Err(object.error(file, what, "give x, y and z of every vertex"));
+            }
+        }
+    }
+    // A triangle may carry a fourth corner that does not count.
+    if object.number(file, "number_of_vertices")? == Some(3.0) {
+        corners.truncate(3);
+    }
+    Ok(corners)
+}
