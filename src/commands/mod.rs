@@ -63,8 +63,14 @@ pub fn run(command: &Command) -> Result<Outcome> {
 /// Reads a scene and prints what its files are warned of.
 fn load_scene(args: &SceneArgs) -> Result<Scene> {
     let scene = Scene::load_site(&args.site()?)?;
-    scene.report.warnings.iter().for_each(|w| warn(w));
+    say_report(&scene)?;
     Ok(scene)
+}
+
+/// Prints what loading a scene came across.
+fn say_report(scene: &Scene) -> Result<()> {
+    scene.report.warnings.iter().for_each(|w| warn(w));
+    scene.report.notes.iter().try_for_each(|note| say(&format!("{note}\n")))
 }
 
 /// Refuses an output that would replace a file of the scene or another input.

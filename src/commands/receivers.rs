@@ -101,6 +101,8 @@ fn eprint(text: &str) {
 pub(super) fn cover_site(site: &Site, args: &CoverArgs) -> Result<(Scene, Covered)> {
     let (scene, soup) = Scene::load_with_objects(site)?;
     scene.report.warnings.iter().for_each(|w| warn(w));
+    // Standard output may be the table.
+    scene.report.notes.iter().for_each(|note| eprint(&format!("{note}\n")));
     let covered = cover_scene(&scene, &soup, args)?;
     Ok((scene, covered))
 }

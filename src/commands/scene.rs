@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, counted, say, warn};
+use super::{Outcome, counted, say, say_report};
 use crate::error::Result;
 use crate::scene::Scene;
 use crate::scene::objects::twins;
@@ -23,7 +23,7 @@ macro_rules! line {
 /// `heliotile info` of scene files.
 pub fn info(site: &Site) -> Result<Outcome> {
     let (scene, soup) = Scene::load_with_objects(site)?;
-    scene.report.warnings.iter().for_each(|w| warn(w));
+    say_report(&scene)?;
     let surfaces = Surfaces::find(&soup, &scene.materials);
     let report = &scene.report;
     let mut out = String::new();

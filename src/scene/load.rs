@@ -1,16 +1,20 @@
-//! Several files, one scene. In: the parts of a site. Out: a scene, and its triangles with the objects they belong to.
+//! Several files, one scene. In: the parts of a site. Out: a scene, and its triangles with the objects they belong to. Rasters come
+//! last, in the light of what they are the horizon of.
 
 use std::path::Path;
 
 use glam::DVec3;
 
 use super::endless_ground::EndlessGround;
-use super::formats::{self, Asked};
+use super::formats::{self, Asked, Content};
 use super::geometry::{Geometry, Names, is_position};
-use super::mesh::{Canonical, RawTriangle, canonical};
+use super::mesh::{Canonical, RawTriangle, bounds, canonical};
 use super::palette::Palette;
 use super::polygon::{self, OFF_PLANE_M, Triangulation, object_name};
 use super::site::{Part, Site};
+use super::terrain::focus::Focus;
+use super::terrain::raster::Raster;
+use super::terrain::surface::{self, Wanted, surface};
 use super::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use crate::error::{Error, Result};
 
@@ -35,6 +39,8 @@ struct Pile {
     objects: Vec<u32>,
     names: Names,
     report: LoadReport,
+    /// Centre of all geometry but far terrain, if there is such terrain.
+    focus: Option<DVec3>,
 }
 
 impl Scene {
@@ -57,19 +63,53 @@ impl Scene {
 /// Reads all files; without `keep` the soup is empty.
 fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile::default());
+    let mut rasters = Vec::new();
     for part in &site.parts {
         if let Some(path) = &part.materials {
             palette.open(path)?;
         }
         let asked = Asked { reflectances: part.materials.is_none(), lod: part.lod.clone() };
-        pile.add(part, formats::read(&part.file, &asked)?, &mut palette)?;
+        match formats::read(&part.file, &asked)? {
+            Content::Polygons(geometry) => pile.add(part, geometry, &mut palette, |p| part.place(p))?,
+            Content::Terrain(raster) => rasters.push((part, raster.placed(part)?)),
+        }
     }
+    pile.add_rasters(rasters, &mut palette)?;
     let ground = palette.ground();
     pile.finish(site, &palette, ground, keep)
 }
 
 impl Pile {
-    fn add(&mut self, part: &Part, geometry: Geometry, palette: &mut Palette) -> Result<()> {
+    /// Meshes rasters as the horizon of what was added before, if anything was.
+    fn add_rasters(&mut self, rasters: Vec<(&Part, Raster)>, palette: &mut Palette) -> Result<()> {
+        let used = self.triangles.iter().flat_map(|t| t.corners).filter_map(|i| self.positions.get(i as usize));
+        let (low, high) = bounds(used.copied());
+        let near = (!rasters.is_empty() && low.is_finite() && high.is_finite()).then_some((low, high));
+        self.focus = near.map(|(low, high)| 0.5 * (low + high));
+        let only = rasters.len() == 1;
+        for (part, raster) in rasters {
+            let stem = formats::stem(&part.file);
+            let wanted = Wanted {
+                file: &part.file,
+                object: if only { surface::NAME } else { &stem },
+                focus: near.map(|(low, high)| Focus::around(low.truncate(), high.truncate())),
+                horizon_deg: part.horizon_deg,
+            };
+            let (geometry, note) = surface(raster, &wanted)?;
+            self.report.notes.extend(note);
+            // Its raster was placed before.
+            self.add(part, geometry, palette, |p| p)?;
+        }
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        part: &Part,
+        geometry: Geometry,
+        palette: &mut Palette,
+        place: impl Fn(DVec3) -> DVec3,
+    ) -> Result<()> {
         let cut = polygon::triangulate(&geometry)?;
         self.note(part, &geometry, &cut);
         let materials = palette.add(&part.file, &geometry, part.materials.as_deref());
@@ -83,7 +123,7 @@ impl Pile {
             });
         }
         for &vertex in &geometry.vertices {
-            let placed = part.place(vertex);
+            let placed = place(vertex);
             if !is_position(placed) {
                 let what = format!("offset and scale put a vertex at {placed}");
                 return Err(Error::input(&part.file, None, what, "positions are metres, at most 1e9 in size"));
@@ -135,7 +175,7 @@ impl Pile {
         ground: Option<(EndlessGround, u32)>,
         keep: bool,
     ) -> Result<(Scene, Soup)> {
-        let Pile { mut positions, mut triangles, mut objects, mut names, mut report } = self;
+        let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus } = self;
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {
             late.extend(ground.add(&mut positions, &mut triangles, material));
@@ -143,7 +183,7 @@ impl Pile {
         }
         let sorted = rank_by_name(&palette.names(), &mut triangles);
         let soup = if keep { triangles.clone() } else { Vec::new() };
-        let Canonical { mesh, used, dropped } = canonical(&positions, triangles)?;
+        let Canonical { mesh, used, dropped } = canonical(&positions, triangles, focus)?;
         if mesh.triangles.is_empty() {
             let file = site.parts.first().map_or(Path::new(""), |part| &part.file);
             let what = format!("none of the {} faces has an area", report.faces_read);

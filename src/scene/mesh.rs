@@ -21,7 +21,8 @@ const ORIGIN_ROUNDS: usize = 4;
 /// Triangles in canonical order: equal scenes are equal meshes, whatever the order of faces and vertices in the file.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// Centre of the bounding box in input coordinates, subtracted from every vertex.
+    /// Subtracted from every vertex: the centre of the bounding box in input coordinates or, beside far terrain, that of everything
+    /// else.
     pub origin: DVec3,
     /// Positions relative to `origin`, metres, exact in f32, finite, sorted lexicographically, no two equal.
     pub vertices: Vec<DVec3>,
@@ -78,7 +79,14 @@ pub(super) struct Canonical {
 }
 
 /// Brings triangles over finite positions to the form that [`Mesh`] promises. The mesh may be empty.
-pub(super) fn canonical(positions: &[DVec3], mut triangles: Vec<RawTriangle>) -> Result<Canonical> {
+///
+/// Relative to its centre a scene is exact to 6e-8 of its size. Where much of it is far terrain, `focus` takes the place of the centre: near
+/// it positions keep their millimetres, and what is far keeps its direction.
+pub(super) fn canonical(
+    positions: &[DVec3],
+    mut triangles: Vec<RawTriangle>,
+    focus: Option<DVec3>,
+) -> Result<Canonical> {
     if triangles.len() as u64 > MAX_TRIANGLES {
         return Err(Error::Limit {
             what: "the number of triangles of the scene".to_owned(),
@@ -93,7 +101,7 @@ pub(super) fn canonical(positions: &[DVec3], mut triangles: Vec<RawTriangle>) ->
     for _ in 0..ORIGIN_ROUNDS {
         let before = triangles.len();
         let (least, greatest) = bounds(triangles.iter().flat_map(|triangle| triangle.corners).map(position));
-        origin = 0.5 * (least + greatest);
+        origin = focus.unwrap_or(0.5 * (least + greatest));
         triangles.retain(|triangle| survives_f32(triangle.corners.map(|corner| position(corner) - origin)));
         if triangles.len() == before {
             break;
@@ -184,7 +192,7 @@ fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (ab / scale).cross(ac / scale).normalize()
 }
 
-fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+pub(super) fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, greatest), point| {
         (least.min(point), greatest.max(point))
     })
@@ -213,7 +221,7 @@ mod tests {
     fn build(positions: &[[f64; 3]], triangles: &[([u32; 3], u32)]) -> Canonical {
         let positions: Vec<DVec3> = positions.iter().copied().map(DVec3::from).collect();
         let raw = triangles.iter().map(|&(corners, material)| RawTriangle { corners, material }).collect();
-        canonical(&positions, raw).expect("within limits")
+        canonical(&positions, raw, None).expect("within limits")
     }
 
     /// National grid coordinates with millimetres come back within 1e-6 m (the f32 grid at +-5 m around the origin).
@@ -300,7 +308,7 @@ mod tests {
             let positions: Vec<DVec3> =
                 (0..count + 2).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
             let raw = (0..count).map(|i| RawTriangle { corners: [i, i + 1, i + 2], material: i }).collect();
-            canonical(&positions, raw)
+            canonical(&positions, raw, None)
         };
         assert_eq!(fan(65_535).expect("the limit itself").mesh.triangle_material.last(), Some(&65_534));
         let message = fan(65_536).expect_err("one too many").to_string();

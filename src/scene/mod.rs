@@ -25,6 +25,7 @@ pub mod reference;
 mod rows;
 pub mod site;
 pub mod surfaces;
+mod terrain;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -65,6 +66,8 @@ pub struct LoadReport {
     /// Names of materials that nobody describes.
     pub assumed: Vec<String>,
     pub warnings: Vec<String>,
+    /// What was decided that the user did not ask for, such as how terrain was thinned.
+    pub notes: Vec<String>,
 }
 
 impl Scene {
@@ -102,7 +105,7 @@ impl Scene {
         if let Some([name, _]) = sorted.array_windows().find(|[a, b]| a == b) {
             return refuse(format!("two materials are called `{name}`"), "give every material a name of its own");
         }
-        let Canonical { mesh, used, dropped } = canonical(&positions, raw)?;
+        let Canonical { mesh, used, dropped } = canonical(&positions, raw, None)?;
         if mesh.triangles.is_empty() {
             return refuse(
                 format!("none of the {} triangles has an area", triangles.len()),
@@ -122,6 +125,7 @@ impl Scene {
             materials: uses,
             assumed: Vec::new(),
             warnings: contested_warning(dropped.contested).into_iter().collect(),
+            notes: Vec::new(),
         };
         Ok(Scene { mesh, materials, report })
     }

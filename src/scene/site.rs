@@ -31,6 +31,9 @@ pub struct Part {
     pub y_up: bool,
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
+    /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0 keeps every sample. Without it
+    /// 0.05 beside other geometry, and every sample where rasters are the whole scene.
+    pub horizon_deg: Option<f64>,
 }
 
 impl Part {
@@ -43,6 +46,7 @@ impl Part {
             scale: 1.0,
             y_up: false,
             lod: None,
+            horizon_deg: None,
         }
     }
 
@@ -70,6 +74,7 @@ struct Entry {
     scale: Option<f64>,
     up: Option<Up>,
     lod: Option<String>,
+    horizon_deg: Option<f64>,
 }
 
 #[derive(Clone, Copy, PartialEq, Deserialize)]
@@ -80,7 +85,7 @@ enum Up {
 }
 
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
-                    offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\"";
+                    offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\", and for terrain horizon_deg = 0.05";
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
@@ -125,6 +130,9 @@ fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
         if !(1e-6..=1e6).contains(&scale) {
             return refuse(entry, format!("`scale` is {scale}, not from 1e-6 to 1e6"));
         }
+        if let Some(angle) = entry.horizon_deg.filter(|angle| !(0.0..=10.0).contains(angle)) {
+            return refuse(entry, format!("`horizon_deg` is {angle}, not from 0 to 10"));
+        }
         parts.push(Part {
             file: folder.join(&entry.file),
             materials: entry.materials.as_ref().map(|own| folder.join(own)).or(materials.map(Path::to_owned)),
@@ -132,6 +140,7 @@ fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
             scale,
             y_up: entry.up == Some(Up::Y),
             lod: entry.lod.clone(),
+            horizon_deg: entry.horizon_deg,
         });
     }
     if parts.is_empty() {

@@ -1,14 +1,18 @@
 //! Readers of scene files, one a file, chosen by the ending of the name. In: a file of unknown origin. Out: polygons whose every
 //! index and coordinate is checked. They drop nothing silently and never look at another file than those they are given.
 
+mod ascii_grid;
 mod cityjson;
 mod energyplus;
+mod geokeys;
+mod geotiff;
 mod mtl;
 pub(super) mod obj;
 
 use std::path::Path;
 
 use super::geometry::Geometry;
+use super::terrain::raster::Raster;
 use crate::error::{Error, Result};
 
 /// What is asked of a reader besides the geometry.
@@ -20,17 +24,26 @@ pub(super) struct Asked {
     pub lod: Option<String>,
 }
 
-const ENDINGS: &str = ".json and .jsonl (CityJSON), .epJSON and .idf (EnergyPlus), .obj";
+/// What a file holds.
+pub(super) enum Content {
+    Polygons(Geometry),
+    Terrain(Raster),
+}
+
+const ENDINGS: &str =
+    ".json and .jsonl (CityJSON), .tif, .tiff and .asc (terrain), .epJSON and .idf (EnergyPlus), .obj";
 
 /// Reads a scene file of any format.
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let (_, ending) = name.rsplit_once('.').unwrap_or_default();
     match ending {
-        "json" if energyplus::is_model(path)? => energyplus::read(path, asked),
-        "json" | "jsonl" => cityjson::read(path, asked),
-        "epjson" | "idf" => energyplus::read(path, asked),
-        "obj" => obj::read(path, asked),
+        "asc" => ascii_grid::read(path, asked).map(Content::Terrain),
+        "epjson" | "idf" => energyplus::read(path, asked).map(Content::Polygons),
+        "json" if energyplus::is_model(path)? => energyplus::read(path, asked).map(Content::Polygons),
+        "json" | "jsonl" => cityjson::read(path, asked).map(Content::Polygons),
+        "obj" => obj::read(path, asked).map(Content::Polygons),
+        "tif" | "tiff" => geotiff::read(path, asked).map(Content::Terrain),
         _ => Err(Error::Unsupported {
             what: format!("the scene {}", path.display()),
             found: if ending.is_empty() {

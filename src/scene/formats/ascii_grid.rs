@@ -1,0 +1,195 @@
+//! In: the bytes of an Esri ASCII grid (ArcGIS "Esri ASCII raster format"; GDAL's AAIGrid). Out: its heights.
+
+use std::fs;
+use std::path::Path;
+
+use glam::DVec2;
+
+use super::Asked;
+use crate::error::{Error, Result};
+use crate::scene::terrain::raster::{Grid, Meaning, Raster, check_size};
+use crate::scene::text::{excerpt, line_of_offset, without_byte_order_mark};
+
+const HEADER: &str = "write ncols, nrows, xllcorner (or xllcenter), yllcorner (or yllcenter), cellsize and NODATA_value, then the heights";
+
+pub(super) fn read(path: &Path, _: &Asked) -> Result<Raster> {
+    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    parse(&bytes, path)
+}
+
+/// Header lines by key, each with its value and where that stands.
+#[derive(Default)]
+struct Header {
+    entries: Vec<(&'static str, f64, usize)>,
+}
+
+const KEYS: [&str; 10] =
+    ["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
+
+impl Header {
+    fn get(&self, key: &str) -> Option<f64> {
+        self.entries.iter().find(|entry| entry.0 == key).map(|entry| entry.1)
+    }
+}
+
+pub(in crate::scene) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
+    let mut words = Offsets { bytes: without_byte_order_mark(bytes), at: 0 };
+    let refuse = |what: String| Error::input(file, None, what, HEADER);
+    let mut header = Header::default();
+    while let Some((word, at)) = words.peek() {
+        let line = || line_of_offset(words.bytes, at);
+        if !word.first().is_some_and(u8::is_ascii_alphabetic) || is_nan(word) {
+            break;
+        }
+        let Some(&key) = KEYS.iter().find(|key| key.as_bytes().eq_ignore_ascii_case(word)) else {
+            return Err(Error::input(file, line(), format!("`{}` is no key of a grid", excerpt(word)), HEADER));
+        };
+        if header.get(key).is_some() {
+            return Err(Error::input(file, line(), format!("{key} stands here for the second time"), HEADER));
+        }
+        words.next();
+        let value = words.next().map(|(word, _)| word).unwrap_or_default();
+        // "nan" and "inf" are fine for nodata only.
+        let number = number(value).filter(|n| key == "nodata_value" || n.is_finite());
+        let Some(number) = number else {
+            return Err(Error::input(file, line(), format!("{key} is `{}`, not a number", excerpt(value)), HEADER));
+        };
+        header.entries.push((key, number, at));
+    }
+    let missing = |key: &str| refuse(format!("the grid has no {key}"));
+    let count = |key: &str| -> Result<u64> {
+        let value = header.get(key).ok_or_else(|| missing(key))?;
+        if value < 0.0 || value.fract() != 0.0 || value > 1e15 {
+            return Err(refuse(format!("{key} is {value}, not a number of samples")));
+        }
+        Ok(value as u64)
+    };
+    let (columns, rows) = (count("ncols")?, count("nrows")?);
+    let samples = check_size(file, columns, rows)?;
+    let step = |key: &str| header.get(key).or_else(|| header.get("cellsize")).ok_or_else(|| missing("cellsize"));
+    let step = DVec2::new(step("dx")?, step("dy")?);
+    if step.min_element() <= 0.0 {
+        return Err(refuse(format!("the cells are {} x {} in size, not above 0", step.x, step.y)));
+    }
+    let least = |corner: &str, center: &str, step: f64| {
+        header.get(center).or_else(|| header.get(corner).map(|at| at + step / 2.0)).ok_or_else(|| missing(corner))
+    };
+    let south_west = DVec2::new(least("xllcorner", "xllcenter", step.x)?, least("yllcorner", "yllcenter", step.y)?);
+    let first = south_west + DVec2::new(0.0, step.y * (rows - 1) as f64);
+    let heights = heights(&mut words, samples, file, [columns, rows])?;
+    let grid = Grid { columns: columns as usize, rows: rows as usize, first, step };
+    let meaning = Meaning { nodata: header.get("nodata_value"), ..Meaning::default() };
+    Raster::new(file, grid, heights, &meaning, Vec::new())
+}
+
+fn heights(words: &mut Offsets, samples: usize, file: &Path, [columns, rows]: [u64; 2]) -> Result<Vec<f32>> {
+    // A height and the blank behind it are two bytes at least.
+    let mut heights = Vec::with_capacity(samples.min(words.bytes.len() / 2 + 1));
+    while let Some((word, at)) = words.next() {
+        let Some(height) = number(word) else {
+            let what = format!("`{}` is not a height", excerpt(word));
+            let hint = "heights are decimal numbers with a point, between blanks";
+            return Err(Error::input(file, line_of_offset(words.bytes, at), what, hint));
+        };
+        if heights.len() == samples {
+            let what = format!("more than the {samples} heights of {columns} x {rows} samples");
+            return Err(Error::input(file, line_of_offset(words.bytes, at), what, "correct ncols and nrows"));
+        }
+        heights.push(height as f32);
+    }
+    if heights.len() < samples {
+        let what = format!("only {} of the {samples} heights of {columns} x {rows} samples", heights.len());
+        return Err(Error::input(file, None, what, "the file may be cut off: export or fetch it again"));
+    }
+    Ok(heights)
+}
+
+fn is_nan(word: &[u8]) -> bool {
+    number(word).is_some()
+}
+
+fn number(word: &[u8]) -> Option<f64> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// Words between blanks and where they begin.
+struct Offsets<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Offsets<'a> {
+    fn peek(&self) -> Option<(&'a [u8], usize)> {
+        Offsets { ..*self }.next()
+    }
+
+    #[inline]
+    fn next(&mut self) -> Option<(&'a [u8], usize)> {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let blank = |byte: &u8| byte.is_ascii_whitespace();
+        let start = self.at + rest.iter().position(|byte| !blank(byte))?;
+        let rest = self.bytes.get(start..).unwrap_or_default();
+        let end = start + rest.iter().position(blank).unwrap_or(rest.len());
+        self.at = end;
+        self.bytes.get(start..end).map(|word| (word, start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\n";
+
+    fn message(text: &str) -> String {
+        parse(text.as_bytes(), Path::new("g.asc")).expect_err(text).to_string()
+    }
+
+    /// The south-west corner 100, 200 of 10 m cells puts the first of 6 samples at 105, 215; keys in any case, values over any lines,
+    /// centres in place of corners and oblong cells are all the same grid.
+    #[test]
+    fn places() {
+        let read = |text: &str| parse(text.as_bytes(), Path::new("g.asc")).expect("a grid");
+        let plain = read(&format!("{HEAD}NODATA_value -9999\n1 2 3\n4 5 -9999\n"));
+        assert_eq!(plain.grid, Grid { columns: 3, rows: 2, first: DVec2::new(105.0, 215.0), step: DVec2::splat(10.0) });
+        let other = read(
+            "NROWS 2 NCOLS 3\r\nXLLCENTER 105\r\nYLLCENTER 205\r\ndx 10 dy 10\r\nnodata_value nan\r\n1\r\n2 3 4 5\r\n\r\nnan",
+        );
+        assert_eq!(other.grid, plain.grid);
+        for raster in [&plain, &other] {
+            let found: Vec<f32> = (0..6).map(|i| raster.height(i % 3, i / 3)).collect();
+            assert_eq!(found.get(..5), Some(&[1.0, 2.0, 3.0, 4.0, 5.0][..]));
+            assert!(found.get(5).is_some_and(|h| h.is_nan()) && raster.warnings.is_empty());
+        }
+    }
+
+    /// Twelve bad files are refused, each with what was found in it; where a value is at fault its line is named.
+    #[test]
+    fn hostile() {
+        let body = "1 2 3\n4 5 6\n";
+        for (text, expected) in [
+            (String::new(), "the grid has no ncols"),
+            (format!("{}{body}", HEAD.replace("nrows 2\n", "")), "the grid has no nrows"),
+            (format!("{}{body}", HEAD.replace("cellsize 10\n", "")), "the grid has no cellsize"),
+            (format!("{}{body}", HEAD.replace("yllcorner 200\n", "")), "the grid has no yllcorner"),
+            (format!("{HEAD}1 2 3\n4 5\n"), "only 5 of the 6 heights of 3 x 2"),
+            (format!("{HEAD}1 2 3\n4 5 6\n7"), "line 8: more than the 6 heights"),
+            (format!("{HEAD}1 2 3\n4 x5 6\n"), "line 7: `x5` is not a height"),
+            (format!("{}{body}", HEAD.replace("cellsize 10", "cellsize -10")), "-10 x -10 in size, not above 0"),
+            (format!("{}{body}", HEAD.replace("ncols 3", "ncols 1e14")), "the limit is 268435456"),
+            (format!("{}{body}", HEAD.replace("ncols 3", "ncols 1")), "the raster has 1 x 2 samples"),
+            (format!("{HEAD}NODATA_value none\n{body}"), "line 6: nodata_value is `none`, not a number"),
+            (format!("{HEAD}colour 7\n{body}"), "line 6: `colour` is no key of a grid"),
+            (format!("{HEAD}-9999 -9999 -9999 nan inf 1e30"), "none of the 6 samples is a height"),
+            (
+                "ncols 2 nrows 2 xllcorner 11.5 yllcorner 47.5 cellsize 0.000833 700 800 900 650".into(),
+                "the raster is in degrees",
+            ),
+        ] {
+            let found = message(&text);
+            assert!(found.contains(expected), "{found}\nin place of {expected}");
+        }
+        // 250 million samples are claimed: nothing of that size is allocated.
+        assert!(message(&format!("{HEAD}1").replace("ncols 3", "ncols 125000000")).contains("only 1 of the 250000000"));
+    }
+}

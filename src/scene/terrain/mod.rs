@@ -1,0 +1,7 @@
+//! Terrain: heights on a grid and their surface. In: samples of a file. Out: triangles, all of them or, as a horizon around other
+//! geometry, so few that no skyline moves by more than a stated angle.
+
+pub(super) mod focus;
+pub(super) mod raster;
+pub(super) mod surface;
+mod thinning;

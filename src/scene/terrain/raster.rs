@@ -1,0 +1,301 @@
+//! Heights on a grid. In: samples as a file has them, and what it says of nodata and units. Out: metres, with NaN for nodata; no other
+//! number that is not finite, and none beyond the Earth's heights.
+
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+
+use crate::error::{Error, Result};
+use crate::scene::geometry::is_position;
+use crate::scene::reference::Reference;
+use crate::scene::site::Part;
+
+/// Most samples of a raster: 1 GB of heights, and as many triangles as a scene may have.
+pub(in crate::scene) const MAX_SAMPLES: u64 = 1 << 28;
+
+/// Heights of land and sea floor in metres: from below the Challenger Deep (-10,935) to above Mount Everest (8,849).
+const EARTH_M: [f32; 2] = [-12_000.0, 9_000.0];
+
+/// Values within the Earth's heights that programs write for "no data" without saying so. No land lies below -430 m, and sea floor at
+/// exactly such a depth is a sample or two.
+const USUAL_NODATA: [f32; 3] = [-9999.0, -9998.0, -999.0];
+
+/// Where samples lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::scene) struct Grid {
+    pub columns: usize,
+    pub rows: usize,
+    /// Position of the first sample, the north-west one; of the middle of its cell.
+    pub first: DVec2,
+    /// Metres from column to column, eastwards, and from row to row, southwards; both positive.
+    pub step: DVec2,
+}
+
+/// What a file says of its numbers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::scene) struct Meaning {
+    pub nodata: Option<f64>,
+    /// Metres a unit of height; 0 counts as 1.
+    pub metres: f64,
+    /// Whether the file says that its plane coordinates are metres or feet, not degrees.
+    pub projected: bool,
+    pub reference: Option<Reference>,
+}
+
+/// Heights on a grid, at least 2 x 2, at least one of them known.
+#[derive(Debug)]
+pub(in crate::scene) struct Raster {
+    pub grid: Grid,
+    /// `[row][column]`, row 0 in the north, metres; NaN: nodata. An f32 holds 9,000 m to 0.5 mm.
+    heights: Vec<f32>,
+    pub reference: Option<Reference>,
+    pub warnings: Vec<String>,
+}
+
+/// Samples that are taken for nodata though the file does not say so.
+#[derive(Default)]
+struct Doubtful {
+    infinite: usize,
+    usual: (usize, f32),
+    beyond: (usize, f32),
+}
+
+/// Refuses grids that are none, before anything of their size is allocated.
+pub(in crate::scene) fn check_size(file: &Path, columns: u64, rows: u64) -> Result<usize> {
+    if columns < 2 || rows < 2 {
+        let what = format!("the raster has {columns} x {rows} samples");
+        return Err(Error::input(file, None, what, "a surface needs at least 2 x 2"));
+    }
+    match columns.checked_mul(rows) {
+        Some(samples) if samples <= MAX_SAMPLES => Ok(samples as usize),
+        samples => Err(Error::Limit {
+            what: format!("the number of samples of {} ({columns} x {rows})", file.display()),
+            value: samples.unwrap_or(u64::MAX),
+            max: MAX_SAMPLES,
+        }),
+    }
+}
+
+impl Raster {
+    /// Takes `columns` x `rows` heights and sorts out which of them are any.
+    pub(in crate::scene) fn new(
+        file: &Path,
+        grid: Grid,
+        mut heights: Vec<f32>,
+        meaning: &Meaning,
+        mut warnings: Vec<String>,
+    ) -> Result<Raster> {
+        let samples = check_size(file, grid.columns as u64, grid.rows as u64)?;
+        if heights.len() != samples {
+            let what = format!("{} samples for {} x {}", heights.len(), grid.columns, grid.rows);
+            return Err(Error::input(file, None, what, "export it again"));
+        }
+        check_grid(file, &grid)?;
+        let factor = if meaning.metres == 0.0 { 1.0 } else { meaning.metres as f32 };
+        let declared = meaning.nodata.map(|nodata| nodata as f32);
+        let (mut doubtful, mut known) = (Doubtful::default(), 0_usize);
+        let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
+        for height in &mut heights {
+            let metres = *height * factor;
+            *height = match *height {
+                // Not a number, or the number that stands for it.
+                h if h.is_nan() || declared == Some(h) => f32::NAN,
+                h if h.is_infinite() => doubtful.infinite(),
+                h if declared.is_none() && USUAL_NODATA.contains(&h) => doubtful.usual(h),
+                _ if !(EARTH_M[0]..=EARTH_M[1]).contains(&metres) => doubtful.beyond(metres),
+                _ => {
+                    known += 1;
+                    (least, greatest) = (least.min(metres), greatest.max(metres));
+                    metres
+                }
+            };
+        }
+        doubtful.warn(file, &mut warnings);
+        if known == 0 {
+            let what = format!("none of the {} samples is a height", heights.len());
+            return Err(Error::input(file, None, what, "all are nodata: check the band and the nodata value"));
+        }
+        let extent = grid.step * DVec2::new(grid.columns as f64, grid.rows as f64);
+        // A land of cells of a centimetre that is ten times as high as wide is one in degrees.
+        if !meaning.projected
+            && grid.step.max_element() < 0.02
+            && f64::from(greatest - least) > 10.0 * extent.max_element()
+        {
+            return Err(degrees(
+                file,
+                &format!("its cells are {} wide and its heights span {}", grid.step.x, greatest - least),
+            ));
+        }
+        Ok(Raster { grid, heights, reference: meaning.reference, warnings })
+    }
+
+    /// Brings it to its place in the scene.
+    pub(in crate::scene) fn placed(mut self, part: &Part) -> Result<Raster> {
+        if part.y_up {
+            let hint = "leave y_up out: the values of a raster are heights, whatever axis points up elsewhere";
+            return Err(Error::input(&part.file, None, "y_up is asked of a raster", hint));
+        }
+        if !(part.scale > 0.0 && part.scale.is_finite() && part.offset.is_finite()) {
+            let what = format!("the scale {} or the offset {} is none", part.scale, part.offset);
+            return Err(Error::input(&part.file, None, what, "give metres a unit, above 0"));
+        }
+        if part.scale == 1.0 && part.offset == DVec3::ZERO {
+            return Ok(self);
+        }
+        self.grid.first = self.grid.first * part.scale + part.offset.truncate();
+        self.grid.step *= part.scale;
+        for height in &mut self.heights {
+            *height = (f64::from(*height) * part.scale + part.offset.z) as f32;
+        }
+        check_grid(&part.file, &self.grid)?;
+        let highest = self.heights.iter().fold(0.0_f32, |most, h| most.max(h.abs()));
+        if !is_position(DVec3::new(0.0, 0.0, f64::from(highest))) {
+            let what = format!("offset and scale put a height at {highest}");
+            return Err(Error::input(&part.file, None, what, "positions are metres, at most 1e9 in size"));
+        }
+        Ok(self)
+    }
+
+    pub(super) fn samples(&self) -> usize {
+        self.heights.len()
+    }
+
+    /// Height of a sample; NaN where there is none, beyond the edges too.
+    #[inline]
+    pub(super) fn height(&self, column: i64, row: i64) -> f32 {
+        let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { return f32::NAN };
+        if column >= self.grid.columns {
+            return f32::NAN;
+        }
+        self.heights.get(row * self.grid.columns + column).copied().unwrap_or(f32::NAN)
+    }
+
+    /// Heights of a part of a row; empty where it leaves the raster.
+    #[inline]
+    pub(super) fn row(&self, row: i64, columns: std::ops::RangeInclusive<i64>) -> &[f32] {
+        let (Ok(row), Ok(from), Ok(to)) =
+            (usize::try_from(row), usize::try_from(*columns.start()), usize::try_from(*columns.end()))
+        else {
+            return &[];
+        };
+        if to >= self.grid.columns {
+            return &[];
+        }
+        self.heights.get(row * self.grid.columns + from..=row * self.grid.columns + to).unwrap_or_default()
+    }
+
+    /// Position of a sample in plan.
+    #[inline]
+    pub(super) fn plan(&self, column: i64, row: i64) -> DVec2 {
+        self.grid.first + DVec2::new(column as f64, -(row as f64)) * self.grid.step
+    }
+
+    /// Least and greatest corner of the samples in plan.
+    pub(super) fn bounds(&self) -> (DVec2, DVec2) {
+        let (last_column, last_row) = (self.grid.columns as i64 - 1, self.grid.rows as i64 - 1);
+        (self.plan(0, last_row), self.plan(last_column, 0))
+    }
+
+    /// Lowers every sample by what `drop_m` gives for its position.
+    pub(super) fn lower(&mut self, drop_m: impl Fn(DVec2) -> f64) {
+        let (columns, grid) = (self.grid.columns, self.grid);
+        for (row, heights) in self.heights.chunks_mut(columns).enumerate() {
+            for (column, height) in heights.iter_mut().enumerate() {
+                let place = grid.first + DVec2::new(column as f64, -(row as f64)) * grid.step;
+                *height = (f64::from(*height) - drop_m(place)) as f32;
+            }
+        }
+    }
+}
+
+/// The error of a raster whose coordinates are longitude and latitude.
+pub(in crate::scene) fn degrees(file: &Path, why: &str) -> Error {
+    let hint = "reproject it to metres, for example `gdalwarp -t_srs EPSG:32632 -r bilinear in.tif out.tif` with the zone of the place";
+    Error::input(file, None, format!("the raster is in degrees: {why}"), hint)
+}
+
+fn check_grid(file: &Path, grid: &Grid) -> Result<()> {
+    let far = DVec2::new(grid.columns as f64, -(grid.rows as f64)) * grid.step + grid.first;
+    let steps = grid.step.is_finite() && grid.step.min_element() > 0.0;
+    if !steps || !is_position(grid.first.extend(0.0)) || !is_position(far.extend(0.0)) {
+        let what = format!("the samples begin at {} and lie {} apart", grid.first, grid.step);
+        let hint = "georeference it in metres: steps above 0, coordinates at most 1e9 in size";
+        return Err(Error::input(file, None, what, hint));
+    }
+    Ok(())
+}
+
+impl Doubtful {
+    fn infinite(&mut self) -> f32 {
+        self.infinite += 1;
+        f32::NAN
+    }
+
+    fn usual(&mut self, value: f32) -> f32 {
+        self.usual = (self.usual.0 + 1, value);
+        f32::NAN
+    }
+
+    fn beyond(&mut self, metres: f32) -> f32 {
+        if self.beyond.0 == 0 {
+            self.beyond.1 = metres;
+        }
+        self.beyond.0 += 1;
+        f32::NAN
+    }
+
+    fn warn(&self, file: &Path, warnings: &mut Vec<String>) {
+        let file = file.display();
+        if self.infinite > 0 {
+            warnings.push(format!("{file}: {} samples are infinite and taken as nodata", self.infinite));
+        }
+        if self.usual.0 > 0 {
+            let (count, value) = self.usual;
+            warnings
+                .push(format!("{file}: {count} samples of {value} are taken as nodata, though the file declares none"));
+        }
+        if self.beyond.0 > 0 {
+            let (count, first) = self.beyond;
+            let [low, high] = EARTH_M;
+            warnings.push(format!(
+                "{file}: {count} samples are beyond the Earth's heights ({low} to {high} m; the first is {first}) and taken as nodata"
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn raster(heights: &[f32], meaning: &Meaning) -> Result<Raster> {
+        let grid = Grid { columns: 3, rows: 2, first: DVec2::ZERO, step: DVec2::ONE };
+        Raster::new(Path::new("r"), grid, heights.to_vec(), meaning, Vec::new())
+    }
+
+    /// Six samples, of which declared nodata, -9999, -32768, 3.4e38, NaN and infinity are none: what is not declared is counted.
+    #[test]
+    fn nodata() {
+        let bad = [-9999.0, -32768.0, 3.4e38, f32::NAN, f32::INFINITY];
+        for (i, value) in bad.into_iter().enumerate() {
+            for declared in [None, Some(f64::from(value))] {
+                let found =
+                    raster(&[5.0, value, 7.0, 8.0, 9.0, 10.0], &Meaning { nodata: declared, ..Meaning::default() });
+                let found = found.expect("five heights");
+                assert!(found.height(1, 0).is_nan() && found.heights.iter().filter(|h| h.is_finite()).count() == 5);
+                let quiet = value.is_nan() || declared.is_some();
+                assert_eq!(found.warnings.len(), usize::from(!quiet), "{i} {declared:?} {:?}", found.warnings);
+            }
+        }
+        let message = raster(&[-9999.0; 6], &Meaning::default()).expect_err("nothing known").to_string();
+        assert!(message.contains("none of the 6 samples is a height"), "{message}");
+    }
+
+    /// Feet become metres: 1000 ft are 304.8 m.
+    #[test]
+    fn feet() {
+        let found = raster(&[1000.0; 6], &Meaning { metres: 0.3048, ..Meaning::default() }).expect("heights");
+        assert!((found.height(2, 1) - 304.8).abs() < 1e-3);
+        assert!(found.height(3, 0).is_nan() && found.height(0, 2).is_nan() && found.height(-1, 0).is_nan());
+    }
+}

@@ -1,0 +1,148 @@
+//! The surface of a raster. In: heights at the middles of cells. Out: triangles between them; cells that touch nodata have none.
+//!
+//! A cell between four samples is cut along the diagonal through the one whose column and row are odd: diagonals alternate, no
+//! direction is favoured, and a thinned surface (see [`super::thinning`]) is the same one where nothing was left out. The surface ends
+//! at the outermost samples, half a cell within the raster's edges.
+
+use std::path::Path;
+
+use super::focus::{Focus, curvature_drop, curvature_words};
+use super::raster::Raster;
+use super::thinning::{Sample, thin};
+use crate::error::{Error, Result};
+use crate::scene::geometry::Geometry;
+
+/// Name of the material of terrain, and of the object where there is one raster.
+pub(in crate::scene) const NAME: &str = "terrain";
+
+/// Where no angle is asked for, horizons are true to this: a tenth of the sun's diameter.
+const HORIZON_DEG: f64 = 0.05;
+
+/// The Earth's curvature counts where a raster reaches this far beyond the focus: it lowers 6.8 m there, 0.04 degrees.
+const CURVED_BEYOND_M: f64 = 10_000.0;
+
+/// How a raster becomes a surface.
+pub(in crate::scene) struct Wanted<'a> {
+    pub file: &'a Path,
+    pub object: &'a str,
+    /// What it is the horizon of; `None` where it is the whole scene.
+    pub focus: Option<Focus>,
+    /// Largest error of the horizon.
+    pub horizon_deg: Option<f64>,
+}
+
+/// Makes the surface of a raster, and a sentence on what was left out of it.
+pub(in crate::scene) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, Option<String>)> {
+    let mut geometry = Geometry::default();
+    geometry.warnings.append(&mut raster.warnings);
+    geometry.reference = raster.reference;
+    if let Some(angle) = wanted.horizon_deg
+        && !(0.0..90.0).contains(&angle)
+    {
+        let what = format!("a horizon error of {angle} degrees is asked for");
+        return Err(Error::input(wanted.file, None, what, "give 0 (full resolution) to 1 degree; 0.05 is usual"));
+    }
+    let (low, high) = raster.bounds();
+    let middle = 0.5 * (low + high);
+    let alone = wanted.focus.is_none();
+    let focus = wanted.focus.unwrap_or_else(|| Focus::around(middle, middle));
+    let limit_deg = match (wanted.horizon_deg, alone) {
+        (Some(angle), _) => angle,
+        (None, true) => 0.0,
+        (None, false) => HORIZON_DEG,
+    };
+    let reach = focus.reach(low, high);
+    let curved = !alone && reach > CURVED_BEYOND_M;
+    if curved {
+        raster.lower(|place| curvature_drop(focus.distance_squared(place)));
+    }
+    let whole = full_count(&raster);
+    let (found, left_out, largest_deg) = if limit_deg > 0.0 {
+        let thinned = thin(&raster, &focus, limit_deg);
+        (fill(&mut geometry, &raster, thinned.triangles.into_iter(), wanted)?, thinned.nodata, thinned.largest_deg)
+    } else {
+        (fill(&mut geometry, &raster, all(&raster), wanted)?, 2 * raster_cells(&raster) - whole, 0.0)
+    };
+    if found == 0 {
+        let hint = "nodata lies at a corner of every cell: fill the gaps, or check the nodata value";
+        return Err(Error::input(wanted.file, None, "the raster has no cell with heights at its corners", hint));
+    }
+    if left_out > 0 {
+        geometry.left_out.insert("at nodata (triangles of the terrain)".into(), left_out);
+    }
+    let note = (!alone || limit_deg > 0.0).then(|| {
+        let (file, km) = (wanted.file.display(), reach / 1000.0);
+        let seen_from = if alone { "the raster's centre" } else { "the other geometry" };
+        let level = if curved { curvature_words() } else { "not lowered by the Earth's curvature".into() };
+        let error = match limit_deg > 0.0 {
+            true => {
+                format!("the horizon of {seen_from} is off by at most {largest_deg:.3} degrees (limit {limit_deg})")
+            }
+            false => format!("the horizon of {seen_from} is exact"),
+        };
+        format!("{file}: far terrain of {found} triangles in place of {whole}; {error}; it reaches {km:.1} km, {level}")
+    });
+    Ok((geometry, note))
+}
+
+fn raster_cells(raster: &Raster) -> usize {
+    (raster.grid.columns - 1) * (raster.grid.rows - 1)
+}
+
+/// Both triangles of each cell, row by row.
+fn all(raster: &Raster) -> impl Iterator<Item = [Sample; 3]> + '_ {
+    let (columns, rows) = (raster.grid.columns as i64 - 1, raster.grid.rows as i64 - 1);
+    (0..rows).flat_map(move |row| (0..columns).map(move |column| [column, row])).flat_map(move |[column, row]| {
+        let (odd_column, odd_row) = (column | 1, row | 1);
+        let (even_column, even_row) = (2 * column + 1 - odd_column, 2 * row + 1 - odd_row);
+        let (a, b) = ([even_column, even_row], [odd_column, odd_row]);
+        let halves = [[a, b, [odd_column, even_row]], [a, b, [even_column, odd_row]]];
+        halves.into_iter().filter(|corners| !touches_nodata(raster, corners))
+    })
+}
+
+fn touches_nodata(raster: &Raster, corners: &[Sample; 3]) -> bool {
+    corners.iter().any(|&[column, row]| raster.height(column, row).is_nan())
+}
+
+fn full_count(raster: &Raster) -> usize {
+    all(raster).count()
+}
+
+/// Adds triangles to the geometry, facing up; gives their number.
+fn fill(
+    geometry: &mut Geometry,
+    raster: &Raster,
+    triangles: impl Iterator<Item = [Sample; 3]>,
+    wanted: &Wanted,
+) -> Result<usize> {
+    let (material, object) = (geometry.materials.id(NAME), geometry.objects.id(wanted.object));
+    let mut numbers = vec![u32::MAX; raster.samples()];
+    let mut found = 0;
+    for mut corners in triangles {
+        let [[ax, ay], [bx, by], [cx, cy]] = corners;
+        // Rows go southwards: what turns clockwise in columns and rows turns the other way on the ground.
+        if (bx - ax) * (cy - ay) > (by - ay) * (cx - ax) {
+            corners.swap(0, 1);
+        }
+        for [column, row] in corners {
+            let place = row as usize * raster.grid.columns + column as usize;
+            let known = numbers.get(place).copied().unwrap_or(u32::MAX);
+            let number = match known {
+                u32::MAX => {
+                    let position = raster.plan(column, row).extend(f64::from(raster.height(column, row)));
+                    let number = geometry.push_vertex(wanted.file, position)?;
+                    if let Some(slot) = numbers.get_mut(place) {
+                        *slot = number;
+                    }
+                    number
+                }
+                number => number,
+            };
+            geometry.push_corner(number);
+        }
+        geometry.end_face(material, object, 0);
+        found += 1;
+    }
+    Ok(found)
+}
