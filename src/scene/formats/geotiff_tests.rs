@@ -1,1 +1,185 @@
+//! GeoTIFF files of a few samples, made by the crate's encoder with tags of our own, good and bad.
 
+use super::*;
+use crate::scene::reference::Reference;
+use tiff::encoder::colortype::{ColorType, Gray16, Gray32Float, Gray64Float, GrayI16, GrayI32, RGB8};
+use tiff::encoder::compression::{Compression, DeflateLevel};
+use tiff::encoder::{TiffEncoder, TiffValue};
+use tiff::tags::Predictor;
+
+const SCALE: [f64; 3] = [10.0, 20.0, 0.0];
+const TIE: [f64; 6] = [0.0, 0.0, 0.0, 100.0, 500.0, 0.0];
+const UTM: [u16; 20] = [1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32611, 3076, 0, 1, 9001];
+
+/// Tags beside the samples; what is empty is left out.
+#[derive(Clone, Copy)]
+struct Tags<'t> {
+    scale: &'t [f64],
+    tie: &'t [f64],
+    transformation: &'t [f64],
+    keys: &'t [u16],
+    nodata: &'t str,
+}
+
+const PLAIN: Tags = Tags { scale: &SCALE, tie: &TIE, transformation: &[], keys: &UTM, nodata: "" };
+
+fn encode<C: ColorType>(size: [u32; 2], data: &[C::Inner], tags: &Tags, packing: (Compression, Predictor)) -> Vec<u8>
+where
+    [C::Inner]: TiffValue,
+{
+    let mut bytes = Cursor::new(Vec::new());
+    let encoder = TiffEncoder::new(&mut bytes).expect("an encoder");
+    let mut encoder = encoder.with_compression(packing.0).with_predictor(packing.1);
+    let mut image = encoder.new_image::<C>(size[0], size[1]).expect("an image");
+    let directory = image.encoder();
+    for (tag, numbers) in [
+        (Tag::ModelPixelScaleTag, tags.scale),
+        (Tag::ModelTiepointTag, tags.tie),
+        (Tag::ModelTransformationTag, tags.transformation),
+    ] {
+        if !numbers.is_empty() {
+            directory.write_tag(tag, numbers).expect("a tag");
+        }
+    }
+    if !tags.keys.is_empty() {
+        directory.write_tag(Tag::GeoKeyDirectoryTag, tags.keys).expect("a tag");
+    }
+    if !tags.nodata.is_empty() {
+        directory.write_tag(Tag::GdalNodata, tags.nodata).expect("a tag");
+    }
+    image.write_data(data).expect("samples");
+    bytes.into_inner()
+}
+
+fn plain<C: ColorType>(data: &[C::Inner], tags: &Tags) -> Vec<u8>
+where
+    [C::Inner]: TiffValue,
+{
+    encode::<C>([3, 2], data, tags, (Compression::Uncompressed, Predictor::None))
+}
+
+fn read(bytes: &[u8]) -> Result<Raster> {
+    parse(bytes, Path::new("r.tif"))
+}
+
+fn heights(raster: &Raster) -> Vec<f32> {
+    (0..6).map(|i| raster.height(i % 3, i / 3)).collect()
+}
+
+/// Five number formats and three packings give the same six heights, the first at the middle of its cell: 105, 490.
+#[test]
+fn formats() {
+    const DEFLATE: Compression = Compression::Deflate(DeflateLevel::Balanced);
+    let files = [
+        plain::<GrayI16>(&[1, -2, 3, 4, 5, 6], &PLAIN),
+        plain::<GrayI32>(&[1, -2, 3, 4, 5, 6], &PLAIN),
+        plain::<Gray32Float>(&[1., -2., 3., 4., 5., 6.], &PLAIN),
+        plain::<Gray64Float>(&[1., -2., 3., 4., 5., 6.], &PLAIN),
+        encode::<GrayI16>([3, 2], &[1, -2, 3, 4, 5, 6], &PLAIN, (DEFLATE, Predictor::Horizontal)),
+        encode::<Gray32Float>([3, 2], &[1., -2., 3., 4., 5., 6.], &PLAIN, (Compression::Lzw, Predictor::None)),
+        encode::<Gray32Float>([3, 2], &[1., -2., 3., 4., 5., 6.], &PLAIN, (DEFLATE, Predictor::None)),
+    ];
+    for bytes in &files {
+        let raster = read(bytes).expect("a raster");
+        assert_eq!(heights(&raster), [1.0, -2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!((raster.grid.first, raster.grid.step), (DVec2::new(105.0, 490.0), DVec2::new(10.0, 20.0)));
+        assert_eq!((raster.reference, raster.warnings.len()), (Some(Reference::Epsg(32611)), 0));
+    }
+    let unsigned = read(&plain::<Gray16>(&[1, 2, 3, 4, 5, 6000], &PLAIN)).expect("a raster");
+    assert_eq!(unsigned.height(2, 1), 6000.0);
+}
+
+/// Samples that are points lie 5 m west and 10 m north of cells' middles; a transformation says the same as scale and tie point; a tie
+/// point may hold at sample 2, 1.
+#[test]
+fn places() {
+    let points: Vec<u16> = UTM.iter().enumerate().map(|(i, &key)| if i == 11 { 2 } else { key }).collect();
+    let matrix = [10.0, 0.0, 0.0, 100.0, 0.0, -20.0, 0.0, 500.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    for (tags, first) in [
+        (Tags { keys: &points, ..PLAIN }, [100.0, 500.0]),
+        (Tags { scale: &[], tie: &[], transformation: &matrix, ..PLAIN }, [105.0, 490.0]),
+        (Tags { tie: &[2.0, 1.0, 0.0, 120.0, 480.0, 0.0], ..PLAIN }, [105.0, 490.0]),
+    ] {
+        let raster = read(&plain::<GrayI16>(&[1, 2, 3, 4, 5, 6], &tags)).expect("a raster");
+        assert_eq!(raster.grid.first.to_array(), first);
+    }
+}
+
+/// Of three bands the first is taken, with one warning; a nodata value of 32768 that an int16 cannot hold hurts nobody.
+#[test]
+fn bands() {
+    let data: Vec<u8> = (0..18).collect();
+    let raster = read(&plain::<RGB8>(&data, &PLAIN)).expect("a raster");
+    assert_eq!(heights(&raster), [0.0, 3.0, 6.0, 9.0, 12.0, 15.0]);
+    assert!(raster.warnings.len() == 1 && raster.warnings[0].contains("first of 3 bands"), "{:?}", raster.warnings);
+    let tags = Tags { nodata: "32768\0", ..PLAIN };
+    assert_eq!(read(&plain::<GrayI16>(&[1, 2, 3, 4, 5, 6], &tags)).expect("a raster").warnings.len(), 0);
+}
+
+/// Fifteen bad files are refused, each with a message of what was found and what to do.
+#[test]
+fn hostile() {
+    let data = [1_i16, 2, 3, 4, 5, 6];
+    let good = plain::<GrayI16>(&data, &PLAIN);
+    let with = |tags: Tags| plain::<GrayI16>(&data, &tags);
+    let turned = [7.0, 7.0, 0.0, 100.0, 7.0, -7.0, 0.0, 500.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let float = |data: [f32; 6], nodata| plain::<Gray32Float>(&data, &Tags { nodata, ..PLAIN });
+    // Width and height stand in the first entries of the directory; a TIFF is patched where its tag number is found.
+    let patched = |tag: u16, kind: u16, value: u32| {
+        let mut bytes = good.clone();
+        let find: Vec<u8> = tag.to_le_bytes().into();
+        let start = u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]) as usize + 2;
+        let at = (start..).step_by(12).find(|&at| bytes[at..at + 2] == find).expect("the tag");
+        bytes[at + 2..at + 4].copy_from_slice(&kind.to_le_bytes());
+        bytes[at + 8..at + 12].copy_from_slice(&value.to_le_bytes());
+        bytes
+    };
+    let sized = |wide: u32, high: u32| {
+        let mut bytes = patched(256, 4, wide);
+        let tall = patched(257, 4, high);
+        let changed: Vec<usize> = (0..bytes.len()).filter(|&i| tall[i] != good[i]).collect();
+        changed.into_iter().for_each(|i| bytes[i] = tall[i]);
+        bytes
+    };
+    let geographic = [1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326];
+    let cases: Vec<(Vec<u8>, &str)> = vec![
+        (Vec::new(), "the file ends within its header"),
+        (b"ncols 3".to_vec(), "its header cannot be read"),
+        (good[..good.len() / 2].to_vec(), "the file ends within"),
+        (sized(0, 0), "0 x 0"),
+        (sized(1_000_000, 1_000_000), "1000000 x 1000000"),
+        (sized(16_000, 16_000), "16000 x 16000 samples are claimed in"),
+        (with(Tags { scale: &[], ..PLAIN }), "ModelPixelScale (tag 33550)"),
+        (with(Tags { tie: &[], ..PLAIN }), "ModelTiepoint (tag 33922)"),
+        (with(Tags { scale: &[], tie: &[], transformation: &turned, ..PLAIN }), "rotated or mirrored (tag 34264"),
+        (with(Tags { scale: &[f64::NAN, 1.0, 0.0], ..PLAIN }), "georeference it in metres"),
+        (with(Tags { scale: &[-10.0, 10.0, 0.0], ..PLAIN }), "steps above 0"),
+        (with(Tags { keys: &geographic, ..PLAIN }), "in degrees: it is stated in EPSG:4326"),
+        (with(Tags { keys: &[], scale: &[0.0001, 0.0001, 0.0], ..PLAIN }), "in degrees: its cells are 0.0001 wide"),
+        (float([7.0; 6], "7"), "none of the 6 samples is a height"),
+        (float([f32::INFINITY; 6], ""), "none of the 6 samples is a height"),
+        // SampleFormat 6 is complex floats.
+        (patched(339, 3, 6), "this release supports 16, 32"),
+    ];
+    for (bytes, expected) in cases {
+        let found = read(&bytes).expect_err(expected).to_string();
+        assert!(found.contains(expected), "{found}\nin place of {expected}");
+    }
+    let odd = read(&float([1.0, 2.0, 3.0, 4.0, f32::NAN, f32::INFINITY], "none")).expect("four heights");
+    assert_eq!(heights(&odd).iter().filter(|h| h.is_finite()).count(), 4);
+    assert!(odd.warnings.iter().any(|w| w.contains("the nodata value `none` is not a number")), "{:?}", odd.warnings);
+}
+
+/// A file cut off after any of its bytes, and one with any of its bytes inverted, is refused or read, and nothing panics.
+#[test]
+fn damaged() {
+    let good = encode::<GrayI16>([3, 2], &[1, 2, 3, 4, 5, 6], &PLAIN, (Compression::Lzw, Predictor::Horizontal));
+    let mut refused = 0;
+    for at in 0..good.len() {
+        refused += usize::from(read(&good[..at]).is_err());
+        let mut bytes = good.clone();
+        bytes[at] ^= 0xff;
+        refused += usize::from(read(&bytes).is_err());
+    }
+    assert!(refused > good.len() / 2, "{refused} of {}", 2 * good.len());
+}

@@ -257,3 +257,7 @@ fn beside([x, y]: Sample, half: i64, diagonal: bool) -> [Half; 2] {
         [Half { a, b, apex: [x - half, y] }, Half { a, b, apex: [x + half, y] }]
     }
 }
+
+#[cfg(test)]
+#[path = "thinning_tests.rs"]
+mod tests;
