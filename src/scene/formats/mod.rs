@@ -6,8 +6,15 @@ mod cityjson;
 mod energyplus;
 mod geokeys;
 mod geotiff;
+mod gltf;
 mod mtl;
 pub(super) mod obj;
+mod ply;
+mod ply_body;
+mod ply_header;
+mod stl;
+#[cfg(test)]
+mod test_solids;
 
 use std::path::Path;
 
@@ -30,8 +37,8 @@ pub(super) enum Content {
     Terrain(Raster),
 }
 
-const ENDINGS: &str =
-    ".json and .jsonl (CityJSON), .tif, .tiff and .asc (terrain), .epJSON and .idf (EnergyPlus), .obj";
+const ENDINGS: &str = ".json and .jsonl (CityJSON), .tif, .tiff and .asc (terrain), .epJSON and .idf (EnergyPlus), .gltf, .glb, .obj, \
+                       .ply, .stl";
 
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
@@ -40,9 +47,12 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     match ending {
         "asc" => ascii_grid::read(path, asked).map(Content::Terrain),
         "epjson" | "idf" => energyplus::read(path, asked).map(Content::Polygons),
+        "gltf" | "glb" => gltf::read(path, asked).map(Content::Polygons),
         "json" if energyplus::is_model(path)? => energyplus::read(path, asked).map(Content::Polygons),
         "json" | "jsonl" => cityjson::read(path, asked).map(Content::Polygons),
         "obj" => obj::read(path, asked).map(Content::Polygons),
+        "ply" => ply::read(path, asked).map(Content::Polygons),
+        "stl" => stl::read(path, asked).map(Content::Polygons),
         "tif" | "tiff" => geotiff::read(path, asked).map(Content::Terrain),
         _ => Err(Error::Unsupported {
             what: format!("the scene {}", path.display()),

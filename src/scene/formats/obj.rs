@@ -12,7 +12,7 @@ use crate::scene::geometry::{Geometry, MAX_COORDINATE_M};
 use crate::scene::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
 
 /// Name of the material of faces that stand before any `usemtl`.
-const DEFAULT_MATERIAL: &str = "default";
+pub(super) const DEFAULT_MATERIAL: &str = "default";
 
 /// Statements of other kinds of geometry that are named in warnings one by one; a hostile file holds millions.
 const MAX_KINDS_IGNORED: usize = 16;

@@ -60,7 +60,11 @@ fn covers_without_cracks() {
                 }
             }
         }
-        assert!(thinned.largest_deg <= limit && worst <= thinned.largest_deg * 1.001, "{worst} {}", thinned.largest_deg);
+        assert!(
+            thinned.largest_deg <= limit && worst <= thinned.largest_deg * 1.001,
+            "{worst} {}",
+            thinned.largest_deg
+        );
     }
 }
 
@@ -68,7 +72,8 @@ fn covers_without_cracks() {
 fn inside(raster: &Raster, corners: &[Sample; 3]) -> Vec<(Sample, f64)> {
     let z = corners.map(|[c, r]| f64::from(raster.height(c, r)));
     let [a, b, c] = corners;
-    let cross = |p: &Sample, q: &Sample, s: &Sample| ((q[0] - p[0]) * (s[1] - p[1]) - (q[1] - p[1]) * (s[0] - p[0])) as f64;
+    let cross =
+        |p: &Sample, q: &Sample, s: &Sample| ((q[0] - p[0]) * (s[1] - p[1]) - (q[1] - p[1]) * (s[0] - p[0])) as f64;
     let whole = cross(a, b, c);
     let mut found = Vec::new();
     let range = |axis: usize| {

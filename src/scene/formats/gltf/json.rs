@@ -1,0 +1,190 @@
+//! In: the JSON of a glTF file. Out: those of its properties that say where surfaces are and what they are made of, unchecked.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::error::{Error, Result};
+
+/// Names and defaults are those of the glTF 2.0 specification (Khronos, 2021, section 5); what is not needed is passed over.
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Root {
+    pub scene: Option<usize>,
+    pub scenes: Vec<Scene>,
+    pub nodes: Vec<Node>,
+    pub meshes: Vec<Mesh>,
+    pub accessors: Vec<Accessor>,
+    pub buffer_views: Vec<BufferView>,
+    pub buffers: Vec<Buffer>,
+    pub materials: Vec<Material>,
+    pub extensions_used: Vec<String>,
+    pub extensions_required: Vec<String>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Scene {
+    pub nodes: Vec<usize>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Node {
+    pub name: Option<String>,
+    pub children: Vec<usize>,
+    pub mesh: Option<usize>,
+    pub skin: Option<usize>,
+    /// Column-major.
+    pub matrix: Option<[f64; 16]>,
+    pub translation: Option<[f64; 3]>,
+    /// x, y, z, w.
+    pub rotation: Option<[f64; 4]>,
+    pub scale: Option<[f64; 3]>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Mesh {
+    pub name: Option<String>,
+    pub primitives: Vec<Primitive>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Primitive {
+    pub attributes: Attributes,
+    pub indices: Option<usize>,
+    pub material: Option<usize>,
+    pub mode: Option<u32>,
+    pub targets: Vec<serde::de::IgnoredAny>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Attributes {
+    #[serde(rename = "POSITION")]
+    pub position: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub buffer_view: Option<usize>,
+    #[serde(default)]
+    pub byte_offset: u64,
+    pub component_type: u32,
+    #[serde(default)]
+    pub normalized: bool,
+    pub count: u64,
+    #[serde(rename = "type")]
+    pub shape: String,
+    pub sparse: Option<serde::de::IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct BufferView {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    pub byte_stride: Option<u64>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub uri: Option<String>,
+    pub byte_length: u64,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Material {
+    pub name: Option<String>,
+    pub pbr_metallic_roughness: Option<Metallic>,
+    pub alpha_mode: Option<String>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Metallic {
+    /// Linear red, green, blue, and opacity.
+    pub base_color_factor: Option<[f64; 4]>,
+    pub base_color_texture: Option<serde::de::IgnoredAny>,
+    pub metallic_factor: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct Versioned {
+    asset: Asset,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: String,
+}
+
+/// Extensions that a file may call for, as they change nothing that is read, or are read.
+const HARMLESS: [&str; 13] = [
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_texture_basisu",
+    "KHR_lights_punctual",
+    "KHR_materials_unlit",
+    "KHR_materials_specular",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_clearcoat",
+    "KHR_xmp_json_ld",
+    "EXT_texture_webp",
+    "EXT_mesh_features",
+    "EXT_structural_metadata",
+    "EXT_instance_features",
+];
+
+impl Root {
+    /// Lines in messages are those of the JSON, which in a .glb file is not at the beginning.
+    pub(super) fn parse(json: &[u8], file: &Path, lines: bool) -> Result<Root> {
+        let refuse = |error: serde_json::Error| {
+            let line = Some(error.line()).filter(|line| lines && *line > 0);
+            Error::input(file, line, format!("the JSON is not that of glTF: {error}"), "export it again")
+        };
+        // The version first: of others even the shape of the lists is another one.
+        let version = serde_json::from_slice::<Versioned>(json).map_err(refuse)?.asset.version;
+        if !version.starts_with("2.") {
+            return Err(Error::Unsupported {
+                what: format!("the scene {}", file.display()),
+                found: format!("glTF {}", crate::scene::text::excerpt(version.as_bytes())),
+                supported: "glTF 2.0".into(),
+            });
+        }
+        serde_json::from_slice(json).map_err(refuse)
+    }
+
+    /// Refuses a file that cannot be read without an extension, and says which others it uses.
+    pub(super) fn check_extensions(&self, file: &Path) -> Result<Option<String>> {
+        let ignored = |name: &&String| !HARMLESS.contains(&name.as_str());
+        let shown = |name: &String| crate::scene::text::excerpt(name.as_bytes());
+        // What materials look like is read as far as it goes; where surfaces are must be read.
+        let needed = |name: &&String| ignored(name) && !name.starts_with("KHR_materials_");
+        if let Some(name) = self.extensions_required.iter().find(needed) {
+            let advice = match name.as_str() {
+                "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+                    "meshes without compression: switch it off in the export"
+                }
+                _ => "glTF 2.0 without it: switch it off in the export",
+            };
+            return Err(Error::Unsupported {
+                what: format!("the scene {}", file.display()),
+                found: format!("the required extension {}", shown(name)),
+                supported: advice.into(),
+            });
+        }
+        let mut names: Vec<String> = self.extensions_used.iter().filter(ignored).map(shown).collect();
+        names.sort();
+        names.dedup();
+        names.truncate(8);
+        Ok((!names.is_empty()).then(|| format!("{}: extensions not read: {}", file.display(), names.join(", "))))
+    }
+}

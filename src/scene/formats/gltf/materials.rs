@@ -1,0 +1,109 @@
+//! In: the materials of a glTF file. Out: their names, and where wanted what they reflect.
+//!
+//! They were made for pictures, so they are the fallback, as those of an OBJ file are: diffuse is the plain mean of the three
+//! channels of `baseColorFactor`, which are linear, times 1 - `metallicFactor` (specification, section 3.9.2 and appendix B).
+//! Where a picture gives the colour, the factor says nothing of it and the material counts as not described.
+
+use std::path::Path;
+
+use super::json::{Material as Json, Root};
+use crate::error::{Error, Result};
+use crate::scene::formats::Asked;
+use crate::scene::formats::obj::DEFAULT_MATERIAL;
+use crate::scene::geometry::Geometry;
+use crate::scene::materials::{Class, Material};
+use crate::scene::text::excerpt;
+
+/// Materials as the geometry numbers them, each when it is first used.
+pub(super) struct Materials<'r> {
+    root: &'r Root,
+    file: &'r Path,
+    reflectances: bool,
+    known: Vec<Option<u32>>,
+    /// Names of those of which something is left out.
+    textured: Vec<String>,
+    see_through: Vec<String>,
+    metallic: Vec<String>,
+}
+
+impl<'r> Materials<'r> {
+    pub(super) fn new(root: &'r Root, asked: &Asked, file: &'r Path) -> Self {
+        Materials {
+            root,
+            file,
+            reflectances: asked.reflectances,
+            known: vec![None; root.materials.len()],
+            textured: Vec::new(),
+            see_through: Vec::new(),
+            metallic: Vec::new(),
+        }
+    }
+
+    /// The number of a material in `geometry`.
+    pub(super) fn id(&mut self, index: Option<usize>, geometry: &mut Geometry) -> Result<u32> {
+        let Some(index) = index else { return Ok(geometry.materials.id(DEFAULT_MATERIAL)) };
+        let (Some(material), Some(known)) = (self.root.materials.get(index), self.known.get(index)) else {
+            let what = format!("material {index} is used but not there; there are {}", self.known.len());
+            return Err(Error::input(self.file, None, what, "export it again"));
+        };
+        if let Some(id) = known {
+            return Ok(*id);
+        }
+        let mut name = match material.name.as_deref().unwrap_or_default() {
+            "" => format!("material_{index}"),
+            name => name.to_owned(),
+        };
+        if self.reflectances
+            && let Some(optics) = self.optics(material, &name)?
+        {
+            // Names need not be unique.
+            if geometry.stated.get(&name).is_some_and(|other| other.diffuse != optics.diffuse) {
+                name = format!("{name}_{index}");
+            }
+            geometry.stated.insert(name.clone(), Material { name: name.clone(), ..optics });
+        }
+        let id = geometry.materials.id(&name);
+        if let Some(known) = self.known.get_mut(index) {
+            *known = Some(id);
+        }
+        Ok(id)
+    }
+
+    fn optics(&mut self, material: &Json, name: &str) -> Result<Option<Material>> {
+        if material.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE") {
+            self.see_through.push(name.to_owned());
+        }
+        let Some(surface) = &material.pbr_metallic_roughness else { return Ok(None) };
+        if surface.base_color_texture.is_some() {
+            self.textured.push(name.to_owned());
+            return Ok(None);
+        }
+        let [red, green, blue, _] = surface.base_color_factor.unwrap_or([1.0; 4]);
+        let metal = surface.metallic_factor.unwrap_or(1.0);
+        if ![red, green, blue, metal].iter().all(|share| (0.0..=1.0).contains(share)) {
+            let what = format!("material `{}` has a factor beyond 0 to 1", excerpt(name.as_bytes()));
+            return Err(Error::input(self.file, None, what, "give reflectances in materials.toml (--materials)"));
+        }
+        if metal > 0.0 {
+            self.metallic.push(name.to_owned());
+        }
+        let diffuse = (red + green + blue) / 3.0 * (1.0 - metal);
+        Ok(Some(Material::matt(name, diffuse, Class::of_name(name))))
+    }
+
+    /// One warning a kind of thing that is left out.
+    pub(super) fn warn(self, geometry: &mut Geometry) {
+        for (names, what) in [
+            (&self.textured, "have a texture, which is ignored: they count as not described"),
+            (&self.see_through, "let light through (alphaMode), which is ignored: they count as opaque"),
+            (&self.metallic, "are metallic: only the rest of their colour, which is scattered, counts as reflected"),
+        ] {
+            if let Some(first) = names.first() {
+                let (file, count, first) = (self.file.display(), names.len(), excerpt(first.as_bytes()));
+                geometry.warnings.push(format!(
+                    "{file}: {count} materials (`{first}` is the first) {what}; --materials materials.toml describes them"
+                ));
+            }
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! In: a glTF 2.0 file (.gltf with its buffers, or .glb). Out: the triangles of its scene, z up and metres.
+//!
+//! The properties that are needed are read here with serde and not by the crate `gltf`: it keeps places of nodes as f32 (0.5 m off
+//! at the northings of Europe), panics on numbers out of range unless it validates, and then refuses files whose textures are of an
+//! extension. Source: Khronos, glTF 2.0 Specification, 2021.
+
+mod buffers;
+mod json;
+mod materials;
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+
+use self::buffers::{Buffers, Values};
+use self::json::{Mesh, Node, Primitive, Root};
+use self::materials::Materials;
+use super::Asked;
+use crate::error::{Error, Result};
+use crate::scene::geometry::{Geometry, is_position};
+use crate::scene::text::excerpt;
+
+/// Most triangles of all instances together: a small file may place a large mesh as often as it likes. About 10 GB of memory.
+const MAX_TRIANGLES: u64 = if cfg!(test) { 100_000 } else { 100_000_000 };
+
+const HINT: &str = "export it again, or check it with a glTF validator";
+
+pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
+    parse(&fs::read(path).map_err(Error::io(path, "read"))?, path, asked)
+}
+
+fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+    let (json, chunk) = buffers::split(bytes, file)?;
+    let root = Root::parse(json, file, json.len() == bytes.len())?;
+    let ignored = root.check_extensions(file)?;
+    let buffers = Buffers::read(&root, chunk, file)?;
+    let mut reader = Reader {
+        root: &root,
+        file,
+        buffers: &buffers,
+        materials: Materials::new(&root, asked, file),
+        geometry: Geometry::default(),
+        slots: Vec::new(),
+        round: 0,
+        triangles: 0,
+        unmoved: (0, 0),
+    };
+    reader.geometry.warnings.extend(ignored);
+    reader.walk()?;
+    reader.finish()
+}
+
+struct Reader<'r> {
+    root: &'r Root,
+    file: &'r Path,
+    buffers: &'r Buffers<'r>,
+    materials: Materials<'r>,
+    geometry: Geometry,
+    /// Of each vertex of a primitive: the round it was last used in, and the vertex of the geometry that it then became. Primitives
+    /// may share a list of vertices of which each uses a few.
+    slots: Vec<(u32, u32)>,
+    round: u32,
+    triangles: u64,
+    /// Nodes with skins and primitives with morph targets, which are read as they stand.
+    unmoved: (usize, usize),
+}
+
+impl<'r> Reader<'r> {
+    fn error(&self, what: String) -> Error {
+        Error::input(self.file, None, what, HINT)
+    }
+
+    /// Visits the nodes of the scene, each once, children after their parents.
+    fn walk(&mut self) -> Result<()> {
+        let root = self.root;
+        let mut stack: Vec<(usize, DAffine3)> = Vec::new();
+        // Later ones lie deeper in the stack.
+        let all = self.first_nodes()?.into_iter().rev();
+        // East is x, up is y, and z points south.
+        let upright = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+        stack.extend(all.map(|node| (node, upright)));
+        let mut seen = vec![false; root.nodes.len()];
+        while let Some((index, parent)) = stack.pop() {
+            let (Some(node), Some(seen)) = (root.nodes.get(index), seen.get_mut(index)) else {
+                let count = root.nodes.len();
+                return Err(self.error(format!("node {index} does not exist, there are {count}")));
+            };
+            if std::mem::replace(seen, true) {
+                return Err(self.error(format!("node {index} has two parents or is one of its own children")));
+            }
+            let placed = parent * self.place(index, node)?;
+            if let Some(number) = node.mesh {
+                let mesh = root
+                    .meshes
+                    .get(number)
+                    .ok_or_else(|| self.error(format!("node {index} is of mesh {number}, which does not exist")))?;
+                self.unmoved.0 += usize::from(node.skin.is_some());
+                self.add_mesh(index, node, mesh, placed)?;
+            }
+            stack.extend(node.children.iter().rev().map(|child| (*child, placed)));
+        }
+        Ok(())
+    }
+
+    /// Nodes of the default scene, or of the first, or all that are no children.
+    fn first_nodes(&self) -> Result<Vec<usize>> {
+        let count = self.root.scenes.len();
+        if let Some(scene) = self.root.scenes.get(self.root.scene.unwrap_or(0)) {
+            return Ok(scene.nodes.clone());
+        }
+        if let Some(scene) = self.root.scene {
+            return Err(self.error(format!("scene {scene} is to be shown, but there are {count}")));
+        }
+        let mut is_child = vec![false; self.root.nodes.len()];
+        for child in self.root.nodes.iter().flat_map(|node| &node.children) {
+            if let Some(is_child) = is_child.get_mut(*child) {
+                *is_child = true;
+            }
+        }
+        let first: Vec<usize> = (0..).zip(is_child).filter(|(_, is_child)| !is_child).map(|(i, _)| i).collect();
+        if first.is_empty() && !self.root.nodes.is_empty() {
+            return Err(self.error("every node is a child of another one".into()));
+        }
+        Ok(first)
+    }
+
+    /// Where a node lies in its parent (specification, section 3.5.2).
+    fn place(&self, index: usize, node: &Node) -> Result<DAffine3> {
+        let refuse = |what: &str| self.error(format!("node {index} {what}"));
+        if let Some(matrix) = &node.matrix {
+            let matrix = DMat4::from_cols_array(matrix);
+            let last = matrix.row(3);
+            if !(last - glam::DVec4::W).abs().cmple(glam::DVec4::splat(1e-6)).all() {
+                return Err(refuse("has a matrix that is no placement: its last row is not 0 0 0 1"));
+            }
+            return Ok(DAffine3::from_mat4(matrix));
+        }
+        let rotation = match node.rotation.map(DQuat::from_array) {
+            None => DQuat::IDENTITY,
+            Some(rotation) if (0.5..2.0).contains(&rotation.length()) => rotation.normalize(),
+            Some(_) => return Err(refuse("has a rotation that is no unit quaternion")),
+        };
+        let scale = node.scale.map_or(DVec3::ONE, DVec3::from);
+        let translation = node.translation.map_or(DVec3::ZERO, DVec3::from);
+        Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+    }
+
+    fn add_mesh(&mut self, index: usize, node: &Node, mesh: &Mesh, placed: DAffine3) -> Result<()> {
+        let named = |name: &Option<String>| name.clone().filter(|name| !name.is_empty());
+        let name = named(&node.name).or_else(|| named(&mesh.name)).unwrap_or_else(|| format!("node_{index}"));
+        for primitive in &mesh.primitives {
+            if !(4..=6).contains(&primitive.mode.unwrap_or(4)) {
+                self.geometry.leave_out("because they are points or lines");
+                continue;
+            }
+            self.unmoved.1 += usize::from(!primitive.targets.is_empty());
+            self.add_primitive(&name, primitive, placed)?;
+        }
+        Ok(())
+    }
+
+    fn add_primitive(&mut self, name: &str, primitive: &Primitive, placed: DAffine3) -> Result<()> {
+        let Some(positions) = primitive.attributes.position else {
+            self.geometry.leave_out("because they have no attribute POSITION");
+            return Ok(());
+        };
+        let buffers = self.buffers;
+        let positions = buffers.values(positions)?;
+        let indices = primitive.indices.map(|indices| buffers.values(indices)).transpose()?;
+        if !positions.is_positions() || indices.as_ref().is_some_and(|indices| !indices.is_indices()) {
+            let what = format!(
+                "`{}` has positions or indices of a type that glTF 2.0 does not allow",
+                excerpt(name.as_bytes())
+            );
+            return Err(self.error(what));
+        }
+        let count = indices.as_ref().map_or(positions.count, |indices| indices.count);
+        let strip = primitive.mode == Some(5);
+        let triangles = match primitive.mode {
+            Some(5 | 6) => count.saturating_sub(2),
+            _ => count / 3,
+        };
+        self.triangles += triangles as u64;
+        if self.triangles > MAX_TRIANGLES {
+            return Err(Error::Limit {
+                what: format!("the number of triangles of all instances in {}", self.file.display()),
+                value: self.triangles,
+                max: MAX_TRIANGLES,
+            });
+        }
+        self.round += 1;
+        let longest = self.slots.len().max(positions.count);
+        self.slots.resize(longest, (0, 0));
+        let material = self.materials.id(primitive.material, &mut self.geometry)?;
+        let object = self.geometry.objects.id(name);
+        // A mirrored placement turns every outline round (specification, section 3.7.4).
+        let mirrored = placed.matrix3.determinant() < 0.0;
+        for i in 0..triangles {
+            let mut corners = match primitive.mode {
+                Some(5) => [i, i + 1 + i % 2, i + 2 - i % 2],
+                Some(6) => [i + 1, i + 2, 0],
+                _ => [3 * i, 3 * i + 1, 3 * i + 2],
+            };
+            if mirrored {
+                corners.swap(1, 2);
+            }
+            let mut triangle = [0; 3];
+            for (to, corner) in triangle.iter_mut().zip(corners) {
+                *to = match &indices {
+                    Some(indices) => indices.index(corner).unwrap_or(u32::MAX),
+                    None => corner as u32,
+                };
+            }
+            let [a, b, c] = triangle;
+            if strip && (a == b || b == c || c == a) {
+                // Strips are sewn together with such.
+                continue;
+            }
+            for corner in triangle {
+                let corner = self.vertex(name, &positions, corner, placed)?;
+                self.geometry.push_corner(corner);
+            }
+            self.geometry.end_face(material, object, 0);
+        }
+        Ok(())
+    }
+
+    /// The geometry's vertex for one of a primitive.
+    #[inline]
+    fn vertex(&mut self, name: &str, positions: &Values, index: u32, placed: DAffine3) -> Result<u32> {
+        let slot = self.slots.get_mut(index as usize);
+        let found = slot.zip(positions.vector(index as usize).filter(|_| (index as usize) < positions.count));
+        let Some((slot, position)) = found else {
+            let (shown, count) = (excerpt(name.as_bytes()), positions.count);
+            return Err(self.error(format!(
+                "`{shown}` has a triangle of vertex {index}, but vertices are 0 to {}",
+                count as i64 - 1
+            )));
+        };
+        if slot.0 == self.round {
+            return Ok(slot.1);
+        }
+        let at = placed.transform_point3(position);
+        if !is_position(at) {
+            let shown = excerpt(name.as_bytes());
+            return Err(self.error(format!("vertex {index} of `{shown}` lies at {at}, beyond all positions on Earth")));
+        }
+        let vertex = self.geometry.push_vertex(self.file, at)?;
+        *slot = (self.round, vertex);
+        Ok(vertex)
+    }
+
+    fn finish(mut self) -> Result<Geometry> {
+        if self.geometry.face_count() == 0 {
+            let points = self.geometry.left_out.values().sum::<usize>();
+            let what = format!(
+                "its scene holds no triangles ({} nodes, {points} meshes of other kinds)",
+                self.root.nodes.len()
+            );
+            return Err(Error::input(self.file, None, what, "export surfaces, as parts of the scene that is shown"));
+        }
+        self.materials.warn(&mut self.geometry);
+        for (count, what) in [(self.unmoved.0, "nodes have skins"), (self.unmoved.1, "meshes have morph targets")] {
+            if count > 0 {
+                let text = format!("{}: {count} {what}, which are ignored: they stand as stored", self.file.display());
+                self.geometry.warnings.push(text);
+            }
+        }
+        Ok(self.geometry)
+    }
+}

@@ -1,0 +1,314 @@
+//! In: glTF files made here, right and wrong. Out: proof that they are read as they mean it, or refused with a message.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::*;
+use crate::scene::formats::test_solids::{area_and_volume, cube};
+
+fn asked() -> Asked {
+    Asked { reflectances: true, lod: None }
+}
+
+fn parse(json: &Value) -> Result<Geometry> {
+    super::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &asked())
+}
+
+/// 8 vertices of f32 (96 bytes), then 36 indices of u16: the cube with y up and z south.
+fn cube_bytes() -> Vec<u8> {
+    let (vertices, triangles) = cube();
+    let numbers = vertices.iter().flat_map(|v| [v.x, v.z, -v.y]).flat_map(|metres| (metres as f32).to_le_bytes());
+    let indices = triangles.concat().into_iter().flat_map(|index| (index as u16).to_le_bytes());
+    numbers.chain(indices).collect()
+}
+
+fn data(bytes: &[u8]) -> String {
+    format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes))
+}
+
+/// A scene of nodes that may bear mesh 0, the cube.
+fn scene(nodes: Value) -> Value {
+    json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": nodes,
+        "meshes": [{"name": "cube", "primitives": [{"attributes": {"POSITION": 0, "NORMAL": 77}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
+        "buffers": [{"byteLength": 168, "uri": data(&cube_bytes())}],
+    })
+}
+
+fn with(mut json: Value, pointer: &str, value: Value) -> Value {
+    let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
+    let parent = json.pointer_mut(parent).expect(pointer);
+    match key.parse::<usize>() {
+        Ok(place) if parent.is_array() => parent[place] = value,
+        _ => parent[key] = value,
+    }
+    json
+}
+
+fn bounds(geometry: &Geometry) -> [[f64; 3]; 2] {
+    let rounded = |p: DVec3| ((p * 1e6).round() / 1e6 + 0.0).to_array();
+    let all = geometry.vertices.iter();
+    let (low, high) = all.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    [rounded(low), rounded(high)]
+}
+
+/// A cube keeps 6 m2 and +1 m3, outsides out, wherever its node puts it: moved, turned, mirrored, in a child, by TRS or matrix.
+#[test]
+fn placed_cubes() {
+    let half = 0.5_f64.sqrt();
+    for (nodes, low, high) in [
+        (json!([{"mesh": 0}]), [0., 0., 0.], [1., 1., 1.]),
+        // 10 east, 20 up, 30 south.
+        (json!([{"mesh": 0, "translation": [10, 20, 30]}]), [10., -30., 20.], [11., -29., 21.]),
+        // A quarter turn to the left about the upright axis.
+        (json!([{"mesh": 0, "rotation": [0, half, 0, half]}]), [-1., 0., 0.], [0., 1., 1.]),
+        (json!([{"mesh": 0, "scale": [-1, 1, 1]}]), [-1., 0., 0.], [0., 1., 1.]),
+        (json!([{"mesh": 0, "scale": [-1, -1, -1]}]), [-1., -1., -1.], [0., 0., 0.]),
+        (json!([{"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,-1,0, 5,6,7,1]}]), [5., -8., 6.], [6., -7., 7.]),
+        // The child moves first and then turns with its parent.
+        (
+            json!([{"children": [1], "rotation": [0, half, 0, half]}, {"mesh": 0, "translation": [3, 0, 0]}]),
+            [-1., 3., 0.],
+            [0., 4., 1.],
+        ),
+        (
+            json!([{"children": [1], "translation": [500000.3, 0, -5700000.7]}, {"mesh": 0}]),
+            [500_000.3, 5_700_000.7, 0.],
+            [500_001.3, 5_700_001.7, 1.],
+        ),
+    ] {
+        let geometry = parse(&scene(nodes.clone())).expect("readable");
+        assert_eq!((geometry.face_count(), geometry.vertices.len()), (12, 8));
+        assert_eq!(bounds(&geometry), [low, high], "{nodes}");
+        // Volume is not of the place, but far from the origin its sum is.
+        let volume = area_and_volume(&geometry).1;
+        assert!((volume - 1.0).abs() < if high[1] > 1e3 { 0.01 } else { 1e-9 }, "{nodes}: {volume}");
+        assert!((area_and_volume(&geometry).0 - 6.0).abs() < 1e-6);
+    }
+}
+
+/// Two instances are 24 triangles and two objects: by the node's name, and a mesh's without one; nodes beside the scene are none.
+#[test]
+fn instances() {
+    let nodes =
+        json!([{"children": [1, 2]}, {"mesh": 0, "name": "house"}, {"mesh": 0}, {"mesh": 0, "name": "elsewhere"}]);
+    let geometry = parse(&scene(nodes.clone())).expect("readable");
+    assert_eq!(geometry.face_count(), 24);
+    assert_eq!(geometry.objects.as_slice(), ["house", "cube"]);
+    let mut all = scene(nodes);
+    all.as_object_mut().expect("an object").retain(|key, _| !key.starts_with("scene"));
+    let geometry = parse(&with(all, "/meshes/0/name", Value::Null)).expect("readable");
+    assert_eq!(geometry.objects.as_slice(), ["house", "node_2", "elsewhere"]);
+}
+
+/// A .glb, a buffer in a file with a blank in its name, and embedded base64 without padding are the same cube of 1 m3.
+#[test]
+fn containers() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).expect("written");
+    let read = |name: &str| super::read(&folder.path().join(name), &asked()).expect("readable");
+    let plain = scene(json!([{"mesh": 0}]));
+    write("my cube.bin", &cube_bytes());
+    write("beside.gltf", with(plain.clone(), "/buffers/0/uri", json!("./my%20cube.bin")).to_string().as_bytes());
+    let unpadded = data(&cube_bytes()).trim_end_matches('=').to_owned();
+    write("inside.gltf", with(plain.clone(), "/buffers/0/uri", json!(unpadded)).to_string().as_bytes());
+    write("cube.glb", &glb(&with(plain, "/buffers/0/uri", Value::Null), &cube_bytes()));
+    for name in ["beside.gltf", "inside.gltf", "cube.glb"] {
+        assert!((area_and_volume(&read(name)).1 - 1.0).abs() < 1e-9, "{name}");
+    }
+}
+
+fn glb(json: &Value, buffer: &[u8]) -> Vec<u8> {
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let total = (28 + text.len() + buffer.len()) as u32;
+    let length = |bytes: &[u8]| (bytes.len() as u32).to_le_bytes();
+    let head = [*b"glTF", 2_u32.to_le_bytes(), total.to_le_bytes(), length(&text), *b"JSON"].concat();
+    [head, text.clone(), [length(buffer), *b"BIN\0"].concat(), buffer.to_vec()].concat()
+}
+
+/// A quadrangle is 2 triangles of 1 m2, upwards, as a list, a strip, a fan, without indices, interleaved and quantized;
+/// lines are counted.
+#[test]
+fn modes() {
+    let square = [[0., 0., 0.], [1., 0., 0.], [0., 0., -1.], [1., 0., -1.]];
+    let floats = |places: &[usize], gap: usize| -> Vec<u8> {
+        let one = |place: &usize| {
+            let mut bytes: Vec<u8> = square[*place].iter().flat_map(|x: &f32| x.to_le_bytes()).collect();
+            bytes.resize(12 + gap, 255);
+            bytes
+        };
+        places.iter().flat_map(one).collect()
+    };
+    let bytes_of = |scale: i8| square.iter().flat_map(|p| p.map(|x| (x as i8 * scale) as u8)).collect::<Vec<u8>>();
+    for (mode, kind, normalized, stride, bytes) in [
+        (4, 5126, false, 0, floats(&[0, 1, 2, 2, 1, 3], 0)),
+        (4, 5126, false, 20, floats(&[0, 1, 2, 2, 1, 3], 8)),
+        (5, 5126, false, 0, floats(&[0, 1, 2, 3], 0)),
+        (5, 5126, false, 0, floats(&[0, 1, 2, 3, 3, 3], 0)),
+        (6, 5126, false, 16, floats(&[0, 1, 3, 2], 4)),
+        (5, 5120, false, 0, bytes_of(1)),
+        (5, 5120, true, 0, bytes_of(127)),
+    ] {
+        let size = if kind == 5120 { 3 } else { 12 };
+        let count = bytes.len() / if stride == 0 { size } else { stride };
+        let json = json!({
+            "asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [
+                {"attributes": {"POSITION": 0}, "mode": mode}, {"attributes": {"POSITION": 0}, "mode": 1}]}],
+            "accessors": [{"bufferView": 0, "componentType": kind, "normalized": normalized, "count": count, "type": "VEC3"}],
+            "bufferViews": [{"buffer": 0, "byteLength": bytes.len(), "byteStride": stride}],
+            "buffers": [{"byteLength": bytes.len(), "uri": data(&bytes)}],
+        });
+        let geometry = parse(&json).expect("readable");
+        let mut area = DVec3::ZERO;
+        for face in geometry.faces() {
+            let [a, b, c] = [0, 1, 2].map(|i| geometry.vertices[face.corners()[i] as usize]);
+            area += 0.5 * (b - a).cross(c - a);
+        }
+        let kept = if count == 6 && mode == 5 { 4 } else { 2 };
+        assert!(geometry.face_count() <= kept, "{mode} {kind}");
+        assert!((area - DVec3::Z).length() < 1e-12, "{mode} {kind} {stride}: {area}");
+        assert_eq!(geometry.left_out.values().sum::<usize>(), 1);
+    }
+}
+
+/// Of seven materials three are described: 0.4 for (0.3, 0.4, 0.5), half of it for one that is half metal, and a twin of its name.
+#[test]
+fn materials() {
+    let color = |name: &str, metal: f64| json!({"name": name, "pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.4, 0.5, 1], "metallicFactor": metal}});
+    let textured =
+        json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}, "alphaMode": "MASK"});
+    let list = json!([color("roof", 0.0), color("half", 0.5), color("roof", 0.5), textured, {"name": "bare"}]);
+    let used = [json!(0), json!(1), json!(2), json!(3), json!(4), Value::Null, json!(0)];
+    let primitives = used.map(|material| json!({"attributes": {"POSITION": 0}, "indices": 1, "material": material}));
+    let json = with(scene(json!([{"mesh": 0, "skin": 0}])), "/meshes/0/primitives", json!(primitives));
+    let json =
+        with(with(json, "/materials", list), "/extensionsUsed", json!(["KHR_materials_ior", "EXT_texture_webp"]));
+    let geometry = parse(&json).expect("readable");
+    assert_eq!(geometry.materials.as_slice(), ["roof", "half", "roof_2", "material_3", "bare", "default"]);
+    let stated: Vec<(&str, f64)> = geometry.stated.values().map(|m| (m.name.as_str(), m.diffuse)).collect();
+    let near = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
+    assert_eq!(stated.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["half", "roof", "roof_2"]);
+    assert!(stated.iter().zip([0.2, 0.4, 0.2]).all(|((_, found), expected)| near(*found, expected)), "{stated:?}");
+    let expected = [
+        "town.gltf: extensions not read: KHR_materials_ior",
+        "town.gltf: 1 materials (`material_3` is the first) have a texture",
+        "town.gltf: 1 materials (`material_3` is the first) let light through",
+        "town.gltf: 2 materials (`half` is the first) are metallic",
+        "town.gltf: 1 nodes have skins",
+    ];
+    assert_eq!(geometry.warnings.len(), expected.len(), "{:?}", geometry.warnings);
+    assert!(
+        geometry.warnings.iter().zip(expected).all(|(found, begin)| found.starts_with(begin)),
+        "{:?}",
+        geometry.warnings
+    );
+    let plain = Asked { reflectances: false, lod: None };
+    let named = super::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &plain).expect("readable");
+    assert_eq!(named.materials.as_slice(), ["roof", "half", "material_3", "bare", "default"]);
+    assert_eq!((named.stated.len(), named.warnings.len()), (0, 2));
+}
+
+/// 45 wrong files are refused with what was found; billions of values without bytes take no memory.
+#[test]
+fn refusals() {
+    let plain = || scene(json!([{"mesh": 0}]));
+    let nodes = |nodes: Value| scene(nodes);
+    let mut nan = cube_bytes();
+    nan[4..8].copy_from_slice(&f32::NAN.to_le_bytes());
+    let mut beyond = cube_bytes();
+    beyond[96] = 8;
+    let required = |name: &str| with(plain(), "/extensionsRequired", json!([name]));
+    for (json, said) in [
+        (json!(null), "the JSON is not that of glTF"),
+        (json!({"asset": {"version": "1.0"}, "meshes": {}}), "found glTF 1.0, this release supports glTF 2.0"),
+        (json!({"asset": {"version": "2.0"}}), "holds no triangles (0 nodes"),
+        (with(plain(), "/nodes/0/mesh", Value::Null), "holds no triangles (1 nodes, 0 meshes of other kinds)"),
+        (
+            with(plain(), "/meshes/0/primitives/0/mode", json!(0)),
+            "holds no triangles (1 nodes, 1 meshes of other kinds)",
+        ),
+        (with(plain(), "/scene", json!(3)), "scene 3 is to be shown, but there are 1"),
+        (with(plain(), "/scene", json!(-1)), "invalid value: integer `-1`"),
+        (with(plain(), "/nodes/0/mesh", json!(4_000_000_000_u32)), "mesh 4000000000, which does not exist"),
+        (nodes(json!([{"children": [0]}])), "node 0 has two parents or is one of its own children"),
+        (nodes(json!([{"children": [1]}, {"children": [2]}, {"children": [1]}])), "node 1 has two parents"),
+        (nodes(json!([{"children": [7]}])), "node 7 does not exist, there are 1"),
+        (nodes(json!([{"mesh": 0, "rotation": [0, 0, 0, 0]}])), "node 0 has a rotation that is no unit quaternion"),
+        (nodes(json!([{"mesh": 0, "matrix": [0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,0]}])), "matrix that is no placement"),
+        (nodes(json!([{"mesh": 0, "matrix": [1, 2]}])), "the JSON is not that of glTF"),
+        (nodes(json!([{"mesh": 0, "translation": [1e300, 0, 0]}])), "vertex 0 of `cube` lies at [1"),
+        (nodes(json!([{"mesh": 0, "scale": [1e300, 1e300, 1]}, {}])), "beyond all positions on Earth"),
+        (with(plain(), "/buffers/0/uri", json!(data(&nan))), "vertex 0 of `cube` lies at [NaN, "),
+        (with(plain(), "/buffers/0/uri", json!(data(&beyond))), "triangle of vertex 8, but vertices are 0 to 7"),
+        (with(plain(), "/buffers/0/uri", json!("data:;base64,AA*A")), "buffer 0 is no base64"),
+        (with(plain(), "/buffers/0/uri", json!("data:text/plain,hello")), "which is not written in base64"),
+        (with(plain(), "/buffers/0/uri", json!("../cube.bin")), "`../cube.bin`, not a file in the folder"),
+        (with(plain(), "/buffers/0/uri", json!("a/%2e%2e/%2E%2E/cube.bin")), "not a file in the folder"),
+        (with(plain(), "/buffers/0/uri", json!("/etc/passwd")), "`/etc/passwd`, not a file in the folder"),
+        (with(plain(), "/buffers/0/uri", json!("https://example.org/a.bin")), "not a file in the folder"),
+        (with(plain(), "/buffers/0/uri", json!("gone.bin")), "cannot read the buffer gone.bin: "),
+        (with(plain(), "/buffers/0/uri", Value::Null), "is in buffer 0, which does not exist or has no bytes"),
+        (with(plain(), "/buffers/0/byteLength", json!(u64::MAX)), "buffer 0 has 168 of its 18446744073709551615 bytes"),
+        (with(plain(), "/bufferViews/1/byteLength", json!(73)), "accessor 1 is in buffer view 1, which reaches beyond"),
+        (with(plain(), "/bufferViews/1/byteOffset", json!(u64::MAX)), "buffer view 1, which reaches beyond its buffer"),
+        (with(plain(), "/bufferViews/1/buffer", json!(9)), "accessor 1 is in buffer 9, which does not exist"),
+        (with(plain(), "/bufferViews/0/byteStride", json!(1)), "accessor 0 has values of 12 bytes every 1 bytes"),
+        (
+            with(plain(), "/accessors/0/count", json!(9)),
+            "accessor 0 has 9 values every 12 bytes, more than its buffer view",
+        ),
+        (with(plain(), "/accessors/0/count", json!(u64::MAX)), "accessor 0 has 18446744073709551615 values"),
+        (with(plain(), "/accessors/0/byteOffset", json!(u64::MAX)), "more than its buffer view of 96 bytes"),
+        (with(plain(), "/accessors/0/bufferView", json!(5)), "accessor 0 is in buffer view 5, which does not exist"),
+        (with(plain(), "/accessors/0/bufferView", Value::Null), "accessor 0 has no buffer view"),
+        (with(plain(), "/accessors/0/componentType", json!(5130)), "component type 5130"),
+        (with(plain(), "/accessors/0/type", json!("VEC9")), "accessor 0 is `VEC9`"),
+        (with(plain(), "/accessors/1/componentType", json!(5122)), "`cube` has positions or indices of a type"),
+        (with(plain(), "/accessors/0/sparse", json!({"count": 1})), "found a sparse one"),
+        (with(plain(), "/meshes/0/primitives/0/material", json!(2)), "material 2 is used but not there; there are 0"),
+        (with(plain(), "/meshes/0/primitives/0/indices", json!(2)), "accessor 2 does not exist"),
+        (
+            required("KHR_draco_mesh_compression"),
+            "KHR_draco_mesh_compression, this release supports meshes without compression",
+        ),
+        (required("EXT_meshopt_compression"), "EXT_meshopt_compression, this release supports meshes without"),
+        (required("ACME_\u{1b}thing"), "the required extension ACME_\u{fffd}thing"),
+    ] {
+        let message = parse(&json).map(drop).expect_err(said).to_string();
+        let names_file = message.contains("town.gltf") || message.contains("gone.bin");
+        assert!(names_file && message.contains(said), "{said}: {message}");
+    }
+}
+
+/// 8 .glb files cut anywhere or with wrong lengths are refused; 9,000 instances of 12 triangles beyond the limit too.
+#[test]
+fn hostile_containers() {
+    let whole = glb(&with(scene(json!([{"mesh": 0}])), "/buffers/0/uri", Value::Null), &cube_bytes());
+    let parse = |bytes: &[u8]| super::parse(bytes, Path::new("town.glb"), &asked()).map(drop);
+    parse(&whole).expect("readable");
+    for length in [4, 8, 12, 19, 20, 200, whole.len() - 1] {
+        let message = parse(&whole[..length]).expect_err("cut").to_string();
+        assert!(message.starts_with("town.glb: the file "), "{length}: {message}");
+    }
+    let mut long = whole.clone();
+    long[12..16].fill(255);
+    assert!(parse(&long).expect_err("long").to_string().contains("no whole JSON chunk"));
+    let mut old = whole.clone();
+    old[4] = 1;
+    assert!(parse(&old).expect_err("old").to_string().contains("found binary glTF 1"));
+
+    // Shortened for tests: 100,000 triangles.
+    let nodes: Vec<Value> = std::iter::once(json!({"children": (1..=9_000).collect::<Vec<u32>>()}))
+        .chain(std::iter::repeat_n(json!({"mesh": 0}), 9_000))
+        .collect();
+    let message = parse(scene(json!(nodes)).to_string().as_bytes()).expect_err("too many").to_string();
+    assert_eq!(message, "the number of triangles of all instances in town.glb is 100008, the limit is 100000");
+}

@@ -1,0 +1,141 @@
+//! In: the bytes of a PLY file, text or binary of either byte order. Out: its polygons; colours and all other properties are passed over.
+//!
+//! Read here: `ply-rs-bw` gives a map of values or its caller's struct for each vertex, and skips no element without keeping it.
+//! Source: G. Turk, The PLY Polygon File Format, 1994.
+
+use std::fs;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::obj::DEFAULT_MATERIAL;
+use super::ply_body::Body;
+use super::ply_header::{Element, Header, Property};
+use super::{Asked, stem};
+use crate::error::{Error, Result};
+use crate::scene::geometry::{Geometry, is_position};
+
+pub(super) fn read(path: &Path, _asked: &Asked) -> Result<Geometry> {
+    parse(&fs::read(path).map_err(Error::io(path, "read"))?, path)
+}
+
+fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
+    let (header, body) = Header::read(bytes, file)?;
+    let mut body = Body::new(&header, body, file);
+    let mut geometry = Geometry::default();
+    let vertices = header.elements.iter().filter(|element| element.name == "vertex").map(|element| element.count).sum();
+    for element in &header.elements {
+        match element.name.as_str() {
+            "vertex" => read_vertices(element, &mut body, &mut geometry)?,
+            "face" => read_faces(element, vertices, &mut body, &mut geometry)?,
+            _ => skip(element, &mut body)?,
+        }
+    }
+    if geometry.face_count() == 0 {
+        let other: Vec<&str> = header.elements.iter().map(|element| element.name.as_str()).collect();
+        return Err(if other.contains(&"tristrips") {
+            Error::Unsupported {
+                what: format!("the scene {}", file.display()),
+                found: "triangle strips".into(),
+                supported: "`element face`: export polygons".into(),
+            }
+        } else {
+            let what = format!("the file holds no faces ({} vertices were read)", geometry.vertices.len());
+            Error::input(file, None, what, "a cloud of points shades nothing: export a surface, `element face`")
+        });
+    }
+    let left = body.left();
+    if left > 0 {
+        let text = format!("{}: {left} bytes after the last element were passed over", file.display());
+        geometry.warnings.push(text);
+    }
+    Ok(geometry)
+}
+
+fn read_vertices<'b>(element: &'b Element, body: &mut Body<'b>, geometry: &mut Geometry) -> Result<()> {
+    let mut axes = Vec::with_capacity(3);
+    for axis in ["x", "y", "z"] {
+        let found = element.properties.iter().position(|property| property.name == axis && property.list.is_none());
+        axes.push(found.ok_or_else(|| {
+            let what = format!("`element vertex` has no property `{axis}` that is a number");
+            Error::input(body.file, element.line, what, "export positions as x, y and z")
+        })?);
+    }
+    for i in 0..element.count {
+        body.begin(element, i)?;
+        let mut position = [f64::NAN; 3];
+        for (place, property) in element.properties.iter().enumerate() {
+            if property.list.is_some() {
+                pass_over(property, body)?;
+                continue;
+            }
+            let value = body.number(property.kind)?;
+            for (axis, coordinate) in axes.iter().zip(&mut position) {
+                if *axis == place {
+                    *coordinate = value;
+                }
+            }
+        }
+        let position = DVec3::from(position);
+        if !is_position(position) {
+            return Err(body.error(&format!("lies at {position}; positions are metres, at most 1e9 in size")));
+        }
+        geometry.push_vertex(body.file, position)?;
+    }
+    Ok(())
+}
+
+fn read_faces<'b>(element: &'b Element, vertices: u64, body: &mut Body<'b>, geometry: &mut Geometry) -> Result<()> {
+    let is_corners = |property: &Property| ["vertex_indices", "vertex_index"].contains(&property.name.as_str());
+    let corners = element.properties.iter().position(|property| is_corners(property) && property.list.is_some());
+    if corners.is_none() && element.count > 0 {
+        let what = "`element face` has no list `vertex_indices`";
+        return Err(Error::input(body.file, element.line, what, "export polygons, not strips or edges"));
+    }
+    let (material, object) = (geometry.materials.id(DEFAULT_MATERIAL), geometry.objects.id(&stem(body.file)));
+    for i in 0..element.count {
+        body.begin(element, i)?;
+        for (place, property) in element.properties.iter().enumerate() {
+            if Some(place) != corners {
+                pass_over(property, body)?;
+                continue;
+            }
+            let count = body.count(property)?;
+            for _ in 0..count {
+                let corner = body.number(property.kind)?;
+                // Exact: below 2^32 every index is an f64.
+                if !(corner >= 0.0 && corner < vertices.min(1 << 32) as f64 && corner.fract() == 0.0) {
+                    return Err(
+                        body.error(&format!("names vertex {corner}, but vertices are 0 to {}", vertices as f64 - 1.0))
+                    );
+                }
+                geometry.push_corner(corner as u32);
+            }
+        }
+        geometry.end_face(material, object, body.line());
+    }
+    Ok(())
+}
+
+fn skip<'b>(element: &'b Element, body: &mut Body<'b>) -> Result<()> {
+    // Without properties an item takes no byte of a binary file, and a hostile file claims billions.
+    if element.properties.is_empty() && body.is_binary() {
+        return Ok(());
+    }
+    for i in 0..element.count {
+        body.begin(element, i)?;
+        for property in &element.properties {
+            pass_over(property, body)?;
+        }
+    }
+    Ok(())
+}
+
+fn pass_over(property: &Property, body: &mut Body) -> Result<()> {
+    let count = if property.list.is_some() { body.count(property)? } else { 1 };
+    body.skip(property.kind, count)
+}
+
+#[cfg(test)]
+#[path = "ply_tests.rs"]
+mod tests;
