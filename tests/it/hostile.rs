@@ -15,6 +15,7 @@ use heliotile::recombine::components::ComponentSet;
 use heliotile::recombine::replay::{Replay, ReplaySettings};
 use heliotile::recombine::sky::SkyModel;
 
+use heliotile::scene::Scene;
 use heliotile::scene::cells::CellKey;
 use heliotile::scene::mirrors::Chain;
 
@@ -86,6 +87,34 @@ fn seeds_are_valid() {
     fs::write(&path, archive).expect("written");
     let report = verify(&path, Access::Read, true).expect("an archive");
     assert_eq!((report.problems.len(), report.blocks), (0, 9));
+}
+
+/// The seeds of all 11 formats of scenes are scenes of 1 to 4 triangles.
+#[test]
+fn scene_seeds_are_valid() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let mut read = 0;
+    for (target, name) in [
+        ("obj", "a.obj"),
+        ("cityjson", "a.city.json"),
+        ("cityjson_seq", "a.city.jsonl"),
+        ("geotiff", "a.tif"),
+        ("ascii_grid", "a.asc"),
+        ("epjson", "a.epJSON"),
+        ("idf", "a.idf"),
+        ("gltf", "a.gltf"),
+        ("glb", "a.glb"),
+        ("stl", "a.stl"),
+        ("ply", "a.ply"),
+    ] {
+        let seed = corpus(target).into_iter().find(|(name, _)| name == "seed").expect(target).1;
+        let path = folder.path().join(name);
+        fs::write(&path, seed).expect("written");
+        let scene = Scene::load(&path, None).unwrap_or_else(|error| panic!("{target}: {error}"));
+        assert!((1..=24).contains(&scene.mesh.triangles.len()), "{target}: {}", scene.mesh.triangles.len());
+        read += 1;
+    }
+    assert_eq!(read, 11);
 }
 
 /// Eight manifests that lie about the sides of textures, and a tile with fewer responses than receivers, are refused by both

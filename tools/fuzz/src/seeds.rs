@@ -21,6 +21,90 @@ const RECEIVERS: &str = "receiver,x,y,z,nx,ny,nz,area,surface\nr1,7,3,1,0,0,1,2.
 const CONDITIONS: &str =
     "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,55.5,800,100\nnight,0,-30,0,0\n";
 
+const CITYJSON: &str = r#"{"type":"CityJSON","version":"2.0","transform":{"scale":[0.001,0.001,0.001],"translate":[78000,457000,2]},
+"metadata":{"referenceSystem":"https://www.opengis.net/def/crs/EPSG/0/7415"},
+"CityObjects":{"house":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"2.2","boundaries":[[[0,1,2,3],[4,5,6]],[[0,1,7]]],
+"semantics":{"surfaces":[{"type":"RoofSurface"},{"type":"WallSurface"}],"values":[0,1]}}]},
+"tree":{"type":"SolitaryVegetationObject","geometry":[{"type":"GeometryInstance","template":0,"boundaries":[7],
+"transformationMatrix":[2,0,0,0,0,2,0,0,0,0,2,0,0,0,0,1]}]}},
+"geometry-templates":{"templates":[{"type":"MultiSurface","lod":"1","boundaries":[[[0,1,2]]]}],"vertices-templates":[[0,0,0],[1,0,0],[0,0,1]]},
+"vertices":[[0,0,0],[9000,0,0],[9000,9000,0],[0,9000,0],[1000,1000,0],[2000,1000,0],[1000,2000,0],[5000,0,7000]]}"#;
+const CITYJSON_SEQ: &str = r#"{"type":"CityJSON","version":"2.0","transform":{"scale":[0.01,0.01,0.01],"translate":[0,0,0]},"CityObjects":{},"vertices":[]}
+{"type":"CityJSONFeature","id":"a","CityObjects":{"a":{"type":"Building","geometry":[{"type":"Solid","lod":"1","boundaries":[[[[0,1,2]],[[0,2,3]]]]}]}},"vertices":[[0,0,0],[900,0,0],[900,900,0],[0,0,900]]}
+"#;
+const ASCII_GRID: &str = "ncols 3\nnrows 2\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\nNODATA_value -9999\n1 2 3\n4 -9999 6.5\n";
+const EPJSON: &str = r#"{"Version":{"Version 1":{"version_identifier":"25.1"}},
+"Building":{"b":{"north_axis":30}},"GlobalGeometryRules":{"r":{"coordinate_system":"Relative","starting_vertex_position":"UpperLeftCorner",
+"vertex_entry_direction":"Counterclockwise"}},"Zone":{"z":{"x_origin":5,"direction_of_relative_north":10}},
+"BuildingSurface:Detailed":{"wall":{"surface_type":"Wall","construction_name":"c","zone_name":"z","outside_boundary_condition":"Outdoors",
+"vertices":[{"vertex_x_coordinate":0,"vertex_y_coordinate":0,"vertex_z_coordinate":3},{"vertex_x_coordinate":0,"vertex_y_coordinate":0,
+"vertex_z_coordinate":0},{"vertex_x_coordinate":8,"vertex_y_coordinate":0,"vertex_z_coordinate":0},{"vertex_x_coordinate":8,
+"vertex_y_coordinate":0,"vertex_z_coordinate":3}]}},"Window":{"w":{"building_surface_name":"wall","construction_name":"c",
+"starting_x_coordinate":1,"starting_z_coordinate":1,"length":2,"height":1}},"Shading:Overhang":{"o":{"window_or_door_name":"w",
+"height_above_window_or_door":0.1,"depth":1,"tilt_angle_from_window_door":90}}}"#;
+const IDF: &str = "Version,25.1;\r\nBuilding,b,30; ! north\nGlobalGeometryRules,UpperLeftCorner,Counterclockwise,Relative;\nZone,z,0,5,0,0;\n\
+                   BuildingSurface:Detailed,wall,Wall,c,z,,Outdoors,,SunExposed,WindExposed,,4,0,0,3,0,0,0,8,0,0,8,0,3;\n\
+                   Shading:Site:Detailed,s,,3,0,-5,0,9,-5,0,9,-5,9;\n";
+const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[1,2,3],"name":"n"}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"materials":[{"name":"wall"}],
+"buffers":[{"byteLength":42,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}]}"#;
+const STL: &str = "solid house\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+                   property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+const SITE: &str = "[[scene]]\nfile = \"town.obj\"\nmaterials = \"materials.toml\"\n[[scene]]\nfile = \"town.obj\"\noffset = [1, 2, 3]\nscale = 0.5\nup = \"y\"\n";
+
+/// A GeoTIFF of 3 x 2 heights, uncompressed, with its place in UTM zone 11.
+fn geotiff() -> Vec<u8> {
+    let doubles = |values: &[f64]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let keys: Vec<u8> =
+        [1_u16, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32611].iter().flat_map(|key| key.to_le_bytes()).collect();
+    let heights: Vec<u8> = [1.0_f32, 2., 3., 4., 5., 6.].iter().flat_map(|height| height.to_le_bytes()).collect();
+    // Tag, type, count, and bytes that stand behind the directory.
+    let long: [(u16, u16, u32, Vec<u8>); 4] = [
+        (273, 4, 1, heights),
+        (33550, 12, 3, doubles(&[30., 30., 0.])),
+        (33922, 12, 6, doubles(&[0., 0., 0., 5e5, 4e6, 0.])),
+        (34735, 3, 12, keys),
+    ];
+    let short = [(256, 3), (257, 2), (258, 32), (259, 1), (262, 1), (277, 1), (278, 2), (279, 24), (339, 3)];
+    let count = short.len() + long.len();
+    let mut place = 8 + 2 + 12 * count as u32 + 4;
+    let (mut entries, mut behind) = (Vec::new(), Vec::new());
+    for (tag, value) in short {
+        entries.push((tag, 3_u16, 1_u32, value));
+    }
+    for (tag, kind, count, bytes) in long {
+        entries.push((tag, kind, count, place));
+        place += bytes.len() as u32;
+        behind.extend(bytes);
+    }
+    entries.sort_unstable();
+    let mut out = b"II*\0\x08\0\0\0".to_vec();
+    out.extend((count as u16).to_le_bytes());
+    for (tag, kind, count, value) in entries {
+        out.extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
+    }
+    out.extend([0; 4]);
+    out.extend(behind);
+    out
+}
+
+/// The glTF seed as one binary file.
+fn glb() -> Vec<u8> {
+    let uri = GLTF.find(",\"uri\"").expect("a buffer");
+    let end = uri + 2 + GLTF[uri + 2..].find("\"}").expect("its end") + 1;
+    let mut json = format!("{}{}", &GLTF[..uri], &GLTF[end..]).into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let corners = [[0.0_f32, 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+    let mut buffer: Vec<u8> = corners.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    buffer.extend([0, 0, 1, 0, 2, 0, 0, 0]);
+    let chunk = |kind: &[u8; 4], bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], kind, bytes].concat();
+    let body = [chunk(b"JSON", &json), chunk(b"BIN\0", &buffer)].concat();
+    [&b"glTF\x02\0\0\0"[..], &(12 + body.len() as u32).to_le_bytes(), &body].concat()
+}
+
 /// Writes `seed-*` into the folders of the corpus.
 pub fn write() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -85,6 +169,21 @@ pub fn write() {
 
     seed("obj", OBJ.as_bytes());
     seed("mtl", MTL.as_bytes());
+    for (target, text) in [
+        ("cityjson", CITYJSON),
+        ("cityjson_seq", CITYJSON_SEQ),
+        ("ascii_grid", ASCII_GRID),
+        ("epjson", EPJSON),
+        ("idf", IDF),
+        ("gltf", GLTF),
+        ("stl", STL),
+        ("ply", PLY),
+        ("site", SITE),
+    ] {
+        seed(target, text.as_bytes());
+    }
+    seed("geotiff", &geotiff());
+    seed("glb", &glb());
     seed("materials", MATERIALS.as_bytes());
     seed("receivers", RECEIVERS.as_bytes());
     seed("conditions", CONDITIONS.as_bytes());

@@ -19,12 +19,13 @@ use heliotile::recombine::temperatures::emissions;
 use heliotile::scene::Scene;
 use heliotile::scene::receiver_tiles::ReceiverTiles;
 use heliotile::scene::receivers::read_receivers_with_warnings;
+use heliotile::scene::site::Site;
 
 /// A reader of foreign bytes.
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 17] = [
+pub const TARGETS: [(&str, Target); 28] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -37,6 +38,17 @@ pub const TARGETS: [(&str, Target); 17] = [
     ("response", response),
     ("obj", obj),
     ("mtl", mtl),
+    ("cityjson", cityjson),
+    ("cityjson_seq", cityjson_seq),
+    ("geotiff", geotiff),
+    ("ascii_grid", ascii_grid),
+    ("epjson", epjson),
+    ("idf", idf),
+    ("gltf", gltf),
+    ("glb", glb),
+    ("stl", stl),
+    ("ply", ply),
+    ("site", site),
     ("materials", materials),
     ("receivers", receivers),
     ("conditions", conditions),
@@ -248,6 +260,65 @@ fn obj(data: &[u8]) {
 fn mtl(data: &[u8]) {
     file("a.mtl", data);
     let _ = Scene::load(&file("town.obj", OBJ), None);
+}
+
+/// A scene file of any format: what comes out is finite.
+fn scene(name: &str, data: &[u8]) {
+    if let Ok(scene) = Scene::load(&file(name, data), None) {
+        assert!(scene.mesh.vertices.iter().all(|v| v.is_finite()) && scene.mesh.origin.is_finite());
+        assert!((0..scene.mesh.triangles.len()).all(|i| scene.mesh.normal(i).is_normalized()));
+    }
+}
+
+fn cityjson(data: &[u8]) {
+    scene("town.city.json", data);
+}
+
+fn cityjson_seq(data: &[u8]) {
+    scene("town.city.jsonl", data);
+}
+
+fn geotiff(data: &[u8]) {
+    scene("hills.tif", data);
+}
+
+fn ascii_grid(data: &[u8]) {
+    scene("hills.asc", data);
+}
+
+fn epjson(data: &[u8]) {
+    scene("office.epJSON", data);
+}
+
+fn idf(data: &[u8]) {
+    scene("office.idf", data);
+}
+
+fn gltf(data: &[u8]) {
+    scene("house.gltf", data);
+}
+
+fn glb(data: &[u8]) {
+    scene("house.glb", data);
+}
+
+fn stl(data: &[u8]) {
+    scene("house.stl", data);
+}
+
+fn ply(data: &[u8]) {
+    scene("house.ply", data);
+}
+
+/// Files that it names are there.
+fn site(data: &[u8]) {
+    file("town.obj", OBJ);
+    file("materials.toml", MATERIALS);
+    if let Ok(site) = Site::of(&[file("site.toml", data)], None)
+        && site.files().all(|file| file.ends_with("town.obj") || file.ends_with("materials.toml"))
+    {
+        let _ = Scene::load_site(&site);
+    }
 }
 
 fn materials(data: &[u8]) {
