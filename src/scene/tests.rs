@@ -193,7 +193,7 @@ fn damaged_files() {
             continue;
         };
         let cut = polygon::triangulate(&obj).expect("small faces");
-        let mesh = canonical(&obj.vertices, cut.triangles).expect("few triangles").mesh;
+        let mesh = canonical(&obj.vertices, cut.triangles, None).expect("few triangles").mesh;
         assert!(mesh.vertices.is_sorted_by(|a, b| mesh::lexicographic(*a, *b).is_lt()));
         for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
             assert!(a < b && a < c && mesh.normal(i).is_normalized());

@@ -24,6 +24,7 @@ mod scenes;
 mod site;
 mod store;
 mod study;
+mod terrain;
 mod tidy;
 mod transfer;
 mod weather;

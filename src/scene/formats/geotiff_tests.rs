@@ -3,8 +3,8 @@
 use super::*;
 use crate::scene::reference::Reference;
 use tiff::encoder::colortype::{ColorType, Gray16, Gray32Float, Gray64Float, GrayI16, GrayI32, RGB8};
-use tiff::encoder::compression::{Compression, DeflateLevel};
-use tiff::encoder::{TiffEncoder, TiffValue};
+use tiff::encoder::compression::DeflateLevel;
+use tiff::encoder::{Compression, TiffEncoder, TiffValue};
 use tiff::tags::Predictor;
 
 const SCALE: [f64; 3] = [10.0, 20.0, 0.0];

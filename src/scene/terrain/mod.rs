@@ -4,4 +4,6 @@
 pub(super) mod focus;
 pub(super) mod raster;
 pub(super) mod surface;
+#[cfg(test)]
+mod tests;
 mod thinning;

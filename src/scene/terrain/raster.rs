@@ -162,7 +162,7 @@ impl Raster {
 
     /// Height of a sample; NaN where there is none, beyond the edges too.
     #[inline]
-    pub(super) fn height(&self, column: i64, row: i64) -> f32 {
+    pub(in crate::scene) fn height(&self, column: i64, row: i64) -> f32 {
         let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { return f32::NAN };
         if column >= self.grid.columns {
             return f32::NAN;

@@ -1,0 +1,111 @@
+//! Rasters as scenes and beside other files.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+use crate::scene::Scene;
+use crate::scene::site::{Part, Site};
+
+/// Hills of `columns` x `rows` cells of 500 m from (400,000, 5,000,000), with one height missing.
+fn grid(columns: usize, rows: usize) -> String {
+    let mut text = format!(
+        "ncols {columns}\nnrows {rows}\nxllcorner 400000\nyllcorner 5000000\ncellsize 500\nNODATA_value -9999\n"
+    );
+    for i in 0..columns * rows {
+        let (x, y) = ((i % columns) as f64, (i / columns) as f64);
+        let height = 900.0 + 300.0 * (x * 0.3).sin() * (y * 0.2).cos();
+        let height = if i == 7 * columns + 7 { -9999.0 } else { height };
+        writeln!(text, "{height:.2}").expect("a string");
+    }
+    text
+}
+
+/// A house of 10 m whose corners have millimetres, at the south-west end of the grid.
+fn house() -> (String, [[f64; 3]; 4]) {
+    let corners = [
+        [402_000.125, 5_002_000.033, 950.017],
+        [402_010.126, 5_002_000.033, 950.017],
+        [402_010.126, 5_002_009.871, 953.401],
+        [402_000.125, 5_002_009.871, 953.401],
+    ];
+    let vertices: String = corners.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    (format!("{vertices}usemtl roof\nf 1 2 3 4\n"), corners)
+}
+
+fn parts(files: &[(&str, String)]) -> (tempfile::TempDir, Vec<Part>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str, text: &String| -> PathBuf {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path
+    };
+    let parts = files.iter().map(|(name, text)| Part::plain(&path(name, text), None)).collect();
+    (folder, parts)
+}
+
+fn load(parts: &[Part]) -> Scene {
+    Scene::load_site(&Site { parts: parts.to_vec() }).expect("a scene")
+}
+
+/// A raster alone is 2 x 79 x 59 triangles less the 8 or 4 at nodata, all facing up, under material `terrain`, without a note.
+#[test]
+fn alone() {
+    let (_folder, parts) = parts(&[("t.asc", grid(80, 60))]);
+    let scene = load(&parts);
+    assert_eq!(scene.mesh.triangles.len(), 2 * 79 * 59 - 8);
+    assert!((0..scene.mesh.triangles.len()).all(|i| scene.mesh.normal(i).z > 0.5));
+    assert_eq!((scene.materials[0].name.as_str(), scene.report.notes.len()), ("terrain", 0));
+    assert!(scene.report.warnings.iter().any(|w| w.contains("8 left out at nodata")), "{:?}", scene.report.warnings);
+    let (low, high) = scene.mesh.bounds();
+    let size = high - low;
+    assert_eq!([size.x, size.y], [39_500.0, 29_500.0]);
+}
+
+/// Beside a house at its corner, terrain of 40 km leaves the house's corners within 0.1 mm, is thinned with a note of an error below
+/// 0.05 degrees, and its far corner is lowered by 0.068 m/km^2: 146.3 m; the order of the files changes nothing.
+#[test]
+fn around_a_house() {
+    let (text, corners) = house();
+    let (_folder, mut parts) = parts(&[("t.asc", grid(80, 60)), ("h.obj", text)]);
+    let scene = load(&parts);
+    let mesh = &scene.mesh;
+    for corner in corners.map(DVec3::from) {
+        let nearest = mesh.vertices.iter().map(|&v| (v + mesh.origin - corner).length()).fold(f64::MAX, f64::min);
+        assert!(nearest < 1e-4, "{corner}: {nearest} m");
+    }
+    let [note] = scene.report.notes.as_slice() else { panic!("{:?}", scene.report.notes) };
+    assert!(note.contains("(limit 0.05)") && note.contains("46.3 km") && note.contains("refraction 0.13"), "{note}");
+    assert!(mesh.triangles.len() < 2 * 79 * 59, "{note}");
+    // The sample in the north-east, (439,750, 5,029,750), is column 79 of row 0.
+    let far = mesh
+        .vertices
+        .iter()
+        .map(|&v| v + mesh.origin)
+        .find(|p| (p.x - 439_750.0).abs() < 1.0 && (p.y - 5_029_750.0).abs() < 1.0);
+    let level = 900.0 + 300.0 * (79.0_f64 * 0.3).sin();
+    let (dx, dy) = (439_750.0 - 402_060.126, 5_029_750.0 - 5_002_059.871);
+    let drop = 0.87 * (dx * dx + dy * dy) / (2.0 * 6_371_000.0);
+    assert!((level - drop - far.expect("a corner").z).abs() < 0.02, "{drop} {level} {far:?}");
+    parts.reverse();
+    assert_eq!(load(&parts).content_hash(), scene.content_hash());
+}
+
+/// Full resolution on request: 0 degrees keep all triangles beside a house; 0.2 degrees leave fewer than 0.02 do; y_up is refused.
+#[test]
+fn asked() {
+    let (text, _) = house();
+    let (_folder, parts) = parts(&[("t.asc", grid(80, 60)), ("h.obj", text)]);
+    let [terrain, house] = parts.as_slice() else { panic!("two parts") };
+    let count = |angle: f64| {
+        let terrain = Part { horizon_deg: Some(angle), ..terrain.clone() };
+        load(&[terrain, house.clone()]).mesh.triangles.len()
+    };
+    let found = [0.0, 0.02, 0.2].map(count);
+    assert_eq!(found[0], 2 * 79 * 59 - 8 + 2);
+    assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
+    let turned = Part { y_up: true, ..terrain.clone() };
+    let message = Scene::load_site(&Site { parts: vec![turned] }).expect_err("no y up").to_string();
+    assert!(message.contains("y_up is asked of a raster"), "{message}");
+}
