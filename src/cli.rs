@@ -204,7 +204,7 @@ pub struct QueryArgs {
 pub struct ReplayArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Weather file, EPW
+    /// Weather file, EPW or TMY3 (CSV)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Rows: means in W/m2, or sums in kWh/m2

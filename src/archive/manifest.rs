@@ -10,6 +10,7 @@ use serde_json::Value;
 use super::accuracy::Accuracy;
 use super::format::{self, Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
 use crate::error::{Error, Result};
+use crate::scene::reference::Place;
 
 /// Keys that this release does not know.
 pub type Unknown = BTreeMap<String, Value>;
@@ -31,6 +32,9 @@ pub struct Manifest {
     /// What the build estimated of its own error, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
+    /// Where on Earth the scene lies, if its files say so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<Place>,
     #[serde(flatten)]
     pub other: Unknown,
 }

@@ -60,7 +60,7 @@ pub struct ExportArgs {
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
     pub bounces: Depth,
-    /// Draw the sun's paths over the place of a weather file, EPW, into a .png; hours are those of its clock
+    /// Draw the sun's paths over the place of a weather file, EPW or TMY3, into a .png; hours are those of its clock
     #[arg(long, short, value_name = "FILE", conflicts_with = "latitude")]
     pub weather: Option<PathBuf>,
     /// Draw them over a latitude, degrees, north positive; hours are mean solar time

@@ -19,7 +19,7 @@ pub struct TradeoffArgs {
     /// Receivers to try settings on, spread over the site
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub sample: u16,
-    /// Weather file (EPW) to estimate errors and to time replays under [default: suns from all sides]
+    /// Weather file (EPW or TMY3) to estimate errors and to time replays under [default: suns from all sides]
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
     /// Also try each setting alone: sources.csv and a picture (takes several times as long)

@@ -15,11 +15,11 @@ use crate::outputs::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
 use crate::outputs::view_factors::ViewFactorTable;
 use crate::recombine::conditions::Condition;
-use crate::recombine::epw::read_epw;
 use crate::recombine::maps::{Light, maps};
 use crate::recombine::receiver_view::ReceiverView;
 use crate::recombine::sun::Site;
 use crate::recombine::sun_path::SunPath;
+use crate::recombine::weather_file::read_weather;
 
 /// Kinds of images.
 enum Image {
@@ -118,7 +118,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
     }
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
-            let weather = read_epw(file)?;
+            let weather = read_weather(file)?;
             // Names are filled up with blanks in some files.
             let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
             let zone = weather.site.zone_hours;

@@ -13,10 +13,10 @@ use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::surfaces::{SurfaceMeans, Surfaces};
 use crate::outputs::table::{Format, Places, TableWriter, files_of};
+use crate::recombine::apart::far_apart;
 use crate::recombine::bins::Bins;
 use crate::recombine::components::{Component, ComponentList};
 use crate::recombine::conditions::{Condition, read_conditions};
-use crate::recombine::epw::{read_epw, read_epw_with_air};
 use crate::recombine::load::{lets_through, materials};
 use crate::recombine::reflectances::{Changeable, Changes, Follow};
 use crate::recombine::replay::{Replay, ReplaySettings};
@@ -24,6 +24,7 @@ use crate::recombine::span::Span;
 use crate::recombine::states::Schedule;
 use crate::recombine::temperatures::emissions;
 use crate::recombine::weather::Row;
+use crate::recombine::weather_file::{read_weather, read_weather_with_air};
 use crate::recombine::years::Years;
 
 /// What results are made of.
@@ -90,10 +91,12 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         });
     }
     let span = Span::new(args.from, args.to)?;
-    let weather = if longwave { read_epw_with_air(&args.weather)? } else { read_epw(&args.weather)? };
+    let weather = if longwave { read_weather_with_air(&args.weather)? } else { read_weather(&args.weather)? };
     weather.report.warnings.iter().for_each(|w| warn(w));
     let chosen = span.rows_of(&weather, &args.weather)?;
     let archive = open(&args.common)?;
+    let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
+    apart.iter().for_each(|apart| warn(apart));
     let steps = args.steps.unwrap_or_else(|| archive.manifest().settings.steps());
     // Labels are those of the whole file, whatever part of it is taken.
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));

@@ -19,10 +19,11 @@ use crate::error::{Error, Result};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
+use crate::recombine::apart::far_apart;
 use crate::recombine::components::Component;
-use crate::recombine::epw::read_epw;
 use crate::recombine::replay::{Replay, ReplaySettings};
 use crate::recombine::weather::Weather;
+use crate::recombine::weather_file::read_weather;
 use crate::recombine::years::Years;
 use crate::scene::Scene;
 use crate::scene::cover::Piece;
@@ -51,12 +52,13 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         guard_site(output, &site, &[Some(&args.weather), args.receivers.as_deref()])?;
     }
     guard_archive(&files.archive)?;
-    let weather = read_epw(&args.weather)?;
+    let weather = read_weather(&args.weather)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let (scene, covered) = match args.receivers {
         Some(_) => (load_scene(&args.scene)?, None),
         None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered)))?,
     };
+    scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
     fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
     if let Some(covered) = &covered {
         guard_output(&files.receivers, &[&args.weather])?;

@@ -1,8 +1,9 @@
-//! Recombine: layers of an archive and the weather of an hour become irradiance. In: an archive, `conditions.csv` or an EPW
-//! file, the choice of a sky. Out: six components and their total for every receiver and condition, and longwave irradiance where
+//! Recombine: layers of an archive and the weather of an hour become irradiance. In: an archive, `conditions.csv` or a
+//! weather file, the choice of a sky. Out: six components and their total for every receiver and condition, and longwave irradiance where
 //! it is asked for. It never casts a ray: nothing here imports the trace stage.
 
 pub mod air;
+pub mod apart;
 pub mod bins;
 pub mod bounces;
 pub mod calendar;
@@ -42,6 +43,8 @@ pub mod sun_path;
 pub mod suns;
 pub mod temperatures;
 pub mod tile;
+mod tmy3;
 pub mod values;
 pub mod weather;
+pub mod weather_file;
 pub mod years;

@@ -116,6 +116,9 @@ impl Changes {
             let covers: Vec<Option<f64>> = rows.iter().map(cover).collect();
             if covers.iter().all(Option::is_none) {
                 warnings.push(match snow {
+                    Snow::Depth if rows.iter().all(|row| row.snow_depth_cm.is_none()) => {
+                        "the weather file states no snow depth (TMY3 has none): --snow depth changes nothing".into()
+                    }
                     Snow::Depth => {
                         format!("the weather file never has {COVER_CM} cm of snow: --snow depth changes nothing")
                     }

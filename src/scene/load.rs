@@ -1,7 +1,7 @@
 //! Several files, one scene. In: the parts of a site. Out: a scene, and its triangles with the objects they belong to. Rasters come
 //! last, in the light of what they are the horizon of.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
@@ -11,6 +11,7 @@ use super::geometry::{Geometry, Names, is_position};
 use super::mesh::{Canonical, RawTriangle, bounds, canonical};
 use super::palette::Palette;
 use super::polygon::{self, OFF_PLANE_M, Triangulation, object_name};
+use super::reference::{Place, Reference, horizontal};
 use super::site::{Part, Site};
 use super::terrain::focus::Focus;
 use super::terrain::raster::Raster;
@@ -38,6 +39,8 @@ struct Pile {
     triangles: Vec<RawTriangle>,
     objects: Vec<u32>,
     names: Names,
+    /// What files say of their place: reference, lowest and highest corner in their own coordinates (offsets may be taken off).
+    references: Vec<(PathBuf, Reference, [DVec3; 2])>,
     report: LoadReport,
     /// Centre of all geometry but far terrain, if there is such terrain.
     focus: Option<DVec3>,
@@ -112,6 +115,12 @@ impl Pile {
     ) -> Result<()> {
         let cut = polygon::triangulate(&geometry)?;
         self.note(part, &geometry, &cut);
+        if let Some(reference) = geometry.reference
+            && let Some(first) = geometry.vertices.first()
+        {
+            let bounds = geometry.vertices.iter().fold([*first; 2], |[low, high], p| [low.min(*p), high.max(*p)]);
+            self.references.push((part.file.clone(), reference, bounds));
+        }
         let materials = palette.add(&part.file, &geometry, part.materials.as_deref());
         let objects: Vec<u32> = geometry.objects.as_slice().iter().map(|name| self.names.id(name)).collect();
         let first = self.positions.len() as u64;
@@ -168,14 +177,54 @@ impl Pile {
         }
     }
 
+    /// The place of the middle of all files with the first one's reference; warns of files with another one.
+    fn place(&mut self) -> Option<Place> {
+        let system = |reference: &Reference| match reference {
+            Reference::Epsg(epsg) => Reference::Epsg(horizontal(*epsg)),
+            place => *place,
+        };
+        let (first_file, first, bounds) = self.references.first()?;
+        let same = |reference: &Reference| system(reference) == system(first);
+        if let Some((file, other, _)) = self.references.iter().find(|(_, reference, _)| !same(reference)) {
+            let spelt = |reference: &Reference| match reference {
+                Reference::Epsg(epsg) => format!("EPSG:{epsg}"),
+                Reference::Place { latitude_deg, longitude_deg } => format!("{latitude_deg:.4} {longitude_deg:.4}"),
+            };
+            self.report.warnings.push(format!(
+                "{} is in {} and {} in {}; coordinates are taken as they stand, those of the first file give the place",
+                first_file.display(),
+                spelt(first),
+                file.display(),
+                spelt(other)
+            ));
+        }
+        let united = self.references.iter().filter(|(_, reference, _)| same(reference));
+        let [low, high] = united.fold(*bounds, |[low, high], (.., of)| {
+            let [from, to] = of;
+            [low.min(*from), high.max(*to)]
+        });
+        let middle = 0.5 * (low + high);
+        let place = first.place(middle.x, middle.y);
+        match (&place, first) {
+            (Some(place), _) => self.report.warnings.extend(place.warning()),
+            (None, Reference::Epsg(epsg)) => self.report.warnings.push(format!(
+                "{}: where EPSG:{epsg} lies is not known here, so weather is not compared with the scene's place",
+                first_file.display()
+            )),
+            _ => {}
+        }
+        place
+    }
+
     fn finish(
-        self,
+        mut self,
         site: &Site,
         palette: &Palette,
         ground: Option<(EndlessGround, u32)>,
         keep: bool,
     ) -> Result<(Scene, Soup)> {
-        let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus } = self;
+        let place = self.place();
+        let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, .. } = self;
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {
             late.extend(ground.add(&mut positions, &mut triangles, material));
@@ -204,6 +253,6 @@ impl Pile {
             objects,
             object_names: names.into_vec(),
         };
-        Ok((Scene { mesh, materials, report }, soup))
+        Ok((Scene { mesh, materials, place, report }, soup))
     }
 }

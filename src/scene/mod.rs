@@ -39,6 +39,7 @@ use crate::error::{Error, Result};
 use geometry::MAX_COORDINATE_M;
 use materials::{Class, Material, MaterialUse};
 use mesh::{Canonical, Mesh, RawTriangle, canonical};
+use reference::Place;
 
 /// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
 #[derive(Clone, Debug)]
@@ -46,6 +47,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// The materials in use, sorted by name.
     pub materials: Vec<Material>,
+    /// Where on Earth it lies, if its files say so; no part of its content.
+    pub place: Option<Place>,
     pub report: LoadReport,
 }
 
@@ -127,7 +130,7 @@ impl Scene {
             warnings: contested_warning(dropped.contested).into_iter().collect(),
             notes: Vec::new(),
         };
-        Ok(Scene { mesh, materials, report })
+        Ok(Scene { mesh, materials, place: None, report })
     }
 
     /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal

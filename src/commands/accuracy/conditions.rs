@@ -7,8 +7,8 @@ use glam::{DMat3, DVec3};
 use crate::commands::warn;
 use crate::error::{Error, Result};
 use crate::recombine::conditions::Condition;
-use crate::recombine::epw::read_epw;
 use crate::recombine::weather::Weather;
+use crate::recombine::weather_file::read_weather;
 use crate::units::direction_from_degrees;
 
 /// Altitudes of the suns, degrees: below, hardly any energy comes; above, few places have the sun.
@@ -73,7 +73,7 @@ impl Suns {
     /// Of a weather file, if one is given; it has an hour with light.
     pub fn of(file: Option<&Path>) -> Result<Self> {
         let Some(path) = file else { return Ok(Suns::Spread) };
-        let weather = read_epw(path)?;
+        let weather = read_weather(path)?;
         weather.report.warnings.iter().for_each(|w| warn(w));
         if !weather.conditions(1).iter().any(is_lit) {
             let hint = "give a weather file of a longer time";

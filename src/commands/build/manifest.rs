@@ -78,6 +78,7 @@ impl Job<'_> {
             },
             settings: self.settings.stated(),
             accuracy: self.accuracy.cloned(),
+            place: self.scene.place,
             counts: manifest::Counts { probes: counts.probes, bounce_cells: counts.bounce_cells },
             layers,
             ..Manifest::default()

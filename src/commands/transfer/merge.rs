@@ -178,5 +178,7 @@ fn stated(a: &Manifest, b: &Manifest) -> Manifest {
     stated.scene.degenerate_dropped = a.scene.degenerate_dropped.max(b.scene.degenerate_dropped);
     let accuracy = |of: &Manifest| of.accuracy.clone().map(Accuracy::without_tiles);
     stated.accuracy = accuracy(a).filter(|same| accuracy(b).as_ref() == Some(same));
+    // One of the two may be of files that did not say it.
+    stated.place = a.place.or(b.place).filter(|place| b.place.is_none_or(|other| other == *place));
     stated
 }

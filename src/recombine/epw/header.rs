@@ -20,7 +20,7 @@ impl Header {
         let first = lines.next().map(|(text, _)| text).unwrap_or_default();
         let cells: Vec<&str> = first.trim_start_matches('\u{feff}').split(',').map(str::trim).collect();
         if !cells.first().is_some_and(|c| c.eq_ignore_ascii_case("LOCATION")) {
-            let hint = "give an EnergyPlus weather file (.epw)";
+            let hint = "give an EnergyPlus weather file (.epw) or a TMY3 file (.csv)";
             return Err(Error::input(path, 1, "the file does not start with LOCATION", hint));
         }
         let hint = "LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation";

@@ -8,12 +8,13 @@
 
 mod air;
 mod gaps;
-mod header;
-mod judge;
-mod row;
+pub(super) mod header;
+pub(super) mod judge;
+pub(super) mod row;
 
 use std::path::Path;
 
+pub(super) use air::AIR_C;
 use air::read_air;
 use header::Header;
 use judge::judged;
@@ -38,7 +39,7 @@ fn read(path: &Path, with_air: bool) -> Result<Weather> {
     parse(path, &bytes, with_air)
 }
 
-fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
+pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
     let mut lines =
         bytes.split(|b| *b == b'\n').zip(1_usize..).map(|(line, number)| (String::from_utf8_lossy(line), number));
     let header = Header::read(path, &mut lines)?;
@@ -84,13 +85,7 @@ fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
         return Err(Error::input(path, None, "the file has no weather rows", hint));
     }
     let mut weather = judged(path, header, &raw, air)?;
-    let hours = raw.len() as f64 * weather.interval_hours;
-    if hours < HOURS_OF_YEAR {
-        weather.report.warnings.push(format!(
-            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums are sums of these",
-            path.display()
-        ));
-    }
+    warn_of_part(path, &mut weather);
     if let Some((line, minute)) = odd_minute {
         weather.report.warnings.push(format!(
             "{}, line {line}: minute {minute} of an hourly row is ignored, the row holds the whole hour",
@@ -98,6 +93,17 @@ fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
         ));
     }
     Ok(weather)
+}
+
+/// Says if a file is shorter than a year.
+pub(super) fn warn_of_part(path: &Path, weather: &mut Weather) {
+    let hours = weather.rows.len() as f64 * weather.interval_hours;
+    if hours < HOURS_OF_YEAR {
+        weather.report.warnings.push(format!(
+            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums are sums of these",
+            path.display()
+        ));
+    }
 }
 
 /// Hours of a year that is not a leap year.

@@ -19,7 +19,7 @@ const MISSING_SNOW_CM: f64 = 999.0;
 
 /// Thermopile pyranometers read a little below 0 under a cold sky: ISO 9060:2018 allows class C an offset of 30 W/m2. Below
 /// that a number is a foreign code for missing (-99, -999) or a slip.
-const LOWEST_OFFSET_W_M2: f64 = -30.0;
+pub const LOWEST_OFFSET_W_M2: f64 = -30.0;
 
 /// A row as it stands in the file.
 pub struct RawRow {
