@@ -138,10 +138,9 @@ impl Surfaces {
             let Some(first) = group.first() else { continue };
             let Some(material) = materials.get(usize::from(first.material)) else { continue };
             let triangles: Vec<[DVec3; 3]> = group.iter().map(|facet| facet.corners.map(point)).collect();
-            // A sheet of terrain looks up, however it is wound.
-            let sheet = material.class == Class::Ground && !closed;
-            let whole = sheet && Kind::of(material, 1.0) == Kind::Ground;
-            let groups = if whole { vec![(0..triangles.len()).collect()] } else { planes(group, &triangles) };
+            // Terrain looks up, however it is wound; the slab of a building does not.
+            let sheet = !closed && is_terrain(material);
+            let groups = if sheet { vec![(0..triangles.len()).collect()] } else { planes(group, &triangles) };
             for members in groups {
                 let mut own: Vec<[DVec3; 3]> = members.iter().filter_map(|&i| triangles.get(i).copied()).collect();
                 if sheet {
@@ -174,6 +173,12 @@ impl Surfaces {
         }
         self.list.extend(surfaces);
     }
+}
+
+/// Ground that is not the underside of a building.
+fn is_terrain(material: &Material) -> bool {
+    let underside = material.name.to_lowercase().contains("groundsurface");
+    material.class == Class::Ground && Class::of_name(&material.name) == Class::Ground && !underside
 }
 
 /// Half the cross product of two edges: as long as the area, along the normal.
