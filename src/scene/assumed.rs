@@ -36,6 +36,23 @@ pub(super) fn assumed(name: &str) -> Material {
 mod tests {
     use super::*;
 
+    /// Every one of 22 names that CityJSON 2.0 gives to surfaces and objects is ground where one walks, drives or swims, and else is not.
+    #[test]
+    fn city_models() {
+        const GROUND: &str = "GroundSurface WaterSurface WaterGroundSurface TrafficArea AuxiliaryTrafficArea TransportationMarking \
+                              TINRelief WaterBody Waterway PlantCover LandUse Road Railway TransportSquare";
+        const BUILT: &str =
+            "RoofSurface WallSurface OuterCeilingSurface OuterFloorSurface Door Bridge CityFurniture TunnelPart";
+        for (names, class) in [(GROUND, Class::Ground), (BUILT, Class::Obstruction)] {
+            for name in names.split_whitespace() {
+                let material = assumed(name);
+                assert_eq!((material.class, material.transmittance), (class, None), "{name}");
+                let usual = if name.starts_with("Water") { WATER } else { OTHER };
+                assert_eq!(material.diffuse, if name == "WallSurface" { WALL } else { usual }, "{name}");
+            }
+        }
+    }
+
     /// Ten names get the reflectance of their kind, and all of them are materials that the checks let pass.
     #[test]
     fn by_name() {

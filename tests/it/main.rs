@@ -3,6 +3,7 @@
 mod accuracy;
 mod archive;
 mod canopy;
+mod cityjson;
 mod cli;
 mod damage;
 mod export;

@@ -50,12 +50,13 @@ struct Owner<'d> {
 /// What an object offers: its geometries that bound something, with their levels of detail.
 type Offers<'d> = Vec<(Option<Lod>, &'d Shape<'d>)>;
 
-impl Reader<'_, '_> {
+impl<'h> Reader<'_, 'h> {
     /// Adds the objects of a document or of a feature.
     pub(super) fn add(&mut self, document: &Document) -> Result<()> {
         let range = self.vertices(&document.vertices)?;
         self.objects += document.objects.len();
         let chosen: Vec<Offers> = document.objects.iter().map(|(_, object)| self.choose(object)).collect();
+        self.count_instances(&chosen)?;
         let parts = finest_parts(&document.objects, &chosen);
         for (((id, object), shapes), finest) in document.objects.iter().zip(chosen).zip(parts) {
             let level = shapes.first().and_then(|(lod, _)| *lod);
@@ -71,6 +72,26 @@ impl Reader<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses more instances than memory may hold before the first is made.
+    fn count_instances(&mut self, chosen: &[Offers]) -> Result<()> {
+        let instances = chosen.iter().flatten().filter_map(|(_, shape)| self.template(shape));
+        self.instanced += instances.map(|template| template.corners).sum::<u64>();
+        if self.instanced > MAX_CORNERS {
+            return Err(Error::Limit {
+                what: format!("the number of corners of instances of templates in {}", self.file.display()),
+                value: self.instanced,
+                max: MAX_CORNERS,
+            });
+        }
+        Ok(())
+    }
+
+    /// The template that a geometry is an instance of.
+    fn template(&self, shape: &Shape) -> Option<&'h Template<'h>> {
+        let number = shape.template.filter(|_| shape.kind.0 == "GeometryInstance")?;
+        self.templates.get(usize::try_from(number).ok()?)
     }
 
     fn vertices(&mut self, vertices: &[[f64; 3]]) -> Result<Range> {
@@ -97,11 +118,7 @@ impl Reader<'_, '_> {
             return offers;
         }
         for shape in object.geometry.iter().flatten() {
-            let template = match (shape.kind.0.as_ref(), shape.template) {
-                ("GeometryInstance", Some(number)) => usize::try_from(number).ok().and_then(|i| self.templates.get(i)),
-                _ => None,
-            };
-            let shown = template.map_or(shape, |template| &template.shape);
+            let shown = self.template(shape).map_or(shape, |template| &template.shape);
             match depth_of(&shown.kind.0) {
                 None if shown.kind.0 != "GeometryInstance" => self.geometry.leave_out(match shown.kind.0.as_ref() {
                     "MultiPoint" | "MultiLineString" => "as points or lines, which shade nothing",
@@ -131,11 +148,9 @@ impl Reader<'_, '_> {
         if shape.kind.0 != "GeometryInstance" {
             return self.surfaces(owner, shape, range);
         }
-        let templates = self.templates;
-        let number = shape.template.unwrap_or(u64::MAX);
-        let Some(template) = usize::try_from(number).ok().and_then(|i| templates.get(i)) else {
+        let Some(template) = self.template(shape) else {
             let what = match shape.template {
-                Some(number) => format!("it stands for template {number} of {}, counted from 0", templates.len()),
+                Some(number) => format!("it stands for template {number} of {}, counted from 0", self.templates.len()),
                 None => "its instance of a template has no `template`".into(),
             };
             return Err(self.wrong(owner, what));
@@ -145,14 +160,6 @@ impl Reader<'_, '_> {
             return Err(self.wrong(owner, "boundaries of an instance of a template are not one vertex number".into()));
         };
         let at = self.geometry.vertices.get(self.corner(owner, range, anchor)? as usize).copied().unwrap_or_default();
-        self.instanced += template.corners;
-        if self.instanced > MAX_CORNERS {
-            return Err(Error::Limit {
-                what: format!("the number of corners of instances of templates in {}", self.file.display()),
-                value: self.instanced,
-                max: MAX_CORNERS,
-            });
-        }
         let first = self.geometry.vertices.len() as u32;
         for &vertex in &template.vertices {
             let position = matrix.transform_point3(vertex) + at;

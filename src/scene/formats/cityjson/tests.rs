@@ -125,7 +125,7 @@ fn parents() {
     assert_eq!(read(&model(&cycle)).face_count(), 6);
 }
 
-/// An outline with a hole is 100 - 4 = 96 m2, a solid with an inner shell 400 + 48 m2, two solids twice that.
+/// An outline with a hole is 100 - 4 = 96 m2, a solid with an inner shell 400 + 32 m2, two solids twice that.
 #[test]
 fn holes_shells_solids() {
     let area = |geometry: &Geometry| -> f64 {
@@ -140,7 +140,7 @@ fn holes_shells_solids() {
             })
             .sum()
     };
-    let inner = "[2,2,1],[4,2,1],[4,4,1],[2,4,1],[2,2,4],[4,2,4],[4,4,4],[2,4,4]";
+    let inner = "[2,2,0],[4,2,0],[4,4,0],[2,4,0],[2,2,3],[4,2,3],[4,4,3],[2,4,3]";
     let shell = BOX.trim_start_matches('[').trim_end_matches(']');
     let shell = format!("[[[{shell}]]]");
     let cavity = "[[[8,9,10,11]],[[12,15,14,13]],[[8,12,13,9]],[[9,13,14,10]],[[10,14,15,11]],[[11,15,12,8]]]";
@@ -222,7 +222,7 @@ fn template_bomb() {
     let text = text.replacen(r#""CityObjects""#, &format!("{template}\"CityObjects\""), 1);
     let message = read_as(&text, "town.city.json", None).expect_err("too much").to_string();
     assert!(
-        message.contains("instances of templates in town.city.json is 134300000, the limit is 134217728"),
+        message.contains("instances of templates in town.city.json is 140000000, the limit is 134217728"),
         "{message}"
     );
 }
@@ -363,12 +363,7 @@ fn refusals() {
         (building(""), None, "none of the 1 city objects has a surface"),
         (with("\"Building\"", "null"), Some(1), "object `b`: invalid type: null"),
         (with("\"lod\":\"2\"", "\"lod\":\"two\""), Some(1), "object `b`: invalid value: string \"two\""),
-        (format!("{}1{}", "[".repeat(200), "]".repeat(200)), Some(1), ""),
-        (
-            with("\"CityObjects\"", &format!("\"x\":{}1{},\"CityObjects\"", "[".repeat(200), "]".repeat(200))),
-            Some(1),
-            "recursion limit",
-        ),
+        (format!("{}1{}", "[".repeat(200), "]".repeat(200)), None, "a JSON list"),
         (
             with("\"CityObjects\"", r#""metadata":{"referenceSystem":"EPSG:4326"},"CityObjects""#),
             None,
@@ -379,5 +374,8 @@ fn refusals() {
         let place = line.map_or("town.city.json".to_owned(), |line| format!("town.city.json, line {line}: "));
         assert!(message.contains(&place) && message.contains(said), "{said}: {message}");
         assert!(line.is_some() || !message.contains("town.city.json, line"), "{message}");
-    }
+    } // What no reader needs is skipped however deep it is.
+    let deep =
+        with("\"CityObjects\"", &format!("\"x\":{}1{},\"CityObjects\"", "[".repeat(100_000), "]".repeat(100_000)));
+    assert_eq!(read(&deep).face_count(), 6);
 }
