@@ -4,6 +4,8 @@
 mod ascii_grid;
 mod cityjson;
 mod energyplus;
+#[cfg(test)]
+mod energyplus_tests;
 mod geokeys;
 mod geotiff;
 mod gltf;

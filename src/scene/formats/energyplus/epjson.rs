@@ -189,8 +189,7 @@ impl<'de> Visitor<'de> for Vertices<'_> {
             .next_element()
             .map_err(|e| A::Error::custom(format!("vertex {} of {title}: {e}", vertices.len() + 1)))?
         {
-            // NaN compares false.
-            if let Some(beyond) = [x, y, z].into_iter().find(|metres| !(metres.abs() <= MAX_COORDINATE_M)) {
+            if let Some(beyond) = [x, y, z].into_iter().find(|metres| metres.abs() > MAX_COORDINATE_M) {
                 let number = vertices.len() + 1;
                 return Err(A::Error::custom(format!("vertex {number} of {title}: {beyond} is beyond 1e9 metres")));
             }

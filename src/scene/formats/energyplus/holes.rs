@@ -8,12 +8,12 @@ use super::place::{Frame, area_vector};
 /// than this).
 const ROUNDED_M: f64 = 0.01;
 /// Comparisons of a wall's edges with its windows' beyond which no wall of a building goes.
-const MOST_COMPARISONS: usize = 100_000_000;
+const MOST_COMPARISONS: usize = 20_000_000;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Fit {
-    /// A hole of the wall.
-    Hole,
+    /// A hole of the wall, moved onto its edge where it reaches over it by a hair.
+    Hole(Vec<DVec3>),
     /// Takes up the whole wall.
     Whole,
     /// Reaches over the wall's edge, lies off its plane or over another window.
@@ -37,14 +37,18 @@ pub(super) fn fit(wall: &[DVec3], frame: &Frame, openings: &[&[DVec3]]) -> Vec<F
         .map(|opening| {
             let ring: Vec<DVec2> = opening.iter().map(flat).collect();
             let on_plane = opening.iter().all(|p| (*p - frame.origin).dot(normal).abs() <= ROUNDED_M);
-            let inside = ring.iter().all(|&p| contains(&outline, p) || distance(&outline, p) <= ROUNDED_M);
+            let nearest: Vec<DVec2> =
+                ring.iter().map(|&p| if contains(&outline, p) { p } else { nearest(&outline, p) }).collect();
+            let off = ring.iter().zip(&nearest).map(|(p, near)| *near - *p);
+            let inside = off.clone().all(|off| off.length() <= ROUNDED_M);
+            let moved = opening.iter().zip(off).map(|(p, off)| *p + off.x * right + off.y * up).collect();
             if !on_plane || !inside || cross(&outline, &ring) || taken.iter().any(|other| overlap(other, &ring)) {
                 return Fit::Beyond;
             }
             let share = area_vector(opening).length() / area;
             taken.push(ring);
             // Less than a millimetre in a metre is left of the wall.
-            if share > 0.999 { Fit::Whole } else { Fit::Hole }
+            if share > 0.999 { Fit::Whole } else { Fit::Hole(moved) }
         })
         .collect()
 }
@@ -60,15 +64,15 @@ fn contains(ring: &[DVec2], p: DVec2) -> bool {
     edges(ring).filter(crossed).count() % 2 == 1
 }
 
-/// Distance of a point from the edges of a ring.
-fn distance(ring: &[DVec2], p: DVec2) -> f64 {
-    edges(ring)
-        .map(|(a, b)| {
-            let along = b - a;
-            let share = ((p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            (p - a - share * along).length()
-        })
-        .fold(f64::INFINITY, f64::min)
+/// The point of a ring's edges that is next to a point.
+fn nearest(ring: &[DVec2], p: DVec2) -> DVec2 {
+    let on_edge = |(a, b): (DVec2, DVec2)| {
+        let along = b - a;
+        let share = (p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+        a + share.clamp(0.0, 1.0) * along
+    };
+    let closer = |a: &DVec2, b: &DVec2| a.distance_squared(p).total_cmp(&b.distance_squared(p));
+    edges(ring).map(on_edge).min_by(closer).unwrap_or(DVec2::INFINITY)
 }
 
 /// Whether an edge of one ring crosses one of another by more than what rounding explains.
@@ -85,7 +89,7 @@ fn crosses(p: DVec2, q: DVec2, r: DVec2, s: DVec2) -> bool {
 
 /// Whether two windows cover a common area.
 fn overlap(a: &[DVec2], b: &[DVec2]) -> bool {
-    let deep = |ring: &[DVec2], p: DVec2| contains(ring, p) && distance(ring, p) > ROUNDED_M;
+    let deep = |ring: &[DVec2], p: DVec2| contains(ring, p) && nearest(ring, p).distance(p) > ROUNDED_M;
     let middle = |ring: &[DVec2]| ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;
     cross(a, b)
         || b.iter().any(|&p| deep(a, p))

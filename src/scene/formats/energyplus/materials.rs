@@ -160,7 +160,7 @@ impl<'m> Materials<'m> {
     pub(super) fn of_shade(&mut self, shade: &Object, geometry: &mut Geometry, notes: &mut Notes) -> Result<u32> {
         let transmittance = self.transmittance(shade, notes)?;
         if transmittance > 0.0 {
-            let name = format!("shading transmittance {}", shown(transmittance));
+            let name = format!("shading transmittance {transmittance}");
             let matt = Material::matt(name, 0.0, Class::Obstruction);
             return Ok(self.add(Material { transmittance: Some(transmittance), ..matt }, geometry));
         }
@@ -171,14 +171,11 @@ impl<'m> Materials<'m> {
         let diffuse = share(said, self.file, key, SHADE_REFLECTANCE, notes)?;
         let glazed = share(said, self.file, "fraction_of_shading_surface_that_is_glazed", 0.0, notes)?;
         if glazed == 0.0 {
-            let name = match shown(diffuse).as_str() {
-                "0.2" => "shading".to_owned(),
-                other => format!("shading {other}"),
-            };
+            let name = if diffuse == SHADE_REFLECTANCE { "shading".to_owned() } else { format!("shading {diffuse}") };
             return Ok(self.add(Material::matt(name, diffuse, Class::Obstruction), geometry));
         }
         let glass = self.glazing(said)?;
-        let name = format!("shading {} glazed {}", shown(diffuse), shown(glazed));
+        let name = format!("shading {diffuse} glazed {glazed}");
         let matt = Material::matt(name, (1.0 - glazed) * diffuse, Class::Obstruction);
         if glazed == 1.0 {
             return Ok(self.add(Material { glass: Some(glass), ..matt }, geometry));
@@ -237,9 +234,4 @@ fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut No
         notes.add("shares of light are not from 0 to 1; the nearest is taken", &object.name);
     }
     Ok(value.clamp(0.0, 1.0))
-}
-
-/// Three decimals are enough to tell reflectances apart.
-fn shown(share: f64) -> String {
-    ((share * 1000.0).round() / 1000.0).to_string()
 }

@@ -3,6 +3,8 @@
 
 mod epjson;
 mod holes;
+#[cfg(test)]
+mod hostile_tests;
 mod idf;
 mod layout;
 mod materials;

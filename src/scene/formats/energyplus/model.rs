@@ -68,10 +68,6 @@ impl Object {
         }
     }
 
-    pub(super) fn is(&self, key: &str, word: &str) -> bool {
-        self.text(key).eq_ignore_ascii_case(word)
-    }
-
     /// The number of a field that has one; `autocalculate` and a blank are none.
     pub(super) fn number(&self, file: &Path, key: &str) -> Result<Option<f64>> {
         let shown = match self.value(key) {

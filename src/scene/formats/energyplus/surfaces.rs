@@ -264,7 +264,7 @@ fn write_wall(
     let mut rings = vec![wall.vertices.as_slice()];
     for ((opening, &outline), fit) in openings.iter().zip(&outlines).zip(&fits) {
         match fit {
-            Fit::Hole => rings.push(outline),
+            Fit::Hole(ring) => rings.push(ring),
             Fit::Whole => rings.clear(),
             Fit::Beyond => {
                 notes.add(BEYOND, &opening.object.name);
@@ -293,16 +293,12 @@ pub(super) fn write_face(
     geometry: &mut Geometry,
 ) -> Result<()> {
     let id = geometry.objects.id(name);
-    for (i, ring) in rings.iter().enumerate() {
-        if i > 0 {
-            geometry.begin_hole();
-        }
-        for &p in *ring {
-            let corner = geometry.push_vertex(file, p)?;
-            geometry.push_corner(corner);
-        }
+    let mut corners = Vec::new();
+    for ring in rings {
+        let ring: Result<Vec<u32>> = ring.iter().map(|&p| geometry.push_vertex(file, p)).collect();
+        corners.push(ring?);
     }
-    geometry.end_face(material, id, line);
+    geometry.push_face(corners.iter().map(Vec::as_slice), material, id, line);
     Ok(())
 }
 

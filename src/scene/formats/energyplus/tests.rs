@@ -1,53 +1,257 @@
 //! Models of both syntaxes, whole and broken.
 
+use std::collections::HashMap;
 use std::path::Path;
 
-use super::*;
+use glam::DVec3;
 
-fn read_text(text: &str, name: &str) -> Result<Geometry> {
-    parse(text.as_bytes(), Path::new(name), &Asked { reflectances: true, lod: None })
+use super::place::area_vector;
+use super::*;
+use crate::scene::materials::{Class, Glass};
+use crate::scene::polygon::triangulate;
+
+const BOX_IDF: &str = include_str!("../../../../tests/data/energyplus/box.idf");
+const BOX_JSON: &str = include_str!("../../../../tests/data/energyplus/box.epJSON");
+/// What EnergyPlus 25.2 wrote about the surfaces of the box to its `.eio`.
+const BOX_EIO: &str = include_str!("../../../../tests/data/energyplus/box.eio.csv");
+
+fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
+    parse(bytes, Path::new(name), &Asked { reflectances: true, lod: None })
 }
 
+fn idf(text: &str) -> Geometry {
+    read_bytes(text.as_bytes(), "m.idf").expect("readable")
+}
+
+/// Outline and holes of every face, by the name of its object.
+fn faces(geometry: &Geometry) -> HashMap<String, Vec<Vec<DVec3>>> {
+    let ring = |ring: &[u32]| ring.iter().map(|&i| geometry.vertices[i as usize]).collect();
+    let name = |object: u32| geometry.objects.as_slice()[object as usize].clone();
+    geometry.faces().map(|face| (name(face.object), face.rings().map(ring).collect())).collect()
+}
+
+/// Area of the triangles of every object.
+fn areas(geometry: &Geometry) -> HashMap<String, f64> {
+    let cut = triangulate(geometry).expect("cut");
+    assert_eq!((cut.degenerate_faces, cut.crossing_faces), (0, None), "{cut:?}");
+    let mut areas = HashMap::new();
+    for (triangle, &object) in cut.triangles.iter().zip(&cut.objects) {
+        let corners = triangle.corners.map(|corner| geometry.vertices[corner as usize]);
+        let name = geometry.objects.as_slice()[object as usize].clone();
+        *areas.entry(name).or_default() += area_vector(&corners).length();
+    }
+    areas
+}
+
+/// Net and gross area, azimuth, tilt and corners of all 28 surfaces of the box are those of EnergyPlus to its last digit.
 #[test]
-fn dump() {
-    let Ok(path) = std::env::var("ENERGYPLUS_DUMP") else { return };
-    let geometry = read(Path::new(&path), &Asked { reflectances: true, lod: None }).expect("readable");
-    for face in geometry.faces() {
-        let mut sum = glam::DVec3::ZERO;
-        let mut first = None;
-        let mut gross = 0.0;
-        for ring in face.rings() {
-            let v: Vec<_> = ring.iter().map(|&i| geometry.vertices[i as usize]).collect();
-            let a = place::area_vector(&v);
-            match first {
-                None => {
-                    first = Some(a);
-                    sum = a;
-                    gross = a.length()
-                }
-                Some(f) => sum -= if f.dot(a) > 0.0 { a } else { -a },
+fn as_energyplus_has_it() {
+    for (text, name) in [(BOX_IDF, "box.idf"), (BOX_JSON, "box.epJSON")] {
+        let geometry = read_bytes(text.as_bytes(), name).expect("readable");
+        assert_eq!((geometry.face_count(), geometry.warnings.as_slice()), (28, &[][..]));
+        let of_name = |map: HashMap<String, _>| -> HashMap<String, _> {
+            map.into_iter().map(|(name, rings): (String, Vec<Vec<DVec3>>)| (name.to_uppercase(), rings)).collect()
+        };
+        let (faces, areas) = (of_name(faces(&geometry)), areas(&geometry));
+        let areas: HashMap<String, f64> = areas.into_iter().map(|(name, area)| (name.to_uppercase(), area)).collect();
+        let mut compared = 0;
+        for line in BOX_EIO.lines().skip(1) {
+            let mut fields = line.split(',');
+            let name = fields.next().expect("a name").to_uppercase();
+            let numbers: Vec<f64> = fields.map(|field| field.parse().expect("a number")).collect();
+            let outline = &faces[&name][0];
+            let area = area_vector(outline);
+            let normal = area.normalize();
+            let azimuth = normal.x.atan2(normal.y).to_degrees().rem_euclid(360.0);
+            let tilt = normal.z.acos().to_degrees();
+            assert!((areas[&name] - numbers[0]).abs() < 0.0051, "{name}: net area {}", areas[&name]);
+            assert!((area.length() - numbers[1]).abs() < 0.0051, "{name}: gross area {}", area.length());
+            let level = normal.x.hypot(normal.y) < 1e-9;
+            let off = (azimuth - numbers[2] + 180.0).rem_euclid(360.0) - 180.0;
+            assert!(level || off.abs() < 0.0051, "{name}: azimuth {azimuth}");
+            assert!((tilt - numbers[3]).abs() < 0.0051, "{name}: tilt {tilt}");
+            let corners: Vec<DVec3> = numbers[4..].chunks(3).map(DVec3::from_slice).collect();
+            assert_eq!(corners.len(), outline.len(), "{name}");
+            for (theirs, ours) in corners.iter().zip(outline) {
+                assert!((*theirs - *ours).abs().max_element() < 0.0051, "{name}: {ours}, not {theirs}");
             }
+            compared += 1;
         }
-        let n = sum.normalize();
-        println!(
-            "ROW,{},{},{},{},{},{}",
-            geometry.objects.as_slice()[face.object as usize],
-            gross,
-            sum.length(),
-            n.x,
-            n.y,
-            n.z
+        assert_eq!(compared, 28);
+        let place = Reference::Place { latitude_deg: 39.74, longitude_deg: -105.18 };
+        assert_eq!(geometry.reference, Some(place));
+    }
+}
+
+/// A detailed wall and a window of it in IDF, coordinates in world metres.
+fn wall_and(windows: &[[f64; 4]]) -> String {
+    let mut text = String::from(
+        "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z; Construction,W,B; Material,B;\n\
+         BuildingSurface:Detailed,Wall,Wall,W,Z,,Outdoors,,,,,4, 0,0,3, 0,0,0, 4,0,0, 4,0,3;\n",
+    );
+    for (i, [x0, z0, x1, z1]) in windows.iter().enumerate() {
+        text += &format!(
+            "FenestrationSurface:Detailed,Window {i},Window,W,Wall,,,,1,4, {x0},0,{z1}, {x0},0,{z0}, {x1},0,{z0}, {x1},0,{z1};\n"
         );
     }
-    eprintln!("{:#?} {:#?} {:#?}", geometry.warnings, geometry.left_out, geometry.stated);
-    let cut = crate::scene::polygon::triangulate(&geometry).expect("cut");
-    eprintln!("{:?} {:?} {}", cut.crossing_faces, cut.off_plane, cut.degenerate_faces);
-    let mut cut_area = vec![0.0; geometry.objects.as_slice().len()];
-    for (t, o) in cut.triangles.iter().zip(&cut.objects) {
-        let v = t.corners.map(|i| geometry.vertices[i as usize]);
-        cut_area[*o as usize] += place::area_vector(&v).length();
+    text
+}
+
+/// Windows within, at one to three edges, side by side and corner to corner leave the wall 12 m2 less their own area.
+#[test]
+fn windows_are_holes() {
+    for windows in [
+        &[[1.0, 1.0, 2.0, 2.0]][..],
+        &[[0.0, 1.0, 2.0, 2.0]],
+        &[[0.0, 1.0, 4.0, 2.0]],
+        &[[1.0, 0.0, 2.0, 2.0]],
+        &[[0.0, 0.0, 1.0, 1.0]],
+        &[[0.0, 0.0, 4.0, 2.5]],
+        &[[0.5, 1.0, 1.5, 2.0], [1.5, 1.0, 2.5, 2.0]],
+        &[[0.5, 1.0, 1.5, 2.0], [1.5, 2.0, 2.5, 2.5]],
+        &[[0.0, 1.0, 2.0, 2.0], [2.0, 1.0, 4.0, 2.0]],
+        &[[0.2, 0.0, 1.0, 2.0], [1.5, 0.0, 2.0, 2.0], [2.5, 1.0, 3.5, 2.0], [3.5, 1.0, 4.0, 3.0]],
+        &[[-0.004, 1.0, 4.003, 2.0]],
+    ] {
+        let geometry = idf(&wall_and(windows));
+        let areas = areas(&geometry);
+        let glass: f64 = windows.iter().map(|[x0, z0, x1, z1]| (x1 - x0) * (z1 - z0)).sum();
+        assert_eq!((geometry.face_count(), geometry.warnings.len()), (1 + windows.len(), 0), "{windows:?}");
+        assert!((areas["Wall"] - (12.0 - glass)).abs() < 0.008, "{windows:?}: {}", areas["Wall"]);
     }
-    for (n, a) in geometry.objects.as_slice().iter().zip(cut_area) {
-        println!("CUT,{n},{a}");
+}
+
+/// A window over the wall's edge, bigger than the wall, off its plane or over another is left out and the wall keeps its 12 m2 or
+/// what the other window leaves; a window that takes up the wall replaces it.
+#[test]
+fn windows_that_do_not_fit() {
+    for (windows, wall) in [
+        (&[[3.0, 1.0, 5.0, 2.0]][..], 12.0),
+        (&[[-1.0, -1.0, 5.0, 4.0]], 12.0),
+        (&[[-1.0, 1.0, 5.0, 2.0]], 12.0),
+        (&[[7.0, 1.0, 8.0, 2.0]], 12.0),
+        (&[[1.0, 1.0, 2.0, 2.0], [1.0, 1.0, 2.0, 2.0]], 11.0),
+        (&[[1.0, 1.0, 2.0, 2.0], [1.5, 0.5, 3.0, 2.5]], 11.0),
+    ] {
+        let geometry = idf(&wall_and(windows));
+        assert!((areas(&geometry)["Wall"] - wall).abs() < 1e-9, "{windows:?}");
+        assert_eq!(geometry.warnings.len(), 1, "{windows:?}");
+        assert!(geometry.warnings[0].contains("1 windows or doors are left out"), "{}", geometry.warnings[0]);
     }
+    let off = wall_and(&[[1.0, 1.0, 2.0, 2.0]]).replace("1,0,2,", "1,0.2,2,");
+    assert!((areas(&idf(&off))["Wall"] - 12.0).abs() < 1e-9);
+    let whole = idf(&wall_and(&[[0.0, 0.0, 4.0, 3.0]]));
+    assert_eq!((whole.face_count(), whole.left_out.len()), (1, 1));
+    assert_eq!(areas(&whole).into_iter().collect::<Vec<_>>(), [("Window 0".to_owned(), 12.0)]);
+}
+
+/// Fields of versions 8.9, 9.5 and 9.6 are found where those have them: three files, one and the same geometry.
+#[test]
+fn versions() {
+    let newest = wall_and(&[[1.0, 1.0, 2.0, 2.0]]);
+    let expected = faces(&idf(&newest));
+    let no_space = newest.replace("W,Z,,Outdoors", "W,Z,Outdoors");
+    let with_control = no_space.replace("Wall,,,,1,4,", "Wall,,,,,1,4,");
+    for (text, version) in [(&newest, "9.6"), (&no_space, "9.5"), (&with_control, "8.9")] {
+        let geometry = idf(&text.replace("25.2", version));
+        assert_eq!((faces(&geometry), geometry.warnings.len()), (expected.clone(), 0), "{version}");
+    }
+    // A version behind what it decides counts as well.
+    let last = format!("{}Version,9.5;", no_space.replace("Version,25.2;", ""));
+    assert_eq!(faces(&idf(&last)), expected);
+    for (text, version, word) in [(with_control, "Version,7.2;", "Transition"), (newest, "", "no version")] {
+        let geometry = idf(&text.replace("Version,25.2;", version));
+        assert_eq!((faces(&geometry), geometry.warnings.len()), (expected.clone(), 1));
+        assert!(geometry.warnings[0].contains(word), "{}", geometry.warnings[0]);
+    }
+}
+
+/// Of six walls four form the hull: outdoors, to the ground, to a neighbour and one behind itself; two that part zones go.
+#[test]
+fn hull() {
+    let wall = |name: &str, behind: &str, x: f64, flip: bool| {
+        let (a, b) = if flip { (2.0, 0.0) } else { (0.0, 2.0) };
+        format!(
+            "BuildingSurface:Detailed,{name},Wall,W,Z,,{behind},,,,4, {x},{a},2, {x},{a},0, {x},{b},0, {x},{b},2;\n"
+        )
+    };
+    let text = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z; Construction,W,B; Material,B;\n"
+        .to_owned()
+        + &wall("Out", "Outdoors,", 0.0, false)
+        + &wall("Ground", "GroundFCfactorMethod,", 1.0, false)
+        + &wall("Neighbour", "Adiabatic,", 2.0, false)
+        + &wall("Self", "Surface,SELF", 3.0, false)
+        + &wall("Part", "Surface,Other", 4.0, false)
+        + &wall("Back", "Adiabatic,", 5.0, false)
+        + &wall("To back", "Adiabatic,", 5.0, true)
+        + "FenestrationSurface:Detailed,Pane,Window,W,Part,,,,1,3, 4,0.5,1, 4,0.5,0.5, 4,1,0.5;\n";
+    let geometry = idf(&text);
+    assert_eq!(geometry.objects.as_slice(), ["Out", "Ground", "Neighbour", "Self"]);
+    assert_eq!(geometry.left_out.into_iter().collect::<Vec<_>>(), [("because they lie inside the building".into(), 4)]);
+}
+
+/// Eleven surfaces get the material of their construction or shade, all of them materials that the checks let pass.
+#[test]
+fn materials() {
+    let text = r#"{"Version":{"v":{"version_identifier":"25.2"}},"Zone":{"Z":{}},
+        "GlobalGeometryRules":{"g":{"starting_vertex_position":"UpperLeftCorner","vertex_entry_direction":"Counterclockwise","coordinate_system":"World"}},
+        "Material":{"Brick":{"solar_absorptance":0.6},"Plain":{},"Odd":{"solar_absorptance":1.5}},"Material:AirGap":{"Gap":{}},
+        "WindowMaterial:Glazing":{"Pane":{}},"WindowMaterial:SimpleGlazingSystem":{"Old":{"u_factor":5.8},"New":{"u_factor":1.3}},
+        "Construction":{"Wall":{"outside_layer":"BRICK","layer_2":"Plain"},"Default":{"outside_layer":"Plain"},"Odd":{"outside_layer":"Odd"},
+          "Air":{"outside_layer":"Gap"},"One":{"outside_layer":"Pane"},"Two":{"outside_layer":"Pane","layer_2":"Gap","layer_3":"pane"},
+          "Old":{"outside_layer":"Old"},"New":{"outside_layer":"New"},"shading":{"outside_layer":"Brick"}},
+        "Wall:Exterior":{WALLS},
+        "Floor:GroundContact":{"Slab":{"construction_name":"wall","zone_name":"Z","length":3,"width":3}},
+        "Shading:Site:Detailed":{SHADES},"Schedule:Constant":{"Half":{"hourly_value":0.5},"Shut":{"hourly_value":0}},
+        "ShadingProperty:Reflectance":{"1":{"shading_surface_name":"b","diffuse_solar_reflectance_of_unglazed_part_of_shading_surface":0.35},
+          "2":{"shading_surface_name":"C","fraction_of_shading_surface_that_is_glazed":0.5,"glazing_construction_name":"two"},
+          "3":{"shading_surface_name":"d","fraction_of_shading_surface_that_is_glazed":1,"glazing_construction_name":"One"}}}"#;
+    let walls = ["wall", "Default", "Odd", "Air", "One", "Two", "Old", "New", "shading", "nowhere"]
+        .map(|name| format!(r#""w {name}":{{"construction_name":"{name}","zone_name":"z","length":3,"height":2}}"#));
+    let shades = [("a", ""), ("b", ""), ("c", ""), ("d", ""), ("e", "half"), ("f", "Shut"), ("g", "never")].map(
+        |(name, schedule)| {
+            let vertices = [(0, 0), (1, 0), (1, 1)].map(|(x, z)| {
+                format!(r#"{{"vertex_x_coordinate":{x},"vertex_y_coordinate":9,"vertex_z_coordinate":{z}}}"#)
+            });
+            format!(r#""{name}":{{"transmittance_schedule_name":"{schedule}","vertices":[{}]}}"#, vertices.join(","))
+        },
+    );
+    let text = text.replace("WALLS", &walls.join(",")).replace("SHADES", &shades.join(","));
+    let geometry = read_bytes(text.as_bytes(), "m.epJSON").expect("readable");
+    let names = geometry.materials.as_slice();
+    let of: HashMap<&str, &str> = geometry
+        .faces()
+        .map(|face| {
+            (geometry.objects.as_slice()[face.object as usize].as_str(), names[face.material as usize].as_str())
+        })
+        .collect();
+    let (single, double) = (Some(Glass::Single), Some(Glass::Double));
+    for (object, name, diffuse, specular, glass, transmittance) in [
+        ("w wall", "Wall", 0.4, 0.0, None, None),
+        ("w Default", "Default", 0.3, 0.0, None, None),
+        ("w Odd", "Odd", 0.0, 0.0, None, None),
+        ("w Air", "Air", 0.3, 0.0, None, None),
+        ("w One", "One", 0.0, 0.0, single, None),
+        ("w Two", "Two", 0.0, 0.0, double, None),
+        ("w Old", "Old", 0.0, 0.0, single, None),
+        ("w New", "New", 0.0, 0.0, double, None),
+        ("w shading", "shading", 0.4, 0.0, None, None),
+        ("Slab", "Wall (2)", 0.4, 0.0, None, None),
+        ("a", "shading (2)", 0.2, 0.0, None, None),
+        ("b", "shading 0.35", 0.35, 0.0, None, None),
+        ("c", "shading 0.2 glazed 0.5", 0.1, 0.075, None, None),
+        ("d", "shading 0.2 glazed 1", 0.0, 0.0, single, None),
+        ("e", "shading transmittance 0.5", 0.0, 0.0, None, Some(0.5)),
+        ("f", "shading (2)", 0.2, 0.0, None, None),
+        ("g", "shading (2)", 0.2, 0.0, None, None),
+    ] {
+        assert_eq!(of[object], name, "{object}");
+        let material = &geometry.stated[name];
+        assert!((material.diffuse - diffuse).abs() < 1e-12 && (material.specular - specular).abs() < 1e-12, "{object}");
+        assert_eq!((material.glass, material.transmittance), (glass, transmittance), "{object}");
+        assert_eq!(material.class == Class::Ground, object == "Slab", "{object}");
+        material.check().expect(object);
+    }
+    assert!(of["w nowhere"] == "nowhere" && !geometry.stated.contains_key("nowhere"));
+    assert_eq!((of.len(), geometry.warnings.len()), (18, 5), "{:?}", geometry.warnings);
 }

@@ -1,0 +1,22 @@
+//! In: one EnergyPlus model in both of its syntaxes. Out: proof that they are one scene.
+
+use std::path::Path;
+
+use crate::scene::Scene;
+
+/// The epJSON that EnergyPlus made of an IDF file and that file are the same scene of 6 materials, byte for byte; a JSON file that
+/// holds a model is read under the name of `.json` as well.
+#[test]
+fn both_syntaxes() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/energyplus");
+    let load = |path: &Path| Scene::load(path, None).expect("readable");
+    let (text, json) = (load(&data.join("box.idf")), load(&data.join("box.epJSON")));
+    assert_eq!(text.content_hash(), json.content_hash());
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let plain = folder.path().join("box.json");
+    std::fs::copy(data.join("box.epJSON"), &plain).expect("copied");
+    assert_eq!(text.content_hash(), load(&plain).content_hash());
+    let names: Vec<&str> = text.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["Glass", "Wall", "Wall (2)", "shading", "shading 0.35", "shading transmittance 0.5"]);
+    assert_eq!((text.report.faces_read, text.report.warnings.as_slice()), (28, &[][..]));
+}
