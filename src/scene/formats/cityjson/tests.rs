@@ -296,7 +296,7 @@ fn odd_pieces() {
     assert_eq!(triangulate(&geometry).expect("within limits").degenerate_faces, 1);
 }
 
-/// A face of a million corners is read and then refused by its object's name, a ring that touches itself is cut to its 75 m2.
+/// A face of a million corners is read and then refused by its object's name, a ring that touches itself is cut to its 2 triangles.
 #[test]
 fn long_and_touching_rings() {
     let ring = vec!["0,1,2,3"; 250_000].join(",");
@@ -309,7 +309,7 @@ fn long_and_touching_rings() {
     assert_eq!((cut.triangles.len(), cut.degenerate_faces), (2, 0));
 }
 
-/// Every refusal of 34 names the file, the line where there is one, and what is wrong.
+/// Every refusal of more than 30 names the file, the line where there is one, and what is wrong.
 #[test]
 fn refusals() {
     let sound = building(&solid("2"));

@@ -13,6 +13,9 @@ use crate::error::{Error, Result};
 use crate::scene::geometry::MAX_COORDINATE_M;
 use crate::scene::text::without_byte_order_mark;
 
+/// Characters of a message about what JSON holds.
+const LONGEST_MESSAGE: usize = 240;
+
 /// Reads all objects of known classes.
 pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
     let mut model = Model::default();
@@ -21,7 +24,9 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
     read.map_err(|e| {
         let line = (e.line() > 0).then_some(e.line());
         let hint = "an epJSON file is `{\"Class\": {\"name\": {\"field\": value}}}`, as EnergyPlus writes it";
-        Error::input(file, line, format!("not a model in epJSON: {e}"), hint)
+        // It quotes what it found, in any length.
+        let what: String = e.to_string().chars().take(LONGEST_MESSAGE).collect();
+        Error::input(file, line, format!("not a model in epJSON: {what}"), hint)
     })?;
     let stated = model.of("Version").next().and_then(|object| Version::parse(object.text("version_identifier")));
     model.version = stated;

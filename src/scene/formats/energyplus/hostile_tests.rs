@@ -90,7 +90,6 @@ fn refused() {
     ];
     for (name, text, words) in &cases {
         let message = read_bytes(text.as_bytes(), name).map(drop).expect_err(words).to_string();
-        println!("{}", message.replace('\n', " "));
         assert!(message.contains(words) && message.starts_with(name), "{words}: {message}");
     }
     assert_eq!(cases.len(), 29);
@@ -130,7 +129,6 @@ fn read_with_a_word() {
         assert_eq!(geometry.face_count(), faces, "{words}");
         let left = geometry.left_out.iter().map(|(reason, count)| format!("LEFT {count} {reason}"));
         let said: Vec<String> = geometry.warnings.iter().cloned().chain(left).collect();
-        println!("{said:?}");
         assert!(said.len() <= 1 && said.join("").contains(words), "{words}: {said:?}");
         triangulate(&geometry).expect(words);
     }

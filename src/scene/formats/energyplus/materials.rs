@@ -16,8 +16,8 @@ const ABSORPTANCE: f64 = 0.7;
 const LEAF_REFLECTANCE: f64 = 0.22;
 /// Default of shades (`ShadingProperty:Reflectance`).
 const SHADE_REFLECTANCE: f64 = 0.2;
-/// Glazing systems that lose less are of two panes: W/(m2 K). A single pane of the Input Output Reference's examples loses 5.8, two
-/// clear ones 2.7.
+/// Glazing systems that lose less are of two panes, W/(m2 K): a single clear pane loses 5.8, two lose 2.7 (ASHRAE Fundamentals,
+/// chapter 15).
 const TWO_PANES_BELOW: f64 = 4.0;
 /// Reflectance of clear glass straight on, one pane and two: n = 1.526 (Duffie and Beckman, section 5.1).
 const CLEAR_GLASS: [f64; 2] = [0.08, 0.15];

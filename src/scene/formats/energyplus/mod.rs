@@ -1,5 +1,5 @@
 //! Reader of EnergyPlus models. In: an epJSON or IDF file. Out: the outer hull of its buildings with windows cut out, and what
-//! shades it, normals outwards, x to the east. It reads geometry and what light does at surfaces; a multiplier draws nothing twice.
+//! shades it, normals outwards, x to the east. Multipliers draw nothing twice.
 
 mod epjson;
 mod holes;
@@ -33,7 +33,7 @@ use surfaces::Surfaces;
 /// Fields of older versions may stand elsewhere than is known here.
 const OLDEST: Version = Version { major: 8, minor: 0 };
 
-/// Reads a model: JSON if it begins with a brace, text else.
+/// Reads a model: text if its name ends with `.idf`, JSON else.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
     parse(&bytes, path, asked)

@@ -1,4 +1,4 @@
-//! Objects of an EnergyPlus model, whichever way they are written. In: classes, keys and values. Out: fields by key, numbers checked.
+//! Objects of an EnergyPlus model, however written. In: classes, keys and values. Out: fields by key, numbers checked.
 
 use std::collections::HashMap;
 use std::path::Path;

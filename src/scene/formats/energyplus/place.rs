@@ -1,5 +1,5 @@
-//! Where coordinates of a model lie. In: geometry rules, the building's and the zones' north axes and origins. Out: vertices in the
-//! world frame, first the upper left one and then counter-clockwise.
+//! Where coordinates of a model lie. In: geometry rules, north axes and origins of building and zones. Out: vertices in the world
+//! frame, first the upper left one and then counter-clockwise.
 //!
 //! Follows EnergyPlus' `SurfaceGeometry` (`GetVertices`, `MakeRectangularVertices`, `MakeRelativeRectangularVertices`).
 

@@ -18,7 +18,8 @@ pub(super) const NO_SIZE: &str = "with a length, height or depth that is not abo
 pub(super) const TOO_FAR: &str = "because they lie more than 1e9 m away";
 const INSIDE: &str = "because they lie inside the building";
 const NO_BASE: &str = "because the surface that they name is not in the file";
-const BEYOND: &str = "windows or doors are left out, their walls stay whole: they reach over the wall's edge or another, or lie off its plane";
+const BEYOND: &str = "windows or doors are left out of walls that stay whole there: they reach over an edge or \
+                      each other, or lie off the plane";
 
 /// What lies behind a surface, seen from its zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -190,7 +190,7 @@ fn hull() {
     assert_eq!(geometry.left_out.into_iter().collect::<Vec<_>>(), [("because they lie inside the building".into(), 4)]);
 }
 
-/// Eleven surfaces get the material of their construction or shade, all of them materials that the checks let pass.
+/// Seventeen surfaces get the material of their construction or shade, all of them materials that the checks let pass.
 #[test]
 fn materials() {
     let text = r#"{"Version":{"v":{"version_identifier":"25.2"}},"Zone":{"Z":{}},

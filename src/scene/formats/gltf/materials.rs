@@ -79,7 +79,8 @@ impl<'r> Materials<'r> {
             return Ok(None);
         }
         let [red, green, blue, _] = surface.base_color_factor.unwrap_or([1.0; 4]);
-        let metal = surface.metallic_factor.unwrap_or(1.0);
+        // Left out it is 1 by the specification, a black mirror that hardly anybody means: such a material counts as not described.
+        let Some(metal) = surface.metallic_factor else { return Ok(None) };
         if ![red, green, blue, metal].iter().all(|share| (0.0..=1.0).contains(share)) {
             let what = format!("material `{}` has a factor beyond 0 to 1", excerpt(name.as_bytes()));
             return Err(Error::input(self.file, None, what, "give reflectances in materials.toml (--materials)"));
