@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::accuracy::{Accuracy, TileError};
 use super::format::{self, Entry, Slot};
 use super::{Archive, EncodedBlock, Writer, journal, manifest, test_site, writer};
+use crate::scene::reference::Place;
 
 fn text(name: &str) -> String {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("schema").join(name);
@@ -182,9 +183,10 @@ fn manifests_follow_the_json_schema() {
         ..Accuracy::default()
     });
     manifest.settings.steps = 12;
+    manifest.place = Some(Place { latitude_deg: 52.1, longitude_deg: 4.3, convergence_deg: -0.9, epsg: Some(28992) });
     let value: Value = serde_json::from_slice(&manifest.to_json().unwrap()).unwrap();
     assert!(follow(&schema, &value, "manifest") > 60);
-    assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 1);
+    assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 2);
     for part in ["creator", "scene", "receivers", "settings", "counts"] {
         let part = &schema["properties"][part];
         let optional = ["left_out", "steps"].iter().filter(|name| !part["properties"][**name].is_null()).count();
