@@ -73,7 +73,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
         }
         let asked = Asked { reflectances: part.materials.is_none(), lod: part.lod.clone() };
         match formats::read(&part.file, &asked)? {
-            Content::Polygons(geometry) => pile.add(part, geometry, &mut palette, |p| part.place(p))?,
+            Content::Polygons(geometry) => pile.add(part, *geometry, &mut palette, |p| part.place(p))?,
             Content::Terrain(raster) => rasters.push((part, raster.placed(part)?)),
         }
     }

@@ -96,7 +96,7 @@ impl Rings {
         let position = |corner: u32| vertices.get(corner as usize).copied().unwrap_or_default();
         self.corners.clear();
         self.holes.clear();
-        let mut rings = face.rings().map(|ring| begin_at_least(ring, &position));
+        let mut rings = face.rings().map(|ring| begin_at_least(ring, position));
         self.corners.extend(rings.next().unwrap_or_default());
         let mut holes: Vec<Vec<u32>> = rings.filter(|ring| ring.len() > 2).collect();
         let least = |ring: &Vec<u32>| ring.first().map_or(DVec3::ZERO, |&corner| position(corner));

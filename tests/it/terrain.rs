@@ -20,7 +20,7 @@ fn reference() -> Vec<f32> {
 }
 
 /// 290 pixels of the Lakes Basin (156 x 168 cells of 50 m): the sky view of the tilted surface (Dozier and Frew 1990) by 2,048 rays
-/// a pixel is in the mean within 0.005 of SAGA's raster, and 95 % of pixels are within 0.02.
+/// a pixel is in the mean within 0.005 of the independent raster, and 95 % of pixels are within 0.02.
 #[test]
 fn sky_view_of_a_basin() {
     let scene = Scene::load(Path::new("tests/data/terrain/lakes_basin.tif"), None).expect("a scene");

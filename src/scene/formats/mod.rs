@@ -35,7 +35,7 @@ pub(super) struct Asked {
 
 /// What a file holds.
 pub(super) enum Content {
-    Polygons(Geometry),
+    Polygons(Box<Geometry>),
     Terrain(Raster),
 }
 
@@ -48,13 +48,13 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     let (_, ending) = name.rsplit_once('.').unwrap_or_default();
     match ending {
         "asc" => ascii_grid::read(path, asked).map(Content::Terrain),
-        "epjson" | "idf" => energyplus::read(path, asked).map(Content::Polygons),
-        "gltf" | "glb" => gltf::read(path, asked).map(Content::Polygons),
-        "json" if energyplus::is_model(path)? => energyplus::read(path, asked).map(Content::Polygons),
-        "json" | "jsonl" => cityjson::read(path, asked).map(Content::Polygons),
-        "obj" => obj::read(path, asked).map(Content::Polygons),
-        "ply" => ply::read(path, asked).map(Content::Polygons),
-        "stl" => stl::read(path, asked).map(Content::Polygons),
+        "epjson" | "idf" => energyplus::read(path, asked).map(polygons),
+        "gltf" | "glb" => gltf::read(path, asked).map(polygons),
+        "json" if energyplus::is_model(path)? => energyplus::read(path, asked).map(polygons),
+        "json" | "jsonl" => cityjson::read(path, asked).map(polygons),
+        "obj" => obj::read(path, asked).map(polygons),
+        "ply" => ply::read(path, asked).map(polygons),
+        "stl" => stl::read(path, asked).map(polygons),
         "tif" | "tiff" => geotiff::read(path, asked).map(Content::Terrain),
         _ => Err(Error::Unsupported {
             what: format!("the scene {}", path.display()),
@@ -66,6 +66,10 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
             supported: ENDINGS.into(),
         }),
     }
+}
+
+fn polygons(geometry: Geometry) -> Content {
+    Content::Polygons(Box::new(geometry))
 }
 
 /// Name of a file without its folder and ending: what an object without a name is called.
