@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::rays::{Ray, Tracer};
+use super::rays::{Hit, Ray, Tracer};
 use super::receiver::Viewpoint;
 use crate::scene::mesh::Mesh;
 
@@ -20,8 +20,11 @@ pub enum Lying {
 /// Side of the hemisphere of rays that look for sky.
 const SIDE: usize = 8;
 
-/// Who sees no sky and this share of backs of faces is behind them. Crossings alone would not tell in a cellar: with the terrain above it
-/// they are even.
+/// Who sees at most this share of sky, ...
+const NEARLY_BLIND: f64 = 0.1;
+
+/// ... and for the rest at least this share of backs of faces, is behind them. Crossings alone would not tell in a cellar: with the terrain
+/// above it they are even; nor would darkness: flat rays get out below the edge of the terrain.
 const BACKS: f64 = 0.9;
 
 /// Looks where a receiver lies that is `offset_m` off its surface.
@@ -39,10 +42,14 @@ pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> L
         (0..SIDE * SIDE).map(view.hit_directions(SIDE)).filter(|direction| direction.z > 0.0).collect();
     let rays: Vec<Ray> = up.iter().map(|direction| Ray { origin, direction: direction.as_vec3().into() }).collect();
     let hits = tracer.closest_many(&rays);
-    if hits.iter().any(Option::is_none) {
+    let met = hits.iter().flatten().count() as f64;
+    if met < (1.0 - NEARLY_BLIND) * rays.len() as f64 {
         return Lying::Free;
     }
-    let backs = up.iter().zip(hits.iter().flatten()).filter(|(d, hit)| d.dot(mesh.normal(hit.triangle as usize)) > 0.0);
-    let behind = !up.is_empty() && backs.count() as f64 >= BACKS * up.len() as f64;
-    if behind || view.enclosed(tracer) { Lying::Inside } else { Lying::Free }
+    let is_back =
+        |(d, hit): (&DVec3, &Option<Hit>)| hit.is_some_and(|hit| d.dot(mesh.normal(hit.triangle as usize)) > 0.0);
+    let backs = up.iter().zip(&hits).filter(|pair| is_back(*pair)).count() as f64;
+    let behind = met > 0.0 && backs >= BACKS * met;
+    let dark = hits.iter().all(Option::is_some);
+    if behind || dark && view.enclosed(tracer) { Lying::Inside } else { Lying::Free }
 }
