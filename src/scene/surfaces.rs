@@ -16,6 +16,11 @@ const SAME_DIRECTION: f64 = 0.999_390_8;
 /// ... and their corners within this of its plane, metres.
 const SAME_PLANE_M: f64 = 0.1;
 
+/// What is thinner has no direction of its own, metres.
+const THIN_M: f64 = 1e-3;
+/// Less is no surface, m2.
+const NO_SURFACE_M2: f64 = 1e-6;
+
 /// What a surface is for who puts receivers on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -149,7 +154,7 @@ impl Surfaces {
                 let sum: DVec3 = own.iter().map(area_vector).sum();
                 let area_m2: f64 = own.iter().map(|t| area_vector(t).length()).sum();
                 let normal = sum.normalize_or_zero();
-                if normal != DVec3::ZERO && area_m2 > 0.0 {
+                if normal != DVec3::ZERO && area_m2 > NO_SURFACE_M2 {
                     let kind = Kind::of(material, normal.z);
                     surfaces.push(Surface {
                         name: String::new(),
@@ -184,6 +189,12 @@ fn is_terrain(material: &Material) -> bool {
 /// Half the cross product of two edges: as long as the area, along the normal.
 pub(super) fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
     0.5 * (*b - *a).cross(*c - *a)
+}
+
+fn is_thin(t: &[DVec3; 3]) -> bool {
+    let [a, b, c] = t;
+    let longest = a.distance(*b).max(b.distance(*c)).max(c.distance(*a));
+    2.0 * area_vector(t).length() < THIN_M * longest
 }
 
 fn centre(surface: &Surface) -> DVec3 {
@@ -255,7 +266,9 @@ fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
         let flat = |i: usize| {
             let direction = area.get(i).copied().unwrap_or_default().normalize_or_zero();
             let near = |p: &DVec3| (*p - origin).dot(normal).abs() < SAME_PLANE_M;
-            direction.dot(normal) > SAME_DIRECTION && triangles.get(i).is_some_and(|t| t.iter().all(near))
+            triangles
+                .get(i)
+                .is_some_and(|t| (direction.dot(normal) > SAME_DIRECTION || is_thin(t)) && t.iter().all(near))
         };
         let (mut members, mut next) = (Vec::new(), vec![seed]);
         if let Some(mark) = taken.get_mut(seed) {
@@ -338,6 +351,16 @@ mod tests {
         let one = house(WALLS.into_iter().skip(1).chain(ROOF)) + &backwards(WALLS[0]);
         let odd = find(&one);
         assert_eq!((odd.closed_objects, odd.contrary_edges), (0, 4));
+    }
+
+    /// A wall with a sliver of 1e-7 m between its triangles that faces askew is 1 surface, named after its object.
+    #[test]
+    fn slivers() {
+        let wall = find(
+            "v 0 0 0\nv 10 0 0\nv 10 0 3\nv 0 0 3\nv 5 0.0000001 0.0000001\no wall\nf 1 5 4\nf 5 2 4\nf 2 3 4\nf 1 2 5\n",
+        );
+        assert_eq!((wall.list.len(), wall.list[0].name.as_str()), (1, "wall"));
+        assert!((wall.list[0].area_m2 - 30.0).abs() < 1e-5, "{}", wall.list[0].area_m2);
     }
 
     /// Names decide on kinds, then class and tilt: 7 materials and tilts.

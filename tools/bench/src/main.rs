@@ -1,9 +1,10 @@
 //! Rays per second of one core: heliotile's packets at every CPU level, its single rays and obvhs' own, on three scenes.
 //! Prints one table; `--rays FOLDER` writes scenes and rays for the Embree program, `--quick` leaves the largest scene out,
 //! `--textures` compares adaptive and flat sky textures instead, `--replay WEATHER SITE...` tells what replay costs, `--archive SITE
-//! CONDITIONS` what trust costs.
+//! CONDITIONS` what trust costs, `--readers [SCENE...]` how fast scene files are read.
 
 mod archives;
+mod readers;
 mod replays;
 mod scenes;
 mod textures;
@@ -125,6 +126,9 @@ fn main() {
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
         let weather = arguments[at + 1].as_ref();
         return one.install(|| arguments[at + 2..].iter().for_each(|site| replays::run(site.as_ref(), weather)));
+    }
+    if let Some(at) = arguments.iter().position(|a| a == "--readers") {
+        return readers::run(&arguments[at + 1..]);
     }
     if let Some(at) = arguments.iter().position(|a| a == "--archive") {
         archives::open(100_000);
