@@ -50,14 +50,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         high[2]
     );
     if let Some(place) = &manifest.place {
-        let epsg = place.epsg.map(|epsg| format!(", EPSG:{epsg}")).unwrap_or_default();
-        line!(
-            out,
-            "  place       latitude {:.4}, longitude {:.4}, grid north {:.2} degrees east of true north{epsg}",
-            place.latitude_deg,
-            place.longitude_deg,
-            place.convergence_deg
-        );
+        line!(out, "  place       {place}");
     }
     let tiles = counted(receivers.tiles.into(), "tile");
     line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);

@@ -151,12 +151,13 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
     let covered = Covered { surfaces, chosen, small };
     if covered.count(Lying::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
-        return Err(Error::input(
-            Path::new("--on"),
-            None,
-            what.trim_end(),
-            "lower --min-area, or cover other surfaces",
-        ));
+        let hint = match covered.count(Lying::Inside) {
+            0 => "lower --min-area, or cover other surfaces",
+            _ => {
+                "see where the parts of the scene lie (`heliotile info` of each): one may be below the terrain, or in another unit"
+            }
+        };
+        return Err(Error::input(Path::new("--on"), None, what.trim_end(), hint));
     }
     Ok(covered)
 }
@@ -255,10 +256,11 @@ pub(super) fn summary(covered: &Covered, scene: &Scene) -> String {
     };
     for kind in Kind::ALL {
         let of_kind = || covered.chosen.iter().filter(|c| covered.surfaces.list[c.surface].kind == kind);
-        let area: f64 = of_kind().map(|c| covered.surfaces.list[c.surface].area_m2).sum();
+        // An empty sum is -0.0.
+        let area: f64 = of_kind().map(|c| covered.surfaces.list[c.surface].area_m2).sum::<f64>() + 0.0;
         let pieces =
             || of_kind().flat_map(|c| c.pieces.iter().zip(&c.lying)).filter(|(_, lying)| **lying == Lying::Free);
-        let covered_area: f64 = pieces().map(|(piece, _)| piece.area_m2).sum();
+        let covered_area: f64 = pieces().map(|(piece, _)| piece.area_m2).sum::<f64>() + 0.0;
         if of_kind().next().is_some() {
             line(format!(
                 "{:7} {:>8} surfaces {:>9} receivers, {covered_area:.1} of {area:.1} m2 get light",

@@ -58,6 +58,9 @@ pub fn info(site: &Site) -> Result<Outcome> {
         size.y,
         size.z
     );
+    if let Some(place) = &scene.place {
+        line!(out, "  place       {place}");
+    }
     if surfaces.contrary_edges > 0 {
         line!(
             out,

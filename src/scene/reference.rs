@@ -1,6 +1,8 @@
 //! Where on Earth a scene lies. In: a coordinate reference system by its EPSG number, or the place itself. Out: latitude, longitude
 //! and where true north is, good to some 100 m: shifts between datums are taken as far as three or seven parameters give them.
 
+use std::fmt;
+
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 use serde::{Deserialize, Serialize};
@@ -26,6 +28,17 @@ pub struct Place {
     /// Horizontal coordinate reference system, if that is how the place is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epsg: Option<u32>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place { latitude_deg, longitude_deg, convergence_deg, epsg } = self;
+        write!(
+            f,
+            "latitude {latitude_deg:.4}, longitude {longitude_deg:.4}, grid north {convergence_deg:.2} degrees east of true north"
+        )?;
+        epsg.map_or(Ok(()), |epsg| write!(f, ", EPSG:{epsg}"))
+    }
 }
 
 /// Compound systems and their horizontal parts (EPSG register, 2024); the crate of definitions lists few of them.

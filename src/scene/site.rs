@@ -32,7 +32,7 @@ pub struct Part {
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
     /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0 keeps every sample. Without it
-    /// 0.05 beside other geometry, and every sample where rasters are the whole scene.
+    /// 0.2 beside other geometry, and every sample where rasters are the whole scene.
     pub horizon_deg: Option<f64>,
 }
 
@@ -85,7 +85,7 @@ enum Up {
 }
 
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
-                    offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\", and for terrain horizon_deg = 0.05";
+                    offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\", and for terrain horizon_deg = 0.2";
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the

@@ -145,3 +145,35 @@ fn run_and_run_again() {
     let report = run("--spacing 4m");
     assert!(!report.contains("up to date") && report.contains("root"), "{report}");
 }
+
+/// Three buildings of 3DBAG (EPSG:7415) lie near 51.9 N 4.4 E or wherever the file says: `info` prints one place of scene and archive, `run`
+/// and `replay` warn that Golden's weather is more than 7,000 km away, and convergence is named once.
+#[test]
+fn place_travels() {
+    let folder = Folder::new();
+    let root = env!("CARGO_MANIFEST_DIR");
+    let (city, weather) = (
+        format!("{root}/tests/data/cityjson/small.city.jsonl"),
+        format!("{root}/tests/data/weather/golden_3_days.epw"),
+    );
+    let run = folder.run(&format!("run {city} --weather {weather} --quality draft --spacing 10m -o made"));
+    let said = stderr(&run);
+    assert_eq!(run.status.code(), Some(0), "{said}");
+    let apart = |text: &str| {
+        let line = text.lines().find(|line| line.contains("km from the scene at")).expect("a warning").to_owned();
+        let km: f64 =
+            line.split(" km from").next().and_then(|s| s.rsplit(' ').next()).expect("km").parse().expect("km");
+        assert!((7_000.0..8_500.0).contains(&km), "{line}");
+        line
+    };
+    let warned = apart(&said);
+    assert_eq!(said.matches("true north").count(), 1, "{said}");
+    let replayed = folder.run(&format!("replay made/site.helio --weather {weather} --every total"));
+    assert_eq!(apart(&stderr(&replayed)), warned);
+    let place = |what: &str| {
+        let text = stdout(&folder.run(&format!("info {what}")));
+        text.lines().find(|line| line.starts_with("  place ")).expect("a place").to_owned()
+    };
+    assert_eq!(place(&city), place("made/site.helio"));
+    assert!(place(&city).contains("EPSG:28992") && place(&city).contains("latitude 5"), "{}", place(&city));
+}

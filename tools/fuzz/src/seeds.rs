@@ -32,7 +32,7 @@ const CITYJSON: &str = r#"{"type":"CityJSON","version":"2.0","transform":{"scale
 const CITYJSON_SEQ: &str = r#"{"type":"CityJSON","version":"2.0","transform":{"scale":[0.01,0.01,0.01],"translate":[0,0,0]},"CityObjects":{},"vertices":[]}
 {"type":"CityJSONFeature","id":"a","CityObjects":{"a":{"type":"Building","geometry":[{"type":"Solid","lod":"1","boundaries":[[[[0,1,2]],[[0,2,3]]]]}]}},"vertices":[[0,0,0],[900,0,0],[900,900,0],[0,0,900]]}
 "#;
-const ASCII_GRID: &str = "ncols 3\nnrows 2\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\nNODATA_value -9999\n1 2 3\n4 -9999 6.5\n";
+const ASCII_GRID: &str = "ncols 3\nnrows 3\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\nNODATA_value -9999\n1 2 3\n4 5 6.5\n-9999 7 8\n";
 const EPJSON: &str = r#"{"Version":{"Version 1":{"version_identifier":"25.1"}},
 "Building":{"b":{"north_axis":30}},"GlobalGeometryRules":{"r":{"coordinate_system":"Relative","starting_vertex_position":"UpperLeftCorner",
 "vertex_entry_direction":"Counterclockwise"}},"Zone":{"z":{"x_origin":5,"direction_of_relative_north":10}},
