@@ -52,6 +52,14 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         guard_site(output, &site, &[Some(&args.weather), args.receivers.as_deref()])?;
     }
     guard_archive(&files.archive)?;
+    if folder.exists() && !folder.is_dir() {
+        return Err(Error::input(
+            &folder,
+            None,
+            "is a file, and the output is a folder",
+            "give it a name of its own with --output",
+        ));
+    }
     let weather = read_weather(&args.weather)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let (scene, covered) = match args.receivers {
@@ -71,9 +79,10 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     write_map(&files.map, &rows, covered.as_ref())?;
     say(&table(&rows, covered.as_ref(), &args.weather))?;
     say(&format!(
-        "{}: receivers.csv, site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
+        "{}: {}site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
          --weather {} --every month -o months.csv\n",
         folder.display(),
+        if covered.is_some() { "receivers.csv, " } else { "" },
         files.archive.display(),
         args.weather.display()
     ))?;

@@ -1,7 +1,7 @@
 //! Materials of several files under names of one scene. In: the names that each file uses and the table that describes them. Out:
 //! one list of names; where two files mean different things by one name, the later one's gets the file's name behind it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::LoadReport;
@@ -17,6 +17,9 @@ use crate::error::{Error, Result};
 #[derive(Default)]
 pub(super) struct Palette {
     entries: Vec<Entry>,
+    /// Entries by name in the scene, and by name in their files: hostile files hold tens of thousands.
+    by_name: HashMap<String, usize>,
+    by_local: HashMap<String, Vec<usize>>,
     /// `materials.toml` files that were read, once each.
     tables: BTreeMap<PathBuf, Table>,
     ground: Option<(PathBuf, EndlessGround)>,
@@ -25,8 +28,6 @@ pub(super) struct Palette {
 struct Entry {
     /// In the scene.
     name: String,
-    /// In its file.
-    local: String,
     /// The file that describes it, or ought to.
     source: PathBuf,
     /// `None` if `source` does not.
@@ -68,24 +69,22 @@ impl Palette {
         };
         let assumes = described.is_none() && materials.is_none();
         let material = described.cloned().or_else(|| assumes.then(|| assumed(local)));
-        let same = |entry: &Entry| entry.local == local && entry.material == material;
-        if let Some(known) = self.entries.iter().position(same) {
-            return known as u32;
+        let alike = self.by_local.entry(local.to_owned()).or_default();
+        let same = |i: &&usize| self.entries.get(**i).is_some_and(|entry| entry.material == material);
+        if let Some(known) = alike.iter().find(same) {
+            return *known as u32;
         }
         let mut name = local.to_owned();
         let mut behind = format!(" ({})", stem(file));
-        while self.entries.iter().any(|entry| entry.name == name) {
+        while self.by_name.contains_key(&name) {
             name = format!("{local}{behind}");
             behind.push('\'');
         }
-        self.entries.push(Entry {
-            name,
-            local: local.to_owned(),
-            source: source.to_owned(),
-            material,
-            assumed: assumes,
-        });
-        self.entries.len() as u32 - 1
+        let number = self.entries.len();
+        alike.push(number);
+        self.by_name.insert(name.clone(), number);
+        self.entries.push(Entry { name, source: source.to_owned(), material, assumed: assumes });
+        number as u32
     }
 
     /// The endless ground, if a table describes it, and the number of its material.
@@ -103,7 +102,7 @@ impl Palette {
     /// The materials in use, in that order, and warnings: what is assumed of which, and what is described for nothing.
     pub(super) fn select(&self, report: &mut LoadReport) -> Result<Vec<Material>> {
         let LoadReport { materials: used, warnings, .. } = report;
-        let entry_of = |name: &str| self.entries.iter().find(|entry| entry.name == name);
+        let entry_of = |name: &str| self.by_name.get(name).and_then(|i| self.entries.get(*i));
         let described = self.entries.iter().filter_map(|entry| {
             let material = entry.material.clone()?;
             Some((entry.name.clone(), Material { name: entry.name.clone(), ..material }))
@@ -128,10 +127,11 @@ impl Palette {
                 assumed.join(", ")
             ));
         }
+        let names: HashSet<&str> = used.iter().map(|entry| entry.name.as_str()).collect();
         for (path, table) in &self.tables {
             let is_used = |name: &str| {
-                let used = |entry: &Entry| used.iter().any(|found| found.name == entry.name);
-                self.entries.iter().any(|entry| entry.local == name && entry.source == *path && used(entry))
+                let entries = self.by_local.get(name).into_iter().flatten().filter_map(|i| self.entries.get(*i));
+                entries.filter(|entry| entry.source == *path).any(|entry| names.contains(entry.name.as_str()))
             };
             warnings.extend(table.keys().filter(|name| !is_used(name)).map(|name| {
                 format!("{}: the scene does not use material `{}`", path.display(), excerpt(name.as_bytes()))

@@ -40,7 +40,7 @@ pub(super) enum Content {
 }
 
 const ENDINGS: &str = ".json and .jsonl (CityJSON), .tif, .tiff and .asc (terrain), .epJSON and .idf (EnergyPlus), .gltf, .glb, .obj, \
-                       .ply, .stl";
+                       .ply, .stl, and site.toml";
 
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
