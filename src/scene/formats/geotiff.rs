@@ -10,8 +10,8 @@ use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::Asked;
 use super::geokeys::GeoKeys;
+use super::{Asked, tiff_directory};
 use crate::error::{Error, Result};
 use crate::scene::terrain::raster::{Grid, Meaning, Raster, check_size};
 use crate::scene::text::excerpt;
@@ -31,6 +31,8 @@ type Tiff<'b> = Decoder<Cursor<&'b [u8]>>;
 
 pub(in crate::scene) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let bad = |doing: &'static str| move |e: TiffError| refused(file, doing, &e);
+    let cut = "the file is damaged or cut off: fetch or export it again";
+    tiff_directory::check(bytes).map_err(|what| Error::input(file, None, what, cut))?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MAX_CHUNK;
     limits.intermediate_buffer_size = MAX_CHUNK;

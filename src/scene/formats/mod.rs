@@ -17,6 +17,7 @@ mod ply_header;
 mod stl;
 #[cfg(test)]
 mod test_solids;
+mod tiff_directory;
 
 use std::path::Path;
 
