@@ -1,6 +1,7 @@
 //! The command line: clap types of every subcommand, nothing else.
 
 mod build;
+mod choice;
 mod cover;
 mod effects;
 mod export;
@@ -16,14 +17,16 @@ use std::str::FromStr;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::archive::Access;
 use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
-use crate::recombine::components::ComponentList;
-use crate::recombine::reflectances::{Follow, Snow};
-use crate::recombine::sky::SkyModel;
-use crate::recombine::span::Moment;
-use crate::recombine::temperatures::Temperature;
+use heliotile_core::archive::Access;
+use heliotile_core::replay::components::ComponentList;
+use heliotile_core::replay::reflectances::{Follow, Snow};
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::weather::span::Moment;
+use heliotile_core::weather::temperatures::Temperature;
+
+use self::choice::choice;
 
 pub use self::build::{BuildArgs, PlanArgs, Share};
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
@@ -160,7 +163,7 @@ pub struct RecombineArgs {
     #[arg(long, short, value_name = "FILE")]
     pub receivers: Option<PathBuf>,
     /// What rows are about
-    #[arg(long, value_enum, default_value_t = By::Receiver)]
+    #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,
     /// Columns to write, in this order, such as total,sun_direct; `replay` also gives longwave [default: the six components
     /// and their total]
@@ -174,12 +177,12 @@ pub struct RecombineArgs {
     pub patches: Option<usize>,
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
-    pub bounces: crate::recombine::bounces::Depth,
+    pub bounces: heliotile_core::light::bounces::Depth,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archive is read [default: map, or pread if the archive is large beside --memory]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Access>())]
     pub io: Option<Access>,
     /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
     /// the last one counts
@@ -208,7 +211,7 @@ pub struct ReplayArgs {
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Rows: means in W/m2, or sums in kWh/m2
-    #[arg(long, value_enum, default_value_t = Every::Hour)]
+    #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
     pub every: Every,
     /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or a time, 03-01T06:00
     #[arg(long, value_name = "DAY")]
@@ -228,7 +231,7 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<Follow>)]
     pub transmittance: Vec<(String, Follow)>,
     /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Snow>())]
     pub snow: Option<Snow>,
     /// Diffuse reflectance of snow
     #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
@@ -247,7 +250,7 @@ pub struct VerifyArgs {
     #[arg(long)]
     pub deep: bool,
     /// How the archive is read
-    #[arg(long, value_enum, default_value_t = Access::Read)]
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }
 
@@ -305,7 +308,7 @@ pub struct InfoArgs {
     #[arg(long, short)]
     pub materials: Option<PathBuf>,
     /// How the archive is read
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
     pub io: Access,
 }
 
@@ -330,7 +333,7 @@ pub struct ExtractArgs {
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archive is read
-    #[arg(long, value_enum, default_value_t = Access::Read)]
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }
 
@@ -346,7 +349,7 @@ pub struct MergeArgs {
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archives are read
-    #[arg(long, value_enum, default_value_t = Access::Read)]
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }
 
@@ -359,7 +362,7 @@ pub struct DiffArgs {
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archives are read
-    #[arg(long, value_enum, default_value_t = Access::Read)]
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }
 
@@ -391,8 +394,8 @@ impl FromStr for Bounds {
     }
 }
 
-fn parse_depth(text: &str) -> Result<crate::recombine::bounces::Depth, String> {
-    use crate::recombine::bounces::Depth;
+fn parse_depth(text: &str) -> Result<heliotile_core::light::bounces::Depth, String> {
+    use heliotile_core::light::bounces::Depth;
     match (text, text.parse::<u32>()) {
         ("all", _) => Ok(Depth::All),
         (_, Ok(count @ 1..=64)) => Ok(Depth::Count(count)),

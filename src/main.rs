@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use heliotile::cli::Cli;
-use heliotile::commands::{self, Outcome};
+use heliotile::commands;
+use heliotile::commands::Outcome;
 
 fn main() -> ExitCode {
     match commands::run(&Cli::parse().command) {

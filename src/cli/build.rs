@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::choice::choice;
 use super::{AccuracyArgs, Bytes, SceneArgs, Wanted, parse_memory};
 
 #[derive(Args, Debug)]
@@ -26,7 +27,7 @@ pub struct BuildArgs {
     #[arg(long, conflicts_with = "resume")]
     pub fresh: bool,
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
-    #[arg(long, value_enum, default_value_t = Share::Cells, conflicts_with = "error")]
+    #[arg(long, value_parser = choice::<Share>(), default_value = "cells", conflicts_with = "error")]
     pub share: Share,
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
@@ -59,7 +60,7 @@ pub struct PlanArgs {
 }
 
 /// How probes are shared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Share {
     Cells,
     None,

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use super::choice::choice;
 use clap::{ArgGroup, Args};
 use glam::DVec3;
 
 use super::{Bytes, parse_depth, parse_memory};
-use crate::archive::Access;
-use crate::recombine::bounces::Depth;
-use crate::recombine::sky::SkyModel;
-use crate::units::direction_from_degrees;
+use heliotile_core::archive::Access;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::units::direction_from_degrees;
 
 /// What `export --help` says of the images.
 const IMAGES: &str = "\
@@ -70,7 +71,7 @@ pub struct ExportArgs {
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     /// How the archive is read
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
     pub io: Access,
 }
 

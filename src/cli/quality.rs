@@ -5,10 +5,12 @@ use std::str::FromStr;
 
 use clap::Args;
 
+use super::choice::choice;
+
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
     /// Rung of the accuracy ladder
-    #[arg(long, value_enum, default_value_t, conflicts_with = "error")]
+    #[arg(long, value_parser = choice::<Quality>(), default_value = "standard", conflicts_with = "error")]
     pub quality: Quality,
     /// Largest RMSE of hourly totals, in percent of their mean, such as 2%: settings are chosen by trying some on a sample of the receivers
     #[arg(long, value_name = "PERCENT", conflicts_with = "set")]
@@ -22,7 +24,7 @@ pub struct AccuracyArgs {
 }
 
 /// A named rung. What it means in textures and cells stands in `commands::build::ladder`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
     /// A quick look
     Draft,

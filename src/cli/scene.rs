@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::error::Result;
-use crate::scene::site::Site;
+use heliotile_core::error::Result;
+use heliotile_scene::site::Site;
 
 #[derive(Args, Debug)]
 pub struct SceneArgs {

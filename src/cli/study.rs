@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, Subcommand};
 
-use crate::mapping::Mapping;
+use heliotile_builder::study::mapping::Mapping;
 
 #[derive(Args, Debug)]
 pub struct StudyArgs {

@@ -6,11 +6,11 @@ use std::path::Path;
 use super::temporary_folder;
 use super::transfer::rows::Rows;
 use super::transfer::selection::Selection;
-use crate::archive::{Archive, format};
 use crate::cli::RecombineArgs;
-use crate::error::Result;
-use crate::recombine::replay::TileResult;
-use crate::scene::receivers::Receiver;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::Result;
+use heliotile_core::replay::replay::TileResult;
+use heliotile_core::site::receiver::Receiver;
 
 /// A choice of receivers.
 pub struct Chosen {

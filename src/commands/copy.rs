@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use super::temporary_folder;
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// Copies bytes and permissions, under a name of its own until all is on the disk: whoever reads `to` meanwhile, or after a crash,
 /// finds what was there or what was copied.

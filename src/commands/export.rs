@@ -7,19 +7,19 @@ use serde_json::{Map, Value, json};
 
 use super::transfer::rows::Rows;
 use super::{Outcome, guard_output, temporary_folder, warn};
-use crate::archive::{Archive, format};
 use crate::cli::ExportArgs;
-use crate::error::{Error, Result};
 use crate::outputs::exr::exr;
 use crate::outputs::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
 use crate::outputs::view_factors::ViewFactorTable;
-use crate::recombine::conditions::Condition;
-use crate::recombine::maps::{Light, maps};
-use crate::recombine::receiver_view::ReceiverView;
-use crate::recombine::sun::Site;
-use crate::recombine::sun_path::SunPath;
-use crate::recombine::weather_file::read_weather;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::maps::{Light, maps};
+use heliotile_core::replay::receiver_view::ReceiverView;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::formats::weather_file::read_weather;
+use heliotile_core::weather::sun::Site;
+use heliotile_core::weather::sun_path::SunPath;
 
 /// Kinds of images.
 enum Image {

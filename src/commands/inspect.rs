@@ -3,12 +3,13 @@
 use std::fmt::Write;
 
 use super::{Outcome, counted, is_archive, say, scene, warn};
-use crate::archive::accuracy::Accuracy;
-use crate::archive::{self, Archive, format, tables};
 use crate::cli::{InfoArgs, VerifyArgs};
-use crate::error::Result;
-use crate::recombine::components::Component;
-use crate::scene::site::Site;
+use heliotile_core::archive;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::replay::components::Component;
+use heliotile_scene::site::Site;
 
 /// One line of text.
 macro_rules! line {

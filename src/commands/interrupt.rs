@@ -11,7 +11,7 @@ pub fn watch() {
             // As a shell counts a program that SIGINT ended.
             std::process::exit(130);
         }
-        super::warn("stopping at the next checkpoint; once more to stop at once");
+        crate::commands::warn("stopping at the next checkpoint; once more to stop at once");
     });
 }
 

@@ -23,11 +23,11 @@ use std::fs::{self, File};
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
-use crate::archive::format;
 use crate::cli::{Command, SceneArgs};
-use crate::error::{Error, Result};
-use crate::scene::Scene;
-use crate::scene::site::Site;
+use heliotile_core::archive::format;
+use heliotile_core::error::{Error, Result};
+use heliotile_scene::Scene;
+use heliotile_scene::site::Site;
 
 /// How a command that ran ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

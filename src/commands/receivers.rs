@@ -11,19 +11,19 @@ use rayon::prelude::*;
 use super::progress::bar;
 use super::{Outcome, counted, guard_site, say, warn};
 use crate::cli::{CoverArgs, ReceiversArgs};
-use crate::error::{Error, Result};
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
 use crate::outputs::sink::Sink;
-use crate::scene::Scene;
-use crate::scene::cover::{Density, MOST_POINTS, Piece, cover};
-use crate::scene::load::Soup;
-use crate::scene::materials::Material;
-use crate::scene::site::Site;
-use crate::scene::surfaces::{Kind, Surface, Surfaces};
-use crate::trace::Tracer;
-use crate::trace::canopy::Canopies;
-use crate::trace::lying::{Lying, lying};
-use crate::trace::receiver::Viewpoint;
+use heliotile_builder::trace::Tracer;
+use heliotile_builder::trace::canopy::Canopies;
+use heliotile_builder::trace::lying::{Lying, lying};
+use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::material::Material;
+use heliotile_scene::Scene;
+use heliotile_scene::cover::{Density, MOST_POINTS, Piece, cover};
+use heliotile_scene::load::Soup;
+use heliotile_scene::site::Site;
+use heliotile_scene::surfaces::{Kind, Surface, Surfaces};
 
 /// Surfaces and the receivers on them.
 pub(super) struct Covered {

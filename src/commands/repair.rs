@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use super::build::{BuildPlan, BuildSettings, Start, build_with};
 use super::copy::copy_whole;
 use super::{Outcome, counted, guard_site, interrupt, load_scene, say, temporary_folder, warn};
-use crate::archive::{self, Access, Archive, Blocks, format, tables};
 use crate::cli::RepairArgs;
-use crate::error::{Error, Result};
-use crate::recombine::load::settings;
-use crate::scene::receiver_tiles::ReceiverTiles;
-use crate::scene::receivers::Receiver;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_core::archive;
+use heliotile_core::archive::{Access, Archive, Blocks, format, tables};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::load::settings;
+use heliotile_core::site::receiver::Receiver;
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {

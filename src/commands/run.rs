@@ -13,22 +13,22 @@ use super::receivers::{self, Covered, cover_site};
 use super::repair::other_receivers;
 use super::transfer::rows::Rows;
 use super::{Outcome, guard_archive, guard_output, guard_site, load_scene, say, temporary_folder, warn};
-use crate::archive::{Access, Archive, format};
 use crate::cli::{Percent, RunArgs, Wanted};
-use crate::error::{Error, Result};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
-use crate::recombine::apart::far_apart;
-use crate::recombine::components::Component;
-use crate::recombine::replay::{Replay, ReplaySettings};
-use crate::recombine::weather::Weather;
-use crate::recombine::weather_file::read_weather;
-use crate::recombine::years::Years;
-use crate::scene::Scene;
-use crate::scene::cover::Piece;
-use crate::scene::receiver_tiles::ReceiverTiles;
-use crate::scene::surfaces::Kind;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::weather::apart::far_apart;
+use heliotile_core::weather::formats::weather_file::read_weather;
+use heliotile_core::weather::weather::Weather;
+use heliotile_core::weather::years::Years;
+use heliotile_scene::Scene;
+use heliotile_scene::cover::Piece;
+use heliotile_scene::surfaces::Kind;
 
 /// Files of the folder.
 struct Files {

@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 use super::{Outcome, counted, say, say_report};
-use crate::error::Result;
-use crate::scene::Scene;
-use crate::scene::objects::twins;
-use crate::scene::site::Site;
-use crate::scene::surfaces::{Kind, Surfaces};
+use heliotile_core::error::Result;
+use heliotile_scene::Scene;
+use heliotile_scene::objects::twins;
+use heliotile_scene::site::Site;
+use heliotile_scene::surfaces::{Kind, Surfaces};
 
 /// Pairs of objects that are named.
 const MOST_PAIRS: usize = 5;

@@ -6,9 +6,9 @@ use std::io::{self, Write};
 use glam::DVec3;
 
 use super::sink::Sink;
-use crate::error::{Error, Result};
-use crate::recombine::components::Component;
-use crate::scene::receivers::Receiver;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
+use heliotile_core::site::receiver::Receiver;
 
 /// A receiver and its sums, kWh/m2: the six components and their total.
 #[derive(Clone, Debug)]

@@ -15,9 +15,9 @@ use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema};
 use super::layout::Layout;
 use super::sink::Sink;
 use super::table::Table;
-use crate::error::{Error, Result};
-use crate::recombine::components::ComponentList;
-use crate::recombine::values::TileValues;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::ComponentList;
+use heliotile_core::replay::values::TileValues;
 
 /// Of zstd: higher levels take longer for little on floats.
 const LEVEL: i32 = 1;

@@ -10,7 +10,7 @@ use embedded_graphics::primitives::{Circle, Polyline, PrimitiveStyle, Rectangle}
 use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// Red, green, blue.
 pub type Rgb = [u8; 3];

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use super::layout::{Labels, Layout};
 use super::sink::Sink;
 use super::table::Table;
-use crate::error::{Error, Result};
-use crate::recombine::components::ComponentList;
-use crate::recombine::values::TileValues;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::ComponentList;
+use heliotile_core::replay::values::TileValues;
 
 /// Receivers formatted before a write: bounds the memory of a tile's text to a few 10 MB.
 const RECEIVERS_AT_ONCE: usize = 16;

@@ -11,8 +11,8 @@ use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, Vec2, WritableImage};
 use serde_json::{Map as Object, Value, json};
 
-use crate::error::{Error, Result};
-use crate::recombine::maps::{Channel, Map};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::maps::{Channel, Map};
 
 /// Name of the attribute that says what a part holds.
 pub const ATTRIBUTE: &str = "heliotile";

@@ -13,7 +13,7 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 
 use super::layout::{By, Labels, Layout};
 use super::table::tests::{create, names, tile, value};
-use crate::recombine::components::Component;
+use heliotile_core::replay::components::Component;
 
 /// Two columns, the last one first.
 fn layout() -> Layout {

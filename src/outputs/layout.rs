@@ -1,6 +1,6 @@
 //! The columns of a table: a label, a receiver, and the components that are asked for, with their unit.
 
-use crate::recombine::components::{Component, ComponentList, SUM_SUFFIX};
+use heliotile_core::replay::components::{Component, ComponentList, SUM_SUFFIX};
 
 /// What the labels of a table are, and with them the unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub enum Labels {
 }
 
 /// What the rows of a table are about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum By {
     /// One row for each receiver
     #[default]

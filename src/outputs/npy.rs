@@ -1,5 +1,5 @@
 //! Tables as arrays of NumPy: f32, `[receiver][label][component]`, C order. What the places of an axis mean stands in
-//! `NAME.axes.json` beside `NAME.npy`, or in further arrays of an `.npz` file (see [`super::npz`]).
+//! `NAME.axes.json` beside `NAME.npy`, or in further arrays of an `.npz` file (see [`crate::outputs::npz`]).
 //!
 //! Format: NumPy enhancement proposal 1 (Kern 2007), version 1.0: magic, length of the header, a Python dictionary, values.
 
@@ -12,9 +12,9 @@ use serde_json::json;
 use super::layout::Layout;
 use super::sink::Sink;
 use super::table::Table;
-use crate::error::{Error, Result};
-use crate::recombine::components::Component;
-use crate::recombine::values::TileValues;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::values::TileValues;
 
 /// Values begin at a multiple of this, as NumPy writes them, so that they can be mapped.
 const ALIGNMENT: usize = 64;

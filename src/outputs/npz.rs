@@ -1,4 +1,4 @@
-//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`super::npy`]), names of
+//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`crate::outputs::npy`]), names of
 //! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone string `unit`.
 
 use std::io::{self, Write};
@@ -11,8 +11,8 @@ use super::layout::Layout;
 use super::npy::{array_bytes, header, incomplete};
 use super::sink::Sink;
 use super::table::Table;
-use crate::error::{Error, Result};
-use crate::recombine::values::TileValues;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::values::TileValues;
 
 /// An archive of arrays being written.
 pub struct NpzTable {

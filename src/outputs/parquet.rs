@@ -23,9 +23,9 @@ use super::arrow;
 use super::layout::Layout;
 use super::sink::Sink;
 use super::table::Table;
-use crate::error::{Error, Result};
-use crate::recombine::components::ComponentList;
-use crate::recombine::values::TileValues;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::ComponentList;
+use heliotile_core::replay::values::TileValues;
 
 /// Dictionaries up to this size stay dictionaries: labels of a year of minutes are 10 MB.
 const DICTIONARY_BYTES: usize = 32 << 20;

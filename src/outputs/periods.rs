@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 use std::str::FromStr;
 
-use crate::error::Error;
-use crate::recombine::bins::Bins;
-use crate::recombine::conditions::Stamp;
-use crate::recombine::years::Years;
-use crate::units::kwh_from_w;
+use heliotile_core::error::Error;
+use heliotile_core::units::kwh_from_w;
+use heliotile_core::weather::bins::Bins;
+use heliotile_core::weather::conditions::Stamp;
+use heliotile_core::weather::years::Years;
 
 /// What a row of a replay's results stands for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Every {
     /// One row per interval of the weather file: means, W/m2
     #[default]
@@ -102,7 +102,7 @@ impl Periods {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recombine::calendar::Date;
+    use heliotile_core::weather::calendar::Date;
 
     fn series(days: &[(i32, u32, u32)]) -> Vec<(String, Stamp)> {
         days.iter()

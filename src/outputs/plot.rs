@@ -15,7 +15,7 @@ use plotters::prelude::{
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::plot_scale::Scale;
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// A picture to be drawn.
 pub struct Plot {

@@ -7,7 +7,7 @@ use ::csv::Writer;
 use glam::DVec3;
 
 use super::sink::Sink;
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// One row.
 pub struct ReceiverRow<'a> {

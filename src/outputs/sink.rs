@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// A byte sink of a table.
 pub struct Sink {

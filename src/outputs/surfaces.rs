@@ -6,10 +6,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
-use crate::recombine::components::{Component, ComponentSet};
-use crate::recombine::values::TileValues;
-use crate::scene::receivers::Receiver;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::values::TileValues;
+use heliotile_core::site::receiver::Receiver;
 
 /// Surfaces that become one tile of a table.
 const SURFACES_AT_ONCE: usize = 64;

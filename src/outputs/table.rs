@@ -12,8 +12,8 @@ use super::npy::NpyTable;
 use super::npz::NpzTable;
 use super::parquet::ParquetTable;
 use super::sink::Sink;
-use crate::error::{Error, Result};
-use crate::recombine::values::TileValues;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::values::TileValues;
 
 /// What was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

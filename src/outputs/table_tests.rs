@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::outputs::layout::{By, Labels};
-use crate::recombine::components::ComponentList;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
+use heliotile_core::replay::components::ComponentList;
 
 /// All columns.
 fn all(labels: Labels) -> Layout {

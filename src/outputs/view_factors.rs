@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::csv::quoted;
 use super::sink::Sink;
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// The columns; the last four sum to 1.
 pub const COLUMNS: &str = "receiver,sky_view,ground_view,obstruction_view,nothing_view";

@@ -1,6 +1,7 @@
 //! What is assumed of materials that nobody describes. In: a name. Out: plain reflectances of its kind, for a warning to list.
 
-use super::materials::{Class, Material};
+use crate::materials::class_of_name;
+use heliotile_core::site::material::{Class, Material};
 
 /// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output Reference, `Solar Absorptance`).
 const WALL: f64 = 0.3;
@@ -18,7 +19,7 @@ const CROWN: f64 = 0.17;
 pub(super) fn assumed(name: &str) -> Material {
     let lower = name.to_lowercase();
     let has = |words: &[&str]| words.iter().any(|word| lower.contains(word));
-    let class = Class::of_name(name);
+    let class = class_of_name(name);
     if has(&["vegetation", "tree", "canopy"]) && class == Class::Obstruction && !lower.contains("street") {
         let matt = Material::matt(name, 0.0, class);
         return Material { transmittance: Some(CROWN), ..matt };

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::surfaces::{Kind, Surface, area_vector};
+use crate::surfaces::{Kind, Surface, area_vector};
 
 /// How many points go on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

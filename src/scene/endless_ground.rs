@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::mesh::RawTriangle;
+use crate::mesh::RawTriangle;
 
 /// Name of its table and its material.
 pub(super) const NAME: &str = "endless_ground";
@@ -53,7 +53,7 @@ impl EndlessGround {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Scene;
+    use crate::Scene;
 
     const BOX: &str = "v 0 0 2\nv 4 0 2\nv 4 6 2\nv 0 6 2\nv 0 0 5\nv 4 0 5\nv 4 6 5\nv 0 6 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\n\
                        f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::materials::Table;
-use super::reference::Reference;
-use crate::error::{Error, Result};
+use crate::materials::Table;
+use crate::reference::Reference;
+use heliotile_core::error::{Error, Result};
 
 /// Largest coordinate that is taken for a position in metres and not for an accident.
 pub(super) const MAX_COORDINATE_M: f64 = 1e9;

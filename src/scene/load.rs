@@ -5,23 +5,27 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::endless_ground::EndlessGround;
-use super::formats::{self, Asked, Content};
-use super::geometry::{Geometry, Names, is_position};
-use super::mesh::{Canonical, RawTriangle, bounds, canonical};
-use super::palette::Palette;
-use super::polygon::{self, OFF_PLANE_M, Triangulation, object_name};
-use super::reference::{Place, Reference, horizontal};
-use super::site::{Part, Site};
-use super::terrain::focus::Focus;
-use super::terrain::raster::Raster;
-use super::terrain::surface::{self, Wanted, surface};
-use super::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
-use crate::error::{Error, Result};
+use crate::endless_ground::EndlessGround;
+use crate::formats;
+use crate::formats::{Asked, Content};
+use crate::geometry::{Geometry, Names, is_position};
+use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
+use crate::palette::Palette;
+use crate::polygon;
+use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
+use crate::reference::{Reference, horizontal};
+use crate::site::{Part, Site};
+use crate::terrain::focus::Focus;
+use crate::terrain::raster::Raster;
+use crate::terrain::surface;
+use crate::terrain::surface::{Wanted, surface};
+use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::place::Place;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
 #[derive(Debug, Default)]
-pub(crate) struct Soup {
+pub struct Soup {
     /// Input coordinates, metres.
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
@@ -58,7 +62,7 @@ impl Scene {
     }
 
     /// The same, and what its triangles are parts of.
-    pub(crate) fn load_with_objects(site: &Site) -> Result<(Scene, Soup)> {
+    pub fn load_with_objects(site: &Site) -> Result<(Scene, Soup)> {
         load(site, true)
     }
 }
@@ -228,7 +232,7 @@ impl Pile {
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {
             late.extend(ground.add(&mut positions, &mut triangles, material));
-            objects.resize(triangles.len(), names.id(super::endless_ground::NAME));
+            objects.resize(triangles.len(), names.id(crate::endless_ground::NAME));
         }
         let sorted = rank_by_name(&palette.names(), &mut triangles);
         let soup = if keep { triangles.clone() } else { Vec::new() };

@@ -3,112 +3,23 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::receivers::MAX_NAME_BYTES;
-use super::text::excerpt;
-use crate::error::{Error, Result};
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::receiver::MAX_NAME_BYTES;
 
-/// Which of the two first-hit classes a surface counts for (the five EnergyPlus factors need them apart).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    Ground,
-    Obstruction,
-}
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
-impl Class {
-    /// The class of a material that does not state one: ground if its name, in lower case, ends with "relief" or contains
-    /// terrain, ground, road, grass, soil, water, street, pavement or one of CityJSON's words for land: landuse, plantcover, railway,
-    /// traffic, transport. `class = "obstruction"` corrects a "background".
-    pub fn of_name(name: &str) -> Class {
-        const GROUND: [&str; 8] = ["terrain", "ground", "road", "grass", "soil", "water", "street", "pavement"];
-        const CITY_LAND: [&str; 5] = ["landuse", "plantcover", "railway", "traffic", "transport"];
-        let name = name.to_lowercase();
-        if name.ends_with("relief") || GROUND.iter().chain(&CITY_LAND).any(|word| name.contains(word)) {
-            Class::Ground
-        } else {
-            Class::Obstruction
-        }
-    }
-}
-
-/// Panes of clear glass, whose specular reflectance follows from the angle of incidence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Glass {
-    Single,
-    Double,
-}
-
-impl Glass {
-    /// Number of panes.
-    pub fn panes(self) -> u8 {
-        match self {
-            Glass::Single => 1,
-            Glass::Double => 2,
-        }
-    }
-}
-
-/// Checked optical properties of one material; `diffuse + specular + transmittance <= 1`, each in 0..=1.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    pub name: String,
-    pub diffuse: f64,
-    /// Specular reflectance at any angle; 0 for glass.
-    pub specular: f64,
-    pub glass: Option<Glass>,
-    /// Share of the light that goes straight on at each crossing: a canopy or a screen, which reflects nothing. `None` is opaque.
-    pub transmittance: Option<f64>,
-    pub class: Class,
-    /// Materials of one group may follow a schedule at replay.
-    pub group: Option<String>,
-}
-
-impl Material {
-    /// A material without mirrors, panes or gaps.
-    pub fn matt(name: impl Into<String>, diffuse: f64, class: Class) -> Self {
-        Material { name: name.into(), diffuse, specular: 0.0, glass: None, transmittance: None, class, group: None }
-    }
-
-    /// Whether rays that meet it go on as from a mirror.
-    pub fn mirrors(&self) -> bool {
-        self.specular > 0.0 || self.glass.is_some()
-    }
-
-    /// What it does with light, in words.
-    pub fn optics(&self) -> String {
-        let diffuse = self.diffuse;
-        match (self.transmittance, self.glass) {
-            (Some(transmittance), _) => format!("transmittance {transmittance:.2}"),
-            (None, Some(Glass::Single)) => format!("diffuse {diffuse:.2}, glass"),
-            (None, Some(Glass::Double)) => format!("diffuse {diffuse:.2}, double glass"),
-            (None, None) if self.specular > 0.0 => format!("diffuse {diffuse:.2}, specular {:.2}", self.specular),
-            (None, None) => format!("diffuse {diffuse:.2}"),
-        }
-    }
-
-    /// Says what is wrong with properties that this type must not hold.
-    pub(super) fn check(&self) -> std::result::Result<(), String> {
-        let Material { diffuse, specular, .. } = *self;
-        let transmittance = self.transmittance.unwrap_or(0.0);
-        for (key, value) in [("diffuse", diffuse), ("specular", specular), ("transmittance", transmittance)] {
-            if !(0.0..=1.0).contains(&value) {
-                return Err(format!("`{key}` is {value}, not from 0 to 1"));
-            }
-        }
-        if self.glass.is_some() && specular > 0.0 {
-            return Err(format!("`glass` has the reflectance of its panes, not a `specular` of {specular}"));
-        }
-        if self.transmittance.is_some() && (diffuse > 0.0 || self.mirrors()) {
-            return Err("a material with `transmittance` lets light through or absorbs it, it reflects none: \
-                        `diffuse` and `specular` are 0 and `glass` is false"
-                .into());
-        }
-        // 0.7 + 0.3 may be the next number after 1.
-        if diffuse + specular > 1.0 + 1e-12 {
-            return Err(format!(
-                "`diffuse` {diffuse} and `specular` {specular} add up to more than 1: more light than arrives"
-            ));
-        }
-        Ok(())
+/// The class of a material that does not state one: ground if its name, in lower case, ends with "relief" or contains
+/// terrain, ground, road, grass, soil, water, street, pavement or one of CityJSON's words for land: landuse, plantcover, railway,
+/// traffic, transport. `class = "obstruction"` corrects a "background".
+pub fn class_of_name(name: &str) -> Class {
+    const GROUND: [&str; 8] = ["terrain", "ground", "road", "grass", "soil", "water", "street", "pavement"];
+    const CITY_LAND: [&str; 5] = ["landuse", "plantcover", "railway", "traffic", "transport"];
+    let name = name.to_lowercase();
+    if name.ends_with("relief") || GROUND.iter().chain(&CITY_LAND).any(|word| name.contains(word)) {
+        Class::Ground
+    } else {
+        Class::Obstruction
     }
 }
 
@@ -171,8 +82,8 @@ pub(super) fn table_header(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::materials_toml::parse_toml;
     use super::*;
+    use crate::materials_toml::parse_toml;
 
     fn parse(text: &str) -> Result<Table> {
         parse_toml(text, Path::new("materials.toml")).map(|read| read.0)

@@ -1,5 +1,6 @@
 //! In: `materials.toml`. Out: checked materials by name, used or not.
 
+use crate::materials::class_of_name;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
@@ -7,11 +8,13 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::endless_ground::{self, EndlessGround};
-use super::geometry::MAX_COORDINATE_M;
-use super::materials::{Class, Glass, Material, Table, table_header};
-use super::text::{excerpt, line_of_offset, without_byte_order_mark};
-use crate::error::{Error, Result};
+use crate::endless_ground;
+use crate::endless_ground::EndlessGround;
+use crate::geometry::MAX_COORDINATE_M;
+use crate::materials::{Table, table_header};
+use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::material::{Class, Glass, Material};
 
 const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1), `glass` (true, \"single\" or \
                     \"double\"), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
@@ -66,7 +69,7 @@ impl Reader<'_> {
         let mut entries: Vec<_> = keys.iter().collect();
         entries.sort_by_key(|(key, _)| key.span().start);
         let (mut diffuse, mut class, mut elevation) = (None, None, None);
-        let mut material = Material::matt(name, 0.0, Class::of_name(name));
+        let mut material = Material::matt(name, 0.0, class_of_name(name));
         for (key, value) in entries {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("diffuse", _) => diffuse = Some(self.reflectance(name, "diffuse", value)?),

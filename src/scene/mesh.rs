@@ -1,12 +1,11 @@
 //! In: positions and triangles in any order. Out: one mesh in canonical form; degenerate and repeated triangles are
 //! dropped and counted.
 
-use std::cmp::Ordering;
-
 use glam::DVec3;
+use heliotile_core::site::morton::lexicographic;
 use rayon::slice::ParallelSliceMut;
 
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// Most triangles of a scene.
 pub const MAX_TRIANGLES: u64 = 1 << 31;
@@ -196,11 +195,6 @@ pub(super) fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, greatest), point| {
         (least.min(point), greatest.max(point))
     })
-}
-
-/// Total order of positions by x, then y, then z.
-pub(super) fn lexicographic(a: DVec3, b: DVec3) -> Ordering {
-    a.x.total_cmp(&b.x).then_with(|| a.y.total_cmp(&b.y)).then_with(|| a.z.total_cmp(&b.z))
 }
 
 /// Whether a triangle is still one where rays are traced (corners in f32) and where normals are taken (f64).

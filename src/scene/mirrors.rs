@@ -6,81 +6,18 @@
 
 use std::collections::HashMap;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
+use heliotile_core::site::chain::Orientation;
 
-use super::materials::Material;
-use super::mesh::Mesh;
-use crate::error::{Error, Result};
-
-/// Most mirrors that light meets one after the other.
-pub const MOST_MIRRORS: usize = 3;
+use crate::mesh::Mesh;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::material::Material;
 
 /// Normals within this angle are one orientation, radians: a mirrored sun is off by at most half a texel of the finest sky.
 const SAME: f64 = 5e-4;
 
 /// Most orientations of a scene: their numbers have 16 bits.
 const MOST_ORIENTATIONS: usize = 1 << 16;
-
-/// The parallel mirrors of one material.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Orientation {
-    /// Unit normal; its sign means nothing.
-    pub normal: DVec3,
-    pub material: u16,
-}
-
-impl Orientation {
-    /// A direction after reflection, or before it.
-    pub fn reflect(&self, direction: DVec3) -> DVec3 {
-        direction - self.normal * (2.0 * self.normal.dot(direction))
-    }
-}
-
-/// A mirror on the way to a surface: the number of its material, and the cosine of the angle of incidence in 255ths.
-pub type Step = (u16, u8);
-
-/// Orientations met one after the other from the looker on; at most [`MOST_MIRRORS`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Chain {
-    /// Numbers + 1; 0 is none.
-    links: [u32; MOST_MIRRORS],
-}
-
-impl Chain {
-    pub fn new(numbers: &[u16]) -> Self {
-        let mut chain = Chain::default();
-        chain.links.iter_mut().zip(numbers).for_each(|(link, &number)| *link = u32::from(number) + 1);
-        chain
-    }
-
-    /// One mirror more, if there is room for it.
-    pub fn then(mut self, number: u16) -> Option<Self> {
-        let link = self.links.iter_mut().find(|link| **link == 0)?;
-        *link = u32::from(number) + 1;
-        Some(self)
-    }
-
-    pub fn numbers(&self) -> impl Iterator<Item = u16> + Clone + '_ {
-        self.links.iter().take_while(|link| **link > 0).map(|link| (link - 1) as u16)
-    }
-
-    pub fn len(&self) -> usize {
-        self.numbers().count()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.links == [0; MOST_MIRRORS]
-    }
-
-    /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the looker
-    /// sees it; `None` if an orientation does not exist.
-    pub fn seen_from(&self, orientations: &[Orientation]) -> Option<DMat3> {
-        self.numbers().try_fold(DMat3::IDENTITY, |map, number| {
-            let n = orientations.get(usize::from(number))?.normal;
-            Some(map * (DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z) * 2.0))
-        })
-    }
-}
 
 /// The mirrors of a scene.
 #[derive(Clone, Debug, Default)]
@@ -196,9 +133,9 @@ impl Face {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Scene;
-    use super::super::materials::{Class, Material};
     use super::*;
+    use crate::Scene;
+    use heliotile_core::site::material::{Class, Material};
 
     fn mirror(name: &str) -> Material {
         Material { specular: 0.8, ..Material::matt(name, 0.1, Class::Obstruction) }
@@ -235,21 +172,5 @@ mod tests {
         assert_eq!((found.orientations.len(), found.triangles().count()), (3, 6));
         triangles.reverse();
         assert_eq!(find(&triangles).orientations, found.orientations);
-    }
-
-    /// A ray that meets two mirrors is sent by the chain's map from the direction that it leaves in to the one that it started in, to
-    /// 1e-15; chains hold 3 mirrors and no fourth.
-    #[test]
-    fn chains() {
-        let orientation = |normal: DVec3| Orientation { normal: normal.normalize(), material: 0 };
-        let both = [orientation(DVec3::new(1.0, 2.0, 0.0)), orientation(DVec3::new(0.0, 1.0, -3.0))];
-        let chain = Chain::new(&[0, 1]);
-        let start = DVec3::new(0.6, 0.0, 0.8);
-        let end = both[1].reflect(both[0].reflect(start));
-        let map = chain.seen_from(&both).expect("both exist");
-        assert!((map * end - start).length() < 1e-15);
-        assert_eq!(chain.seen_from(&both[..1]), None);
-        assert_eq!((chain.len(), chain.then(0).and_then(|c| c.then(1))), (2, None));
-        assert_eq!(chain.then(0).map(|c| c.numbers().collect()), Some(vec![0, 1, 0]));
     }
 }

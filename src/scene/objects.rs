@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::load::Soup;
+use crate::load::Soup;
 
 /// Boxes this much alike are one, metres.
 const SAME_M: f64 = 0.5;
 
 /// Pairs of objects that fill the same box, by name; a flat object has no box.
-pub(crate) fn twins(soup: &Soup) -> Vec<(&str, &str)> {
+pub fn twins(soup: &Soup) -> Vec<(&str, &str)> {
     let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); soup.object_names.len()];
     for (corners, &object) in soup.triangles.iter().zip(&soup.objects) {
         let Some((low, high)) = boxes.get_mut(object as usize) else { continue };

@@ -4,15 +4,17 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use super::LoadReport;
-use super::assumed::assumed;
-use super::endless_ground::{self, EndlessGround};
-use super::formats::stem;
-use super::geometry::Geometry;
-use super::materials::{Material, Table, select};
-use super::materials_toml::read_toml;
-use super::text::excerpt;
-use crate::error::{Error, Result};
+use crate::LoadReport;
+use crate::assumed::assumed;
+use crate::endless_ground;
+use crate::endless_ground::EndlessGround;
+use crate::formats::stem;
+use crate::geometry::Geometry;
+use crate::materials::{Table, select};
+use crate::materials_toml::read_toml;
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::material::Material;
 
 #[derive(Default)]
 pub(super) struct Palette {

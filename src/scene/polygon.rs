@@ -3,10 +3,11 @@
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-use super::geometry::{Geometry, Polygon};
-use super::mesh::{NO_AREA, RawTriangle, lexicographic};
-use super::text::excerpt;
-use crate::error::{Error, Result};
+use crate::geometry::{Geometry, Polygon};
+use crate::mesh::{NO_AREA, RawTriangle};
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::morton::lexicographic;
 
 /// Most corners a face may have: ear clipping costs up to the square of this (6 s measured for a star that
 /// crosses itself everywhere, 5 ms for a circle of a quarter of this).

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::rows::Rows;
-use crate::error::{Error, Result};
+use crate::rows::Rows;
+use heliotile_core::error::{Error, Result};
 
 /// The column that is read; all others are passed over.
 const COLUMN: &str = "receiver";

@@ -6,37 +6,18 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::geometry::MAX_COORDINATE_M;
-use super::rows::{Rows, cell_error};
-use super::text::excerpt;
-use crate::error::{Error, Result};
+use crate::geometry::MAX_COORDINATE_M;
+use crate::rows::{Rows, cell_error};
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
-pub use super::morton::{morton_key, morton_order};
-
-/// Receivers of one tile: neighbours along the Morton curve that share compressed blocks.
-pub const TILE: usize = 64;
+use heliotile_core::site::receiver::{MAX_NAME_BYTES, Receiver};
 
 const REQUIRED: [&str; 7] = ["receiver", "x", "y", "z", "nx", "ny", "nz"];
 const OPTIONAL: [&str; 2] = ["area", "surface"];
 
-/// A point and its unit normal that gets irradiance.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Receiver {
-    pub id: String,
-    /// Input coordinates, metres.
-    pub position: DVec3,
-    /// Unit length.
-    pub normal: DVec3,
-    /// m2, > 0 where given.
-    pub area: Option<f64>,
-    pub surface: Option<String>,
-}
-
-/// Longest name that an archive holds.
-pub(super) const MAX_NAME_BYTES: usize = 1024;
-
 /// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row. Holds
-/// all of them in memory; [`ReceiverTiles`](super::receiver_tiles::ReceiverTiles) does not.
+/// all of them in memory; [`ReceiverTiles`](heliotile_builder::receiver_tiles::ReceiverTiles) does not.
 pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
     read_receivers_with_warnings(path, &mut Vec::new())
 }
@@ -60,24 +41,24 @@ fn collect(mut rows: ReceiverRows) -> Result<Vec<Receiver>> {
 }
 
 /// The refusal of a name that two rows have.
-pub(super) fn duplicate(file: &Path, id: &str, first_line: usize, line: usize) -> Error {
+pub fn duplicate(file: &Path, id: &str, first_line: usize, line: usize) -> Error {
     let why = format!("the name of the receiver in line {first_line} too");
     cell_error(file, line, "receiver", id, &why, "give every receiver a name of its own")
 }
 
 /// The refusal of a file without rows.
-pub(super) fn no_receivers(file: &Path) -> Error {
+pub fn no_receivers(file: &Path) -> Error {
     Error::input(file, None, "the file holds a header but no receivers", "add one row per receiver")
 }
 
 /// The rows of `receivers.csv` one after the other, each checked by itself.
-pub(super) struct ReceiverRows<'a> {
+pub struct ReceiverRows<'a> {
     rows: Rows<'a>,
     columns: Columns,
 }
 
 impl<'a> ReceiverRows<'a> {
-    pub(super) fn open(file: &'a Path, warnings: &mut Vec<String>) -> Result<Self> {
+    pub fn open(file: &'a Path, warnings: &mut Vec<String>) -> Result<Self> {
         ReceiverRows::new(Rows::open(file)?, warnings)
     }
 
@@ -90,19 +71,19 @@ impl<'a> ReceiverRows<'a> {
         Ok(ReceiverRows { rows, columns })
     }
 
-    pub(super) fn next(&mut self) -> Result<Option<Receiver>> {
+    pub fn next(&mut self) -> Result<Option<Receiver>> {
         if !self.rows.advance()? {
             return Ok(None);
         }
         Row { rows: &self.rows, columns: &self.columns }.receiver().map(Some)
     }
 
-    pub(super) fn file(&self) -> &'a Path {
+    pub fn file(&self) -> &'a Path {
         self.rows.file
     }
 
     /// 1-based line of the last row.
-    pub(super) fn line(&self) -> usize {
+    pub fn line(&self) -> usize {
         self.rows.line
     }
 }

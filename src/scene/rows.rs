@@ -6,8 +6,8 @@ use std::path::Path;
 
 use csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
 
-use super::text::{excerpt, without_byte_order_mark};
-use crate::error::{Error, Result};
+use crate::text::{excerpt, without_byte_order_mark};
+use heliotile_core::error::{Error, Result};
 
 /// Longest row that is read, in bytes, blank lines before it included.
 const MAX_ROW: usize = 16 << 20;

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::Deserialize;
 
-use super::geometry::is_position;
-use super::text::line_of_offset;
-use crate::error::{Error, Result};
+use crate::geometry::is_position;
+use crate::text::line_of_offset;
+use heliotile_core::error::{Error, Result};
 
 /// Files that make up one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -152,7 +152,7 @@ fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::Scene;
 
     const SQUARE: &str = "v 0 0 0\nv 2 0 0\nv 2 0 -2\nv 0 0 -2\nusemtl wall\nf 1 2 3 4\n";
 

@@ -2,14 +2,15 @@
 //! neighbouring triangles of an object and a material that lie in one plane; terrain as a whole. Neither the order of files, objects
 //! and faces nor the way faces are cut into triangles (but for the order of ties) matters.
 
+use crate::materials::class_of_name;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 use glam::DVec3;
 
-use super::load::Soup;
-use super::materials::{Class, Material};
-use super::mesh::lexicographic;
+use crate::load::Soup;
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::morton::lexicographic;
 
 /// Triangles lie in the plane of the first one of their surface if their normals are within this of its normal (cosine of 2 degrees) ...
 const SAME_DIRECTION: f64 = 0.999_390_8;
@@ -98,7 +99,7 @@ struct Facet {
 
 impl Surfaces {
     /// Finds the surfaces of a scene; canopies and the endless ground have none.
-    pub(crate) fn find(soup: &Soup, materials: &[Material]) -> Surfaces {
+    pub fn find(soup: &Soup, materials: &[Material]) -> Surfaces {
         let positions = distinct(&soup.positions);
         let rank = |corner: u32| {
             let p = soup.positions.get(corner as usize).copied().unwrap_or_default();
@@ -108,7 +109,7 @@ impl Surfaces {
         for ((corners, &material), &object) in soup.triangles.iter().zip(&soup.materials).zip(&soup.objects) {
             let Some(name) = soup.object_names.get(object as usize) else { continue };
             let opaque = materials.get(usize::from(material)).is_some_and(|m| m.transmittance.is_none());
-            if opaque && name != super::endless_ground::NAME {
+            if opaque && name != crate::endless_ground::NAME {
                 let corners = least_first(corners.map(rank));
                 objects.entry(name).or_default().push(Facet { material, corners });
             }
@@ -183,7 +184,7 @@ impl Surfaces {
 /// Ground that is not the underside of a building.
 fn is_terrain(material: &Material) -> bool {
     let underside = material.name.to_lowercase().contains("groundsurface");
-    material.class == Class::Ground && Class::of_name(&material.name) == Class::Ground && !underside
+    material.class == Class::Ground && class_of_name(&material.name) == Class::Ground && !underside
 }
 
 /// Half the cross product of two edges: as long as the area, along the normal.
@@ -297,9 +298,9 @@ fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Scene;
-    use super::super::site::{Part, Site};
     use super::*;
+    use crate::Scene;
+    use crate::site::{Part, Site};
 
     fn find(obj: &str) -> Surfaces {
         let folder = tempfile::tempdir().expect("a folder");
@@ -375,7 +376,7 @@ mod tests {
             ("brick", 0.6, Kind::Roof),
             ("brick", 0.4, Kind::Wall),
         ] {
-            let material = super::super::assumed::assumed(name);
+            let material = crate::assumed::assumed(name);
             assert_eq!(Kind::of(&material, up), kind, "{name} {up}");
         }
     }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::*;
+use crate::*;
 
 const VERTICES: &str = "v 78000.125 457000.5 3.25\nv 78010.125 457000.5 3.25\nv 78010.125 457010.5 3.25\n\
                         v 78000.125 457010.5 3.25\nv 78005.125 457005.5 9.75\n";
@@ -194,7 +194,7 @@ fn damaged_files() {
         };
         let cut = polygon::triangulate(&obj).expect("small faces");
         let mesh = canonical(&obj.vertices, cut.triangles, None).expect("few triangles").mesh;
-        assert!(mesh.vertices.is_sorted_by(|a, b| mesh::lexicographic(*a, *b).is_lt()));
+        assert!(mesh.vertices.is_sorted_by(|a, b| heliotile_core::site::morton::lexicographic(*a, *b).is_lt()));
         for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
             assert!(a < b && a < c && mesh.normal(i).is_normalized());
         }

@@ -3,7 +3,7 @@
 use std::fs;
 
 use glam::DVec3;
-use heliotile::archive::Archive;
+use heliotile_core::archive::Archive;
 
 use crate::cli::{Folder, stdout};
 use crate::scenes::{town, v};

@@ -2,12 +2,12 @@
 
 use std::fs;
 
-use heliotile::archive::Archive;
 use heliotile::commands::build::{BuildSettings, build};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::load::cached_responses;
-use heliotile::recombine::load::{Tables, tile_view};
-use heliotile::recombine::responder::Responder;
+use heliotile_core::archive::Archive;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::load::cached_responses;
+use heliotile_core::light::load::{Tables, tile_view};
+use heliotile_core::light::responder::Responder;
 
 use crate::scenes::*;
 
@@ -67,7 +67,7 @@ fn bounces_add_up() {
         &fine(),
     );
     let light = |depth| {
-        site.replay(&[sun(90.0, 60.0, 800.0, 100.0)], heliotile::recombine::sky::SkyModel::Perez, depth)["r"][0].total
+        site.replay(&[sun(90.0, 60.0, 800.0, 100.0)], heliotile_core::sky::sky::SkyModel::Perez, depth)["r"][0].total
     };
     let [one, two, three, all] = [Depth::Count(1), Depth::Count(2), Depth::Count(3), Depth::All].map(light);
     assert!(one < two && two < three && three < all, "{one} {two} {three} {all}");

@@ -4,23 +4,24 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile::archive::{Archive, Job, Writer, encode, format};
 use heliotile::cli::{Bytes, ExtractArgs, MergeArgs};
 use heliotile::commands::build::{BuildReport, BuildSettings, build};
 use heliotile::commands::transfer::extract::extract;
 use heliotile::commands::transfer::merge::merge;
-use heliotile::hemisphere::mix;
-use heliotile::recombine::bins::Bins;
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::maps::{Light, maps};
-use heliotile::recombine::receiver_view::ReceiverView;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
-use heliotile::recombine::states::Schedule;
-use heliotile::scene::Scene;
-use heliotile::scene::materials::{Class, Material};
-use heliotile::scene::receivers::Receiver;
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::{Archive, encode, format};
+use heliotile_core::hemisphere::mix;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::states::Schedule;
+use heliotile_core::replay::maps::{Light, maps};
+use heliotile_core::replay::receiver_view::ReceiverView;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::weather::bins::Bins;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
@@ -395,7 +396,7 @@ fn hostile_bytes() {
             let mut manifest = archive.manifest().clone();
             manifest.layers = writer.layers();
             writer.finish(&manifest).expect("an archive");
-            let report = heliotile::archive::verify(&bad, Default::default(), true).expect("a report");
+            let report = heliotile_core::archive::verify(&bad, Default::default(), true).expect("a report");
             found += usize::from(!report.problems.is_empty());
             let archive = Archive::open(&bad).expect("an archive");
             let settings = ReplaySettings { memory_bytes: 1 << 28, ..ReplaySettings::default() };

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use heliotile::scene::Scene;
-use heliotile::scene::materials::Class;
-use heliotile::scene::site::{Part, Site};
+use heliotile_core::site::material::Class;
+use heliotile_scene::Scene;
+use heliotile_scene::site::{Part, Site};
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson").join(name)

@@ -4,14 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use heliotile::archive::format::{self, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSETS, SLOT_SIZE, Slot};
-use heliotile::archive::{Access, Archive};
 use heliotile::commands::build::BuildSettings;
-use heliotile::error::Error;
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::components::ComponentSet;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
+use heliotile_core::archive::format;
+use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSETS, SLOT_SIZE, Slot};
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::Error;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::sky::sky::SkyModel;
 use rayon::prelude::*;
 
 use crate::scenes::{Site, canyon, receiver, scene, site, sun, tilted, v};

@@ -6,17 +6,17 @@ use std::path::Path;
 
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
-use heliotile::archive::{Archive, format};
 use heliotile::outputs::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::maps::{Light, Map, maps};
-use heliotile::recombine::receiver_view::ReceiverView;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
-use heliotile::recombine::sun::Site as Place;
-use heliotile::recombine::sun_path::SunPath;
-use heliotile::scene::Scene;
-use heliotile::units::direction_from_degrees;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::replay::maps::{Light, Map, maps};
+use heliotile_core::replay::receiver_view::ReceiverView;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::units::direction_from_degrees;
+use heliotile_core::weather::sun::Site as Place;
+use heliotile_core::weather::sun_path::SunPath;
+use heliotile_scene::Scene;
 
 use crate::cli::{Folder, golden, stdout};
 use crate::scenes::*;
@@ -242,7 +242,7 @@ fn fisheye_shows_what_is_there() {
     let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
     let triangles = [ground(5000.0, 0.0, 0), wall(-10.0, 2), wall(20.0, 0)].concat();
     let clad = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
-    let clad = self::site(&clad, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
+    let clad = crate::export::site(&clad, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
     let view = ReceiverView::load(&Archive::open(&clad.path).expect("an archive"), "up").expect("a receiver");
     let mirrored = decoded(&fisheye(&view, &Overlay::default()).expect("a picture"));
     assert_eq!([pixel(&mirrored, 190.0, 40.0), pixel(&mirrored, 355.0, 22.0)], [MIRROR, GROUND]);

@@ -1,9 +1,9 @@
 //! The endless ground of `materials.toml` against closed forms.
 
 use heliotile::commands::build::BuildSettings;
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::Scene;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 

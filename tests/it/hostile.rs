@@ -4,20 +4,21 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use heliotile::archive::manifest::Settings;
-use heliotile::archive::{Access, Archive, Job, Writer, encode, format, verify};
 use heliotile::commands::build::BuildSettings;
-use heliotile::hemisphere::mix;
-use heliotile::layers::extras;
-use heliotile::layers::mirror::{CellMirrors, ReceiverMirrors};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::components::ComponentSet;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::manifest::Settings;
+use heliotile_core::archive::{Access, Archive, encode, format, verify};
+use heliotile_core::hemisphere::mix;
+use heliotile_core::layers::extras;
+use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::sky::sky::SkyModel;
 
-use heliotile::scene::Scene;
-use heliotile::scene::cells::CellKey;
-use heliotile::scene::mirrors::Chain;
+use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::chain::Chain;
+use heliotile_scene::Scene;
 
 use crate::scenes::{canyon, many, mirror_town, receiver, scene, site, sun, tilted, v};
 

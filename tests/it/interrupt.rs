@@ -6,9 +6,10 @@ use std::process::{Child, Command, Output};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use heliotile::archive::{Archive, Job, Writer, format};
 use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build as build_site};
-use heliotile::hemisphere::{mix, unit};
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::hemisphere::{mix, unit};
 
 use crate::scenes::{data, hague, plan, receiver, scene, site, tiles, tilted, town, v};
 

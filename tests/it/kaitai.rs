@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use heliotile::archive::format::{self, Entry, Slot};
+use heliotile_core::archive::format;
+use heliotile_core::archive::format::{Entry, Slot};
 
 fn text(name: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("schema").join(name)).expect("a text")

@@ -5,12 +5,12 @@ use std::fs;
 use std::process::Output;
 
 use glam::DVec3;
-use heliotile::archive::Archive;
 use heliotile::commands::build::BuildSettings;
-use heliotile::recombine::components::{Component, ComponentSet};
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::longwave::Emission;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
+use heliotile_core::archive::Archive;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::longwave::Emission;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::weather::conditions::Condition;
 
 use crate::cli::{Folder, golden, stdout};
 use crate::scenes::*;

@@ -3,19 +3,21 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use heliotile::archive::format::Entry;
-use heliotile::archive::{Archive, Job, Writer, format};
 use heliotile::commands::build::{BuildPlan, BuildReport, BuildSettings, Start, build, build_with};
-use heliotile::hemisphere::{direction_of, jitter};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::components::Component::{self, SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular};
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::fresnel;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::Scene;
-use heliotile::scene::materials::{Class, Glass, Material};
-use heliotile::scene::receivers::Receiver;
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::format::Entry;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::hemisphere::{direction_of, jitter};
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::fresnel;
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::components::Component::{SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular};
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::site::material::{Class, Glass, Material};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 

@@ -2,13 +2,13 @@
 
 use glam::{DQuat, DVec3};
 use heliotile::commands::build::BuildSettings;
-use heliotile::hemisphere::{direction_of, jitter, mix, texel_direction, texels_in_blocks, unit};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::Scene;
-use heliotile::trace::lanes::Level;
-use heliotile::trace::{Ray, Tracer};
+use heliotile_builder::trace::lanes::Level;
+use heliotile_builder::trace::{Ray, Tracer};
+use heliotile_core::hemisphere::{direction_of, jitter, mix, texel_direction, texels_in_blocks, unit};
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
@@ -219,7 +219,7 @@ fn no_false_self_hits() {
         // Not within a centimetre of an edge, where the neighbour is met rightly.
         let p = a + (b - a) * (0.02 + 0.9 * j.x) + (c - a) * (0.02 + 0.9 * j.y) + normal * off;
         let eye = p + normal * tracer.offset_m(p);
-        let frame = heliotile::hemisphere::Frame::of(normal);
+        let frame = heliotile_core::hemisphere::Frame::of(normal);
         let rays: Vec<Ray> = texels_in_blocks(32)
             .map(|(c, r)| ray(eye, frame.to_world(texel_direction(c, r, 32, glam::DVec2::splat(0.5)))))
             .collect();
@@ -244,7 +244,7 @@ fn totals(triangles: &Triangles, turn: f64, shift: DVec3, settings: &BuildSettin
         places.iter().enumerate().map(|(i, &(p, n))| receiver(&format!("{i}"), q * p + shift, q * n)).collect();
     let scene = scene(&rotated(triangles.clone(), q, shift), &[0.25, 0.4]);
     let suns = [(120.0, 50.0), (200.0, 25.0)].map(|(azimuth, altitude)| {
-        let s = q * heliotile::units::direction_from_degrees(azimuth, altitude);
+        let s = q * heliotile_core::units::direction_from_degrees(azimuth, altitude);
         Condition::new("c".into(), &[s], s, 800.0, 0.0)
     });
     let conditions = [sky_only(), suns[0].clone(), suns[1].clone()];
@@ -320,9 +320,9 @@ fn exact_angles() {
         receiver("south", DVec3::ZERO, DVec3::NEG_Y),
         receiver("down", DVec3::ZERO, DVec3::NEG_Z),
     ];
-    let border = heliotile::hemisphere::direction_of(glam::DVec2::new(0.5, 0.25));
+    let border = heliotile_core::hemisphere::direction_of(glam::DVec2::new(0.5, 0.25));
     let mut suns: Vec<DVec3> = [(180.0, 0.0), (180.0, 90.0), (0.0, 30.0), (180.0, 1e-9), (180.0, 45.0)]
-        .map(|(azimuth, altitude)| heliotile::units::direction_from_degrees(azimuth, altitude))
+        .map(|(azimuth, altitude)| heliotile_core::units::direction_from_degrees(azimuth, altitude))
         .to_vec();
     suns.push(border);
     let conditions: Vec<_> = suns.iter().map(|&s| Condition::new("c".into(), &[s], s, 900.0, 80.0)).collect();

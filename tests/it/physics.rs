@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use heliotile::commands::build::BuildSettings;
-use heliotile::hemisphere::{Frame, mix, unit};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::wall::Wall;
-use heliotile::units::SUN_RADIUS_RAD;
+use heliotile_builder::study::wall::Wall;
+use heliotile_core::hemisphere::{Frame, mix, unit};
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::units::SUN_RADIUS_RAD;
 
 use crate::scenes::*;
 

@@ -3,19 +3,19 @@
 use std::fs;
 use std::process::Command;
 
-use heliotile::archive::{Archive, format};
 use heliotile::cli::Wanted;
 use heliotile::commands::build::{
     BuildReport, BuildSettings, Effect, Effects, Forecast, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2, build, foresee,
 };
-use heliotile::hemisphere::{direction_of, jitter, mix, unit};
-use heliotile::recombine::components::Component::Total;
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::Scene;
-use heliotile::scene::materials::{Class, Material};
-use heliotile::scene::receivers::Receiver;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::hemisphere::{direction_of, jitter, mix, unit};
+use heliotile_core::replay::components::Component::Total;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 

@@ -6,21 +6,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use heliotile::archive::manifest::Settings;
-use heliotile::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
-use heliotile::archive::{Archive, Block, format};
 use heliotile::commands::build::{BuildSettings, build};
-use heliotile::layers::bits::BitSquare;
-use heliotile::layers::extras;
-use heliotile::layers::hit::HitTile;
-use heliotile::layers::mirror::{CellMirrors, ReceiverMirrors};
-use heliotile::layers::response;
-use heliotile::layers::sky::SkyTexture;
-use heliotile::scene::Scene;
-use heliotile::scene::cells::CellKey;
-use heliotile::scene::materials::{Class, Material};
-use heliotile::scene::mirrors::{Chain, Step};
-use heliotile::scene::receivers::Receiver;
+use heliotile_core::archive::manifest::Settings;
+use heliotile_core::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
+use heliotile_core::archive::{Archive, Block, format};
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::extras;
+use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
+use heliotile_core::layers::response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::chain::{Chain, Step};
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 

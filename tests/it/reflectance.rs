@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use heliotile::archive::Archive;
 use heliotile::commands::build::BuildSettings;
-use heliotile::recombine::bins::Bins;
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::load::materials;
-use heliotile::recombine::reflectances::{Changeable, Changes};
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::states::Schedule;
-use heliotile::scene::Scene;
-use heliotile::scene::receivers::Receiver;
+use heliotile_core::archive::Archive;
+use heliotile_core::light::load::materials;
+use heliotile_core::light::states::Schedule;
+use heliotile_core::replay::reflectances::{Changeable, Changes};
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::weather::bins::Bins;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 

@@ -1,22 +1,22 @@
 //! Replay against the plain way to one condition's irradiance, which shares nothing with the kernels but the stored textures.
 
 use glam::DVec3;
-use heliotile::archive::{Archive, format, tables};
-use heliotile::hemisphere::bilinear;
-use heliotile::layers::bits::BitSquare;
-use heliotile::layers::response::Response;
-use heliotile::layers::sky::SkyTexture;
-use heliotile::recombine::bins::Bins;
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::disc::disc_texels;
-use heliotile::recombine::epw::read_epw;
-use heliotile::recombine::load::cached_responses;
-use heliotile::recombine::patches::Patches;
-use heliotile::recombine::projection::Projection;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
-use heliotile::recombine::tile::visible_cosines;
-use heliotile::units::direction_from_degrees;
+use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::hemisphere::bilinear;
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::light::load::cached_responses;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::tile::visible_cosines;
+use heliotile_core::sky::disc::disc_texels;
+use heliotile_core::sky::patches::Patches;
+use heliotile_core::sky::projection::Projection;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::units::direction_from_degrees;
+use heliotile_core::weather::bins::Bins;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::formats::epw::read_epw;
 use rayon::prelude::*;
 
 use crate::response::respond;

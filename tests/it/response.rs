@@ -1,21 +1,21 @@
 //! The response texture against the plain definitions that know nothing of it.
 
 use glam::DVec3;
-use heliotile::archive::Archive;
 use heliotile::commands::build::{BuildSettings, Share};
-use heliotile::hemisphere::bit;
-use heliotile::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
-use heliotile::layers::cells::Cells;
-use heliotile::recombine::bins::Bins;
-use heliotile::recombine::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
-use heliotile::recombine::components::ComponentSet;
-use heliotile::recombine::load::{CellSource, Tables, TileView, tile_view};
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::responder::Responder;
-use heliotile::recombine::response::hit_weights;
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::Scene;
-use heliotile::scene::receivers::Receiver;
+use heliotile_core::archive::Archive;
+use heliotile_core::hemisphere::bit;
+use heliotile_core::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
+use heliotile_core::layers::cells::Cells;
+use heliotile_core::light::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
+use heliotile_core::light::load::{CellSource, Tables, TileView, tile_view};
+use heliotile_core::light::responder::Responder;
+use heliotile_core::light::response::hit_weights;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::weather::bins::Bins;
+use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
@@ -50,7 +50,10 @@ fn twenty() -> Vec<Receiver> {
 fn suns() -> Vec<DVec3> {
     (0..50)
         .map(|i| {
-            heliotile::units::direction_from_degrees(f64::from(i) * 137.5, 3.0 + 82.0 * (f64::from(i) * 0.618).fract())
+            heliotile_core::units::direction_from_degrees(
+                f64::from(i) * 137.5,
+                3.0 + 82.0 * (f64::from(i) * 0.618).fract(),
+            )
         })
         .collect()
 }
@@ -261,7 +264,7 @@ fn sharing_costs_little() {
     let alone = site(&blocks(), &receivers, &BuildSettings { share: Share::None, ..BuildSettings::default() });
     let conditions: Vec<_> = suns()
         .into_iter()
-        .map(|s| heliotile::recombine::conditions::Condition::new("c".into(), &[s], s, 1000.0, 0.0))
+        .map(|s| heliotile_core::weather::conditions::Condition::new("c".into(), &[s], s, 1000.0, 0.0))
         .collect();
     let a = shared.replay(&conditions, SkyModel::Perez, Depth::All);
     let b = alone.replay(&conditions, SkyModel::Perez, Depth::All);

@@ -6,20 +6,20 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use glam::DVec3;
-use heliotile::archive::Archive;
 use heliotile::cli::Quality;
 use heliotile::commands::build::ladder::Rungs;
 use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::components::ComponentSet;
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::Scene;
-use heliotile::scene::materials::{Class, Glass, Material};
-use heliotile::scene::receiver_tiles::ReceiverTiles;
-use heliotile::scene::receivers::Receiver;
-use heliotile::units::direction_from_degrees;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_core::archive::Archive;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::site::material::{Class, Glass, Material};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::units::direction_from_degrees;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_scene::Scene;
 
 pub type Triangles = Vec<([DVec3; 3], u16)>;
 

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use heliotile::archive::{Archive, Job, Writer, format};
-use heliotile::scene::Scene;
-use heliotile::scene::receivers::read_receivers;
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::{Archive, format};
+use heliotile_scene::Scene;
+use heliotile_scene::receivers::read_receivers;
 
 use crate::scenes::{data, hague, hague_of, tiles};
 

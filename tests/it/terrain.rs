@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile::scene::Scene;
-use heliotile::trace::rays::{Ray, Tracer};
+use heliotile_builder::trace::rays::{Ray, Tracer};
+use heliotile_scene::Scene;
 
 const COLUMNS: usize = 156;
 const ROWS: usize = 168;

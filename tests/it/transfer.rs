@@ -4,18 +4,19 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use heliotile::archive::{Archive, Block, Blocks, EncodedBlock, Job, Manifest, Writer, encode, format, tables};
 use heliotile::cli::{Bytes, DiffArgs, ExtractArgs, MergeArgs};
 use heliotile::commands::build::{BuildSettings, build};
 use heliotile::commands::transfer::diff::{Differences, diff};
 use heliotile::commands::transfer::extract::extract;
 use heliotile::commands::transfer::merge::merge;
-use heliotile::hemisphere::mix;
-use heliotile::layers::response::Response;
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::load::cached_responses;
-use heliotile::recombine::sky::SkyModel;
-use heliotile::scene::receivers::Receiver;
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, encode, format, tables};
+use heliotile_core::hemisphere::mix;
+use heliotile_core::layers::response::Response;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::load::cached_responses;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::sky::SkyModel;
 use serde_json::json;
 use tempfile::TempDir;
 
@@ -64,7 +65,7 @@ impl Folder {
         build(&scene, &mut tiles(receivers, &scene), &plan(&coarse(), &self.path(name))).expect("a build");
     }
 
-    fn merge(&self, first: &str, second: &str, output: &str) -> heliotile::Result<[u64; 2]> {
+    fn merge(&self, first: &str, second: &str, output: &str) -> heliotile_core::error::Result<[u64; 2]> {
         let merged = merge(&MergeArgs {
             first: self.path(first),
             second: self.path(second),
@@ -82,7 +83,7 @@ impl Folder {
         message
     }
 
-    fn extract(&self, from: &str, output: &str, ids: &[&str]) -> heliotile::Result<u64> {
+    fn extract(&self, from: &str, output: &str, ids: &[&str]) -> heliotile_core::error::Result<u64> {
         let list = self.path("ids.csv");
         fs::write(&list, format!("receiver\n{}\n", ids.join("\n"))).expect("a writable folder");
         let args = ExtractArgs {

@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 use heliotile::commands::build::BuildSettings;
-use heliotile::recombine::calendar::Date;
-use heliotile::recombine::sun::Site as Place;
+use heliotile_core::weather::calendar::Date;
+use heliotile_core::weather::sun::Site as Place;
 
 use crate::scenes::{Site, ground, receiver, scene, site, v};
 

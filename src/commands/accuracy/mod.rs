@@ -20,13 +20,13 @@ use super::build::ladder::{BOUNCED, PATCHES, Rungs, SEEN, SKY};
 use super::build::{BuildSettings, Ready};
 use super::counted;
 use super::progress::bar;
-use crate::archive::accuracy::{Accuracy, TileError};
 use crate::cli::Effects;
-use crate::error::{Error, Result};
-use crate::recombine::components::Component;
-use crate::scene::Scene;
-use crate::scene::receiver_tiles::ReceiverTiles;
-use crate::scene::receivers::{Receiver, TILE};
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_core::archive::accuracy::{Accuracy, TileError};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
+use heliotile_core::site::receiver::{Receiver, TILE};
+use heliotile_scene::Scene;
 
 /// Receivers of the pilot, and of the check: so many of all, within limits.
 const SHARE: usize = 16;
@@ -176,7 +176,7 @@ pub(super) fn choose(scene: &Scene, ready: &Ready, receivers: &mut ReceiverTiles
             break;
         }
         chosen = again;
-        let next = self::finer(chosen, &errors, wish.target_percent);
+        let next = crate::commands::accuracy::finer(chosen, &errors, wish.target_percent);
         if Source::ALL.iter().all(|&source| rung(next, source) <= rung(finer, source)) {
             break;
         }
@@ -198,7 +198,7 @@ pub(super) fn choose(scene: &Scene, ready: &Ready, receivers: &mut ReceiverTiles
             break (accuracy, expected);
         }
         (chosen, scale, round) = (again, scale * accuracy.rmse_percent / expected, round + 1);
-        let next = self::finer(chosen, &errors, wish.target_percent / scale);
+        let next = crate::commands::accuracy::finer(chosen, &errors, wish.target_percent / scale);
         if Source::ALL.iter().any(|&source| rung(next, source) > rung(finer, source)) {
             finer = next;
             truth = judge(finer)?.1.light;

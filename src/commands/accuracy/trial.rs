@@ -6,16 +6,16 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use crate::archive::{Access, Archive};
 use crate::commands::build::{BuildPlan, BuildSettings, Rays, Ready, Start, build_ready};
-use crate::error::Result;
-use crate::recombine::bounces::Depth;
-use crate::recombine::components::Component;
-use crate::recombine::conditions::Condition;
-use crate::recombine::replay::{Replay, ReplaySettings};
-use crate::scene::Scene;
-use crate::scene::receiver_tiles::ReceiverTiles;
-use crate::scene::receivers::Receiver;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::Result;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_scene::Scene;
 
 /// What trials of one site have in common.
 pub struct Bench<'a> {
@@ -51,7 +51,7 @@ pub struct Light {
 impl Bench<'_> {
     /// Builds the receivers and looks at them under the conditions with so many patches.
     pub fn trial(&self, settings: BuildSettings) -> Result<Trial> {
-        let path = self.folder.join(format!("{}.helio", crate::archive::format::hex(&settings.hash()?)));
+        let path = self.folder.join(format!("{}.helio", heliotile_core::archive::format::hex(&settings.hash()?)));
         let plan = BuildPlan {
             settings,
             output: path.clone(),

@@ -1,11 +1,11 @@
 //! The canopy layers of a build: what rays of receivers and cells cross on their way. Nothing where a scene has no canopies.
 
 use super::Job;
-use crate::hemisphere::texels_in_blocks;
-use crate::layers::bits::BitSquare;
-use crate::layers::canopy::{Canopy, sky_side};
-use crate::trace::canopy::{CellCrossings, Path};
-use crate::trace::receiver::{HitTrace, Viewpoint};
+use heliotile_builder::trace::canopy::{CellCrossings, Path};
+use heliotile_builder::trace::receiver::{HitTrace, Viewpoint};
+use heliotile_core::hemisphere::texels_in_blocks;
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::canopy::{Canopy, sky_side};
 
 impl Job<'_> {
     /// Bytes of a receiver with these sky bits and hits, and the rays cast.

@@ -7,19 +7,20 @@ use rayon::prelude::*;
 
 use super::canopies::canopy_of_cell;
 use super::{Job, Rays};
-use crate::archive::{Blocks, Writer, format, tables};
 use crate::cli::Effect;
 use crate::commands::pack::Chunks;
 use crate::commands::progress::bar;
-use crate::error::Result;
-use crate::layers::cells::{Cell, Cells};
-use crate::recombine::load::cells_of;
-use crate::scene::cells::{CellKey, CellSet, level_of};
-use crate::spill::Sorter;
-use crate::trace::bounce::trace_bounce;
-use crate::trace::canopy::CellCrossings;
-use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
-use crate::trace::surroundings::{Seen, SurroundingSettings, Surroundings, surroundings};
+use heliotile_builder::spill::Sorter;
+use heliotile_builder::trace::bounce::trace_bounce;
+use heliotile_builder::trace::canopy::CellCrossings;
+use heliotile_builder::trace::probe::{Directions, ProbeTrace, trace_probe};
+use heliotile_builder::trace::surroundings::{Seen, SurroundingSettings, Surroundings, surroundings};
+use heliotile_builder::writing::Writer;
+use heliotile_core::archive::{Blocks, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::{Cell, Cells};
+use heliotile_core::light::load::cells_of;
+use heliotile_core::site::cells::{CellKey, CellSet, level_of};
 
 /// Bounce cells traced at a time.
 const WAVE: usize = 8192;

@@ -5,14 +5,14 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use crate::archive::{Archive, format, tables};
-use crate::layers::bits::BitSquare;
-use crate::layers::cells::Cell;
-use crate::layers::extras::Extras;
-use crate::layers::sky::SkyTexture;
-use crate::recombine::load::{CellSource, hits_of, settings, tile_extras, tile_sky};
-use crate::scene::cells::CellKey;
-use crate::scene::receivers::Receiver;
+use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::layers::extras::Extras;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::light::load::{CellSource, hits_of, settings, tile_extras, tile_sky};
+use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::receiver::Receiver;
 
 /// Layers of one receiver.
 pub(super) struct KnownReceiver {

@@ -1,12 +1,13 @@
 //! The manifest of a build: where the archive comes from and what is in it.
 
 use super::Job;
-use crate::archive::manifest::{self, Creator, Manifest, ReceiverSummary, SceneSummary};
-use crate::archive::{EncodedBlock, format, tables};
 use crate::commands::pack::COMPRESSION;
-use crate::error::Result;
-use crate::scene::materials::{Class, Glass};
-use crate::scene::receivers::TILE;
+use heliotile_core::archive::manifest;
+use heliotile_core::archive::manifest::{Creator, Manifest, ReceiverSummary, SceneSummary};
+use heliotile_core::archive::{EncodedBlock, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::site::material::{Class, Glass};
+use heliotile_core::site::receiver::TILE;
 
 /// What a build counted.
 #[derive(Clone, Copy, Debug)]

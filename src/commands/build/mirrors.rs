@@ -4,16 +4,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::Job;
 use crate::cli::Effect;
-use crate::hemisphere::{Centres, HEMISPHERE_SR, mix};
-use crate::layers::bits::BitSquare;
-use crate::layers::mirror::{CellMirrors, CellPath, CellWindow, Path, Window};
-use crate::layers::sky::SkyTexture;
-use crate::recombine::mirrors::left;
-use crate::scene::cells::{CellKey, level_of};
-use crate::trace::mirror::{End, Look, Met, Reflections, Start};
-use crate::trace::probe::{Directions, ProbeTrace, lifted};
-use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
-use crate::trace::surroundings::{Surroundings, level_seen};
+use heliotile_builder::trace::mirror::{End, Look, Met, Reflections, Start};
+use heliotile_builder::trace::probe::{Directions, ProbeTrace, lifted};
+use heliotile_builder::trace::receiver::{CellSettings, HitTrace, Viewpoint};
+use heliotile_builder::trace::surroundings::{Surroundings, level_seen};
+use heliotile_core::hemisphere::{Centres, HEMISPHERE_SR, mix};
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, Path, Window};
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::light::mirrors::left;
+use heliotile_core::site::cells::{CellKey, level_of};
 
 impl Job<'_> {
     /// The surfaces that a receiver sees in mirrors; adds the rays that are cast to a count.

@@ -18,20 +18,22 @@ use std::time::{Duration, Instant};
 use super::accuracy::{Choice, Wish, choose};
 use super::store::{Folder, Store, StoreKey, open_all};
 use super::{Outcome, counted, guard_archive, guard_site, interrupt, load_scene, say, temporary_folder, warn};
-use crate::archive::accuracy::Accuracy;
-use crate::archive::{self, Archive, Manifest, Writer, format};
 use crate::cli::{AccuracyArgs, BuildArgs, Percent, PlanArgs, Wanted};
 pub use crate::cli::{Effect, Effects, Share};
-use crate::error::{Error, Result};
-use crate::recombine::response::Reflector;
-use crate::scene::Scene;
-use crate::scene::mirrors::{MOST_MIRRORS, Mirrors};
-use crate::scene::receiver_tiles::ReceiverTiles;
-use crate::scene::receivers::Receiver;
-use crate::trace::Tracer;
-use crate::trace::canopy::Canopies;
-use crate::trace::mirror::Reflections;
 pub use forecast::{Forecast, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::trace::Tracer;
+use heliotile_builder::trace::canopy::Canopies;
+use heliotile_builder::trace::mirror::Reflections;
+use heliotile_builder::writing::Writer;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::{Archive, Manifest, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::response::Reflector;
+use heliotile_core::site::chain::MOST_MIRRORS;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_scene::Scene;
+use heliotile_scene::mirrors::Mirrors;
 use known::Known;
 use ladder::Rungs;
 pub use manifest::Counts;
@@ -314,7 +316,7 @@ fn decide(
     let choice = choose(scene, ready, receivers, &wish)?;
     say(&choice.table())?;
     (plan.settings, plan.accuracy) = (choice.settings, Some(choice.accuracy.clone()));
-    let forecast = self::forecast(scene, ready, receivers, plan, wanted)?;
+    let forecast = crate::commands::build::forecast(scene, ready, receivers, plan, wanted)?;
     plan.settings.left_out = forecast.left_out;
     Ok((forecast, Some(choice)))
 }
@@ -352,7 +354,7 @@ pub(super) fn build_ready(
 ) -> Result<BuildReport> {
     let mut clock = Clock::default();
     clock.laps.push(("tree", ready.seconds));
-    let mut writer = plan.writer(&archive::Job {
+    let mut writer = plan.writer(&heliotile_builder::writing::Job {
         scene: scene.content_hash(),
         receivers: receivers.content_hash(),
         settings: plan.settings.hash()?,

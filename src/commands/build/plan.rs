@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::BuildSettings;
-use crate::archive::accuracy::Accuracy;
-use crate::archive::{Job, Progress, Writer};
-use crate::error::{Error, Result};
+use heliotile_builder::writing::{Job, Progress, Writer};
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::error::{Error, Result};
 
 /// What to build.
 #[derive(Clone, Debug)]

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::ladder::{PATCHES, Rungs, quality_of};
-use crate::archive::manifest::Settings;
 use crate::cli::{Effects, Quality, Share};
-use crate::error::{Error, Result};
+use heliotile_core::archive::manifest::Settings;
+use heliotile_core::error::{Error, Result};
 
 /// Everything that decides what an archive of a scene holds. The defaults are the quality `standard`.
 #[derive(Clone, Copy, Debug, PartialEq)]

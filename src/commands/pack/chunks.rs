@@ -1,10 +1,11 @@
 //! Chunks of one kind of cells on their way into an archive, and the index that finds them.
 
 use super::{COMPRESSION, extras};
-use crate::archive::{EncodedBlock, Writer, format, tables};
-use crate::error::Result;
-use crate::layers::cells::{Cells, cells_per_chunk};
-use crate::scene::cells::CellKey;
+use heliotile_builder::writing::Writer;
+use heliotile_core::archive::{EncodedBlock, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::{Cells, cells_per_chunk};
+use heliotile_core::site::cells::CellKey;
 
 /// The chunks written so far; all but the last one hold [`Chunks::size`] cells.
 pub struct Chunks {

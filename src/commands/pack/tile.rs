@@ -1,12 +1,14 @@
 //! The blocks of one tile of receivers.
 
 use super::COMPRESSION;
-use crate::archive::{EncodedBlock, encode, format, tables};
-use crate::error::{Error, Result};
-use crate::layers::extras::{self, Extras};
-use crate::layers::hit::HitTile;
-use crate::layers::response::{self, Response};
-use crate::layers::sky::SkyTexture;
+use heliotile_core::archive::{EncodedBlock, encode, format, tables};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::layers::extras;
+use heliotile_core::layers::extras::Extras;
+use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::response;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
 
 /// What is known of a tile before its cells are, in the order of writing.
 pub fn tile(
@@ -22,7 +24,7 @@ pub fn tile(
         layer(format::HIT, number, receivers.rows(), &hits.pack())?,
     ];
     for (i, kind) in format::RECEIVER_EXTRAS.into_iter().enumerate() {
-        blocks.extend(self::extras(kind, number, extras.iter().map(|of| of[i].as_slice()))?);
+        blocks.extend(crate::commands::pack::tile::extras(kind, number, extras.iter().map(|of| of[i].as_slice()))?);
     }
     Ok(blocks)
 }

@@ -8,7 +8,7 @@ use std::time::SystemTime;
 
 use super::{Store, StoreKey, Stored, short};
 use crate::commands::copy::copy_whole;
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// A store in a folder.
 #[derive(Clone, Debug)]

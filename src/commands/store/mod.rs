@@ -10,10 +10,11 @@ use std::path::PathBuf;
 use std::time::SystemTime;
 
 use super::{Outcome, counted, say, warn};
-use crate::archive::{self, Access, Archive, format};
 use crate::cli::{StoreArgs, StoreCommand};
-use crate::error::Result;
 pub use folder::Folder;
+use heliotile_core::archive;
+use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::error::Result;
 
 /// What decides which archives can serve a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

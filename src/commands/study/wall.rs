@@ -8,15 +8,15 @@ use rayon::prelude::*;
 
 use crate::cli::{Rays, WallArgs};
 use crate::commands::{Outcome, counted, guard_output, say};
-use crate::error::{Error, Result};
-use crate::mapping::{MappedRay, Mapping};
 use crate::outputs::plot::{Axis, Plot, Series, Style};
 use crate::outputs::sink::write_texts;
-use crate::scene::Scene;
-use crate::scene::materials::{Class, Material};
-use crate::scene::wall::Wall;
-use crate::trace::Tracer;
-use crate::trace::receiver::Viewpoint;
+use heliotile_builder::study::mapping::{MappedRay, Mapping};
+use heliotile_builder::study::wall::Wall;
+use heliotile_builder::trace::Tracer;
+use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::material::{Class, Material};
+use heliotile_scene::Scene;
 
 /// Edge of the wall, and of the receiver over which points are spread, metres.
 const WALL_M: f64 = 10.0;

@@ -2,7 +2,6 @@
 
 use cpu_time::ProcessTime;
 
-use crate::archive::{Access, Archive, codec};
 use crate::cli::{Effects, Quality};
 use crate::commands::accuracy::conditions::Suns;
 use crate::commands::accuracy::estimate::{Errors, percent};
@@ -11,9 +10,10 @@ use crate::commands::build::BuildSettings;
 use crate::commands::build::ladder::{PATCHES, Rungs};
 use crate::commands::pack::COMPRESSION;
 use crate::commands::progress::bar;
-use crate::error::{Error, Result};
-use crate::recombine::bins::Bins;
-use crate::recombine::replay::{Replay, ReplaySettings};
+use heliotile_core::archive::{Access, Archive, codec};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::weather::bins::Bins;
 
 /// One rung and what it is worth. Errors are RMSE of hourly totals in percent of their mean.
 pub struct Step {

@@ -11,10 +11,10 @@ use super::accuracy::{CONDITIONS, sample};
 use super::build::{Ready, left_out};
 use super::{Outcome, load_scene, say, temporary_folder, warn};
 use crate::cli::TradeoffArgs;
-use crate::error::{Error, Result};
 use crate::outputs::sink::write_texts;
-use crate::scene::receiver_tiles::ReceiverTiles;
-use crate::scene::receivers::Receiver;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::receiver::Receiver;
 use ladder::Ladder;
 
 /// `heliotile tradeoff`.

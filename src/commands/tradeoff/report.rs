@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::ladder::{Ladder, Step};
 use super::sources::Point;
-use crate::error::Result;
 use crate::outputs::plot::{Axis, Plot, Series, Style};
+use heliotile_core::error::Result;
 
 /// The page that shows everything.
 pub const PAGE: &str = "index.html";

@@ -7,7 +7,7 @@ use crate::commands::accuracy::trial::{Bench, Difference, Light, Source};
 use crate::commands::build::BuildSettings;
 use crate::commands::build::ladder::{PATCHES, Rungs};
 use crate::commands::progress::bar;
-use crate::error::Result;
+use heliotile_core::error::Result;
 
 /// A setting at one value.
 pub struct Point {

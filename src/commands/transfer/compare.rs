@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::archive::{Archive, format, tables};
-use crate::error::{Error, Result};
+use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::error::{Error, Result};
 
 /// Keys of the manifest that tell of one file, not of what it holds.
 const OF_THE_FILE: [&str; 5] = ["format", "creator", "experimental", "counts", "layers"];

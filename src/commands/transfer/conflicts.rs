@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// Names that a message holds.
 const NAMED: usize = 10;

@@ -9,14 +9,14 @@ use super::digests::{Digests, cell_name, same_cell};
 use super::output::unknown;
 use super::rows::{Rows, Traced, cells};
 use super::union::{Side, union};
-use crate::archive::{Archive, format};
 use crate::cli::DiffArgs;
 use crate::commands::{Outcome, say};
-use crate::error::Result;
-use crate::layers::cells::Cell;
-use crate::layers::response::Response;
-use crate::recombine::load::{CellSource, Tables};
-use crate::spill::{Sorted, Sorter};
+use heliotile_builder::spill::{Sorted, Sorter};
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::layers::response::Response;
+use heliotile_core::light::load::{CellSource, Tables};
 
 /// Names of one line.
 const NAMED: usize = 20;

@@ -1,10 +1,11 @@
 //! What can be compared of a receiver or a cell, as hashes.
 
 use super::rows::{Row, Traced};
-use crate::layers::cells::Cell;
-use crate::layers::response::{self, Response};
-use crate::layers::sky::SkyTexture;
-use crate::scene::cells::CellKey;
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::layers::response;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::site::cells::CellKey;
 
 /// Parts of a receiver, in the order of the hashes.
 const PARTS: [&str; 7] = ["place", "receivers", "sky", "hit", "response", "mirror", "canopy"];

@@ -4,13 +4,13 @@ use super::output::{Output, Written};
 use super::reach::{Keys, Marks};
 use super::rows::{Rows, Traced, cells};
 use super::selection::Selection;
-use crate::archive::accuracy::Accuracy;
-use crate::archive::{Archive, Manifest, format};
 use crate::cli::ExtractArgs;
 use crate::commands::{Outcome, counted, guard_archive, guard_output, say, temporary_folder};
-use crate::error::Result;
-use crate::layers::response::Response;
-use crate::recombine::load::Tables;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::{Archive, Manifest, format};
+use heliotile_core::error::Result;
+use heliotile_core::layers::response::Response;
+use heliotile_core::light::load::Tables;
 
 /// `heliotile extract`.
 pub fn run(args: &ExtractArgs) -> Result<Outcome> {

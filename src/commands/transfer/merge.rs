@@ -6,15 +6,15 @@ use super::digests::{Digests, cell_name, same_cell};
 use super::output::{Output, Written, unknown};
 use super::rows::{Layers, Row, Rows, Traced, cells};
 use super::union::{Side, union};
-use crate::archive::accuracy::Accuracy;
-use crate::archive::{Archive, Manifest, format};
 use crate::cli::MergeArgs;
 use crate::commands::{Outcome, counted, guard_archive, guard_output, say, temporary_folder};
-use crate::error::{Error, Result};
-use crate::layers::cells::Cell;
-use crate::layers::response::Response;
-use crate::recombine::load::{CellSource, Tables};
-use crate::spill::Sorter;
+use heliotile_builder::spill::Sorter;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::{Archive, Manifest, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::layers::response::Response;
+use heliotile_core::light::load::{CellSource, Tables};
 
 /// What may differ between archives that fit: counted or estimated by each build for itself.
 const MAY_DIFFER: [&str; 2] = ["scene.degenerate_dropped", "accuracy"];

@@ -5,17 +5,18 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::rows::{Row, Traced};
-use crate::archive::{Archive, EncodedBlock, Job, Manifest, Summary, Writer, format, manifest, tables};
 use crate::commands::pack::{self, Chunks};
 use crate::commands::progress::bar;
 use crate::commands::warn;
-use crate::error::Result;
-use crate::layers::cells::{Cell, Cells};
-use crate::layers::extras::Extras;
-use crate::layers::hit::HitTile;
-use crate::layers::response::Response;
-use crate::layers::sky::SkyTexture;
-use crate::scene::receivers::TILE;
+use heliotile_builder::writing::{Job, Summary, Writer};
+use heliotile_core::archive::{Archive, EncodedBlock, Manifest, format, manifest, tables};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::{Cell, Cells};
+use heliotile_core::layers::extras::Extras;
+use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::site::receiver::TILE;
 
 /// The archive being written; the methods are called in the order in which they stand.
 pub struct Output {

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::error::Result;
-use crate::layers::cells::Cells;
-use crate::recombine::load::CellSource;
-use crate::scene::cells::CellKey;
-use crate::spill::{Sorted, Sorter};
+use heliotile_builder::spill::{Sorted, Sorter};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::Cells;
+use heliotile_core::light::load::CellSource;
+use heliotile_core::site::cells::CellKey;
 
 /// Keys of cells, each once, sorted outside memory.
 pub struct Keys(Sorter);

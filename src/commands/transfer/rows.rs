@@ -5,17 +5,18 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
-use crate::archive::manifest::Settings;
-use crate::archive::{Archive, format, tables};
-use crate::error::Result;
-use crate::layers::cells::Cell;
-use crate::layers::extras::{Extras, MIRROR};
-use crate::layers::mirror::ReceiverMirrors;
-use crate::layers::response::Response;
-use crate::layers::sky::SkyTexture;
-use crate::recombine::load::{CellSource, cached_responses, hits_of, origin, settings, tile_extras, tile_sky};
-use crate::scene::cells::CellKey;
-use crate::scene::receivers::{Receiver, morton_key};
+use heliotile_core::archive::manifest::Settings;
+use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::layers::extras::{Extras, MIRROR};
+use heliotile_core::layers::mirror::ReceiverMirrors;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::light::load::{CellSource, cached_responses, hits_of, origin, settings, tile_extras, tile_sky};
+use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::morton::morton_key;
+use heliotile_core::site::receiver::Receiver;
 
 /// A receiver with some of its layers.
 pub struct Row<L> {

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use super::conflicts::listed;
 use super::rows::Rows;
 use super::union::{Side, union};
-use crate::archive::Archive;
 use crate::cli::{Bounds, ExtractArgs};
-use crate::error::{Error, Result};
-use crate::scene::receiver_ids::ReceiverIds;
-use crate::spill::Sorter;
+use heliotile_builder::spill::Sorter;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_scene::receiver_ids::ReceiverIds;
 
 /// Names that a message holds.
 const NAMED: usize = 10;

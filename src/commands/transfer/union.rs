@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::error::Result;
+use heliotile_core::error::Result;
 
 /// Where an item of a union comes from.
 pub enum Side<T> {

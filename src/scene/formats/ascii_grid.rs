@@ -5,10 +5,10 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use super::Asked;
-use crate::error::{Error, Result};
-use crate::scene::terrain::raster::{Grid, Meaning, Raster, check_size};
-use crate::scene::text::{excerpt, line_of_offset, without_byte_order_mark};
+use crate::formats::Asked;
+use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
+use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
+use heliotile_core::error::{Error, Result};
 
 const HEADER: &str = "write ncols, nrows, xllcorner (or xllcenter), yllcorner (or yllcenter), cellsize and NODATA_value, then the heights";
 
@@ -32,7 +32,7 @@ impl Header {
     }
 }
 
-pub(in crate::scene) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
+pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let mut words = Offsets { bytes: without_byte_order_mark(bytes), at: 0 };
     let refuse = |what: String| Error::input(file, None, what, HEADER);
     let mut header = Header::default();

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use crate::scene::Scene;
+use crate::Scene;
 
 /// The epJSON that EnergyPlus made of an IDF file and that file are the same scene of 6 materials, byte for byte; a JSON file that
 /// holds a model is read under the name of `.json` as well.
 #[test]
 fn both_syntaxes() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/energyplus");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/energyplus");
     let load = |path: &Path| Scene::load(path, None).expect("readable");
     let (text, json) = (load(&data.join("box.idf")), load(&data.join("box.epJSON")));
     assert_eq!(text.content_hash(), json.content_hash());

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::error::Result;
-use crate::scene::reference::Reference;
-use crate::scene::terrain::raster::{Meaning, degrees};
+use crate::reference::Reference;
+use crate::terrain::raster::{Meaning, degrees};
+use heliotile_core::error::Result;
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;

@@ -10,11 +10,11 @@ use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::geokeys::GeoKeys;
-use super::{Asked, tiff_directory};
-use crate::error::{Error, Result};
-use crate::scene::terrain::raster::{Grid, Meaning, Raster, check_size};
-use crate::scene::text::excerpt;
+use crate::formats::geokeys::GeoKeys;
+use crate::formats::{Asked, tiff_directory};
+use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
 /// Most bytes that a strip or tile may unpack to, and the most that the crate may allocate at once.
 const MAX_CHUNK: usize = 1 << 28;
@@ -29,7 +29,7 @@ pub(super) fn read(path: &Path, _: &Asked) -> Result<Raster> {
 
 type Tiff<'b> = Decoder<Cursor<&'b [u8]>>;
 
-pub(in crate::scene) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
+pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let bad = |doing: &'static str| move |e: TiffError| refused(file, doing, &e);
     let cut = "the file is damaged or cut off: fetch or export it again";
     tiff_directory::check(bytes).map_err(|what| Error::input(file, None, what, cut))?;

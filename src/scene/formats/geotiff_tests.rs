@@ -1,7 +1,7 @@
 //! GeoTIFF files of a few samples, made by the crate's encoder with tags of our own, good and bad.
 
 use super::*;
-use crate::scene::reference::Reference;
+use crate::reference::Reference;
 use tiff::encoder::colortype::{ColorType, Gray16, Gray32Float, Gray64Float, GrayI16, GrayI32, RGB8};
 use tiff::encoder::compression::DeflateLevel;
 use tiff::encoder::{Compression, TiffEncoder, TiffValue};

@@ -21,9 +21,9 @@ mod tiff_directory;
 
 use std::path::Path;
 
-use super::geometry::Geometry;
-use super::terrain::raster::Raster;
-use crate::error::{Error, Result};
+use crate::geometry::Geometry;
+use crate::terrain::raster::Raster;
+use heliotile_core::error::{Error, Result};
 
 /// What is asked of a reader besides the geometry.
 #[derive(Clone, Debug, Default)]

@@ -3,13 +3,15 @@
 //! An MTL file was made for pictures, so it is the fallback: diffuse is the plain mean of the three `Kd` channels; specular
 //! is the mean of `Ks` where `illum` is 3 or above (the models with true mirrors) and 0 otherwise, as `Ks` is mere gloss there.
 
+use crate::materials::class_of_name;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::obj::Library;
-use crate::error::{Error, Result};
-use crate::scene::materials::{Class, Material, Table};
-use crate::scene::text::{Lines, Words, excerpt, keyword_and_rest, number};
+use crate::formats::obj::Library;
+use crate::materials::Table;
+use crate::text::{Lines, Words, excerpt, keyword_and_rest, number};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::material::Material;
 
 /// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
 pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut Vec<String>) -> Result<Table> {
@@ -142,7 +144,7 @@ fn finish(block: Block, file: &Path, table: &mut Table, warnings: &mut Vec<Strin
         warnings
             .push(format!("{place} has a texture or is transparent, which is ignored: it is opaque, of its plain Kd"));
     }
-    let class = Class::of_name(&block.name);
+    let class = class_of_name(&block.name);
     table.insert(block.name.clone(), Material { specular, ..Material::matt(block.name, diffuse, class) });
     Ok(())
 }

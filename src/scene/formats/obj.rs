@@ -5,11 +5,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::mtl;
-use super::{Asked, stem};
-use crate::error::{Error, Result};
-use crate::scene::geometry::{Geometry, MAX_COORDINATE_M};
-use crate::scene::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
+use crate::formats::mtl;
+use crate::formats::{Asked, stem};
+use crate::geometry::{Geometry, MAX_COORDINATE_M};
+use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
+use heliotile_core::error::{Error, Result};
 
 /// Name of the material of faces that stand before any `usemtl`.
 pub(super) const DEFAULT_MATERIAL: &str = "default";
@@ -19,7 +19,7 @@ const MAX_KINDS_IGNORED: usize = 16;
 
 /// One `mtllib` statement: a file name, or several.
 #[derive(Debug)]
-pub(in crate::scene) struct Library {
+pub(crate) struct Library {
     pub line: usize,
     pub text: String,
 }
@@ -34,7 +34,7 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     Ok(geometry)
 }
 
-pub(in crate::scene) fn parse(bytes: &[u8], file: &Path) -> Result<(Geometry, Vec<Library>)> {
+pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<(Geometry, Vec<Library>)> {
     let mut reader = Reader::new(file);
     let mut lines = Lines::new(bytes);
     while let Some((line, text)) = lines.next() {

@@ -8,12 +8,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::obj::DEFAULT_MATERIAL;
-use super::ply_body::Body;
-use super::ply_header::{Element, Header, Property};
-use super::{Asked, stem};
-use crate::error::{Error, Result};
-use crate::scene::geometry::{Geometry, is_position};
+use crate::formats::obj::DEFAULT_MATERIAL;
+use crate::formats::ply_body::Body;
+use crate::formats::ply_header::{Element, Header, Property};
+use crate::formats::{Asked, stem};
+use crate::geometry::{Geometry, is_position};
+use heliotile_core::error::{Error, Result};
 
 pub(super) fn read(path: &Path, _asked: &Asked) -> Result<Geometry> {
     parse(&fs::read(path).map_err(Error::io(path, "read"))?, path)

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::ply_header::{Element, Encoding, Header, Kind, Property};
-use crate::error::{Error, Result};
-use crate::scene::text::{Words, excerpt, number};
+use crate::formats::ply_header::{Element, Encoding, Header, Kind, Property};
+use crate::text::{Words, excerpt, number};
+use heliotile_core::error::{Error, Result};
 
 pub(super) struct Body<'b> {
     pub file: &'b Path,

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
-use crate::scene::text::{Words, excerpt};
+use crate::text::{Words, excerpt};
+use heliotile_core::error::{Error, Result};
 
 /// How the data are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

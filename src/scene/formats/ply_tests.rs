@@ -1,8 +1,8 @@
 //! In: PLY files, most of them wrong. Out: proof that they are read as they mean it, or refused with a message.
 
 use super::*;
-use crate::scene::formats::test_solids::{area_and_volume, cube};
-use crate::scene::polygon::triangulate;
+use crate::formats::test_solids::{area_and_volume, cube};
+use crate::polygon::triangulate;
 
 fn parse(bytes: &[u8]) -> Result<Geometry> {
     super::parse(bytes, Path::new("town.ply"))

@@ -10,11 +10,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::obj::DEFAULT_MATERIAL;
-use super::{Asked, stem};
-use crate::error::{Error, Result};
-use crate::scene::geometry::{Geometry, is_position};
-use crate::scene::text::{Lines, Words, excerpt, keyword_and_rest, number, without_byte_order_mark};
+use crate::formats::obj::DEFAULT_MATERIAL;
+use crate::formats::{Asked, stem};
+use crate::geometry::{Geometry, is_position};
+use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, without_byte_order_mark};
+use heliotile_core::error::{Error, Result};
 
 /// Bytes before the first triangle of a binary file: a comment and the number of triangles.
 const HEAD: usize = 84;
@@ -216,7 +216,7 @@ fn three(text: &[u8]) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::formats::test_solids::{area_and_volume, cube};
+    use crate::formats::test_solids::{area_and_volume, cube};
 
     fn parse(bytes: &[u8]) -> Result<Geometry> {
         super::parse(bytes, Path::new("town.stl"))

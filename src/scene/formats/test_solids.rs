@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::scene::geometry::Geometry;
-use crate::scene::polygon::triangulate;
+use crate::geometry::Geometry;
+use crate::polygon::triangulate;
 
 /// Corners and the 12 triangles of the cube from 0 to 1, outsides counter-clockwise, z up.
 pub(super) fn cube() -> ([DVec3; 8], [[u32; 3]; 12]) {

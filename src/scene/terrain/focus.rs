@@ -14,14 +14,14 @@ const REFRACTION: f64 = 0.13;
 
 /// A box in plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::scene) struct Focus {
+pub(crate) struct Focus {
     low: DVec2,
     high: DVec2,
 }
 
 impl Focus {
     /// The focus of geometry between two corners.
-    pub(in crate::scene) fn around(low: DVec2, high: DVec2) -> Focus {
+    pub(crate) fn around(low: DVec2, high: DVec2) -> Focus {
         Focus { low: low - MARGIN_M, high: high + MARGIN_M }
     }
 

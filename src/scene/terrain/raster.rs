@@ -5,13 +5,13 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::error::{Error, Result};
-use crate::scene::geometry::is_position;
-use crate::scene::reference::Reference;
-use crate::scene::site::Part;
+use crate::geometry::is_position;
+use crate::reference::Reference;
+use crate::site::Part;
+use heliotile_core::error::{Error, Result};
 
 /// Most samples of a raster: 1 GB of heights, and as many triangles as a scene may have.
-pub(in crate::scene) const MAX_SAMPLES: u64 = 1 << 28;
+pub(crate) const MAX_SAMPLES: u64 = 1 << 28;
 
 /// Heights of land and sea floor in metres: from below the Challenger Deep (-10,935) to above Mount Everest (8,849).
 const EARTH_M: [f32; 2] = [-12_000.0, 9_000.0];
@@ -22,7 +22,7 @@ const USUAL_NODATA: [f32; 3] = [-9999.0, -9998.0, -999.0];
 
 /// Where samples lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::scene) struct Grid {
+pub(crate) struct Grid {
     pub columns: usize,
     pub rows: usize,
     /// Position of the first sample, the north-west one; of the middle of its cell.
@@ -33,7 +33,7 @@ pub(in crate::scene) struct Grid {
 
 /// What a file says of its numbers.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::scene) struct Meaning {
+pub(crate) struct Meaning {
     pub nodata: Option<f64>,
     /// Metres a unit of height; 0 counts as 1.
     pub metres: f64,
@@ -44,7 +44,7 @@ pub(in crate::scene) struct Meaning {
 
 /// Heights on a grid, at least 2 x 2, at least one of them known.
 #[derive(Debug)]
-pub(in crate::scene) struct Raster {
+pub(crate) struct Raster {
     pub grid: Grid,
     /// `[row][column]`, row 0 in the north, metres; NaN: nodata. An f32 holds 9,000 m to 0.5 mm.
     heights: Vec<f32>,
@@ -61,7 +61,7 @@ struct Doubtful {
 }
 
 /// Refuses grids that are none, before anything of their size is allocated.
-pub(in crate::scene) fn check_size(file: &Path, columns: u64, rows: u64) -> Result<usize> {
+pub(crate) fn check_size(file: &Path, columns: u64, rows: u64) -> Result<usize> {
     if columns < 2 || rows < 2 {
         let what = format!("the raster has {columns} x {rows} samples");
         return Err(Error::input(file, None, what, "a surface needs at least 2 x 2"));
@@ -78,7 +78,7 @@ pub(in crate::scene) fn check_size(file: &Path, columns: u64, rows: u64) -> Resu
 
 impl Raster {
     /// Takes `columns` x `rows` heights and sorts out which of them are any.
-    pub(in crate::scene) fn new(
+    pub(crate) fn new(
         file: &Path,
         grid: Grid,
         mut heights: Vec<f32>,
@@ -130,7 +130,7 @@ impl Raster {
     }
 
     /// Brings it to its place in the scene.
-    pub(in crate::scene) fn placed(mut self, part: &Part) -> Result<Raster> {
+    pub(crate) fn placed(mut self, part: &Part) -> Result<Raster> {
         if part.y_up {
             let hint = "leave y_up out: the values of a raster are heights, whatever axis points up elsewhere";
             return Err(Error::input(&part.file, None, "y_up is asked of a raster", hint));
@@ -162,7 +162,7 @@ impl Raster {
 
     /// Height of a sample; NaN where there is none, beyond the edges too.
     #[inline]
-    pub(in crate::scene) fn height(&self, column: i64, row: i64) -> f32 {
+    pub(crate) fn height(&self, column: i64, row: i64) -> f32 {
         let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { return f32::NAN };
         if column >= self.grid.columns {
             return f32::NAN;
@@ -209,7 +209,7 @@ impl Raster {
 }
 
 /// The error of a raster whose coordinates are longitude and latitude.
-pub(in crate::scene) fn degrees(file: &Path, why: &str) -> Error {
+pub(crate) fn degrees(file: &Path, why: &str) -> Error {
     let hint = "reproject it to metres, for example `gdalwarp -t_srs EPSG:32632 -r bilinear in.tif out.tif` with the zone of the place";
     Error::input(file, None, format!("the raster is in degrees: {why}"), hint)
 }

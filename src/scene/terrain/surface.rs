@@ -1,19 +1,19 @@
 //! The surface of a raster. In: heights at the middles of cells. Out: triangles between them; cells that touch nodata have none.
 //!
 //! A cell between four samples is cut along the diagonal through the one whose column and row are odd: diagonals alternate, no
-//! direction is favoured, and a thinned surface (see [`super::thinning`]) is the same one where nothing was left out. The surface ends
+//! direction is favoured, and a thinned surface (see [`crate::terrain::thinning`]) is the same one where nothing was left out. The surface ends
 //! at the outermost samples, half a cell within the raster's edges.
 
 use std::path::Path;
 
-use super::focus::{Focus, curvature_drop, curvature_words};
-use super::raster::Raster;
-use super::thinning::{Sample, thin};
-use crate::error::{Error, Result};
-use crate::scene::geometry::Geometry;
+use crate::geometry::Geometry;
+use crate::terrain::focus::{Focus, curvature_drop, curvature_words};
+use crate::terrain::raster::Raster;
+use crate::terrain::thinning::{Sample, thin};
+use heliotile_core::error::{Error, Result};
 
 /// Name of the material of terrain, and of the object where there is one raster.
-pub(in crate::scene) const NAME: &str = "terrain";
+pub(crate) const NAME: &str = "terrain";
 
 /// Where no angle is asked for, horizons are true to this at worst, to a quarter of it in the mean: less than a minute of a sunrise. Finer
 /// ones cost more than they tell: of a house in mountains 0.05 degrees changed a year's sums by 0.02 % and took three times as long.
@@ -23,7 +23,7 @@ const HORIZON_DEG: f64 = 0.2;
 const CURVED_BEYOND_M: f64 = 10_000.0;
 
 /// How a raster becomes a surface.
-pub(in crate::scene) struct Wanted<'a> {
+pub(crate) struct Wanted<'a> {
     pub file: &'a Path,
     pub object: &'a str,
     /// What it is the horizon of; `None` where it is the whole scene.
@@ -33,7 +33,7 @@ pub(in crate::scene) struct Wanted<'a> {
 }
 
 /// Makes the surface of a raster, and a sentence on what was left out of it.
-pub(in crate::scene) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, Option<String>)> {
+pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, Option<String>)> {
     let mut geometry = Geometry::default();
     geometry.warnings.append(&mut raster.warnings);
     geometry.reference = raster.reference;

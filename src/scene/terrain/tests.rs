@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::scene::Scene;
-use crate::scene::site::{Part, Site};
+use crate::Scene;
+use crate::site::{Part, Site};
 
 /// Hills of `columns` x `rows` cells of 500 m from (400,000, 5,000,000), with one height missing.
 fn grid(columns: usize, rows: usize) -> String {

@@ -8,8 +8,8 @@
 
 use rayon::prelude::*;
 
-use super::focus::Focus;
-use super::raster::Raster;
+use crate::terrain::focus::Focus;
+use crate::terrain::raster::Raster;
 
 /// Column and row.
 pub(super) type Sample = [i64; 2];

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec2;
 
 use super::*;
-use crate::scene::terrain::raster::{Grid, Meaning};
+use crate::terrain::raster::{Grid, Meaning};
 
 /// Hills that no plane fits.
 fn hills(columns: usize, rows: usize, hole: Option<usize>) -> Raster {

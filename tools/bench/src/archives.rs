@@ -3,13 +3,15 @@
 use std::path::Path;
 use std::time::Instant;
 
-use heliotile::archive::format::{self, kind_name};
-use heliotile::archive::{Access, Archive, Job, Manifest, Writer, encode};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::components::ComponentSet;
-use heliotile::recombine::conditions::read_conditions;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
+use heliotile_core::archive::format;
+use heliotile_core::archive::format::kind_name;
+use heliotile_core::archive::{Access, Archive, Manifest, encode};
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::weather::conditions::read_conditions;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::sky::sky::SkyModel;
 
 /// Median of some runs, milliseconds.
 fn median_ms(mut run: impl FnMut()) -> f64 {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-use heliotile::scene::Scene;
+use heliotile_scene::Scene;
 
 /// Boxes along each side of the city, and samples along each side of the hill.
 const BOXES: usize = 150;

@@ -4,13 +4,13 @@
 use std::path::Path;
 use std::time::Instant;
 
-use heliotile::archive::Archive;
-use heliotile::recombine::bins::Bins;
-use heliotile::recombine::components::{Component, ComponentSet};
-use heliotile::recombine::conditions::Condition;
-use heliotile::recombine::epw::read_epw;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::states::Schedule;
+use heliotile_core::archive::Archive;
+use heliotile_core::weather::bins::Bins;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::formats::epw::read_epw;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::light::states::Schedule;
 use ndarray::Array2;
 
 /// Runs of each measurement; the median counts.

@@ -1,9 +1,9 @@
 //! Generated scenes of three sizes, always the same, and receivers on their buildings.
 
 use glam::DVec3;
-use heliotile::hemisphere::{mix, unit};
-use heliotile::scene::Scene;
-use heliotile::scene::materials::{Class, Material};
+use heliotile_core::hemisphere::{mix, unit};
+use heliotile_scene::Scene;
+use heliotile_core::site::material::{Class, Material};
 
 pub type Triangles = Vec<([DVec3; 3], u16)>;
 

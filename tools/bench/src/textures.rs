@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use glam::{DVec2, DVec3};
-use heliotile::hemisphere::{Centres, texel_direction};
-use heliotile::layers::bits::BitSquare;
-use heliotile::layers::sky::SkyTexture;
-use heliotile::trace::Tracer;
-use heliotile::trace::receiver::Viewpoint;
+use heliotile_core::hemisphere::{Centres, texel_direction};
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_builder::trace::Tracer;
+use heliotile_builder::trace::receiver::Viewpoint;
 
 use crate::scenes::Site;
 

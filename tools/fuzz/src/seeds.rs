@@ -4,12 +4,13 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use heliotile::archive::format::{self, FIRST_BLOCK, SLOT_SIZE};
-use heliotile::archive::{Access, Archive};
+use heliotile_core::archive::format;
+use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE};
+use heliotile_core::archive::{Access, Archive};
 use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
-use heliotile::scene::Scene;
-use heliotile::scene::receiver_tiles::ReceiverTiles;
-use heliotile::scene::receivers::read_receivers;
+use heliotile_scene::Scene;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_scene::receivers::read_receivers;
 
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 5 5 0\nv 9 5 0\nv 9 5 6\nv 5 5 6\n\
                    usemtl ground\nf 1 2 3 4\n# steep\nusemtl wall\nf 5/1/1 6//2 7/3 -1\nf 1 3 \\\n 2\n";

@@ -4,22 +4,27 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use heliotile::archive::format::{self, CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
-use heliotile::archive::tables::{Cells, Index, Materials, Receivers};
-use heliotile::archive::{Access, Archive, Block, Job, Manifest, Writer, encode, manifest, verify};
-use heliotile::layers::{hit::HitTile, mosaic::Mosaic, response, sky::SkyTexture};
-use heliotile::recombine::bounces::Depth;
-use heliotile::recombine::components::ComponentSet;
-use heliotile::recombine::conditions::read_conditions;
-use heliotile::recombine::epw::{read_epw, read_epw_with_air};
-use heliotile::recombine::longwave::Emission;
-use heliotile::recombine::replay::{Replay, ReplaySettings};
-use heliotile::recombine::sky::SkyModel;
-use heliotile::recombine::temperatures::emissions;
-use heliotile::scene::Scene;
-use heliotile::scene::receiver_tiles::ReceiverTiles;
-use heliotile::scene::receivers::read_receivers_with_warnings;
-use heliotile::scene::site::Site;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::format;
+use heliotile_core::archive::format::{CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
+use heliotile_core::archive::tables::{Cells, Index, Materials, Receivers};
+use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
+use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::mosaic::Mosaic;
+use heliotile_core::layers::response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::longwave::Emission;
+use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::weather::conditions::read_conditions;
+use heliotile_core::weather::formats::epw::{read_epw, read_epw_with_air};
+use heliotile_core::weather::temperatures::emissions;
+use heliotile_scene::Scene;
+use heliotile_scene::receivers::read_receivers_with_warnings;
+use heliotile_scene::site::Site;
 
 /// A reader of foreign bytes.
 pub type Target = fn(&[u8]);

@@ -7,8 +7,8 @@ use std::fmt::{self, Display};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::nested::Nested;
-use crate::scene::text::excerpt;
+use crate::formats::cityjson::nested::Nested;
+use crate::text::excerpt;
 
 /// The whole text, or one line of a sequence.
 #[derive(Debug, Default)]

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::document::Document;
-use crate::error::{Error, Result};
-use crate::scene::reference::Reference;
-use crate::scene::text::excerpt;
+use crate::formats::cityjson::document::Document;
+use crate::reference::Reference;
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
 /// Reference systems in degrees that cities are published in, horizontal, with ellipsoidal and with other heights, by their
 /// numbers in the EPSG register: worldwide, Europe and its countries, North America, Australasia, Japan, China and Korea, South

@@ -18,12 +18,12 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use super::Asked;
-use crate::error::{Error, Result};
-use crate::scene::geometry::Geometry;
-use crate::scene::text::{excerpt, without_byte_order_mark};
+use crate::formats::Asked;
+use crate::geometry::Geometry;
+use crate::text::{excerpt, without_byte_order_mark};
 use document::{Document, Lod};
 use frame::Frame;
+use heliotile_core::error::{Error, Result};
 use objects::Reader;
 use templates::Template;
 

@@ -4,13 +4,13 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use super::document::{CityObject, Document, Lod, Shape, Text};
-use super::frame::Frame;
-use super::surfaces::{VIRTUAL, by_tilt, depth_of, is_building, plain, semantic};
-use super::templates::{MAX_CORNERS, Template, matrix};
-use crate::error::{Error, Result};
-use crate::scene::geometry::{Geometry, is_position};
-use crate::scene::text::excerpt;
+use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text};
+use crate::formats::cityjson::frame::Frame;
+use crate::formats::cityjson::surfaces::{VIRTUAL, by_tilt, depth_of, is_building, plain, semantic};
+use crate::formats::cityjson::templates::{MAX_CORNERS, Template, matrix};
+use crate::geometry::{Geometry, is_position};
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
 /// Levels of detail that a message lists at most.
 const LEVELS_NAMED: usize = 12;

@@ -6,9 +6,9 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, Visitor};
 
-use super::document::Document;
-use crate::error::{Error, Result};
-use crate::scene::text::excerpt;
+use crate::formats::cityjson::document::Document;
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
 /// Characters of a message by serde_json that are shown; it may quote the file.
 const LONGEST_MESSAGE: usize = 300;

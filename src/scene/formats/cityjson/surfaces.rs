@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::document::{Shape, Text};
+use crate::formats::cityjson::document::{Shape, Text};
 
 /// Faces steeper than this are walls: |z| of the unit normal below 0.26, 75 degrees from level. Mansard roofs reach 70 degrees,
 /// and walls of photogrammetry lean by ten.

@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec3};
 
-use super::document::{Shape, Templates};
-use super::surfaces::depth_of;
+use crate::formats::cityjson::document::{Shape, Templates};
+use crate::formats::cityjson::surfaces::depth_of;
 
 /// Most corners that instances of templates may add up to: a short file could otherwise ask for all memory. A million trees of
 /// a hundred corners fit.

@@ -7,11 +7,11 @@ use std::path::Path;
 
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::layout::{Layout, Version};
-use super::model::{Model, Object, Value};
-use crate::error::{Error, Result};
-use crate::scene::geometry::MAX_COORDINATE_M;
-use crate::scene::text::without_byte_order_mark;
+use crate::formats::energyplus::layout::{Layout, Version};
+use crate::formats::energyplus::model::{Model, Object, Value};
+use crate::geometry::MAX_COORDINATE_M;
+use crate::text::without_byte_order_mark;
+use heliotile_core::error::{Error, Result};
 
 /// Characters of a message about what JSON holds.
 const LONGEST_MESSAGE: usize = 240;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::place::{Frame, area_vector};
+use crate::formats::energyplus::place::{Frame, area_vector};
 
 /// Windows this far off their wall or over its edge are taken for rounded coordinates, metres (EnergyPlus merges vertices closer
 /// than this).

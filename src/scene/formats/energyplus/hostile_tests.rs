@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::*;
-use crate::scene::polygon::triangulate;
+use crate::formats::energyplus::*;
+use crate::polygon::triangulate;
 
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
     parse(bytes, Path::new(name), &Asked { reflectances: true, lod: None })

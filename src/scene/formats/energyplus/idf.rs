@@ -4,12 +4,12 @@
 
 use std::path::Path;
 
-use super::layout::{Layout, Version};
-use super::model::{Model, Object, Value};
-use super::vertex_error;
-use crate::error::{Error, Result};
-use crate::scene::geometry::MAX_COORDINATE_M;
-use crate::scene::text::{excerpt, without_byte_order_mark};
+use crate::formats::energyplus::layout::{Layout, Version};
+use crate::formats::energyplus::model::{Model, Object, Value};
+use crate::formats::energyplus::vertex_error;
+use crate::geometry::MAX_COORDINATE_M;
+use crate::text::{excerpt, without_byte_order_mark};
+use heliotile_core::error::{Error, Result};
 
 /// What the newest known version is taken for where a file states none.
 const NEWEST: Version = Version { major: u16::MAX, minor: 0 };

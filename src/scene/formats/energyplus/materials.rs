@@ -4,11 +4,12 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::model::{Model, Object, same};
-use super::notes::Notes;
-use crate::error::Result;
-use crate::scene::geometry::Geometry;
-use crate::scene::materials::{Class, Glass, Material, Table};
+use crate::formats::energyplus::model::{Model, Object, same};
+use crate::formats::energyplus::notes::Notes;
+use crate::geometry::Geometry;
+use crate::materials::Table;
+use heliotile_core::error::Result;
+use heliotile_core::site::material::{Class, Glass, Material};
 
 /// Default of `Solar Absorptance` (Input Output Reference, `Material`).
 const ABSORPTANCE: f64 = 0.7;

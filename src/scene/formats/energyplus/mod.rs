@@ -19,10 +19,10 @@ mod tests;
 use std::fs;
 use std::path::Path;
 
-use super::Asked;
-use crate::error::{Error, Result};
-use crate::scene::geometry::Geometry;
-use crate::scene::reference::Reference;
+use crate::formats::Asked;
+use crate::geometry::Geometry;
+use crate::reference::Reference;
+use heliotile_core::error::{Error, Result};
 use layout::Version;
 use materials::Materials;
 use model::Model;
@@ -108,7 +108,7 @@ fn reference(model: &Model, file: &Path, notes: &mut Notes) -> Result<Option<Ref
 }
 
 fn vertex_error(file: &Path, line: usize, title: &str, found: &str) -> Error {
-    let shown = crate::scene::text::excerpt(found.as_bytes());
+    let shown = crate::text::excerpt(found.as_bytes());
     let what = format!("{title}: a coordinate is `{shown}`, not a number of at most 1e9 in size");
     Error::input(file, line, what, "write a decimal number with a point, in metres")
 }

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::layout::{Layout, Version};
-use crate::error::{Error, Result};
-use crate::scene::geometry::MAX_COORDINATE_M;
-use crate::scene::text::excerpt;
+use crate::formats::energyplus::layout::{Layout, Version};
+use crate::geometry::MAX_COORDINATE_M;
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {

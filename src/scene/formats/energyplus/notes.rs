@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::scene::text::excerpt;
+use crate::text::excerpt;
 
 #[derive(Debug, Default)]
 pub(super) struct Notes(BTreeMap<&'static str, (usize, String)>);

@@ -8,8 +8,8 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::model::{Model, Object, same};
-use crate::error::Result;
+use crate::formats::energyplus::model::{Model, Object, same};
+use heliotile_core::error::Result;
 
 /// Normals this close to the vertical are of a level surface, whose azimuth its edges decide.
 const LEVEL: f64 = 1e-9;

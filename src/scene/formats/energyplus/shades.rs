@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use super::materials::Materials;
-use super::model::{Model, Object};
-use super::notes::Notes;
-use super::place::{Frame, Of, Place};
-use super::surfaces::{NO_SIZE, Surface, Surfaces, TOO_FAR, TOO_FEW, stated_vertices, write_face};
-use crate::error::Result;
-use crate::scene::geometry::{Geometry, is_position};
+use crate::formats::energyplus::materials::Materials;
+use crate::formats::energyplus::model::{Model, Object};
+use crate::formats::energyplus::notes::Notes;
+use crate::formats::energyplus::place::{Frame, Of, Place};
+use crate::formats::energyplus::surfaces::{NO_SIZE, Surface, Surfaces, TOO_FAR, TOO_FEW, stated_vertices, write_face};
+use crate::geometry::{Geometry, is_position};
 use glam::DVec3;
+use heliotile_core::error::Result;
 
 const NO_WINDOW: &str = "because the window or door that they shade is not in the file";
 

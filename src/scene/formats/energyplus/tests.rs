@@ -5,10 +5,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::place::area_vector;
-use super::*;
-use crate::scene::materials::{Class, Glass};
-use crate::scene::polygon::triangulate;
+use crate::formats::energyplus::place::area_vector;
+use crate::formats::energyplus::*;
+use crate::polygon::triangulate;
+use heliotile_core::site::material::{Class, Glass};
 
 const BOX_IDF: &str = include_str!("../../../../tests/data/energyplus/box.idf");
 const BOX_JSON: &str = include_str!("../../../../tests/data/energyplus/box.epJSON");

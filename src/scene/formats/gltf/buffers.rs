@@ -11,16 +11,16 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use glam::DVec3;
 use percent_encoding::percent_decode_str;
 
-use super::json::{Accessor, Root};
-use crate::error::{Error, Result};
-use crate::scene::text::excerpt;
+use crate::formats::gltf::json::{Accessor, Root};
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
 const HINT: &str = "export it again, or check it with a glTF validator";
 
 /// Splits a .glb file into its JSON and its first buffer; a .gltf file is all JSON (specification, section 4.4).
 pub(super) fn split<'b>(bytes: &'b [u8], file: &Path) -> Result<(&'b [u8], Option<&'b [u8]>)> {
     let Some(behind) = bytes.strip_prefix(b"glTF") else {
-        return Ok((crate::scene::text::without_byte_order_mark(bytes), None));
+        return Ok((crate::text::without_byte_order_mark(bytes), None));
     };
     let refuse = |what: String| Error::input(file, None, what, HINT);
     let cut = || refuse(format!("the file ends after {} bytes, within its first chunks", bytes.len()));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::error::{Error, Result};
+use heliotile_core::error::{Error, Result};
 
 /// Names and defaults are those of the glTF 2.0 specification (Khronos, 2021, section 5); what is not needed is passed over.
 #[derive(Default, Deserialize)]
@@ -155,7 +155,7 @@ impl Root {
         if !version.starts_with("2.") {
             return Err(Error::Unsupported {
                 what: format!("the scene {}", file.display()),
-                found: format!("glTF {}", crate::scene::text::excerpt(version.as_bytes())),
+                found: format!("glTF {}", crate::text::excerpt(version.as_bytes())),
                 supported: "glTF 2.0".into(),
             });
         }
@@ -165,7 +165,7 @@ impl Root {
     /// Refuses a file that cannot be read without an extension, and says which others it uses.
     pub(super) fn check_extensions(&self, file: &Path) -> Result<Option<String>> {
         let ignored = |name: &&String| !HARMLESS.contains(&name.as_str());
-        let shown = |name: &String| crate::scene::text::excerpt(name.as_bytes());
+        let shown = |name: &String| crate::text::excerpt(name.as_bytes());
         // What materials look like is read as far as it goes; where surfaces are must be read.
         let needed = |name: &&String| ignored(name) && !name.starts_with("KHR_materials_");
         if let Some(name) = self.extensions_required.iter().find(needed) {

@@ -4,15 +4,16 @@
 //! channels of `baseColorFactor`, which are linear, times 1 - `metallicFactor` (specification, section 3.9.2 and appendix B).
 //! Where a picture gives the colour, the factor says nothing of it and the material counts as not described.
 
+use crate::materials::class_of_name;
 use std::path::Path;
 
-use super::json::{Material as Json, Root};
-use crate::error::{Error, Result};
-use crate::scene::formats::Asked;
-use crate::scene::formats::obj::DEFAULT_MATERIAL;
-use crate::scene::geometry::Geometry;
-use crate::scene::materials::{Class, Material};
-use crate::scene::text::excerpt;
+use crate::formats::Asked;
+use crate::formats::gltf::json::{Material as Json, Root};
+use crate::formats::obj::DEFAULT_MATERIAL;
+use crate::geometry::Geometry;
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::material::Material;
 
 /// Materials as the geometry numbers them, each when it is first used.
 pub(super) struct Materials<'r> {
@@ -89,7 +90,7 @@ impl<'r> Materials<'r> {
             self.metallic.push(name.to_owned());
         }
         let diffuse = (red + green + blue) / 3.0 * (1.0 - metal);
-        Ok(Some(Material::matt(name, diffuse, Class::of_name(name))))
+        Ok(Some(Material::matt(name, diffuse, class_of_name(name))))
     }
 
     /// One warning a kind of thing that is left out.

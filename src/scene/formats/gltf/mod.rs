@@ -15,13 +15,13 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
-use self::buffers::{Buffers, Values};
-use self::json::{Mesh, Node, Primitive, Root};
-use self::materials::Materials;
-use super::Asked;
-use crate::error::{Error, Result};
-use crate::scene::geometry::{Geometry, is_position};
-use crate::scene::text::excerpt;
+use crate::formats::Asked;
+use crate::formats::gltf::buffers::{Buffers, Values};
+use crate::formats::gltf::json::{Mesh, Node, Primitive, Root};
+use crate::formats::gltf::materials::Materials;
+use crate::geometry::{Geometry, is_position};
+use crate::text::excerpt;
+use heliotile_core::error::{Error, Result};
 
 /// Most triangles of all instances together: a small file may place a large mesh as often as it likes. About 10 GB of memory.
 const MAX_TRIANGLES: u64 = if cfg!(test) { 100_000 } else { 100_000_000 };

@@ -4,15 +4,15 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::*;
-use crate::scene::formats::test_solids::{area_and_volume, cube};
+use crate::formats::gltf::*;
+use crate::formats::test_solids::{area_and_volume, cube};
 
 fn asked() -> Asked {
     Asked { reflectances: true, lod: None }
 }
 
 fn parse(json: &Value) -> Result<Geometry> {
-    super::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &asked())
+    crate::formats::gltf::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &asked())
 }
 
 /// 8 vertices of f32 (96 bytes), then 36 indices of u16: the cube with y up and z south.
@@ -112,7 +112,7 @@ fn instances() {
 fn containers() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).expect("written");
-    let read = |name: &str| super::read(&folder.path().join(name), &asked()).expect("readable");
+    let read = |name: &str| crate::formats::gltf::read(&folder.path().join(name), &asked()).expect("readable");
     let plain = scene(json!([{"mesh": 0}]));
     write("my cube.bin", &cube_bytes());
     write("beside.gltf", with(plain.clone(), "/buffers/0/uri", json!("./my%20cube.bin")).to_string().as_bytes());
@@ -211,7 +211,8 @@ fn materials() {
         geometry.warnings
     );
     let plain = Asked { reflectances: false, lod: None };
-    let named = super::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &plain).expect("readable");
+    let named =
+        crate::formats::gltf::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &plain).expect("readable");
     assert_eq!(named.materials.as_slice(), ["roof", "half", "material_3", "bare", "default"]);
     assert_eq!((named.stated.len(), named.warnings.len()), (0, 2));
 }
@@ -292,7 +293,7 @@ fn refusals() {
 #[test]
 fn hostile_containers() {
     let whole = glb(&with(scene(json!([{"mesh": 0}])), "/buffers/0/uri", Value::Null), &cube_bytes());
-    let parse = |bytes: &[u8]| super::parse(bytes, Path::new("town.glb"), &asked()).map(drop);
+    let parse = |bytes: &[u8]| crate::formats::gltf::parse(bytes, Path::new("town.glb"), &asked()).map(drop);
     parse(&whole).expect("readable");
     for length in [4, 8, 12, 19, 20, 200, whole.len() - 1] {
         let message = parse(&whole[..length]).expect_err("cut").to_string();

@@ -1,0 +1,315 @@
+//! In: `receivers.csv` of any length. Out: its receivers tile by tile along the Morton curve, from bounded memory.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::spill::{Sorted, Sorter};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::content::ContentHasher;
+use heliotile_core::site::morton::{morton_key, receiver_of_key};
+use heliotile_core::site::receiver::{Receiver, TILE};
+use heliotile_scene::receivers::{ReceiverRows, duplicate, no_receivers};
+
+/// Receivers in Morton order, on disk where they are many.
+pub struct ReceiverTiles {
+    sorted: Sorted,
+    folder: PathBuf,
+    count: usize,
+    content_hash: [u8; 32],
+    farthest: Option<Receiver>,
+}
+
+impl ReceiverTiles {
+    /// Reads a file as [`read_receivers`](heliotile_scene::receivers::read_receivers) does. Sorted around `origin`, with temporary
+    /// files in `folder` where `budget_bytes` do not suffice. `warnings` gets the columns that are passed over.
+    pub fn open(
+        path: &Path,
+        origin: DVec3,
+        folder: &Path,
+        budget_bytes: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self> {
+        let mut rows = ReceiverRows::open(path, warnings)?;
+        let mut by_place = Sorter::new(folder, budget_bytes / 2);
+        let mut by_id = Sorter::new(folder, budget_bytes / 2);
+        let end = loop {
+            match rows.next() {
+                Ok(Some(receiver)) => {
+                    by_id.push(receiver.id.as_bytes(), &(rows.line() as u64).to_le_bytes())?;
+                    push(&mut by_place, &receiver, origin)?;
+                }
+                Ok(None) => break Ok(()),
+                Err(error) => break Err(error),
+            }
+        };
+        // A name that was given twice stands before the row that could not be read.
+        if let Some(twice) = first_duplicate(by_id.finish()?)? {
+            return Err(duplicate(path, &twice.id, twice.first_line, twice.line));
+        }
+        end?;
+        let tiles = ReceiverTiles::of_sorted(by_place.finish()?, origin, folder)?;
+        if tiles.count == 0 { Err(no_receivers(path)) } else { Ok(tiles) }
+    }
+
+    /// Tiles of receivers that are in memory already; their names are not checked.
+    pub fn from_receivers(receivers: &[Receiver], origin: DVec3, folder: &Path, budget_bytes: usize) -> Result<Self> {
+        let mut by_place = Sorter::new(folder, budget_bytes);
+        receivers.iter().try_for_each(|receiver| push(&mut by_place, receiver, origin))?;
+        ReceiverTiles::of_sorted(by_place.finish()?, origin, folder)
+    }
+
+    fn of_sorted(sorted: Sorted, origin: DVec3, folder: &Path) -> Result<Self> {
+        let mut tiles =
+            ReceiverTiles { sorted, folder: folder.to_owned(), count: 0, content_hash: [0; 32], farthest: None };
+        let mut content = ContentHasher::new("heliotile receivers 1");
+        let (mut count, mut farthest, mut largest_m) = (0, None, -1.0);
+        for tile in tiles.tiles()? {
+            for receiver in tile? {
+                count += 1;
+                add(&mut content, &receiver);
+                let offset_m = (receiver.position - origin).abs().max_element();
+                if offset_m > largest_m {
+                    (farthest, largest_m) = (Some(receiver), offset_m);
+                }
+            }
+        }
+        content.length(count);
+        Ok(ReceiverTiles { count, content_hash: content.finish(), farthest, ..tiles })
+    }
+
+    /// Number of receivers.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of tiles.
+    pub fn tile_count(&self) -> usize {
+        self.count.div_ceil(TILE)
+    }
+
+    /// BLAKE3 of all that is known of the receivers, in Morton order: the order of the file does not matter.
+    pub fn content_hash(&self) -> [u8; 32] {
+        self.content_hash
+    }
+
+    /// The receiver with the largest coordinate relative to the origin, the first of several; `None` if there are none.
+    pub fn farthest(&self) -> Option<&Receiver> {
+        self.farthest.as_ref()
+    }
+
+    /// The tiles in order, [`TILE`] receivers each, the last one fewer. Every call begins with the first tile.
+    pub fn tiles(&mut self) -> Result<Tiles<'_>> {
+        self.sorted.rewind()?;
+        Ok(Tiles { sorted: &mut self.sorted, folder: &self.folder })
+    }
+}
+
+/// Tiles of receivers, in order.
+pub struct Tiles<'a> {
+    sorted: &'a mut Sorted,
+    folder: &'a Path,
+}
+
+impl Iterator for Tiles<'_> {
+    type Item = Result<Vec<Receiver>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let folder = self.folder;
+        let receiver = |(key, payload): (Vec<u8>, Vec<u8>)| {
+            let damage = || Error::io(folder, "read a temporary file in")(io::ErrorKind::InvalidData.into());
+            pull(&key, &payload).ok_or_else(damage)
+        };
+        let tile: Result<Vec<Receiver>> =
+            self.sorted.by_ref().take(TILE).map(|record| record.and_then(receiver)).collect();
+        match tile {
+            Ok(tile) if tile.is_empty() => None,
+            tile => Some(tile),
+        }
+    }
+}
+
+fn push(sorter: &mut Sorter, receiver: &Receiver, origin: DVec3) -> Result<()> {
+    // Areas are above zero where they are given, names of surfaces not empty.
+    let mut payload = receiver.area.unwrap_or_default().to_le_bytes().to_vec();
+    payload.extend_from_slice(receiver.surface.as_deref().unwrap_or_default().as_bytes());
+    sorter.push(&morton_key(receiver, origin), &payload)
+}
+
+fn pull(key: &[u8], payload: &[u8]) -> Option<Receiver> {
+    let (area, surface) = payload.split_first_chunk()?;
+    let area = Some(f64::from_le_bytes(*area)).filter(|area| *area != 0.0);
+    let surface = Some(String::from_utf8(surface.to_vec()).ok()?).filter(|name| !name.is_empty());
+    Some(Receiver { area, surface, ..receiver_of_key(key)? })
+}
+
+fn add(content: &mut ContentHasher, receiver: &Receiver) {
+    content.bytes(receiver.id.as_bytes());
+    content.point(&receiver.position);
+    content.point(&receiver.normal);
+    content.number(receiver.area.unwrap_or_default());
+    content.bytes(receiver.surface.as_deref().unwrap_or_default().as_bytes());
+}
+
+/// A name that two rows have.
+struct Twice {
+    id: String,
+    first_line: usize,
+    line: usize,
+}
+
+/// Of all repetitions the one that stands first in the file.
+fn first_duplicate(lines_by_id: Sorted) -> Result<Option<Twice>> {
+    let mut found: Option<Twice> = None;
+    let mut previous: Option<(Vec<u8>, usize)> = None;
+    for record in lines_by_id {
+        let (id, payload) = record?;
+        let line = payload.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes)) as usize;
+        match &previous {
+            // Rows of one name come in the order of the file, so this is the second of them, or a later one.
+            Some((same, first_line)) if *same == id => {
+                if found.as_ref().is_none_or(|twice| line < twice.line) {
+                    let id = String::from_utf8_lossy(&id).into_owned();
+                    found = Some(Twice { id, first_line: *first_line, line });
+                }
+            }
+            _ => previous = Some((id, line)),
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use heliotile_core::site::morton::morton_order;
+    use heliotile_scene::receivers::read_receivers_with_warnings;
+
+    const ORIGIN: DVec3 = DVec3::new(78_002.0, 457_002.0, 1.0);
+
+    struct Folder(tempfile::TempDir);
+
+    impl Folder {
+        fn with(text: &str) -> (Self, PathBuf) {
+            let folder = Folder(tempfile::tempdir().expect("a scratch folder"));
+            let path = folder.0.path().join("receivers.csv");
+            fs::write(&path, text).expect("written");
+            (folder, path)
+        }
+
+        fn open(&self, path: &Path, budget: usize) -> Result<(ReceiverTiles, Vec<String>)> {
+            let mut warnings = Vec::new();
+            Ok((ReceiverTiles::open(path, ORIGIN, self.0.path(), budget, &mut warnings)?, warnings))
+        }
+    }
+
+    fn rows(count: u32) -> Vec<String> {
+        (0..count)
+            .map(|i| {
+                let scatter = |k: u32| f64::from(i / 2 * k % 997) * 0.31;
+                let (x, y, z) = (78_000.0 + scatter(7), 457_000.0 + scatter(11), scatter(13));
+                let area = if i % 3 == 0 { format!("{}.5", i % 7) } else { String::new() };
+                let surface = if i % 5 == 0 { "\"roof, left\"" } else { "" };
+                format!("r{i},{x},{y},{z},0,{},1,{area},{surface},x", i % 2)
+            })
+            .collect()
+    }
+
+    fn file(rows: &[String]) -> String {
+        format!("receiver,x,y,z,nx,ny,nz,area,surface,note\n{}\n", rows.join("\n"))
+    }
+
+    fn all(tiles: &mut ReceiverTiles) -> Vec<Vec<Receiver>> {
+        tiles.tiles().expect("rewound").collect::<Result<_>>().expect("readable")
+    }
+
+    /// 20,000 receivers through 128 KiB give the 313 tiles of the plain way, twice; through 64 MiB, from memory and from a
+    /// file in reverse order the same with the same hash, which any change of a receiver changes.
+    #[test]
+    fn equals_the_plain_way() {
+        let mut rows = rows(20_000);
+        let (folder, path) = Folder::with(&file(&rows));
+        let mut plain_warnings = Vec::new();
+        let receivers = read_receivers_with_warnings(&path, &mut plain_warnings).expect("readable");
+        let order = morton_order(&receivers, ORIGIN);
+        let plain: Vec<Vec<Receiver>> =
+            order.chunks(TILE).map(|tile| tile.iter().map(|&i| receivers[i].clone()).collect()).collect();
+        let (mut tiles, warnings) = folder.open(&path, 128 << 10).expect("readable");
+        assert_eq!(warnings, plain_warnings);
+        assert_eq!((tiles.count(), tiles.tile_count()), (20_000, 313));
+        tiles.tiles().expect("rewound").next().expect("a tile").expect("readable");
+        assert!(all(&mut tiles) == plain && all(&mut tiles) == plain);
+        let offset = |r: &Receiver| (r.position - ORIGIN).abs().max_element();
+        let farthest = receivers.iter().map(offset).fold(0.0, f64::max);
+        assert_eq!(tiles.farthest().map(offset), Some(farthest));
+
+        let mut others = vec![folder.open(&path, 64 << 20).expect("readable").0];
+        others.push(ReceiverTiles::from_receivers(&receivers, ORIGIN, folder.0.path(), 0).expect("sorted"));
+        rows.reverse();
+        let (reversed, path) = Folder::with(&file(&rows));
+        others.push(reversed.open(&path, 128 << 10).expect("readable").0);
+        for mut other in others {
+            assert!(all(&mut other) == plain);
+            assert_eq!((other.content_hash(), other.farthest()), (tiles.content_hash(), tiles.farthest()));
+        }
+        let text = file(&rows);
+        for (old, new) in [("r77,", "r77b,"), ("roof, left", "roof, right"), ("6.5,", "6.25,"), (",0,1,1,", ",0,2,1,")]
+        {
+            assert!(text.contains(old), "{old}");
+            let (folder, path) = Folder::with(&text.replacen(old, new, 1));
+            let (other, _) = folder.open(&path, 1 << 20).expect("readable");
+            assert_ne!(other.content_hash(), tiles.content_hash(), "{old}");
+        }
+    }
+
+    /// Nine refusals, duplicates behind and in front of broken rows among them, read as those of the plain way do.
+    #[test]
+    fn refusals() {
+        let good = rows(4_000);
+        let with = |changes: &[(usize, &str)]| {
+            let mut rows = good.clone();
+            changes.iter().for_each(|(i, row)| rows[*i] = (*row).to_owned());
+            file(&rows)
+        };
+        let (twice, again) = ("r7,0,0,0,0,0,1,,,", "r900,0,0,0,0,0,1,,,");
+        for (text, line) in [
+            (
+                with(&[(3_000, twice), (2_500, again)]),
+                "line 2502: column `receiver` is `r900`, the name of the receiver in line 902",
+            ),
+            (
+                with(&[(3_000, twice), (2_999, twice)]),
+                "line 3001: column `receiver` is `r7`, the name of the receiver in line 9",
+            ),
+            (with(&[(3_000, again), (2_999, "a,b")]), "line 3001: the row `a,b` has 2 cells"),
+            (with(&[(3_000, again), (3_001, "a,b")]), "line 3002: column `receiver` is `r900`"),
+            (with(&[(3, "\n\nb,nan,0,0,0,0,1,,,")]), "line 7: column `x` is `nan`"),
+            (with(&[(3_999, "b,0,0,0,0,0,0,,,")]), "line 4001: column `nx,ny,nz`"),
+            (file(&[]), "no receivers"),
+            (String::new(), "the file is empty"),
+            ("receiver,x\n".to_owned(), "line 1: column `y` is missing"),
+        ] {
+            let (folder, path) = Folder::with(&text);
+            let message = folder.open(&path, 128 << 10).err().expect("refused").to_string();
+            let plain = read_receivers_with_warnings(&path, &mut Vec::new()).expect_err("refused").to_string();
+            assert_eq!(message, plain);
+            assert!(message.contains(line), "{message}");
+        }
+        let nowhere = Path::new("/nowhere/receivers.csv");
+        let refused = ReceiverTiles::open(nowhere, ORIGIN, Path::new("/nowhere"), 0, &mut Vec::new());
+        let message = refused.err().expect("no file").to_string();
+        assert!(message.starts_with("cannot read /nowhere/receivers.csv: "), "{message}");
+    }
+
+    /// A byte order mark, CRLF and quoted line ends count as the plain reader counts them: the error stands in line 6.
+    #[test]
+    fn line_numbers() {
+        let text = "\u{feff}receiver,x,y,z,nx,ny,nz\r\n\"a\r\nb\",0,0,0,0,0,1\r\n\r\nc,0,0,0,0,0,1\r\nc,0,0,0,0,0,1";
+        let (folder, path) = Folder::with(text);
+        let message = folder.open(&path, 0).err().expect("refused").to_string();
+        assert!(message.contains("line 6: column `receiver` is `c`, the name of the receiver in line 5"), "{message}");
+    }
+}

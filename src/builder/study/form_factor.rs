@@ -1,0 +1,20 @@
+//! Form factors by the rays of a map. In: a tracer, a viewpoint with no surface of its own, and rays about its normal. Out: the weights
+//! of those that meet anything.
+
+use glam::DVec3;
+
+use crate::study::mapping::MappedRay;
+use crate::trace::rays::{Ray, Tracer};
+use crate::trace::receiver::Viewpoint;
+use heliotile_core::hemisphere::Frame;
+
+impl Viewpoint {
+    /// Form factor of everything in the scene.
+    pub fn form_factor(&self, rays: &[MappedRay], tracer: &Tracer) -> f64 {
+        let (origin, frame) = (self.position.as_vec3().to_array(), Frame::of(self.normal));
+        let cast = |direction: DVec3| Ray { origin, direction: frame.to_world(direction).as_vec3().to_array() };
+        let cast: Vec<Ray> = rays.iter().map(|ray| cast(ray.direction)).collect();
+        let met = tracer.occluded_many(&cast).into_iter();
+        rays.iter().zip(met).filter(|(_, met)| *met).map(|(ray, _)| ray.weight).sum()
+    }
+}

@@ -1,0 +1,145 @@
+//! Maps of a hemisphere that a study compares: texels of a square -> rays and their weights. In: a texel of n x n. Out: its direction
+//! about the normal z, its solid angle, and its form factor weight, solid angle x cosine / pi.
+//!
+//! Archives hold the map of equal solid angles only, [`heliotile_core::hemisphere`]; the others are for comparison.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{DVec2, DVec3};
+
+use heliotile_core::hemisphere::{HEMISPHERE_SR, texel_direction};
+
+/// How the texels of a square lie on the hemisphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mapping {
+    /// Columns of equal longitude about the normal, rows of equal angle from it.
+    LongitudeLatitude,
+    /// Every texel has the same solid angle.
+    SolidAngle,
+    /// Every texel has the same solid angle x cosine: its rays have equal weights.
+    Cosine,
+}
+
+/// A ray of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MappedRay {
+    /// Unit, z >= 0 along the normal.
+    pub direction: DVec3,
+    /// Solid angle x cosine / pi: the form factor of what only this ray meets.
+    pub weight: f64,
+}
+
+impl Mapping {
+    pub const ALL: [Mapping; 3] = [Mapping::LongitudeLatitude, Mapping::SolidAngle, Mapping::Cosine];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Mapping::LongitudeLatitude => "longitude-latitude",
+            Mapping::SolidAngle => "solid-angle",
+            Mapping::Cosine => "cosine",
+        }
+    }
+
+    /// Direction of the centre of a texel.
+    pub fn direction(self, column: usize, row: usize, n: usize) -> DVec3 {
+        let equal_solid_angle = || texel_direction(column, row, n, DVec2::splat(0.5));
+        match self {
+            Mapping::LongitudeLatitude => {
+                let (longitude, angle) = (2.0 * PI * (column as f64 + 0.5) / n as f64, ring(row as f64 + 0.5, n));
+                DVec3::new(angle.sin() * longitude.cos(), angle.sin() * longitude.sin(), angle.cos())
+            }
+            Mapping::SolidAngle => equal_solid_angle(),
+            Mapping::Cosine => {
+                // The same point of the unit disc, of radius sqrt(1 - z), lifted straight up to the sphere (Nusselt's analogue, so
+                // equal areas of the disc are equal form factors) in place of Shirley's and Chiu's lift.
+                let d = equal_solid_angle();
+                let flat = d.truncate().normalize_or_zero() * (1.0 - d.z).max(0.0).sqrt();
+                flat.extend(d.z.sqrt())
+            }
+        }
+    }
+
+    /// Solid angle of a texel, sr.
+    pub fn solid_angle_sr(self, column: usize, row: usize, n: usize) -> f64 {
+        match self {
+            Mapping::LongitudeLatitude => {
+                2.0 * PI / n as f64 * (ring(row as f64, n).cos() - ring(row as f64 + 1.0, n).cos())
+            }
+            Mapping::SolidAngle => HEMISPHERE_SR / (n * n) as f64,
+            Mapping::Cosine => PI / (n * n) as f64 / self.direction(column, row, n).z,
+        }
+    }
+
+    /// All rays of n x n texels, row-major; their weights sum to 1, of the first two maps within the error of a sum over centres.
+    pub fn rays(self, n: usize) -> Vec<MappedRay> {
+        let ray = |(column, row)| {
+            let direction = self.direction(column, row, n);
+            MappedRay { direction, weight: self.solid_angle_sr(column, row, n) * direction.z / PI }
+        };
+        (0..n * n).map(|texel| ray((texel % n, texel / n))).collect()
+    }
+}
+
+/// Angle from the normal of the edge between rows, radians.
+fn ring(row: f64, n: usize) -> f64 {
+    FRAC_PI_2 * row / n as f64
+}
+
+impl fmt::Display for Mapping {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Mapping {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let unknown = || {
+            let names = Mapping::ALL.map(Mapping::name).join(", ");
+            format!("there is no map `{}`: give some of {names}, with commas between them", text.trim())
+        };
+        Mapping::ALL.into_iter().find(|mapping| mapping.name() == text.trim()).ok_or_else(unknown)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Weights sum to 1 in 3 maps of N = 16 to 64 squared texels: within 1e-12 in the cosine map, whose weights are all 1 / N, within
+    /// 0.32 / N by longitude and latitude and 2.1 / N by solid angle (cosines at centres); in these two solid angles sum to 2 pi
+    /// within 1e-12.
+    #[test]
+    fn weights() {
+        for (mapping, n) in Mapping::ALL.into_iter().flat_map(|m| [16, 32, 64].map(|n| (m, n))) {
+            let rays = mapping.rays(n);
+            let (sum, texels) = (rays.iter().map(|ray| ray.weight).sum::<f64>(), (n * n) as f64);
+            assert!(rays.iter().all(|ray| (ray.direction.length() - 1.0).abs() < 1e-12 && ray.direction.z > 0.0));
+            let bound = match mapping {
+                Mapping::LongitudeLatitude => 0.32 / texels,
+                Mapping::SolidAngle => 2.1 / texels,
+                Mapping::Cosine => 1e-12,
+            };
+            assert!((sum - 1.0).abs() < bound, "{mapping} {n}: {sum}");
+            if mapping == Mapping::Cosine {
+                assert!(rays.iter().all(|ray| (ray.weight * texels - 1.0).abs() < 1e-12));
+            } else {
+                let whole: f64 = (0..n * n).map(|t| mapping.solid_angle_sr(t % n, t / n, n)).sum();
+                assert!((whole / HEMISPHERE_SR - 1.0).abs() < 1e-12, "{mapping} {n}: {whole}");
+            }
+        }
+    }
+
+    /// Names come back as they were written, 3 of 3; an unknown one is refused with all three.
+    #[test]
+    fn names() {
+        for mapping in Mapping::ALL {
+            assert_eq!(mapping.to_string().parse(), Ok(mapping));
+        }
+        let message = "fisheye".parse::<Mapping>().expect_err("unknown");
+        assert!(Mapping::ALL.into_iter().all(|mapping| message.contains(mapping.name())), "{message}");
+    }
+}

@@ -1,0 +1,88 @@
+//! A beam: what bounds the rays of a packet, or some of them. In: a node. Out: its children that any of the rays may meet, all
+//! eight boxes in one test.
+//!
+//! Interval arithmetic on slabs (Boulos et al. 2006, "Geometric and arithmetic culling methods for entire ray packets"): of each
+//! axis the least and the greatest reciprocal direction bound where the rays enter and leave. Rounding is monotone, so a beam
+//! never refuses a box that one of its rays meets by the same arithmetic.
+
+use crate::trace::lanes::{LANES, Lanes, Sixteen};
+use crate::trace::packet::FAR_PAD;
+use crate::trace::tree::{Node, WIDTH};
+
+/// Bounds of some rays. Lanes 0 to 7 are where the rays enter the eight boxes, lanes 8 to 15 where they leave, with their
+/// sign turned.
+#[derive(Clone, Copy)]
+pub struct Beam<F> {
+    origin: [F; 3],
+    /// Both ends of the reciprocal directions' sizes.
+    inverse: [[F; 2]; 3],
+    /// The side at which the rays enter: 1 where they go backwards.
+    side: [usize; 3],
+}
+
+impl<F: Copy> Beam<F> {
+    /// All rays of a packet, which agree on the sign of each axis.
+    #[inline(always)]
+    pub fn whole<L: Lanes<F = F>>(l: L, origin: &[F; 3], inverse: &[F; 3]) -> Self {
+        let axis = |i: usize| Axis {
+            origin: [l.lowest(origin[i]), l.highest(origin[i])],
+            inverse: [l.lowest(inverse[i]), l.highest(inverse[i])],
+        };
+        Beam::new(l, &[axis(0), axis(1), axis(2)])
+    }
+
+    /// Two rays of a packet, or twice the same one.
+    #[inline(always)]
+    pub fn of_two<L: Lanes<F = F>>(l: L, origin: &[Sixteen; 3], inverse: &[Sixteen; 3], a: usize, b: usize) -> Self {
+        let (a, b) = (a % LANES, b % LANES);
+        let mut axes = [Axis::default(); 3];
+        for i in 0..3 {
+            let (from, ends) = ([origin[i].0[a], origin[i].0[b]], [inverse[i].0[a], inverse[i].0[b]]);
+            let ends = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+            axes[i] = Axis { origin: [from[0].min(from[1]), from[0].max(from[1])], inverse: ends };
+        }
+        Beam::new(l, &axes)
+    }
+
+    #[inline(always)]
+    fn new<L: Lanes<F = F>>(l: L, axes: &[Axis; 3]) -> Self {
+        let zero = l.splat(0.0);
+        let mut beam = Beam { origin: [zero; 3], inverse: [[zero; 2]; 3], side: [0; 3] };
+        for (i, axis) in axes.iter().enumerate() {
+            let Axis { origin: [low, high], inverse: [first, last] } = *axis;
+            beam.side[i] = usize::from(last < 0.0);
+            let (near, far) = if last < 0.0 { (-low, high) } else { (high, -low) };
+            beam.origin[i] = l.select(ENTERING, l.splat(near), l.splat(far));
+            beam.inverse[i] = [l.splat(first.abs()), l.splat(last.abs())];
+        }
+        beam
+    }
+
+    /// Children whose boxes the rays may meet before `reach`, one bit each, and where they enter at the earliest.
+    #[inline(always)]
+    pub fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, reach: f32) -> (u16, Sixteen) {
+        // Children that are not there are entered at infinity, and so refused.
+        let reach = reach.min(f32::MAX / 2.0);
+        let mut bounds = l.select(ENTERING, l.splat(0.0), l.splat(-reach));
+        for i in 0..3 {
+            let side = self.side[i] & 1;
+            let planes = l.halves(&node.planes[i][side], &node.planes[i][side ^ 1]);
+            let from = l.sub(planes, self.origin[i]);
+            bounds = l.max(bounds, l.min(l.mul(from, self.inverse[i][0]), l.mul(from, self.inverse[i][1])));
+        }
+        let far = l.mul(l.sub(l.splat(0.0), l.swap(bounds)), l.splat(FAR_PAD));
+        (l.not_above(bounds, far) & ENTERING, l.store(bounds))
+    }
+}
+
+/// Lanes of the sides at which rays enter.
+const ENTERING: u16 = 0x00ff;
+
+/// Bounds along one axis.
+#[derive(Clone, Copy, Default)]
+struct Axis {
+    origin: [f32; 2],
+    inverse: [f32; 2],
+}
+
+const _: () = assert!(2 * WIDTH == LANES);

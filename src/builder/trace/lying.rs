@@ -1,0 +1,55 @@
+//! Whether a receiver that was put on a surface gets light at all. In: a point some millimetres off its surface, the scene. Out: free,
+//! covered by what lies upon the surface, or inside a solid or below the terrain.
+
+use glam::DVec3;
+
+use crate::trace::rays::{Hit, Ray, Tracer};
+use crate::trace::receiver::Viewpoint;
+use heliotile_scene::mesh::Mesh;
+
+/// How a receiver lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lying {
+    Free,
+    /// Another surface lies between it and its own, or as close in front of it.
+    Covered,
+    /// In a neighbour's walls or below the terrain.
+    Inside,
+}
+
+/// Side of the hemisphere of rays that look for sky.
+const SIDE: usize = 8;
+
+/// Who sees at most this share of sky, ...
+const NEARLY_BLIND: f64 = 0.1;
+
+/// ... and for the rest at least this share of backs of faces, is behind them. Crossings alone would not tell in a cellar: with the terrain
+/// above it they are even; nor would darkness: flat rays get out below the edge of the terrain.
+const BACKS: f64 = 0.9;
+
+/// Looks where a receiver lies that is `offset_m` off its surface.
+pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> Lying {
+    let first = |direction: DVec3| {
+        let ray = Ray { origin: view.position.as_vec3().into(), direction: direction.as_vec3().into() };
+        tracer.closest(ray).map_or(f64::INFINITY, |hit| f64::from(hit.t))
+    };
+    let rounding = 2.0 * tracer.offset_m(view.position);
+    if first(-view.normal) < offset_m - rounding || first(view.normal) < offset_m {
+        return Lying::Covered;
+    }
+    let origin = view.origin(tracer);
+    let up: Vec<DVec3> =
+        (0..SIDE * SIDE).map(view.hit_directions(SIDE)).filter(|direction| direction.z > 0.0).collect();
+    let rays: Vec<Ray> = up.iter().map(|direction| Ray { origin, direction: direction.as_vec3().into() }).collect();
+    let hits = tracer.closest_many(&rays);
+    let met = hits.iter().flatten().count() as f64;
+    if met < (1.0 - NEARLY_BLIND) * rays.len() as f64 {
+        return Lying::Free;
+    }
+    let is_back =
+        |(d, hit): (&DVec3, &Option<Hit>)| hit.is_some_and(|hit| d.dot(mesh.normal(hit.triangle as usize)) > 0.0);
+    let backs = up.iter().zip(&hits).filter(|pair| is_back(*pair)).count() as f64;
+    let behind = met > 0.0 && backs >= BACKS * met;
+    let dark = hits.iter().all(Option::is_some);
+    if behind || dark && view.enclosed(tracer) { Lying::Inside } else { Lying::Free }
+}

@@ -1,0 +1,186 @@
+//! Packets: sixteen rays walk the tree together. In: rays that start near each other and go about the same way. Out: for each
+//! lane what a single ray would have answered, bit for bit.
+//!
+//! Where all rays share an origin, planes through origin and edges are computed once for sixteen rays (Wald et al. 2001, Boulos
+//! et al. 2007 for packets). Memory is what a walk waits for most, so some packets take turns.
+
+use std::cell::RefCell;
+
+use crate::trace::lanes::{Kernel, LANES, Lanes, Level, Sixteen, dispatch};
+use crate::trace::planes::bits;
+use crate::trace::rays::{Hit, Ray};
+use crate::trace::tree::Tree;
+use crate::trace::walk::{Stack, Walk};
+
+/// Distances to the far side of a box are widened by this factor.
+pub const FAR_PAD: f32 = 1.000_000_4;
+
+/// Reciprocal of a direction's component; one of exactly zero would give 0 x infinity in the slab test.
+#[inline(always)]
+pub fn inverse(d: f32) -> f32 {
+    1.0 / if d.abs() >= 1e-20 {
+        d
+    } else if d < 0.0 {
+        -1e-20
+    } else {
+        1e-20
+    }
+}
+
+/// Up to sixteen rays that agree on the sign of each axis; lanes beyond them repeat the last one and are not active.
+#[derive(Clone, Copy, Debug)]
+pub struct Packet {
+    pub(super) origin: [Sixteen; 3],
+    pub(super) direction: [Sixteen; 3],
+    pub(super) active: u16,
+    /// All rays start at one point.
+    shared: bool,
+    /// Places of the rays among all that are asked about.
+    places: [u32; LANES],
+}
+
+impl Packet {
+    /// A packet of 1 to 16 of some rays.
+    fn new(rays: &[Ray], places: &[u32]) -> Self {
+        let last = places.len().min(LANES) - 1;
+        let ray = |lane: usize| rays[places[lane.min(last)] as usize];
+        let from = ray(0).origin;
+        let shared = (1..=last).all(|lane| ray(lane).origin == from);
+        let mut packet = Packet {
+            origin: from.map(|x| Sixteen([x; LANES])),
+            direction: [Sixteen([0.0; LANES]); 3],
+            active: u16::MAX >> (LANES - 1 - last),
+            shared,
+            places: std::array::from_fn(|lane| places[lane.min(last)]),
+        };
+        for lane in 0..LANES {
+            let ray = ray(lane);
+            for axis in 0..3 {
+                packet.direction[axis].0[lane] = ray.direction[axis];
+                if !shared {
+                    packet.origin[axis].0[lane] = ray.origin[axis];
+                }
+            }
+        }
+        packet
+    }
+
+    /// The ray of a lane.
+    pub(super) fn ray(&self, lane: usize) -> Ray {
+        let at = |v: &[Sixteen; 3]| [0, 1, 2].map(|i| v[i].0[lane]);
+        Ray { origin: at(&self.origin), direction: at(&self.direction) }
+    }
+}
+
+/// Whether each ray meets anything.
+pub fn occluded(tree: &Tree, level: Level, rays: &[Ray]) -> Vec<bool> {
+    let mut met = vec![false; rays.len()];
+    trace::<true>(tree, level, rays, &mut met, &mut []);
+    met
+}
+
+/// What each ray meets first.
+pub fn closest(tree: &Tree, level: Level, rays: &[Ray]) -> Vec<Option<Hit>> {
+    let mut hits = vec![None; rays.len()];
+    trace::<false>(tree, level, rays, &mut [], &mut hits);
+    hits
+}
+
+/// Memory of a thread for its packets: most calls are about a few only, and memory would cost as much as their first steps.
+#[derive(Default)]
+struct Space {
+    order: Vec<u32>,
+    packets: Vec<Packet>,
+    stacks: Vec<Stack>,
+}
+
+thread_local! {
+    static SPACE: RefCell<Space> = RefCell::default();
+}
+
+fn trace<const ANY: bool>(tree: &Tree, level: Level, rays: &[Ray], met: &mut [bool], hits: &mut [Option<Hit>]) {
+    SPACE.with_borrow_mut(|Space { order, packets, stacks }| {
+        // Sorted by counting; what the caller put together stays together.
+        let mut counts = [0; 8];
+        rays.iter().for_each(|ray| counts[octant(ray)] += 1);
+        let mut sum = 0;
+        let mut next = counts.map(|count| {
+            sum += count;
+            sum - count
+        });
+        order.resize(rays.len(), 0);
+        for (place, ray) in rays.iter().enumerate() {
+            let at = &mut next[octant(ray)];
+            order[*at] = place as u32;
+            *at += 1;
+        }
+        let starts = [0].into_iter().chain(next);
+        let alike = starts.zip(next).flat_map(|(start, end)| order[start..end].chunks(LANES));
+        packets.clear();
+        packets.extend(alike.map(|places| Packet::new(rays, places)));
+        dispatch(level, Traced::<ANY> { tree, packets, stacks, met, hits });
+    });
+}
+
+/// Which way a ray goes along each axis.
+fn octant(ray: &Ray) -> usize {
+    ray.direction.iter().fold(0, |octant, &d| octant << 1 | usize::from(d < 0.0))
+}
+
+/// Packets that are walked in turns: while one waits for memory, the others go on.
+const TURNS: usize = 4;
+
+/// Notes which rays meet anything or, unless `ANY` hit will do, what they meet first.
+struct Traced<'a, const ANY: bool> {
+    tree: &'a Tree,
+    packets: &'a [Packet],
+    stacks: &'a mut Vec<Stack>,
+    met: &'a mut [bool],
+    hits: &'a mut [Option<Hit>],
+}
+
+impl<const ANY: bool> Kernel for Traced<'_, ANY> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        self.alike::<L, true>(l);
+        self.alike::<L, false>(l);
+    }
+}
+
+impl<const ANY: bool> Traced<'_, ANY> {
+    /// Traces those packets whose rays start at one point (`SHARED`), or those whose do not.
+    #[inline(always)]
+    fn alike<L: Lanes, const SHARED: bool>(&mut self, l: L) {
+        let packets = self.packets;
+        let mut waiting = packets.iter().filter(|packet| packet.shared == SHARED);
+        let mut walks: [Option<Walk<L::F>>; TURNS] =
+            std::array::from_fn(|_| Some(Walk::new(l, waiting.next()?, self.stacks.pop().unwrap_or_default())));
+        let mut under_way = walks.iter().flatten().count();
+        let mut turn = 0;
+        while under_way > 0 {
+            turn = (turn + 1) % TURNS;
+            let Some(walk) = &mut walks[turn] else { continue };
+            if walk.step::<L, ANY, SHARED>(l, self.tree) {
+                continue;
+            }
+            let (places, t) = (&walk.packet.places, l.store(walk.limit).0);
+            for lane in bits(walk.met) {
+                let place = places[lane] as usize;
+                if ANY {
+                    self.met[place] = true;
+                } else {
+                    self.hits[place] = Some(Hit { t: t[lane], triangle: walk.triangle[lane] });
+                }
+            }
+            match waiting.next() {
+                Some(next) => walk.restart(l, next),
+                None => {
+                    self.stacks.push(std::mem::take(&mut walk.stack));
+                    walks[turn] = None;
+                    under_way -= 1;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Probes: what the surface of one cell sees of the sky. In: a cell key. Out: one small world-frame sky texture, and the
+//! points it was traced from.
+//!
+//! Rays start from many points of the cell, each texel from one of them. Points hidden in party walls or below the terrain,
+//! which no receiver sees either, must not count: points that see no sky drop out, all others count alike. (Weights in
+//! proportion to the sky that they see were tried: too much light in wells and canyons, where lower parts see little sky and
+//! yet are seen.)
+
+use std::cell::RefCell;
+
+use glam::DVec3;
+
+use crate::trace::rays::{Ray, Tracer};
+use crate::trace::surface::{POINTS, SurfacePoint, sample};
+use heliotile_core::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
+use heliotile_core::site::cells::CellKey;
+use heliotile_scene::mesh::Mesh;
+
+/// Jittered directions through the texels of cells' n x n sky textures: a few patterns, made once, of which each cell takes
+/// one by its seed.
+pub struct Directions {
+    pub n: usize,
+    patterns: Vec<Vec<DVec3>>,
+    /// As [`texels_in_blocks`] lists them.
+    places: Vec<Place>,
+}
+
+/// A texel, its block, and where it stands in it.
+#[derive(Clone, Copy)]
+struct Place {
+    texel: usize,
+    block: u64,
+    inside: usize,
+}
+
+/// Jitter patterns: a receiver sees some hundred probes, their errors average out over this many.
+const PATTERNS: u64 = 64;
+
+impl Directions {
+    pub fn new(n: usize) -> Self {
+        let direction = |k: u64, t: usize| texel_direction(t % n, t / n, n, jitter(mix(0x7465_7865, k), t as u64));
+        let patterns = (0..PATTERNS).map(|k| (0..n * n).map(|t| direction(k, t)).collect()).collect();
+        let place = |(column, row): (usize, usize)| Place {
+            texel: row * n + column,
+            block: (row / 4 * n.div_ceil(4) + column / 4) as u64,
+            inside: (row % 4) * 4 + column % 4,
+        };
+        Directions { n, patterns, places: texels_in_blocks(n).map(place).collect() }
+    }
+
+    /// All texels; neighbours in the list are neighbours on the sphere.
+    pub fn texels(&self) -> impl Iterator<Item = usize> {
+        self.places.iter().map(|place| place.texel)
+    }
+
+    /// [texel]: unit directions of a cell's rays, world frame.
+    pub fn of(&self, key: CellKey) -> &[DVec3] {
+        &self.patterns[(mix(key.seed(), 5) % PATTERNS) as usize]
+    }
+}
+
+/// Rays of a point at least, so that it is known whether it sees sky.
+const LEAST_RAYS: usize = 16;
+
+/// Sky bits of a cell.
+#[derive(Clone, Debug)]
+pub struct ProbeTrace {
+    /// Mean of the points' unit normals, so its length is 1 for a plane cell and below for a curved one.
+    pub normal: DVec3,
+    /// n x n bits, row-major, world frame, 8 to a byte from the lowest bit.
+    pub bits: Vec<u8>,
+    /// Points and the share of the cell that each stands for (sum 1).
+    pub points: Vec<(SurfacePoint, f64)>,
+    /// [point]: where its rays start, off the surface.
+    pub origins: Vec<[f32; 3]>,
+    /// [texel]: the point that the texel's ray was cast from.
+    pub owner: Vec<u8>,
+    pub rays: u64,
+}
+
+/// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
+pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
+    let (n, directions) = (texture.n, texture.of(key));
+    // With fewer rays a point, those that see little sky would drop out, and the cell be too bright.
+    let points = sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), mesh, tracer);
+    let count = points.len();
+    let mut bits = vec![0_u8; (n * n).div_ceil(8)];
+    if count == 0 {
+        let (points, origins, owner) = Default::default();
+        return ProbeTrace { normal: DVec3::ZERO, bits, points, origins, owner, rays: 0 };
+    }
+    let seed = key.seed();
+    let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
+    let mut look = Look { directions, points: &points, origins: &origins, asked: ASKED.take(), cast: CAST.take() };
+
+    // First round: every point gets the same share of texels, spread over the whole sky.
+    // At most POINTS, so a byte.
+    let mut owner = vec![0_u8; n * n];
+    for of_block in texture.places.chunk_by(|a, b| a.block == b.block) {
+        let turn = turn(seed, of_block[0].block);
+        for place in of_block {
+            let point = slot(place.inside, turn) * count / POINTS;
+            owner[place.texel] = point as u8;
+            look.ask(place.texel, point);
+        }
+    }
+    let mut rays = look.cast.len() as u64;
+    let mut open = vec![false; count];
+    for (texel, point) in look.open(tracer) {
+        open[point] = true;
+        bits[texel / 8] |= 1 << (texel % 8);
+    }
+    let worth: Vec<f64> = open.iter().map(|&open| f64::from(u8::from(open))).collect();
+    let lit: f64 = worth.iter().sum();
+
+    // Second round: texels of points in the dark are asked again from the others.
+    let share: Vec<f64> = if lit > 0.0 {
+        for texel in texture.texels() {
+            if !open[usize::from(owner[texel])] {
+                let point = pick(&worth, lit * unit(mix(seed ^ 0x6f70_656e, texel as u64)));
+                owner[texel] = point as u8;
+                look.ask(texel, point);
+            }
+        }
+        rays += look.cast.len() as u64;
+        look.open(tracer).for_each(|(texel, _)| bits[texel / 8] |= 1 << (texel % 8));
+        worth.iter().map(|w| w / lit).collect()
+    } else {
+        vec![1.0 / count as f64; count]
+    };
+    ASKED.set(look.asked);
+    CAST.set(look.cast);
+    let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
+    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), origins, owner, rays }
+}
+
+thread_local! {
+    /// Memory of a thread for the lists of [`Look`], which serves one cell after the other.
+    static ASKED: RefCell<Vec<(usize, usize)>> = RefCell::default();
+    static CAST: RefCell<Vec<Ray>> = RefCell::default();
+}
+
+/// Asks for the sky behind texels from points of a cell.
+struct Look<'a> {
+    directions: &'a [DVec3],
+    points: &'a [SurfacePoint],
+    origins: &'a [[f32; 3]],
+    /// Texels and points of the rays to be cast.
+    asked: Vec<(usize, usize)>,
+    cast: Vec<Ray>,
+}
+
+impl Look<'_> {
+    /// A ray from a point through a texel, unless that is behind the point's surface.
+    fn ask(&mut self, texel: usize, point: usize) {
+        let direction = self.directions[texel];
+        if self.points[point].normal.dot(direction) > 0.0 {
+            self.asked.push((texel, point));
+            self.cast.push(Ray { origin: self.origins[point], direction: direction.as_vec3().to_array() });
+        }
+    }
+
+    /// Those texels and points, of all asked for, that see sky; after that none is asked for.
+    fn open(&mut self, tracer: &Tracer) -> impl Iterator<Item = (usize, usize)> {
+        let met = tracer.occluded_many(&self.cast);
+        self.cast.clear();
+        self.asked.drain(..).zip(met).filter(|(_, met)| !met).map(|(asked, _)| asked)
+    }
+}
+
+/// Ray origin of a surface point: lifted off the surface, f32.
+pub fn lifted(position: DVec3, normal: DVec3, tracer: &Tracer) -> [f32; 3] {
+    (position + normal * tracer.offset_m(position)).as_vec3().to_array()
+}
+
+/// Which of 16 points a texel asks in the first round, by its place in a 4 x 4 block: each block asks all of them, in an order of
+/// its own.
+fn slot(inside: usize, turn: usize) -> usize {
+    (inside * 5 % 16) ^ turn
+}
+
+/// The order of a block.
+fn turn(seed: u64, block: u64) -> usize {
+    mix(seed ^ 0x736c_6f74, block) as usize % POINTS
+}
+
+/// First index at which the running sum of `weights` exceeds `at`; the last positive one if rounding leaves none.
+pub fn pick(weights: &[f64], at: f64) -> usize {
+    let mut running = 0.0;
+    for (i, w) in weights.iter().enumerate() {
+        running += w;
+        if running > at {
+            return i;
+        }
+    }
+    weights.iter().rposition(|&w| w > 0.0).unwrap_or(0)
+}

@@ -1,0 +1,166 @@
+//! Rays: what a scene answers. In: rays, f32, relative to the scene origin, directions of about unit length. Out: what they
+//! meet first, or whether they meet anything. Many rays go in packets of sixteen ([`crate::trace::packet`]); rays one by one
+//! are the reference that packets are judged against.
+
+use glam::DVec3;
+
+use crate::trace::lanes::Level;
+use crate::trace::packet;
+use crate::trace::tree::{Child, Node, Tree, WIDTH};
+use crate::trace::triangle::intersect;
+use heliotile_core::error::Result;
+use heliotile_scene::mesh::Mesh;
+
+/// A ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    pub origin: [f32; 3],
+    pub direction: [f32; 3],
+}
+
+/// What a ray met first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the direction's length.
+    pub t: f32,
+    /// Index of the triangle in the mesh.
+    pub triangle: u32,
+}
+
+/// A scene ready for rays.
+pub struct Tracer {
+    tree: Tree,
+    level: Level,
+}
+
+impl Tracer {
+    /// Builds the tree; packets run on the best level of this machine.
+    pub fn new(mesh: &Mesh) -> Result<Self> {
+        Tracer::at_level(mesh, Level::best())
+    }
+
+    /// As [`Tracer::new`], with packets compiled for a given level; results are the same.
+    pub fn at_level(mesh: &Mesh, level: Level) -> Result<Self> {
+        let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        Ok(Tracer { tree: Tree::new(mesh, &all), level })
+    }
+
+    /// As [`Tracer::new`], of some triangles of the mesh.
+    pub fn of(mesh: &Mesh, triangles: &[u32]) -> Self {
+        Tracer { tree: Tree::new(mesh, triangles), level: Level::best() }
+    }
+
+    /// Distance by which a ray's origin leaves its surface, metres: far above the rounding of f32 coordinates at that
+    /// place, far below the details of a building.
+    pub fn offset_m(&self, point: DVec3) -> f64 {
+        (point.abs().max_element() * 2e-6).max(2e-4)
+    }
+
+    /// Largest coordinate of the scene, metres.
+    pub fn reach_m(&self) -> f64 {
+        self.tree.reach
+    }
+
+    /// Mesh indices of all triangles whose own box touches the given one, ascending.
+    pub fn triangles_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
+        self.tree.triangles_near(low, high)
+    }
+
+    /// Whether each ray meets anything. Fast where neighbours in the list are alike, faster where they share an origin.
+    pub fn occluded_many(&self, rays: &[Ray]) -> Vec<bool> {
+        packet::occluded(&self.tree, self.level, rays)
+    }
+
+    /// What each ray meets first; the same triangles and bits as [`Tracer::closest`].
+    pub fn closest_many(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        packet::closest(&self.tree, self.level, rays)
+    }
+
+    /// The first triangle met; among equal distances the one with the lowest index.
+    pub fn closest(&self, ray: Ray) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        self.walk(ray, |limit, first, count| {
+            for k in first..first + count {
+                let Some(t) = intersect(ray.origin, ray.direction, &self.tree.triangles[k]) else { continue };
+                let triangle = self.tree.triangles[k].id;
+                if best.is_none_or(|b| (t, triangle) < (b.t, b.triangle)) {
+                    best = Some(Hit { t, triangle });
+                    *limit = t;
+                }
+            }
+            true
+        });
+        best
+    }
+
+    /// Whether the ray meets anything.
+    pub fn occluded(&self, ray: Ray) -> bool {
+        let mut met = false;
+        self.walk(ray, |_, first, count| {
+            let triangles = &self.tree.triangles[first..first + count];
+            met = triangles.iter().any(|t| intersect(ray.origin, ray.direction, t).is_some());
+            !met
+        });
+        met
+    }
+
+    /// Number of triangles that the ray meets.
+    pub fn crossings(&self, ray: Ray) -> usize {
+        self.crossed(ray).len()
+    }
+
+    /// All triangles that the ray meets, nearest first.
+    pub fn crossed(&self, ray: Ray) -> Vec<Hit> {
+        let mut met: Vec<Hit> = Vec::new();
+        self.walk(ray, |_, first, count| {
+            let triangles = &self.tree.triangles[first..first + count];
+            let hit = |t| intersect(ray.origin, ray.direction, t).map(|distance| Hit { t: distance, triangle: t.id });
+            met.extend(triangles.iter().filter_map(hit));
+            true
+        });
+        met.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        // A triangle may lie in several leaves.
+        met.dedup_by_key(|hit| hit.triangle);
+        met
+    }
+
+    /// Visits the leaves that a ray meets, nearest first; `leaf(limit, first, count)` may lower the limit, and ends the
+    /// walk by returning false.
+    fn walk(&self, ray: Ray, mut leaf: impl FnMut(&mut f32, usize, usize) -> bool) {
+        let inverse = ray.direction.map(packet::inverse);
+        let mut limit = f32::INFINITY;
+        let mut stack = vec![(Child::default(), 0.0_f32)];
+        while let Some((next, entry)) = stack.pop() {
+            if entry > limit {
+                continue;
+            }
+            if next.count > 0 {
+                if !leaf(&mut limit, next.first as usize, next.count as usize) {
+                    return;
+                }
+                continue;
+            }
+            let node = &self.tree.nodes[next.first as usize];
+            let first = stack.len();
+            for k in 0..WIDTH {
+                stack.extend(slab(node, k, ray.origin, inverse, limit).map(|entry| (node.child[k], entry)));
+            }
+            stack[first..].sort_by(|a, b| b.1.total_cmp(&a.1));
+        }
+    }
+}
+
+/// Entry distance of a ray into the box of a child, if it meets it before `limit`. The far distance is widened by two
+/// roundings (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
+fn slab(node: &Node, child: usize, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
+    let mut near = 0.0_f32;
+    let mut far = limit;
+    for i in 0..3 {
+        let (low, high) = (node.planes[i][0][child], -node.planes[i][1][child]);
+        // Not by the smaller of both distances: a box inside out, of a child that is not there, must not be met.
+        let (enter, leave) = if inverse[i] < 0.0 { (high, low) } else { (low, high) };
+        near = near.max((enter - origin[i]) * inverse[i]);
+        far = far.min((leave - origin[i]) * inverse[i] * packet::FAR_PAD);
+    }
+    (near <= far).then_some(near)
+}

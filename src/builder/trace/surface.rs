@@ -1,0 +1,164 @@
+//! Points on the surface of a cell. In: a cell key and the scene. Out: up to 16 points spread evenly over the surfaces that
+//! the key names, with their normals.
+//!
+//! The points depend on the surface only, not on how it is cut into triangles: lines parallel to the axis that the cell
+//! faces are shot through the bounding box of the clipped surface, and the first surface along each line is taken.
+
+use glam::{DVec2, DVec3};
+
+use crate::trace::rays::Tracer;
+use heliotile_core::hemisphere::{mix, unit};
+use heliotile_core::site::cells::CellKey;
+use heliotile_scene::mesh::Mesh;
+
+/// Points that a cell's rays start from, at most.
+pub const POINTS: usize = 16;
+
+/// Lines tried before fewer points than wanted are accepted.
+const TRIES: u32 = 160;
+
+/// A point of a cell, relative to the scene origin, and the normal on the side that the cell faces.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    pub position: DVec3,
+    pub normal: DVec3,
+}
+
+/// A triangle of the cell, and how it looks along the cell's axis.
+struct Candidate {
+    corners: [DVec3; 3],
+    normal: DVec3,
+    flat: [DVec2; 3],
+    /// Box of its part in the voxel.
+    low: DVec2,
+    high: DVec2,
+}
+
+/// Up to so many points of a cell; empty only if no surface of that name exists in the voxel.
+pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
+    let (axis, sign) = key.axis();
+    let (low, high) = key.bounds();
+    // A hit point is known to about 1e-6 of the coordinates: a surface in the voxel's boundary counts as inside.
+    let slack = (high.x - low.x) * 1e-4 + tracer.reach_m() * 2e-6;
+    let (low, high) = (low - slack, high + slack);
+    let flat = |p: DVec3| match axis {
+        0 => DVec2::new(p.y, p.z),
+        1 => DVec2::new(p.x, p.z),
+        _ => DVec2::new(p.x, p.y),
+    };
+
+    let mut candidates = Vec::new();
+    let mut clipper = Clipper::default();
+    let (mut box_low, mut box_high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let mut largest: Option<(f64, SurfacePoint)> = None;
+    for triangle in tracer.triangles_near(low, high) {
+        let i = triangle as usize;
+        if mesh.triangle_material[i] != key.material {
+            continue;
+        }
+        let Some(normal) = key.side_of(mesh.normal(i)) else { continue };
+        let corners = mesh.triangle_points(i);
+        let polygon = clipper.clip(&corners, low, high);
+        let Some((area, centre)) = area_and_centre(polygon) else { continue };
+        let (mut low2, mut high2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for p in polygon {
+            low2 = low2.min(flat(*p));
+            high2 = high2.max(flat(*p));
+        }
+        box_low = box_low.min(low2);
+        box_high = box_high.max(high2);
+        if largest.as_ref().is_none_or(|(a, _)| area > *a) {
+            largest = Some((area, SurfacePoint { position: centre, normal }));
+        }
+        candidates.push(Candidate { corners, normal, flat: corners.map(flat), low: low2, high: high2 });
+    }
+
+    let seed = key.seed();
+    let start = DVec2::new(unit(mix(seed, 101)), unit(mix(seed, 102)));
+    let mut points = Vec::with_capacity(wanted);
+    for i in 0..TRIES {
+        if points.len() == wanted || candidates.is_empty() {
+            break;
+        }
+        // R2 sequence (Roberts 2018): the plane's analogue of the golden ratio.
+        let r = f64::from(i) * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + start;
+        let at = box_low + (box_high - box_low) * r.fract();
+        let mut first: Option<(f64, SurfacePoint)> = None;
+        for c in &candidates {
+            if at.cmplt(c.low).any() || at.cmpgt(c.high).any() {
+                continue;
+            }
+            let Some(weights) = barycentric(c.flat, at) else { continue };
+            let position = c.corners[0] * weights[0] + c.corners[1] * weights[1] + c.corners[2] * weights[2];
+            let height = position[axis] * sign;
+            let inside = position[axis] >= low[axis] && position[axis] <= high[axis];
+            if inside && first.as_ref().is_none_or(|(h, _)| height > *h) {
+                first = Some((height, SurfacePoint { position, normal: c.normal }));
+            }
+        }
+        points.extend(first.map(|(_, p)| p));
+    }
+    if points.is_empty() {
+        points.extend(largest.map(|(_, p)| p));
+    }
+    points
+}
+
+/// Cuts triangles to a box (Sutherland and Hodgman 1974), in lists that serve one triangle after the other.
+#[derive(Default)]
+struct Clipper {
+    polygon: Vec<DVec3>,
+    kept: Vec<DVec3>,
+}
+
+impl Clipper {
+    /// The part of a triangle inside a box; at most nine corners but for rounding.
+    fn clip(&mut self, corners: &[DVec3; 3], low: DVec3, high: DVec3) -> &[DVec3] {
+        let Clipper { polygon, kept } = self;
+        polygon.clear();
+        polygon.extend(corners);
+        for axis in 0..3 {
+            for (bound, sign) in [(low[axis], 1.0), (high[axis], -1.0)] {
+                let depth = |p: &DVec3| (p[axis] - bound) * sign;
+                if polygon.iter().all(|p| depth(p) >= 0.0) {
+                    continue;
+                }
+                kept.clear();
+                for (i, p) in polygon.iter().enumerate() {
+                    let q = polygon.get(i + 1).unwrap_or(&polygon[0]);
+                    let (dp, dq) = (depth(p), depth(q));
+                    if dp >= 0.0 {
+                        kept.push(*p);
+                    }
+                    // The two depths have opposite signs, so their difference is not zero.
+                    if (dp >= 0.0) != (dq >= 0.0) {
+                        kept.push(*p + (*q - *p) * (dp / (dp - dq)));
+                    }
+                }
+                std::mem::swap(polygon, kept);
+            }
+        }
+        polygon
+    }
+}
+
+/// Area and area centroid of a plane convex polygon; `None` if it has no area.
+fn area_and_centre(polygon: &[DVec3]) -> Option<(f64, DVec3)> {
+    let first = *polygon.first()?;
+    let (mut area, mut moment) = (0.0, DVec3::ZERO);
+    for pair in polygon[1..].windows(2) {
+        let part = 0.5 * (pair[0] - first).cross(pair[1] - first).length();
+        area += part;
+        moment += (first + pair[0] + pair[1]) / 3.0 * part;
+    }
+    (area > 0.0).then(|| (area, moment / area))
+}
+
+/// Barycentric coordinates of a point in a flat triangle, `None` outside or if the triangle is seen edge-on.
+fn barycentric(corners: [DVec2; 3], p: DVec2) -> Option<[f64; 3]> {
+    let [a, b, c] = corners.map(|q| q - p);
+    let w = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
+    let sum = w[0] + w[1] + w[2];
+    let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);
+    (inside && sum != 0.0).then(|| w.map(|x| x / sum))
+}

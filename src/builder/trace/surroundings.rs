@@ -1,0 +1,180 @@
+//! What a cell sees besides the sky. In: a cell whose sky bits are traced. Out: the coarse cells that a few rays meet, above
+//! and below the horizon apart.
+//!
+//! No ray is spent on the sky: above the horizon, rays go again where the sky bits are 0, in proportion to the cosine. How
+//! much of the hemisphere they stand for is known from the bits, so sky and surroundings always add up to the whole.
+
+use glam::{DVec2, DVec3};
+
+use crate::trace::mirror::{Reflections, Start};
+use crate::trace::probe::{Directions, ProbeTrace, pick};
+use crate::trace::rays::{Hit, Ray, Tracer};
+use heliotile_core::hemisphere::{Frame, bit, direction_of, mix, unit};
+use heliotile_core::site::cells::{CellKey, level_of};
+use heliotile_scene::mesh::Mesh;
+
+/// What one ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Whether the ray goes above the horizon.
+    pub up: bool,
+    /// The coarse cell, if any surface was met.
+    pub cell: Option<CellKey>,
+    /// The ray and how far it went, if it met a surface.
+    pub path: Option<(Ray, f32)>,
+}
+
+/// How cells look around.
+#[derive(Clone, Copy, Debug)]
+pub struct SurroundingSettings {
+    /// Level of the cells that the closed system is made of at middle distance; cells nearby are finer, cells far away coarser.
+    pub closed_level: i8,
+    /// Rays of a cell.
+    pub rays: usize,
+}
+
+/// What some rays met.
+#[derive(Clone, Debug, Default)]
+pub struct Surroundings {
+    /// One for each ray.
+    pub seen: Vec<Seen>,
+    /// Of those rays that met a mirror: whether they go above the horizon, and where they met it.
+    pub mirrors: Vec<(bool, Start)>,
+    /// Rays that were cast.
+    pub cast: u64,
+}
+
+impl Surroundings {
+    /// Nothing is met by so many rays, and none is cast.
+    pub fn none(rays: usize) -> Self {
+        Surroundings { seen: vec![Seen { up: true, cell: None, path: None }; rays], ..Surroundings::default() }
+    }
+}
+
+/// Surfaces at distance t are cut into cells of about t / 4, the footprint of a ray.
+const FAR_SHARE: f64 = 0.25;
+
+/// Nearby surfaces are cut into cells of about t / 2: in a light well light falls off over the well's width.
+const NEAR_SHARE: f64 = 1.0;
+
+/// A part of the hemisphere smaller than this gets no ray.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// Casts rays from a cell whose sky texture is traced; rays above the horizon count alike, and so do those below.
+pub fn surroundings(
+    key: CellKey,
+    probe: &ProbeTrace,
+    texture: &Directions,
+    settings: SurroundingSettings,
+    mesh: &Mesh,
+    tracer: &Tracer,
+    reflections: Option<&Reflections>,
+) -> Surroundings {
+    let (n, directions) = (texture.n, texture.of(key));
+    let SurroundingSettings { closed_level, rays: count } = settings;
+    let seed = key.seed();
+    let normals: Vec<DVec3> = probe.points.iter().map(|p| p.0.normal).collect();
+    // Blocked texels above the horizon and the running sum of their cosines.
+    let blocked = || {
+        let texels = texture.texels().filter(|&texel| !normals.is_empty() && !bit(&probe.bits, texel));
+        let cosines = texels.map(|t| (t, normals[usize::from(probe.owner[t])].dot(directions[t])));
+        let mut sum = 0.0;
+        cosines.filter(|&(_, cos)| cos > 0.0).map(move |(texel, cos)| {
+            sum += cos;
+            (texel, sum)
+        })
+    };
+    let sum = blocked().last().map_or(0.0, |(_, sum)| sum);
+    let above = sum * 2.0 / (n * n) as f64;
+    let below = if normals.is_empty() { 0.0 } else { ((1.0 - probe.normal.z) / 2.0).max(0.0) };
+    let (up_count, down_count) = split(count, above, below);
+
+    let mut rays: Vec<(DVec3, Ray, bool)> = Vec::with_capacity(count);
+    let mut from = |point: usize, direction: DVec3, up: bool| {
+        let ray = Ray { origin: probe.origins[point], direction: direction.as_vec3().to_array() };
+        rays.push((probe.points[point].0.position, ray, up));
+    };
+    let (start, mut last) = (unit(mix(seed, 11)), 0);
+    let mut blocked = blocked().peekable();
+    for i in 0..up_count {
+        // These rise from ray to ray.
+        let at = (i as f64 + start) / up_count as f64 * sum;
+        while let Some(passed) = blocked.next_if(|&(_, sum)| sum <= at) {
+            last = passed.0;
+        }
+        let texel = blocked.peek().map_or(last, |&(texel, _)| texel);
+        from(usize::from(probe.owner[texel]), directions[texel], true);
+    }
+    if down_count > 0 {
+        let frames: Vec<Frame> = normals.iter().map(|&normal| Frame::of(normal)).collect();
+        let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
+        let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
+        // R2 sequence (Roberts 2018) over the cosine-distributed hemisphere, of which the part below the horizon is kept.
+        let tries = (0..64 * down_count).map(|j| {
+            let point = pick(&weights, unit(mix(seed ^ 0x646f_776e, j as u64)));
+            let square = j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset;
+            (point, frames[point].to_world(cosine_direction(square.fract())))
+        });
+        for (point, direction) in tries.filter(|(_, direction)| direction.z <= 0.0).take(down_count) {
+            from(point, direction, false);
+        }
+    }
+
+    let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();
+    let mut met = Surroundings { cast: cast.len() as u64, ..Surroundings::default() };
+    for (hit, &(position, ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {
+        let direction = DVec3::from(ray.direction.map(f64::from));
+        let cell = hit.map(|hit| {
+            let level = level_seen(f64::from(hit.t), key.level, closed_level);
+            cell_of(hit, direction, level, mesh, position).coarse(level)
+        });
+        met.seen.push(Seen { up, cell, path: hit.map(|hit| (ray, hit.t)) });
+        if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
+            let from = DVec3::from(ray.origin.map(f64::from));
+            met.mirrors.push((up, Start { from, direction, hit }));
+        }
+    }
+    met.seen.resize(count, Seen { up: true, cell: None, path: None });
+    met
+}
+
+/// Level of a coarse cell seen at distance t from a cell of level `own`.
+pub fn level_seen(t: f64, own: i8, closed: i8) -> i8 {
+    let near = level_of(t * NEAR_SHARE).min(closed);
+    let far = level_of(t * FAR_SHARE);
+    // Coarser from bounce to bounce, or one well of fine cells would drag in a city of them. It also means that only the
+    // cells from the closed level up see each other in circles.
+    near.max(far).max((own + 1).min(closed)).max(own)
+}
+
+/// Rays above and below the horizon, in proportion to their shares; at least one for each share that matters.
+fn split(count: usize, above: f64, below: f64) -> (usize, usize) {
+    match (above > NEGLIGIBLE, below > NEGLIGIBLE) {
+        (false, false) => (0, 0),
+        (true, false) => (count, 0),
+        (false, true) => (0, count),
+        (true, true) => {
+            let up = (count as f64 * above / (above + below)).round() as usize;
+            let up = up.clamp(1, count - 1);
+            (up, count - up)
+        }
+    }
+}
+
+/// Cell of a hit, on the side that the ray comes from.
+pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3) -> CellKey {
+    let triangle = hit.triangle as usize;
+    let outward = mesh.normal(triangle);
+    let back = outward.dot(direction) > 0.0;
+    let point = origin + direction * f64::from(hit.t);
+    CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
+}
+
+/// Cosine-distributed direction about z for a point of the unit square: Malley's method over Shirley and Chiu's disc.
+fn cosine_direction(square: DVec2) -> DVec3 {
+    // The equal-solid-angle lift has z = 1 - r^2; the cosine lift of the same disc point has z = sqrt(1 - r^2).
+    let d = direction_of(square);
+    let r2 = (1.0 - d.z).clamp(0.0, 1.0);
+    let stretch = 1.0 / (2.0 - r2).sqrt();
+    DVec3::new(d.x * stretch, d.y * stretch, (1.0 - r2).sqrt())
+}

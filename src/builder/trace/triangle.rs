@@ -1,0 +1,192 @@
+//! The watertight ray-triangle test. In: a ray's origin and direction, a triangle in f32. Out: the distance, if hit.
+//!
+//! Signed volumes of the ray and each edge, relative to the ray's origin (Woop, Benthin, Wald 2013, "Watertight
+//! ray/triangle intersection", without the shear). An edge is always taken from its lower to its higher end, so the two
+//! triangles that share it compute the same number, with opposite signs: no ray passes between them. Plain f32 products
+//! only: a fused multiply-add would make results differ between processors. Volumes too close to zero to be trusted are
+//! decided in f64.
+
+use std::cmp::Ordering;
+
+/// Corners of a triangle, f32, relative to the scene origin.
+pub type Corners = [[f32; 3]; 3];
+
+/// A triangle ready for rays: corners in ascending order, so that each edge goes from the lower to the higher of its ends
+/// whichever triangle asks, and which triangle of the mesh it is.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgeTriangle {
+    pub corners: Corners,
+    pub id: u32,
+    /// Largest extent of an edge along an axis.
+    longest: f32,
+}
+
+/// Share of (largest distance to a corner) x (longest edge) below which a volume's sign is not trusted: eight roundings of
+/// 2^-24 on products of at most 2 sqrt(3) times that size, with a margin of two.
+pub const DOUBT: f32 = 3e-6;
+
+/// Everything about a triangle that depends on the ray's origin but not on its direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Normals of the planes through the origin and each edge.
+    pub edges: [[f32; 3]; 3],
+    /// The triangle's normal, not unit, and corner 0 relative to the origin dotted with it.
+    pub normal: [f32; 3],
+    pub height: f32,
+    /// Volumes below this size are decided in f64.
+    pub doubt: f32,
+    /// So are rays whose dot product with the normal is below this size: the triangle is seen edge-on.
+    pub edge_on: f32,
+}
+
+/// Everything about a triangle that depends on nothing else.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixed {
+    pub ab: [f32; 3],
+    pub bc: [f32; 3],
+    pub ca: [f32; 3],
+    /// Not unit.
+    pub normal: [f32; 3],
+    /// Doubt of a volume per metre of distance, and of a product with the normal.
+    pub doubt: f32,
+    pub flat: f32,
+}
+
+impl EdgeTriangle {
+    pub fn new(mut corners: Corners, id: u32) -> Self {
+        corners.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+        let [a, b, c] = corners;
+        let longest = max_abs(sub(b, a)).max(max_abs(sub(c, b))).max(max_abs(sub(a, c)));
+        EdgeTriangle { corners, id, longest }
+    }
+
+    /// Edges from the corners themselves, so that both triangles of an edge have the same one.
+    #[inline(always)]
+    pub fn fixed(&self) -> Fixed {
+        let [a, b, c] = self.corners;
+        let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
+        let (normal, doubt) = (cross(ca, ab), DOUBT * self.longest);
+        Fixed { ab, bc, ca, normal, doubt, flat: doubt * self.longest }
+    }
+
+    /// The triangle as seen from an origin.
+    #[inline(always)]
+    pub fn seen_from(&self, origin: [f32; 3]) -> Seen {
+        let fixed = self.fixed();
+        let [a, b, c] = [0, 1, 2].map(|i| sub(self.corners[i], origin));
+        // The lower end of each edge, whichever triangle asks.
+        let edges = [cross(b, fixed.bc), cross(a, fixed.ca), cross(a, fixed.ab)];
+        let reach = max_abs(a).max(max_abs(b)).max(max_abs(c));
+        let height = dot(a, fixed.normal);
+        // An origin in the plane of the triangle sees it edge-on from everywhere.
+        let edge_on = if height.abs() < fixed.flat * reach { f32::INFINITY } else { fixed.flat };
+        Seen { edges, normal: fixed.normal, height, doubt: fixed.doubt * reach, edge_on }
+    }
+}
+
+/// Distance along `direction` (about unit length) to the triangle, if the ray meets it in front of the origin: one ray, the reference of the
+/// packets.
+#[inline]
+pub fn intersect(origin: [f32; 3], direction: [f32; 3], triangle: &EdgeTriangle) -> Option<f32> {
+    let seen = triangle.seen_from(origin);
+    let [u, v, w] = seen.edges.map(|e| dot(direction, e));
+    let (low, high) = (u.min(v).min(w), u.max(v).max(w));
+    if low < -seen.doubt && high > seen.doubt {
+        return None;
+    }
+    let slope = dot(direction, seen.normal);
+    if (low < seen.doubt && high > -seen.doubt) || slope.abs() < seen.edge_on {
+        return intersect_f64(origin, direction, &triangle.corners);
+    }
+    let t = seen.height / slope;
+    (t > 0.0 && t < f32::INFINITY).then_some(t)
+}
+
+/// The same test with every difference and product in f64; for doubtful rays.
+#[cold]
+pub fn intersect_f64(origin: [f32; 3], direction: [f32; 3], corners: &Corners) -> Option<f32> {
+    let [a, b, c] = corners.map(|p| sub64(p.map(f64::from), origin.map(f64::from)));
+    let d = direction.map(f64::from);
+    let u = dot64(d, cross64(b, c));
+    let v = dot64(d, cross64(c, a));
+    let w = dot64(d, cross64(a, b));
+    let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+    let sum = u + v + w;
+    if !inside || sum == 0.0 {
+        return None;
+    }
+    let n = cross64(sub64(b, a), sub64(c, a));
+    let t = (dot64(a, n) / sum) as f32;
+    (t > 0.0 && t < f32::INFINITY).then_some(t)
+}
+
+#[inline(always)]
+fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn max_abs(a: [f32; 3]) -> f32 {
+    a[0].abs().max(a[1].abs()).max(a[2].abs())
+}
+
+fn sub64(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross64(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot64(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_core::hemisphere::{mix, unit};
+
+    /// f32 and f64 agree on hit or miss of 200,000 rays at random triangles 1 cm to 100 m in size and up to 1 km away, and on
+    /// 99 % of the distances to 1e-4 (a triangle seen edge-on has no sharp distance in f32).
+    #[test]
+    fn agrees_with_f64() {
+        let mut state = 3;
+        let mut random = |scale: f64| {
+            [(); 3].map(|()| {
+                state = mix(state, 9);
+                ((unit(state) - 0.5) * scale) as f32
+            })
+        };
+        let (mut hits, mut blurred) = (0, 0);
+        for i in 0..200_000_u32 {
+            let size = [0.01, 1.0, 100.0][i as usize % 3];
+            let (place, origin) = (random(1000.0), random(1000.0));
+            let corners = [(); 3].map(|()| {
+                let p = random(size);
+                [place[0] + p[0], place[1] + p[1], place[2] + p[2]]
+            });
+            let aim = random(size);
+            let toward = glam::Vec3::from_array([0, 1, 2].map(|k| place[k] + aim[k] - origin[k]));
+            let direction = toward.normalize().to_array();
+            let fast = intersect(origin, direction, &EdgeTriangle::new(corners, 0));
+            let exact = intersect_f64(origin, direction, &corners);
+            assert_eq!(fast.is_some(), exact.is_some(), "{corners:?} {origin:?} {direction:?}");
+            if let (Some(a), Some(b)) = (fast, exact) {
+                hits += 1;
+                blurred += u32::from((a - b).abs() > 1e-4 * b);
+            }
+        }
+        assert!(hits > 15_000 && blurred * 100 < hits, "{hits} {blurred}");
+    }
+}

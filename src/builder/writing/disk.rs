@@ -1,0 +1,171 @@
+//! File operations of a writer. In: paths and bytes. Out: files on the disk, and errors that name path and action. They stand
+//! behind a trait so that tests can make any of them fail and cut the power between any two.
+
+use std::fmt::Debug;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use heliotile_core::archive::source::{read_exact_at, write_all_at};
+use heliotile_core::error::{Error, Result};
+
+/// Where files lie.
+pub trait Disk: Debug + Send + Sync {
+    /// Opens a file or makes an empty one, as the only writer of it.
+    fn lock(&self, path: &Path) -> Result<Box<dyn DiskFile>>;
+    /// Opens a file that exists.
+    fn open(&self, path: &Path) -> io::Result<Box<dyn DiskFile>>;
+    /// Makes an empty file, also out of one that exists.
+    fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>>;
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
+    fn remove(&self, path: &Path) -> io::Result<()>;
+    /// Makes names in the folder of `path` last: what was created, renamed, removed.
+    fn sync_folder(&self, path: &Path) -> io::Result<()>;
+}
+
+/// An open file.
+pub trait DiskFile: Debug + Send + Sync {
+    fn length(&self) -> io::Result<u64>;
+    /// Fills `bytes`.
+    fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()>;
+    /// Writes all `bytes`; on an error some of them may be there.
+    fn write_at(&self, bytes: &[u8], offset: u64) -> io::Result<()>;
+    fn set_len(&self, length: u64) -> io::Result<()>;
+    /// Returns when bytes and length would survive the loss of power.
+    fn sync(&self) -> io::Result<()>;
+}
+
+/// An open file whose errors say what was tried with it.
+#[derive(Debug)]
+pub struct Handle {
+    path: Arc<Path>,
+    file: Box<dyn DiskFile>,
+}
+
+impl Handle {
+    pub fn new(path: &Path, file: Box<dyn DiskFile>) -> Self {
+        Handle { path: Arc::from(path), file }
+    }
+
+    pub fn path(&self) -> &Arc<Path> {
+        &self.path
+    }
+
+    pub fn length(&self) -> Result<u64> {
+        self.file.length().map_err(Error::io(&self.path, "read the length of"))
+    }
+
+    /// `length` bytes at `offset`; the caller has compared `length` with a limit.
+    pub fn read(&self, offset: u64, length: usize) -> Result<Vec<u8>> {
+        let mut bytes = vec![0; length];
+        self.file.read_at(&mut bytes, offset).map_err(Error::io(&self.path, "read"))?;
+        Ok(bytes)
+    }
+
+    pub fn write(&self, offset: u64, bytes: &[u8]) -> Result<()> {
+        self.file.write_at(bytes, offset).map_err(Error::io(&self.path, "write"))
+    }
+
+    pub fn set_len(&self, length: u64) -> Result<()> {
+        self.file.set_len(length).map_err(Error::io(&self.path, "set the length of"))
+    }
+
+    pub fn sync(&self) -> Result<()> {
+        self.file.sync().map_err(Error::io(&self.path, "sync"))
+    }
+}
+
+/// The disk of the operating system.
+#[derive(Debug)]
+pub struct SystemDisk;
+
+impl Disk for SystemDisk {
+    /// Between opening and locking, the process that held the lock may have renamed or removed the file, so what was locked
+    /// must still be what the name means; else it is tried again.
+    fn lock(&self, path: &Path) -> Result<Box<dyn DiskFile>> {
+        for _ in 0..16 {
+            let file = OpenOptions::new()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(path)
+                .map_err(Error::io(path, "create"))?;
+            match file.try_lock() {
+                Ok(()) if is_named(&file, path)? => return Ok(Box::new(file)),
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => break,
+                Err(TryLockError::Error(source)) => {
+                    return Err(Error::Io { path: path.to_path_buf(), action: "lock", source });
+                }
+            }
+        }
+        let hint = "wait for it to end, or write to another file";
+        Err(Error::input(path, None, "is being written by another process", hint))
+    }
+
+    fn open(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
+        Ok(Box::new(OpenOptions::new().read(true).write(true).open(path)?))
+    }
+
+    fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
+        Ok(Box::new(OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path)?))
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        fs::rename(from, to)
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        fs::remove_file(path)
+    }
+
+    fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        if cfg!(unix) {
+            let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            File::open(folder)?.sync_all()?;
+        }
+        Ok(())
+    }
+}
+
+impl DiskFile for File {
+    fn length(&self) -> io::Result<u64> {
+        Ok(self.metadata()?.len())
+    }
+
+    fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+        read_exact_at(self, bytes, offset)
+    }
+
+    fn write_at(&self, bytes: &[u8], offset: u64) -> io::Result<()> {
+        write_all_at(self, bytes, offset)
+    }
+
+    fn set_len(&self, length: u64) -> io::Result<()> {
+        File::set_len(self, length)
+    }
+
+    fn sync(&self) -> io::Result<()> {
+        self.sync_all()
+    }
+}
+
+/// Whether `path` still names this open file.
+#[cfg(unix)]
+fn is_named(file: &File, path: &Path) -> Result<bool> {
+    use std::os::unix::fs::MetadataExt;
+    let ours = file.metadata().map_err(Error::io(path, "look at"))?;
+    match fs::metadata(path) {
+        Ok(named) => Ok((named.dev(), named.ino()) == (ours.dev(), ours.ino())),
+        Err(source) if source.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(source) => Err(Error::io(path, "look at")(source)),
+    }
+}
+
+/// Elsewhere a name whose file is gone is told by its absence only.
+#[cfg(not(unix))]
+fn is_named(_: &File, path: &Path) -> Result<bool> {
+    path.try_exists().map_err(Error::io(path, "look at"))
+}

@@ -1,0 +1,286 @@
+//! The journal of a build, `NAME.partial.log`: what of the partial file can be relied on after a crash. In: the directory
+//! entries of every checkpoint. Out: the longest part of them that is whole, with the job that wrote them.
+//!
+//! It lies beside the partial file because a checkpoint inside it would move every later block: section 7.1 of
+//! `schema/heliotile-1.md`.
+
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use crate::writing::disk::{Disk, Handle};
+use heliotile_core::archive::codec;
+use heliotile_core::archive::format;
+use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, MAJOR, MAX_ENTRIES, MAX_RAW, MINOR};
+use heliotile_core::error::{Error, Result};
+
+/// First bytes of a journal.
+pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'J', 0x0d, 0x0a, 0x1a, 0x0a];
+/// Layout of the batches; the header is the same in every version.
+pub const VERSION: u16 = 1;
+/// Checksums are whole BLAKE3 hashes.
+pub const SUM_SIZE: usize = 32;
+/// Header with its checksum.
+pub const HEADER_SIZE: usize = 208;
+const HEADER_CHECKED: usize = 176;
+/// A batch before its entries and its checksum.
+pub const BATCH_SIZE: usize = 16;
+
+/// What can be done about an interrupted build whatever the command.
+pub(super) const REMOVE: &str = "remove it to start again";
+
+/// What is built, as hashes: only an equal job may go on with an interrupted build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// Geometry and materials.
+    pub scene: [u8; 32],
+    pub receivers: [u8; 32],
+    pub settings: [u8; 32],
+}
+
+/// How much of a build is on the disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    pub blocks: u64,
+    /// Length of the partial file.
+    pub bytes: u64,
+}
+
+heliotile_core::record! {
+    /// The start of a journal: who writes what.
+    Header {
+        magic: [u8; 8],
+        /// [`VERSION`].
+        version: u16,
+        /// Format of the archive.
+        major: u16,
+        minor: u16,
+        reserved: [u8; 2],
+        scene: [u8; 32],
+        receivers: [u8; 32],
+        settings: [u8; 32],
+        /// Program and compressor with their versions, UTF-8, filled up with zeros: others give other bytes.
+        program: [u8; 64],
+    }
+}
+
+heliotile_core::record! {
+    /// The start of what one checkpoint adds.
+    Batch {
+        /// Entries that follow.
+        count: u64,
+        /// Length of the partial file after the last of them.
+        committed: u64,
+    }
+}
+
+impl Header {
+    fn new(job: &Job) -> Self {
+        let name = format!("heliotile {}, zstd {}", env!("CARGO_PKG_VERSION"), codec::compressor_version());
+        let mut program = [0; 64];
+        program.iter_mut().zip(name.bytes()).for_each(|(place, byte)| *place = byte);
+        Header {
+            magic: MAGIC,
+            version: VERSION,
+            major: MAJOR,
+            minor: MINOR,
+            reserved: [0; 2],
+            scene: job.scene,
+            receivers: job.receivers,
+            settings: job.settings,
+            program,
+        }
+    }
+
+    /// Names of what is not equal in another header.
+    fn differences(&self, other: &Header) -> Vec<&'static str> {
+        let version = |h: &Header| (h.version, h.major, h.minor, h.program);
+        [
+            ("scene", self.scene != other.scene),
+            ("receivers", self.receivers != other.receivers),
+            ("settings", self.settings != other.settings),
+            ("program version", version(self) != version(other)),
+        ]
+        .into_iter()
+        .filter_map(|(name, differs)| differs.then_some(name))
+        .collect()
+    }
+}
+
+/// An open journal that can take another batch.
+#[derive(Debug)]
+pub struct Journal {
+    file: Handle,
+    length: u64,
+    /// Checksum of the last part; the next one covers it, so nothing after a bad part counts.
+    sum: [u8; SUM_SIZE],
+}
+
+impl Journal {
+    /// Starts a journal; its header gets to the disk with the first batch.
+    pub fn create(disk: &dyn Disk, path: &Path, job: &Job) -> Result<Self> {
+        let file = Handle::new(path, disk.create(path).map_err(Error::io(path, "create"))?);
+        let mut bytes = Vec::with_capacity(HEADER_SIZE);
+        Header::new(job).put(&mut bytes);
+        let sum = chain(&[], &bytes);
+        bytes.extend_from_slice(&sum);
+        file.write(0, &bytes)?;
+        Ok(Journal { file, length: bytes.len() as u64, sum })
+    }
+
+    /// Adds what was written since the last batch and syncs it. The partial file must be synced up to `committed`.
+    pub fn append(&mut self, entries: &[Entry], committed: u64) -> Result<()> {
+        let mut bytes = Vec::with_capacity(batch_length(entries.len()).unwrap_or(0));
+        Batch { count: entries.len() as u64, committed }.put(&mut bytes);
+        entries.iter().for_each(|entry| entry.encode(&mut bytes));
+        let sum = chain(&self.sum, &bytes);
+        bytes.extend_from_slice(&sum);
+        self.file.write(self.length, &bytes)?;
+        self.file.sync()?;
+        self.length = self.length.saturating_add(bytes.len() as u64);
+        self.sum = sum;
+        Ok(())
+    }
+}
+
+/// An interrupted build.
+#[derive(Debug)]
+pub struct Found {
+    header: Header,
+    journal: Journal,
+    /// The part of the journal that counts.
+    bytes: Vec<u8>,
+    pub entries: BTreeMap<(u32, u32), Entry>,
+    /// End of the last block.
+    pub end: u64,
+}
+
+/// The interrupted build that journal and partial file tell of: `None` if no checkpoint of it can be relied on. Blocks are
+/// compared with their checksums, so a journal beside another partial file, or none, does not count.
+pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<Found>> {
+    let file = match disk.open(path) {
+        Ok(file) => Handle::new(path, file),
+        Err(source) if source.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(Error::io(path, "open")(source)),
+    };
+    let (length, partial_length) = (file.length()?, partial.length()?);
+    if length < HEADER_SIZE as u64 {
+        return Ok(None);
+    }
+    let bytes = file.read(0, HEADER_SIZE)?;
+    let Some((header, sum)) = decode_header(&bytes) else { return Ok(None) };
+    let journal = Journal { file, length: HEADER_SIZE as u64, sum };
+    let mut found = Found { header, journal, bytes, entries: BTreeMap::new(), end: FIRST_BLOCK };
+    if header.version != VERSION {
+        // Its batches cannot be read, but they are somebody's work.
+        return Ok((partial_length > FIRST_BLOCK).then_some(found));
+    }
+    while found.take_batch(length, partial, partial_length)? {}
+    Ok((!found.entries.is_empty()).then_some(found))
+}
+
+impl Found {
+    /// Takes the next batch if it is whole and its blocks are there.
+    fn take_batch(&mut self, length: u64, partial: &Handle, partial_length: u64) -> Result<bool> {
+        let Some(bytes) = self.next_batch(length)? else { return Ok(false) };
+        let Some((checked, sum)) = bytes.split_last_chunk::<SUM_SIZE>() else { return Ok(false) };
+        let Some((batch, entries)) = Batch::take(checked) else { return Ok(false) };
+        if chain(&self.journal.sum, checked) != *sum || batch.committed > partial_length {
+            return Ok(false);
+        }
+        let entries: Vec<Entry> = entries.chunks_exact(ENTRY_SIZE).filter_map(Entry::decode).collect();
+        let mut end = self.end;
+        for entry in &entries {
+            match block_end(partial, entry, end, batch.committed)? {
+                Some(next) if !self.entries.contains_key(&entry.key()) => end = next,
+                _ => return Ok(false),
+            }
+        }
+        if end != batch.committed {
+            return Ok(false);
+        }
+        self.entries.extend(entries.iter().map(|entry| (entry.key(), *entry)));
+        self.end = end;
+        self.journal.length = self.journal.length.saturating_add(bytes.len() as u64);
+        self.journal.sum = *sum;
+        self.bytes.extend_from_slice(&bytes);
+        Ok(true)
+    }
+
+    /// The bytes of a batch after those taken, if the file is long enough for it.
+    fn next_batch(&self, length: u64) -> Result<Option<Vec<u8>>> {
+        let file = &self.journal.file;
+        let (start, rest) = (self.journal.length, length.saturating_sub(self.journal.length));
+        if rest < BATCH_SIZE as u64 {
+            return Ok(None);
+        }
+        let Some((batch, _)) = Batch::take(&file.read(start, BATCH_SIZE)?) else { return Ok(None) };
+        let count = usize::try_from(batch.count).ok().filter(|_| batch.count <= MAX_ENTRIES);
+        match count.and_then(batch_length).filter(|&size| size as u64 <= rest) {
+            Some(size) => file.read(start, size).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    pub fn progress(&self) -> Progress {
+        Progress { blocks: self.entries.len() as u64, bytes: self.end }
+    }
+
+    /// Refuses to go on with another job.
+    pub fn check(&self, partial: &Path, job: &Job) -> Result<()> {
+        let ours = Header::new(job);
+        let differences = self.header.differences(&ours);
+        if differences.is_empty() {
+            return Ok(());
+        }
+        let mut what = format!("is an interrupted build that differs in: {}", differences.join(", "));
+        if self.header.program != ours.program {
+            what += &format!(" (it is of {}, this is {})", text(&self.header.program), text(&ours.program));
+        }
+        Err(Error::Incomplete { partial: partial.to_path_buf(), what, hint: REMOVE.to_string() })
+    }
+
+    /// The journal, without what does not count. It is written again, the same bytes in the same place: if the run before
+    /// ended with a failed sync, they may have been in memory only.
+    pub fn into_journal(self) -> Result<Journal> {
+        let Found { journal, bytes, .. } = self;
+        journal.file.write(0, &bytes)?;
+        journal.file.set_len(journal.length)?;
+        journal.file.sync()?;
+        Ok(journal)
+    }
+}
+
+/// Where a block ends that was written after `end`; `None` if it is not there, whole, before `committed`, behind zeros.
+fn block_end(partial: &Handle, entry: &Entry, end: u64, committed: u64) -> Result<Option<u64>> {
+    let stored = usize::try_from(entry.stored).ok().filter(|stored| (1..=MAX_RAW).contains(stored));
+    let next = entry.end().filter(|&next| next <= committed && format::align(end) == Some(entry.offset));
+    let (Some(stored), Some(next)) = (stored, next) else { return Ok(None) };
+    let padding = usize::try_from(entry.offset.saturating_sub(end)).unwrap_or(0);
+    let zeros = partial.read(end, padding)?.iter().all(|byte| *byte == 0);
+    let whole = format::checksum(&partial.read(entry.offset, stored)?) == entry.checksum;
+    Ok((zeros && whole).then_some(next))
+}
+
+/// Bytes of a batch of `count` entries.
+fn batch_length(count: usize) -> Option<usize> {
+    count.checked_mul(ENTRY_SIZE)?.checked_add(BATCH_SIZE)?.checked_add(SUM_SIZE)
+}
+
+/// Checksum of a part that follows one with the checksum `previous`.
+fn chain(previous: &[u8], bytes: &[u8]) -> [u8; SUM_SIZE] {
+    *blake3::Hasher::new().update(previous).update(bytes).finalize().as_bytes()
+}
+
+/// A header whose checksum is right.
+fn decode_header(bytes: &[u8]) -> Option<(Header, [u8; SUM_SIZE])> {
+    let (checked, sum) = bytes.split_at_checked(HEADER_CHECKED)?;
+    let (header, _) = Header::take(checked)?;
+    let right = chain(&[], checked);
+    (header.magic == MAGIC && sum == right).then_some((header, right))
+}
+
+/// Text without the zeros that fill it up.
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).trim_end_matches('\0').to_string()
+}

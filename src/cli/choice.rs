@@ -1,0 +1,76 @@
+//! Values of the library's types by their names on the command line.
+
+use heliotile_core::archive::Access;
+use heliotile_core::replay::reflectances::Snow;
+
+use super::{Quality, Share};
+use crate::outputs::layout::By;
+use crate::outputs::periods::Every;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// A type with a few values that have names.
+pub trait Choice: Clone + Send + Sync + 'static {
+    /// Name on the command line, meaning, value.
+    const VALUES: &'static [(&'static str, &'static str, Self)];
+}
+
+/// Takes one of the names.
+pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let values = T::VALUES.iter().map(|(name, meaning, _)| PossibleValue::new(*name).help(*meaning));
+    PossibleValuesParser::new(values).try_map(|given| {
+        let found = T::VALUES.iter().find(|(name, _, _)| *name == given);
+        found.map(|(_, _, value)| value.clone()).ok_or("not one of the names")
+    })
+}
+
+impl Choice for Access {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("map", "Through a mapping: fastest once the file is in memory", Access::Mapped),
+        ("pread", "By reads at a position: for files that others may shorten, and network file systems", Access::Read),
+    ];
+}
+
+impl Choice for Snow {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("depth", "The snow's reflectance wherever the snow depth is 1 cm or more", Snow::Depth),
+        ("albedo", "The column `albedo`, wherever it has a value", Snow::Albedo),
+    ];
+}
+
+impl Choice for Quality {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("draft", "A quick look", Quality::Draft),
+        ("standard", "Near the knee of error against time", Quality::Standard),
+        ("fine", "For publication", Quality::Fine),
+        ("reference", "To judge the others by", Quality::Reference),
+    ];
+}
+
+impl Choice for Share {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("cells", "All receivers that see a cell", Share::Cells),
+        ("none", "Nobody: a hemisphere of its own for every hit", Share::None),
+    ];
+}
+
+impl Choice for By {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("receiver", "One row for each receiver", By::Receiver),
+        (
+            "surface",
+            "One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area",
+            By::Surface,
+        ),
+    ];
+}
+
+impl Choice for Every {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("hour", "One row per interval of the weather file: means, W/m2", Every::Hour),
+        ("day", "Sums, kWh/m2, as the three below", Every::Day),
+        ("month", "", Every::Month),
+        ("year", "", Every::Year),
+        ("total", "One sum over all that is taken of the file", Every::Total),
+    ];
+}

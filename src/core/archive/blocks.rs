@@ -1,0 +1,31 @@
+//! Where blocks come from: an archive, or one that is still being written.
+
+use std::path::Path;
+
+use crate::archive::codec::Block;
+use crate::archive::reader::Archive;
+use crate::error::Result;
+
+/// Checked blocks by (kind, tile), for many threads.
+pub trait Blocks: Sync {
+    /// The file, for messages.
+    fn path(&self) -> &Path;
+    /// Whether there is such a block.
+    fn has(&self, kind: u32, tile: u32) -> bool;
+    /// The block, checked and decoded.
+    fn block(&self, kind: u32, tile: u32) -> Result<Block>;
+}
+
+impl Blocks for Archive {
+    fn path(&self) -> &Path {
+        Archive::path(self)
+    }
+
+    fn has(&self, kind: u32, tile: u32) -> bool {
+        Archive::has(self, kind, tile)
+    }
+
+    fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+        Archive::block(self, kind, tile)
+    }
+}

@@ -1,0 +1,290 @@
+//! Every offset, size, limit and id of the file, once: `schema/heliotile-1.md` in code. In: plain bytes. Out: slots and
+//! directory entries, each decoded without trust in any of its numbers.
+
+/// First bytes of a slot. 0x89 and the line ends show a transfer as text, as in PNG.
+pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
+/// Format version that this release reads and writes.
+pub const MAJOR: u16 = 1;
+pub const MINOR: u16 = 0;
+/// Slot A and slot B.
+pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
+pub const SLOT_SIZE: usize = 512;
+/// Slot bytes before its own checksum.
+const SLOT_CHECKED: usize = 504;
+/// Blocks start here.
+pub const FIRST_BLOCK: u64 = 8192;
+/// Blocks, directory and manifest start at multiples of this.
+pub const ALIGNMENT: u64 = 64;
+pub const ENTRY_SIZE: usize = 80;
+
+/// Largest block before compression.
+pub const MAX_RAW: usize = 8 << 20;
+pub const MAX_ENTRIES: u64 = 1 << 26;
+pub const MAX_MANIFEST: u64 = 1 << 20;
+pub const MAX_TILE_RECEIVERS: u32 = 4096;
+/// Longest string of a table, bytes.
+pub const MAX_STRING: usize = 1024;
+pub const MAX_MATERIALS: usize = 1 << 16;
+
+/// Slot states.
+pub const BUILDING: u32 = 0;
+pub const COMPLETE: u32 = 1;
+
+/// Required feature bit 0: written before release 1.0.
+pub const EXPERIMENTAL: u64 = 1;
+/// Names of the required feature bits that this release knows, lowest first.
+pub const REQUIRED_BITS: [&str; 1] = ["experimental"];
+
+pub const CODEC_RAW: u16 = 0;
+pub const CODEC_ZSTD: u16 = 1;
+
+pub const RECEIVERS: u32 = 1;
+pub const SKY: u32 = 2;
+pub const HIT: u32 = 3;
+pub const RESPONSE: u32 = 4;
+pub const PROBES: u32 = 5;
+pub const BOUNCE: u32 = 6;
+pub const INDEX: u32 = 7;
+pub const MIRROR: u32 = 8;
+pub const CANOPY: u32 = 9;
+pub const MATERIALS: u32 = 10;
+pub const OPTICS: u32 = 11;
+pub const PROBE_MIRROR: u32 = 12;
+pub const BOUNCE_MIRROR: u32 = 13;
+pub const PROBE_CANOPY: u32 = 14;
+pub const BOUNCE_CANOPY: u32 = 15;
+pub const MIRRORS: u32 = 16;
+
+/// Kinds of the layers that only some scenes call for, in the order of [`crate::layers::extras`].
+pub const RECEIVER_EXTRAS: [u32; 2] = [MIRROR, CANOPY];
+
+/// The same for chunks of cells of a kind; their tile is the chunk's.
+pub fn cell_extras(kind: u32) -> [u32; 2] {
+    if kind == PROBES { [PROBE_MIRROR, PROBE_CANOPY] } else { [BOUNCE_MIRROR, BOUNCE_CANOPY] }
+}
+
+/// Kinds that this release knows: id, name, schema id of their raw bytes.
+pub const KINDS: [(u32, &str, u16); 16] = [
+    (RECEIVERS, "receivers", 1),
+    (SKY, "sky", 1),
+    (HIT, "hit", 2),
+    (RESPONSE, "response", 1),
+    (PROBES, "probes", 2),
+    (BOUNCE, "bounce", 2),
+    (INDEX, "index", 1),
+    (MIRROR, "mirror", 1),
+    (CANOPY, "canopy", 1),
+    (MATERIALS, "materials", 1),
+    (OPTICS, "optics", 1),
+    (PROBE_MIRROR, "probe-mirror", 1),
+    (BOUNCE_MIRROR, "bounce-mirror", 1),
+    (PROBE_CANOPY, "probe-canopy", 1),
+    (BOUNCE_CANOPY, "bounce-canopy", 1),
+    (MIRRORS, "mirrors", 1),
+];
+
+/// Name of a kind; a kind of a later release gets its number.
+pub fn kind_name(kind: u32) -> String {
+    match KINDS.iter().find(|known| known.0 == kind) {
+        Some((_, name, _)) => (*name).to_string(),
+        None => format!("kind-{kind}"),
+    }
+}
+
+/// Schema id that this release reads and writes for a kind; `None` for an unknown kind.
+pub fn schema_of(kind: u32) -> Option<u16> {
+    KINDS.iter().find(|known| known.0 == kind).map(|known| known.2)
+}
+
+/// Name of a block in messages: `sky/3`.
+pub fn block_name(kind: u32, tile: u32) -> String {
+    format!("{}/{tile}", kind_name(kind))
+}
+
+/// `offset` rounded up to the next multiple of [`ALIGNMENT`]; `None` beyond 2^64.
+pub fn align(offset: u64) -> Option<u64> {
+    offset.checked_next_multiple_of(ALIGNMENT)
+}
+
+/// The first 8 bytes of BLAKE3.
+pub fn checksum(bytes: &[u8]) -> [u8; 8] {
+    let [a, b, c, d, e, f, g, h, ..] = *blake3::hash(bytes).as_bytes();
+    [a, b, c, d, e, f, g, h]
+}
+
+/// Identity of a block's content, whatever compressed it.
+pub fn content_id(kind: u32, schema: u16, raw: &[u8]) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&kind.to_le_bytes()).update(&schema.to_le_bytes()).update(raw);
+    *hasher.finalize().as_bytes()
+}
+
+/// Root hash of a generation.
+pub fn root_hash(directory: &[u8], manifest: &[u8]) -> [u8; 32] {
+    *blake3::Hasher::new().update(directory).update(manifest).finalize().as_bytes()
+}
+
+/// Lower-case hexadecimal digits, as in messages and the manifest.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+crate::record! {
+    /// A header slot without its reserved bytes and checksum.
+    Slot {
+        magic: [u8; 8],
+        major: u16,
+        minor: u16,
+        /// [`BUILDING`] or [`COMPLETE`].
+        state: u32,
+        /// Feature bits that a reader must know.
+        required: u64,
+        optional: u64,
+        generation: u64,
+        /// Length of the file up to the end of the manifest.
+        committed: u64,
+        directory_offset: u64,
+        directory_length: u64,
+        directory_count: u64,
+        manifest_offset: u64,
+        manifest_length: u64,
+        /// [`root_hash`] of directory and manifest.
+        root: [u8; 32],
+    }
+}
+
+crate::record! {
+    /// A directory entry: where a block stands and how to check it.
+    Entry {
+        kind: u32,
+        tile: u32,
+        offset: u64,
+        /// Length in the file.
+        stored: u32,
+        /// Length after decoding.
+        raw: u32,
+        /// [`CODEC_RAW`] or [`CODEC_ZSTD`].
+        codec: u16,
+        /// Layout of the raw bytes.
+        schema: u16,
+        /// Rows of the block.
+        items: u32,
+        /// [`checksum`] of the stored bytes.
+        checksum: [u8; 8],
+        /// [`content_id`] of the raw bytes.
+        content: [u8; 32],
+        /// Zero; kept as read.
+        reserved: [u8; 8],
+    }
+}
+
+impl Slot {
+    /// The slot of an archive that is being written: it names nothing yet.
+    pub fn building() -> Self {
+        Slot {
+            magic: MAGIC,
+            major: MAJOR,
+            minor: MINOR,
+            state: BUILDING,
+            required: EXPERIMENTAL,
+            optional: 0,
+            generation: 0,
+            committed: FIRST_BLOCK,
+            directory_offset: FIRST_BLOCK,
+            directory_length: 0,
+            directory_count: 0,
+            manifest_offset: FIRST_BLOCK,
+            manifest_length: 0,
+            root: root_hash(&[], &[]),
+        }
+    }
+
+    /// The [`SLOT_SIZE`] bytes of the slot, checksum included.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(SLOT_SIZE);
+        self.put(&mut bytes);
+        bytes.resize(SLOT_CHECKED, 0);
+        let sum = checksum(&bytes);
+        bytes.extend_from_slice(&sum);
+        bytes
+    }
+
+    /// A slot whose magic and checksum are right, else `None`.
+    pub fn decode(bytes: &[u8]) -> Option<Self> {
+        let (checked, sum) = bytes.get(..SLOT_SIZE)?.split_at_checked(SLOT_CHECKED)?;
+        let (slot, _) = Slot::take(checked)?;
+        (slot.magic == MAGIC && checksum(checked) == sum).then_some(slot)
+    }
+
+    /// Numbers of the required feature bits that this release does not know, lowest first.
+    pub fn unknown_bits(&self) -> Vec<u32> {
+        (0..u64::BITS).filter(|bit| self.required >> bit & 1 == 1 && *bit as usize >= REQUIRED_BITS.len()).collect()
+    }
+}
+
+impl Entry {
+    /// The [`ENTRY_SIZE`] bytes of the entry.
+    pub fn encode(&self, out: &mut Vec<u8>) {
+        self.put(out);
+    }
+
+    /// Any 80 bytes are an entry; the reader checks what they say.
+    pub fn decode(bytes: &[u8]) -> Option<Self> {
+        Entry::take(bytes).map(|(entry, _)| entry)
+    }
+
+    /// Name of the block in messages.
+    pub fn name(&self) -> String {
+        block_name(self.kind, self.tile)
+    }
+
+    /// Order of the directory.
+    pub fn key(&self) -> (u32, u32) {
+        (self.kind, self.tile)
+    }
+
+    /// First byte after the stored bytes; `None` beyond 2^64.
+    pub fn end(&self) -> Option<u64> {
+        self.offset.checked_add(u64::from(self.stored))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A slot and an entry come back from their 512 and 80 bytes as they were.
+    #[test]
+    fn records_round_trip() {
+        let slot = Slot { generation: 7, root: [9; 32], ..Slot::building() };
+        assert_eq!(slot.encode().len(), 512);
+        assert_eq!(Slot::decode(&slot.encode()), Some(slot));
+        let bytes: Vec<u8> = (0..80).collect();
+        let entry = Entry::decode(&bytes).unwrap();
+        assert_eq!((entry.kind, entry.reserved[7]), (0x0302_0100, 79));
+        let mut again = Vec::new();
+        entry.encode(&mut again);
+        assert_eq!(again, bytes);
+    }
+
+    /// Each of the 4096 single-bit changes of a slot makes it invalid, and so does each shorter length.
+    #[test]
+    fn a_damaged_slot_does_not_count() {
+        let bytes = Slot::building().encode();
+        for bit in 0..4096 {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(Slot::decode(&damaged), None, "bit {bit}");
+        }
+        assert_eq!((0..512).filter(|&n| Slot::decode(&bytes[..n]).is_some()).count(), 0);
+    }
+
+    /// Known kinds have names and an unknown one its number; aligning near 2^64 is no overflow.
+    #[test]
+    fn names_and_alignment() {
+        assert_eq!(block_name(SKY, 3), "sky/3");
+        assert_eq!(block_name(77, 0), "kind-77/0");
+        assert_eq!((align(8193), align(u64::MAX)), (Some(8256), None));
+        assert_eq!(Slot { required: 0b101, ..Slot::building() }.unknown_bits(), [2]);
+    }
+}

@@ -1,0 +1,172 @@
+//! The header: which slot counts, and whether its numbers can be true. In: a source. Out: a slot that can be trusted with
+//! allocations, section 4 steps 1 to 5 of `schema/heliotile-1.md`.
+
+use std::path::Path;
+
+use crate::archive::format;
+use crate::archive::format::{
+    COMPLETE, ENTRY_SIZE, FIRST_BLOCK, MAGIC, MAJOR, MAX_ENTRIES, MAX_MANIFEST, REQUIRED_BITS, SLOT_OFFSETS, SLOT_SIZE,
+    Slot,
+};
+use crate::archive::source::Source;
+use crate::error::{Error, Result};
+
+/// Both slots of a file, and the one that counts.
+#[derive(Clone, Debug)]
+pub struct Header {
+    /// The slot of the current generation.
+    pub slot: Slot,
+    /// Names of the slots that do not count because they are damaged.
+    pub damaged: Vec<&'static str>,
+}
+
+/// Reads and checks the header.
+pub fn read(source: &Source) -> Result<Header> {
+    let path = source.path();
+    if source.length() < FIRST_BLOCK {
+        return Err(not_an_archive(path, format!("it has {} bytes, fewer than a header", source.length())));
+    }
+    let mut valid: Vec<Slot> = Vec::new();
+    let mut damaged = Vec::new();
+    let mut magic = false;
+    for (offset, name) in SLOT_OFFSETS.into_iter().zip(["slot A", "slot B"]) {
+        let bytes = source.read(offset, SLOT_SIZE as u64)?;
+        magic |= bytes.starts_with(&MAGIC);
+        match Slot::decode(&bytes) {
+            Some(slot) => valid.push(slot),
+            None => damaged.push(name),
+        }
+    }
+    if valid.is_empty() {
+        return Err(match magic {
+            true => corrupt(path, "two slots with a wrong checksum".to_string(), "one that is right".to_string()),
+            false => not_an_archive(path, "it does not start as one".to_string()),
+        });
+    }
+    valid.iter().try_for_each(|slot| check_supported(path, slot))?;
+    // Of equal generations the first one counts.
+    let newest = |best: Option<Slot>, slot: Slot| best.filter(|b| b.generation >= slot.generation).or(Some(slot));
+    let Some(slot) = valid.into_iter().filter(|slot| slot.state == COMPLETE).fold(None, newest) else {
+        let hint = "build it again: only a finished archive can be read";
+        return Err(Error::input(path, None, "was not finished", hint));
+    };
+    check_numbers(&slot, source.length()).map_err(|(got, expected)| corrupt(path, got, expected))?;
+    Ok(Header { slot, damaged })
+}
+
+/// Another major or an unknown required bit means that the rest cannot be understood.
+fn check_supported(path: &Path, slot: &Slot) -> Result<()> {
+    if slot.major != MAJOR {
+        return Err(Error::Unsupported {
+            what: format!("{}: format of the archive", path.display()),
+            found: format!("format {}.{}", slot.major, slot.minor),
+            supported: format!("format {MAJOR}"),
+        });
+    }
+    let unknown = slot.unknown_bits();
+    if unknown.is_empty() {
+        return Ok(());
+    }
+    let bits = unknown.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+    Err(Error::Unsupported {
+        what: format!("{}: required features of the archive", path.display()),
+        found: format!("feature bit {bits}"),
+        supported: REQUIRED_BITS.iter().enumerate().map(|(bit, name)| format!("{bit} ({name})")).collect(),
+    })
+}
+
+/// Whether every number of a slot fits the file, the limits and the other numbers: (found, expected) where not.
+fn check_numbers(slot: &Slot, length: u64) -> std::result::Result<(), (String, String)> {
+    let same = |what: &str, got: u64, expected: Option<u64>| match expected {
+        Some(right) if right == got => Ok(()),
+        Some(right) => Err((format!("{what} {got}"), right.to_string())),
+        None => Err((format!("{what} {got}"), "a number below 2^64".to_string())),
+    };
+    let at_most = |what: &str, got: u64, max: u64| match got <= max {
+        true => Ok(()),
+        false => Err((format!("{what} {got}"), format!("at most {max}"))),
+    };
+    if slot.committed > length {
+        return Err((format!("a file of {length} bytes"), format!("{} bytes: it is truncated", slot.committed)));
+    }
+    at_most("directory count", slot.directory_count, MAX_ENTRIES)?;
+    same("directory length", slot.directory_length, slot.directory_count.checked_mul(ENTRY_SIZE as u64))?;
+    same("directory offset", slot.directory_offset, format::align(slot.directory_offset.max(FIRST_BLOCK)))?;
+    let directory_end = slot.directory_offset.checked_add(slot.directory_length);
+    same("manifest offset", slot.manifest_offset, directory_end.and_then(format::align))?;
+    at_most("manifest length", slot.manifest_length, MAX_MANIFEST)?;
+    same("committed length", slot.committed, slot.manifest_offset.checked_add(slot.manifest_length))
+}
+
+fn not_an_archive(path: &Path, why: String) -> Error {
+    Error::input(path, None, format!("is not a heliotile archive: {why}"), "name a file that `heliotile build` wrote")
+}
+
+fn corrupt(path: &Path, got: String, expected: String) -> Error {
+    Error::Corrupt { path: path.to_path_buf(), block: "header".to_string(), offset: 0, got, expected }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::archive::source::Access;
+
+    fn read_slots(slots: [Slot; 2], length: u64) -> Result<Header> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("site.helio");
+        let mut bytes = vec![0; length as usize];
+        bytes[..512].copy_from_slice(&slots[0].encode());
+        bytes[4096..4608].copy_from_slice(&slots[1].encode());
+        std::fs::write(&path, bytes).unwrap();
+        read(&Source::open(&path, Access::Read).unwrap())
+    }
+
+    fn complete(generation: u64) -> Slot {
+        Slot { state: COMPLETE, generation, ..Slot::building() }
+    }
+
+    /// The highest complete generation counts: 3 of (3, 2), 2 of (1, 2), 4 of (4, 5 still building).
+    #[test]
+    fn the_newest_complete_slot_counts() {
+        let building = Slot { generation: 5, ..Slot::building() };
+        for (slots, expected) in
+            [([complete(3), complete(2)], 3), ([complete(1), complete(2)], 2), ([complete(4), building], 4)]
+        {
+            assert_eq!(read_slots(slots, 8192).unwrap().slot.generation, expected);
+        }
+        let error = read_slots([building; 2], 8192).unwrap_err().to_string();
+        assert!(error.contains("was not finished"), "{error}");
+    }
+
+    /// Another major and required bit 7 are refused by name.
+    #[test]
+    fn later_formats_are_refused_by_name() {
+        let error = read_slots([complete(1), Slot { major: 2, ..complete(1) }], 8192).unwrap_err().to_string();
+        assert!(error.contains("format 2.0") && error.contains("supports format 1"), "{error}");
+        let error = read_slots([Slot { required: 0x81, ..complete(1) }; 2], 8192).unwrap_err().to_string();
+        assert!(error.contains("feature bit 7") && error.contains("0 (experimental)"), "{error}");
+        assert_eq!(read_slots([Slot { minor: 9, optional: 99, ..complete(1) }; 2], 8192).unwrap().slot.minor, 9);
+    }
+
+    /// Each of 10 lying numbers, with right checksums, is damage of the header.
+    #[test]
+    fn lying_numbers_are_refused() {
+        let good = complete(1);
+        let lies = [
+            Slot { committed: 8193, ..good },
+            Slot { committed: 8191, ..good },
+            Slot { committed: u64::MAX, ..good },
+            Slot { directory_count: 1 << 36, directory_length: 80 << 36, ..good },
+            Slot { directory_count: u64::MAX, directory_length: u64::MAX - 79, ..good },
+            Slot { directory_length: 80, ..good },
+            Slot { directory_offset: 0, ..good },
+            Slot { directory_offset: u64::MAX, ..good },
+            Slot { manifest_offset: 64, ..good },
+            Slot { manifest_length: 1 << 40, ..good },
+        ];
+        for lie in lies {
+            let error = read_slots([lie; 2], 8192).unwrap_err();
+            assert!(matches!(&error, Error::Corrupt { block, .. } if block == "header"), "{lie:?}: {error}");
+        }
+    }
+}

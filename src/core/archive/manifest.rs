@@ -1,0 +1,331 @@
+//! The manifest: what an archive holds, how it was made and how exact it is, as JSON for people and programs.
+//!
+//! It names no time, host or path, so equal sites have equal bytes. Keys of later releases are kept as they are.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::archive::accuracy::Accuracy;
+use crate::archive::format;
+use crate::archive::format::{Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
+use crate::error::{Error, Result};
+use crate::site::place::Place;
+
+/// Keys that this release does not know.
+pub type Unknown = BTreeMap<String, Value>;
+
+/// The whole manifest; `schema/manifest.schema.json` says the same.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// `heliotile`.
+    pub format: String,
+    pub creator: Creator,
+    /// True before release 1.0.
+    pub experimental: bool,
+    pub scene: SceneSummary,
+    pub receivers: ReceiverSummary,
+    pub settings: Settings,
+    pub counts: Counts,
+    /// One row a kind, by rising kind; [`summarize`] makes them.
+    pub layers: Vec<LayerSummary>,
+    /// What the build estimated of its own error, if it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
+    /// Where on Earth the scene lies, if its files say so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<Place>,
+    #[serde(flatten)]
+    pub other: Unknown,
+}
+
+/// The program that wrote the archive.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Creator {
+    pub name: String,
+    pub version: String,
+}
+
+/// The traced geometry.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SceneSummary {
+    /// BLAKE3 of the checked geometry and materials, hexadecimal.
+    pub content_hash: String,
+    pub triangles: u64,
+    pub vertices: u64,
+    pub materials: u64,
+    /// Triangles without area that were left out.
+    pub degenerate_dropped: u64,
+    /// Input coordinates of the point that cell keys and rays are relative to.
+    pub origin_m: [f64; 3],
+    /// Lowest and highest corner, input coordinates.
+    pub bounds_m: [[f64; 3]; 2],
+    #[serde(flatten)]
+    pub other: Unknown,
+}
+
+/// The receivers and how they are cut into tiles.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ReceiverSummary {
+    pub count: u64,
+    /// Most receivers of a tile, 1 to 4096.
+    pub tile_size: u32,
+    pub tiles: u32,
+    #[serde(flatten)]
+    pub other: Unknown,
+}
+
+/// The settings of the build, as `plan` prints them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Name of the rung of the accuracy ladder, such as `fine`; empty if the settings are not those of a named one.
+    pub quality: String,
+    /// Side of the receiver's sky texture before it is refined at edges.
+    pub sky_base: u32,
+    /// Side of the finest level of the sky texture.
+    pub sky_fine: u32,
+    /// Side of the hit texture.
+    pub hit: u32,
+    /// Cell size over the footprint of a hit texel.
+    pub cell_factor: f64,
+    /// Smallest cell.
+    pub cell_floor_m: f64,
+    /// Side of a probe's sky texture.
+    pub probe: u32,
+    /// Hit rays of a probe.
+    pub probe_hits: u32,
+    /// Edge of the bounce cells at middle distance.
+    pub closed_m: f64,
+    /// Side of the sky texture of a bounce cell.
+    pub bounce_sky: u32,
+    /// Hit rays of a bounce cell.
+    pub bounce_hits: u32,
+    /// Who shares probes: `cells`, or `none` for the reference with a hemisphere a hit.
+    pub share: String,
+    /// Bounces that the response holds: `all`, or a number.
+    pub bounces: String,
+    /// Sky patches that replay takes if it is not told otherwise: 145, 577 or 2305; 0 where none is stated.
+    pub patches: u32,
+    /// Sun positions an hour, the same; 0 where none is stated.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub steps: u16,
+    /// Effects that the scene has and that were not traced.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
+    #[serde(flatten)]
+    pub other: Unknown,
+}
+
+fn is_zero(number: &u16) -> bool {
+    *number == 0
+}
+
+impl Settings {
+    /// Sky patches that replay takes if it is not told otherwise.
+    pub fn patches(&self) -> usize {
+        if self.patches > 0 { self.patches as usize } else { 577 }
+    }
+
+    /// Sun positions of an interval, the same.
+    pub fn steps(&self) -> u16 {
+        self.steps.max(1)
+    }
+
+    /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.
+    pub fn hash(&self) -> Result<[u8; 32]> {
+        let json = serde_json::to_vec(self).map_err(|e| Error::Unsupported {
+            what: "naming settings".to_string(),
+            found: e.to_string(),
+            supported: "what JSON can hold".to_string(),
+        })?;
+        Ok(*blake3::hash(&json).as_bytes())
+    }
+}
+
+/// How much was traced.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    pub probes: u64,
+    pub bounce_cells: u64,
+}
+
+/// Number and size of the blocks of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LayerSummary {
+    pub name: String,
+    pub kind: u32,
+    pub blocks: u64,
+    pub raw_bytes: u64,
+    pub stored_bytes: u64,
+}
+
+/// One row a kind for a sorted directory. The sums cannot overflow: 2^26 entries of 32-bit lengths at most.
+pub fn summarize<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<LayerSummary> {
+    let mut rows: BTreeMap<u32, LayerSummary> = BTreeMap::new();
+    for entry in entries {
+        let row = rows.entry(entry.kind).or_insert_with(|| LayerSummary {
+            name: format::kind_name(entry.kind),
+            kind: entry.kind,
+            ..LayerSummary::default()
+        });
+        row.blocks = row.blocks.saturating_add(1);
+        row.raw_bytes = row.raw_bytes.saturating_add(u64::from(entry.raw));
+        row.stored_bytes = row.stored_bytes.saturating_add(u64::from(entry.stored));
+    }
+    rows.into_values().collect()
+}
+
+/// What is wrong with a manifest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mismatch {
+    pub got: String,
+    pub expected: String,
+}
+
+impl Manifest {
+    /// A manifest of this release; the caller fills in the rest.
+    pub fn new() -> Self {
+        Manifest {
+            format: "heliotile".to_string(),
+            creator: Creator { name: "heliotile".to_string(), version: env!("CARGO_PKG_VERSION").to_string() },
+            experimental: true,
+            ..Manifest::default()
+        }
+    }
+
+    /// Canonical JSON: keys sorted, two spaces. Refuses numbers that JSON cannot hold (NaN, infinite) and more than 1 MiB.
+    pub fn to_json(&self) -> Result<Vec<u8>> {
+        let refuse = |found: String| Error::Unsupported {
+            what: "writing the manifest".to_string(),
+            found,
+            supported: "finite numbers, and unknown keys that are not known ones".to_string(),
+        };
+        let mut value = serde_json::to_value(self).map_err(|e| refuse(e.to_string()))?;
+        value.sort_all_objects();
+        let mut bytes = serde_json::to_vec_pretty(&value).map_err(|e| refuse(e.to_string()))?;
+        bytes.push(b'\n');
+        if bytes.len() as u64 > MAX_MANIFEST {
+            let (what, value) = ("length of the manifest in bytes".to_string(), bytes.len() as u64);
+            return Err(Error::Limit { what, value, max: MAX_MANIFEST });
+        }
+        match Manifest::from_json(&bytes) {
+            Ok(same) if same == *self => Ok(bytes),
+            Ok(_) => Err(refuse("a value that is read back differently".to_string())),
+            Err(wrong) => Err(refuse(wrong.got)),
+        }
+    }
+
+    /// Reads JSON; the caller has checked its length.
+    pub fn from_json(bytes: &[u8]) -> std::result::Result<Self, Mismatch> {
+        let manifest: Manifest = serde_json::from_slice(bytes)
+            .map_err(|e| Mismatch { got: e.to_string(), expected: "a manifest".to_string() })?;
+        if manifest.format != "heliotile" {
+            let got = format!("format \"{}\"", manifest.format);
+            return Err(Mismatch { got, expected: "format \"heliotile\"".to_string() });
+        }
+        Ok(manifest)
+    }
+
+    /// Whether manifest and directory tell the same. The directory is sorted.
+    pub fn check(&self, entries: &[Entry]) -> std::result::Result<(), Mismatch> {
+        let wrong = |got: String, expected: String| Err(Mismatch { got, expected });
+        let size = self.receivers.tile_size;
+        if size == 0 || size > MAX_TILE_RECEIVERS {
+            return wrong(format!("tile_size {size}"), format!("1 to {MAX_TILE_RECEIVERS}"));
+        }
+        let (mut tiles, mut count) = (0_u32, 0_u64);
+        for entry in entries.iter().filter(|entry| entry.kind == RECEIVERS) {
+            if entry.tile != tiles {
+                return wrong(entry.name(), format::block_name(RECEIVERS, tiles));
+            }
+            if entry.items == 0 || entry.items > size {
+                return wrong(format!("{} rows in {}", entry.items, entry.name()), format!("1 to {size}"));
+            }
+            tiles = tiles.saturating_add(1);
+            count = count.saturating_add(u64::from(entry.items));
+        }
+        if (tiles, count) != (self.receivers.tiles, self.receivers.count) {
+            let stated = format!("{} receivers in {} tiles", self.receivers.count, self.receivers.tiles);
+            return wrong(stated, format!("{count} in {tiles}, as in the directory"));
+        }
+        let found = summarize(entries);
+        let numbers = |row: &LayerSummary| (row.kind, row.blocks, row.raw_bytes, row.stored_bytes);
+        if !self.layers.iter().map(numbers).eq(found.iter().map(numbers)) {
+            let list = |rows: &[LayerSummary]| {
+                let words = rows.iter().map(|r| format!("{} x {} ({} B)", r.blocks, r.name, r.stored_bytes));
+                words.collect::<Vec<_>>().join(", ")
+            };
+            return wrong(format!("layers [{}]", list(&self.layers)), format!("[{}]", list(&found)));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A manifest with unknown keys on 4 levels and a float of 17 digits comes back equal, and its JSON is the same bytes.
+    #[test]
+    fn json_round_trips() {
+        let mut manifest = Manifest::new();
+        manifest.scene.origin_m = [85_000.123_456_789, -0.1 - 0.2, 5e-324];
+        for other in [
+            &mut manifest.other,
+            &mut manifest.scene.other,
+            &mut manifest.receivers.other,
+            &mut manifest.settings.other,
+        ] {
+            other.insert("later".to_string(), serde_json::json!({ "b": [1, 2.5], "a": null }));
+        }
+        let json = manifest.to_json().unwrap();
+        let back = Manifest::from_json(&json).unwrap();
+        assert_eq!(back, manifest);
+        assert_eq!(back.to_json().unwrap(), json);
+        assert_eq!(String::from_utf8(json).unwrap().matches("\"later\"").count(), 4);
+    }
+
+    /// The hash of settings is the known one, stays through JSON, and each of 3 changes, one under a key of a later release, gives another.
+    #[test]
+    fn settings_have_a_name() {
+        let mut manifest = Manifest::new();
+        manifest.settings.closed_m = 0.1 + 0.2;
+        let settings = manifest.settings.clone();
+        let name = |settings: &Settings| format::hex(&settings.hash().unwrap());
+        assert_eq!(name(&settings)[..16], *"1c1b075d68560249");
+        let back = Manifest::from_json(&manifest.to_json().unwrap()).unwrap();
+        assert_eq!(name(&back.settings), name(&settings));
+        let changes: [fn(&mut Settings); 3] =
+            [|s| s.hit = 1, |s| s.closed_m = 0.3, |s| drop(s.other.insert("later".to_string(), Value::from(1)))];
+        let changed = changes.map(|change| {
+            let mut other = settings.clone();
+            change(&mut other);
+            name(&other)
+        });
+        assert_eq!(changed.iter().filter(|other| **other != name(&settings)).count(), 3);
+    }
+
+    /// NaN, a known key among the unknown ones, and 1 MiB + of JSON are refused on writing: 3 of 3.
+    #[test]
+    fn what_json_cannot_hold_is_refused() {
+        let mut nan = Manifest::new();
+        nan.settings.closed_m = f64::NAN;
+        let mut twice = Manifest::new();
+        twice.other.insert("format".to_string(), Value::from("other"));
+        let mut long = Manifest::new();
+        long.settings.quality = "x".repeat(1 << 20);
+        let refused = [nan, twice, long].iter().filter(|m| m.to_json().is_err()).count();
+        assert_eq!(refused, 3);
+    }
+
+    /// 200 000 nested arrays, a truncated text and another format are errors, not a full stack.
+    #[test]
+    fn hostile_json_is_refused() {
+        let deep = format!("{{\"later\":{}", "[".repeat(200_000)).into_bytes();
+        let json = Manifest::new().to_json().unwrap();
+        let other = String::from_utf8(json.clone()).unwrap().replace("\"heliotile\"", "\"other\"").into_bytes();
+        let cut = json[..json.len() - 3].to_vec();
+        assert_eq!([deep, other, cut].iter().filter(|bytes| Manifest::from_json(bytes).is_err()).count(), 3);
+    }
+}

@@ -1,0 +1,45 @@
+//! The archive: one file that holds a traced site. In: encoded blocks and a manifest. Out: the same blocks, checked, by
+//! (kind, tile).
+//!
+//! What it promises: a file is whole or has not got its name; a changed byte is an error that names the block, never other
+//! numbers; no input ends the program; equal input gives equal bytes. It never casts a ray and knows no physics. The bytes
+//! are told in `schema/heliotile-1.md`, which comes first: tests compare it with this code.
+
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::arithmetic_side_effects,
+    clippy::cast_possible_truncation
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::arithmetic_side_effects,
+        clippy::cast_possible_truncation
+    )
+)]
+
+pub mod accuracy;
+pub mod blocks;
+pub mod codec;
+pub mod format;
+pub mod header;
+pub mod manifest;
+pub mod reader;
+pub mod record;
+pub mod source;
+pub mod tables;
+pub mod verify;
+
+pub use blocks::Blocks;
+pub use codec::{Block, EncodedBlock, encode};
+pub use manifest::Manifest;
+pub use reader::Archive;
+pub use source::Access;
+pub use verify::{Report, verify};

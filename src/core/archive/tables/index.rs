@@ -1,0 +1,67 @@
+//! The first key of every chunk of cells: what a reader needs to find a cell.
+
+use rkyv::{Archive, Deserialize, Serialize};
+
+use crate::archive::format::INDEX;
+use crate::archive::tables::cells::{check_keys, keys, pack_tag};
+use crate::archive::tables::{Flaw, table};
+use crate::site::cells::CellKey;
+
+/// Columns of the index of one kind of cells, schema 1: one row a chunk.
+#[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
+pub struct Index {
+    pub voxel: Vec<[i32; 3]>,
+    pub tag: Vec<u32>,
+    pub material: Vec<u16>,
+}
+
+table!(Index, [INDEX]);
+
+impl Index {
+    /// Tile number of the index of probes, and of bounce cells.
+    pub const PROBES: u32 = 0;
+    pub const BOUNCE: u32 = 1;
+
+    /// The index of chunks that start with these keys.
+    pub fn new(firsts: &[CellKey]) -> Self {
+        Index {
+            voxel: firsts.iter().map(|k| k.voxel).collect(),
+            tag: firsts.iter().map(|k| pack_tag(k.level, k.facing)).collect(),
+            material: firsts.iter().map(|k| k.material).collect(),
+        }
+    }
+
+    /// First key of every chunk.
+    pub fn firsts(&self) -> Vec<CellKey> {
+        keys(&self.tag, &self.material, &self.voxel).collect()
+    }
+
+    /// Number of chunks.
+    pub fn rows(&self) -> usize {
+        self.voxel.len()
+    }
+
+    fn check(&self) -> Result<(), Flaw> {
+        check_keys("row", &self.voxel, &self.tag, &self.material)?;
+        if self.rows() == 0 { Err(Flaw::new("0 rows", "at least 1")) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::archive::format;
+    use crate::archive::tables::tests::block;
+
+    /// Two keys have the known bytes and come back; keys out of order, and none, are refused.
+    #[test]
+    fn layout_is_frozen() {
+        let key = |x| CellKey { level: 3, facing: 54, material: 1, voxel: [x, 0, 0] };
+        let index = Index::new(&[key(-1), key(2)]);
+        let raw = index.to_bytes().unwrap();
+        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (60, "3695a58f80601495".to_string()));
+        let back = Index::from_block(&block(&index.encode(INDEX, 1, 9).unwrap())).unwrap();
+        assert_eq!(back.firsts(), [key(-1), key(2)]);
+        assert!(Index::new(&[key(2), key(-1)]).to_bytes().is_err() && Index::default().to_bytes().is_err());
+    }
+}

@@ -1,0 +1,106 @@
+//! What materials do besides reflecting diffusely, and the planes of those that are mirrors. Only in archives of scenes with such.
+
+use rkyv::{Archive, Deserialize, Serialize};
+
+use crate::archive::format::{MAX_MATERIALS, MIRRORS, OPTICS};
+use crate::archive::tables::{Flaw, column, is_share, length_in, table};
+
+/// Columns of all materials, in the rows of the materials table, schema 1.
+#[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
+pub struct Optics {
+    /// Number of panes of clear glass, 0 to 2.
+    pub panes: Vec<u8>,
+    /// 1 for a canopy, 0 for what is opaque.
+    pub canopy: Vec<u8>,
+    /// Of a canopy at each crossing; 0 for what is opaque.
+    pub transmittance: Vec<f64>,
+}
+
+table!(Optics, [OPTICS]);
+
+impl Optics {
+    /// Number of materials.
+    pub fn rows(&self) -> usize {
+        self.panes.len()
+    }
+
+    fn check(&self) -> Result<(), Flaw> {
+        let rows = self.rows();
+        if rows == 0 || rows > MAX_MATERIALS {
+            return Err(Flaw::new(format!("{rows} materials"), format!("1 to {MAX_MATERIALS}")));
+        }
+        column("panes", &self.panes, rows, "0 to 2", |panes| *panes <= 2)?;
+        column("canopy", &self.canopy, rows, "0 or 1", |canopy| *canopy <= 1)?;
+        column("transmittance", &self.transmittance, rows, "0 to 1", |value| is_share(*value))
+    }
+}
+
+/// Orientations of mirrors, schema 1: all mirrors of one material that are parallel make one row.
+#[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
+pub struct Mirrors {
+    /// Unit normal; the sign means nothing.
+    pub normal: Vec<[f64; 3]>,
+    /// Row of the materials table.
+    pub material: Vec<u16>,
+}
+
+table!(Mirrors, [MIRRORS]);
+
+impl Mirrors {
+    /// Number of orientations.
+    pub fn rows(&self) -> usize {
+        self.normal.len()
+    }
+
+    fn check(&self) -> Result<(), Flaw> {
+        let rows = self.rows();
+        if rows == 0 || rows > MAX_MATERIALS {
+            return Err(Flaw::new(format!("{rows} orientations of mirrors"), format!("1 to {MAX_MATERIALS}")));
+        }
+        column("normal", &self.normal, rows, "length 1", |n| length_in(*n, 1.0, 1.0))?;
+        column("material", &self.material, rows, "a number", |_| true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::archive::format;
+    use crate::archive::tables::tests::block;
+
+    /// Known values have the known bytes, 48 and 68, and come back.
+    #[test]
+    fn layout_is_frozen() {
+        let optics = Optics { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
+        let raw = optics.to_bytes().unwrap();
+        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (48, "9fd6f63b7f5718aa".to_string()));
+        assert_eq!(Optics::from_block(&block(&optics.encode(OPTICS, 0, 9).unwrap())).unwrap(), optics);
+        let mirrors = Mirrors { normal: vec![[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]], material: vec![1, 0] };
+        let raw = mirrors.to_bytes().unwrap();
+        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (68, "8743ece86e507613".to_string()));
+        assert_eq!(Mirrors::from_block(&block(&mirrors.encode(MIRRORS, 0, 9).unwrap())).unwrap(), mirrors);
+    }
+
+    /// Each of 7 values out of range is refused.
+    #[test]
+    fn ranges_are_checked() {
+        let good = Optics { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
+        let flaws: [fn(&mut Optics); 4] =
+            [|o| o.panes[0] = 3, |o| o.canopy[1] = 2, |o| o.transmittance[0] = f64::NAN, |o| o.transmittance.clear()];
+        let refused = flaws.iter().filter(|flaw| {
+            let mut wrong = good.clone();
+            flaw(&mut wrong);
+            wrong.to_bytes().is_err()
+        });
+        assert_eq!(refused.count(), 4);
+        let good = Mirrors { normal: vec![[0.0, 0.6, 0.8]], material: vec![1] };
+        let flaws: [fn(&mut Mirrors); 3] =
+            [|m| m.normal[0][0] = 0.1, |m| m.normal[0][2] = f64::NAN, |m| m.normal.clear()];
+        let refused = flaws.iter().filter(|flaw| {
+            let mut wrong = good.clone();
+            flaw(&mut wrong);
+            wrong.to_bytes().is_err()
+        });
+        assert_eq!(refused.count(), 3);
+    }
+}

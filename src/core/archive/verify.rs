@@ -1,0 +1,344 @@
+//! The full check of an archive. In: a path. Out: every part that is not as it was written, by name and with the reason.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::archive::codec::Block;
+use crate::archive::format;
+use crate::archive::format::{
+    BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS, OPTICS,
+    PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
+};
+use crate::archive::reader::{Archive, by_place};
+use crate::archive::source::Access;
+use crate::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
+use crate::error::{Error, Result};
+use crate::layers::canopy;
+use crate::layers::canopy::Canopy;
+use crate::layers::extras;
+use crate::layers::hit::HitTile;
+use crate::layers::mirror::{CellMirrors, ReceiverMirrors};
+use crate::layers::response;
+use crate::layers::sky::SkyTexture;
+use crate::site::cells::CellKey;
+use crate::site::chain::{Chain, Step};
+
+/// What the check found. The archive is good if `problems` is empty.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Root hash, if header, directory and manifest are good.
+    pub root: Option<[u8; 32]>,
+    /// Blocks that were read, of all kinds.
+    pub blocks: u64,
+    /// Blocks among them of kinds that this release does not know: their content was compared, their meaning was not.
+    pub unknown_blocks: u64,
+    pub stored_bytes: u64,
+    pub raw_bytes: u64,
+    /// Bytes after the end of the archive; they are ignored.
+    pub trailing_bytes: u64,
+    pub problems: Vec<Problem>,
+}
+
+/// A part of an archive that is not as it was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Name of the block, such as `sky/3`, or of the part.
+    pub part: String,
+    /// Where it starts in the file.
+    pub offset: u64,
+    pub reason: String,
+}
+
+/// Checks every byte of an archive; goes on after a bad block. An error means that the check could not be made: no such file,
+/// no archive, or a later format. `deep` also decodes every layer and follows every reference, for which the keys of all cells
+/// are held in memory, 20 bytes each. By plain reads, a file that changes meanwhile cannot end the process.
+pub fn verify(path: &Path, access: Access, deep: bool) -> Result<Report> {
+    let mut report = Report::default();
+    let archive = match Archive::open_with(path, access) {
+        Ok(archive) => archive,
+        Err(Error::Corrupt { block, offset, got, expected, .. }) => {
+            report.problems.push(Problem { part: block, offset, reason: found(&got, &expected) });
+            return Ok(report);
+        }
+        Err(error) => return Err(error),
+    };
+    report.root = Some(archive.root());
+    for (offset, name) in SLOT_OFFSETS.into_iter().zip(["slot A", "slot B"]) {
+        if archive.header().damaged.contains(&name) {
+            report.problems.push(Problem { part: name.to_string(), offset, reason: "wrong checksum".to_string() });
+        }
+    }
+    let site = Site::new(&archive, deep);
+    let results: Vec<Result<()>> = archive.entries().par_iter().map(|entry| check(&archive, entry, &site)).collect();
+    for (entry, result) in archive.entries().iter().zip(results) {
+        report.blocks = report.blocks.saturating_add(1);
+        report.unknown_blocks =
+            report.unknown_blocks.saturating_add(u64::from(format::schema_of(entry.kind).is_none()));
+        report.stored_bytes = report.stored_bytes.saturating_add(u64::from(entry.stored));
+        report.raw_bytes = report.raw_bytes.saturating_add(u64::from(entry.raw));
+        let problem = |reason: String| Problem { part: entry.name(), offset: entry.offset, reason };
+        match result {
+            Ok(()) => {}
+            Err(Error::Corrupt { got, expected, .. }) => report.problems.push(problem(found(&got, &expected))),
+            Err(error) => report.problems.push(problem(error.to_string())),
+        }
+    }
+    report.problems.extend(padding(&archive)?);
+    report.trailing_bytes = archive.source().length().saturating_sub(archive.header().slot.committed);
+    Ok(report)
+}
+
+/// What blocks must know of each other.
+struct Site {
+    materials: u64,
+    /// By material: 1 for canopies.
+    canopies: Vec<u8>,
+    /// Orientations of mirrors.
+    orientations: u64,
+    /// First keys of the chunks, as the index says; empty if it cannot be read.
+    probes: Vec<CellKey>,
+    bounces: Vec<CellKey>,
+    /// All keys, for a deep check.
+    keys: Option<Keys>,
+}
+
+/// Keys of all cells whose chunks are good, sorted.
+struct Keys {
+    probes: Vec<CellKey>,
+    bounces: Vec<CellKey>,
+}
+
+impl Site {
+    fn new(archive: &Archive, deep: bool) -> Self {
+        let index = |tile| {
+            let table = archive.block(INDEX, tile).and_then(|block| Index::from_block(&block));
+            table.map(|index| index.firsts()).unwrap_or_default()
+        };
+        let keys_of = |kind| {
+            let chunk = |entry: &Entry| Cells::from_block(&archive.fetch(entry)?).map(|cells| cells.into_cells().keys);
+            let mut keys: Vec<CellKey> =
+                archive.entries_of(kind).par_iter().flat_map_iter(|entry| chunk(entry).unwrap_or_default()).collect();
+            keys.par_sort_unstable();
+            keys
+        };
+        let optics = archive.block(OPTICS, 0).and_then(|block| Optics::from_block(&block));
+        let items = |kind| archive.entries_of(kind).iter().map(|entry| u64::from(entry.items)).sum();
+        Site {
+            canopies: optics.map(|optics| optics.canopy).unwrap_or_default(),
+            materials: items(MATERIALS),
+            orientations: items(MIRRORS),
+            probes: index(Index::PROBES),
+            bounces: index(Index::BOUNCE),
+            keys: deep.then(|| Keys { probes: keys_of(PROBES), bounces: keys_of(BOUNCE) }),
+        }
+    }
+}
+
+/// Reads one block and asks everything that can be asked of it.
+fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
+    let block = match archive.fetch(entry) {
+        // A later release may pack its own kinds in its own way; the checksum was right.
+        Err(Error::Unsupported { .. }) if format::schema_of(entry.kind).is_none() => return Ok(()),
+        block => block?,
+    };
+    block.check_content()?;
+    let settings = &archive.manifest().settings;
+    let rows = block.items() as usize;
+    let shape =
+        |good: bool| if good { Ok(()) } else { Err(block.corrupt("a layer of another shape", "the manifest's")) };
+    match entry.kind {
+        RECEIVERS => Receivers::from_block(&block).map(|_| ()),
+        MATERIALS if entry.tile > 0 => Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only")),
+        MATERIALS => Materials::from_block(&block).map(|_| ()),
+        OPTICS => {
+            let optics = Optics::from_block(&block)?;
+            if optics.rows() as u64 == site.materials { Ok(()) } else { shape(false) }
+        }
+        MIRRORS => check_materials(&block, Mirrors::from_block(&block)?.material.into_iter(), site),
+        INDEX => Index::from_block(&block).map(|_| ()),
+        PROBES => check_cells(&block, &site.probes, site),
+        BOUNCE => check_cells(&block, &site.bounces, site),
+        SKY if site.keys.is_some() => {
+            let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
+            shape(fine <= MOST_FINE && SkyTexture::unpack(block.bytes(), rows, base, fine).is_some())
+        }
+        RESPONSE if site.keys.is_some() => {
+            shape(response::unpack(block.bytes(), rows, settings.probe as usize).is_some())
+        }
+        MIRROR | PROBE_MIRROR | BOUNCE_MIRROR => check_mirrors(archive, &block, site),
+        HIT => match &site.keys {
+            Some(keys) => {
+                let texels = (settings.hit as usize).saturating_pow(2).saturating_mul(rows);
+                let Some(hits) = HitTile::unpack(block.bytes(), texels) else { return shape(false) };
+                check_references(&block, &hits.palette, &keys.probes)
+            }
+            None => block.require(HIT),
+        },
+        CANOPY if site.keys.is_some() => {
+            let sky = canopy::sky_side(settings.sky_base as usize, settings.sky_fine as usize);
+            check_canopies(archive, &block, RECEIVERS, [sky, settings.hit as usize], None, site)
+        }
+        PROBE_CANOPY if site.keys.is_some() => {
+            check_canopies(archive, &block, PROBES, [settings.probe as usize, 0], Some(settings.probe_hits), site)
+        }
+        BOUNCE_CANOPY if site.keys.is_some() => {
+            check_canopies(archive, &block, BOUNCE, [settings.bounce_sky as usize, 0], Some(settings.bounce_hits), site)
+        }
+        kind if format::schema_of(kind).is_some() => block.require(kind),
+        _ => Ok(()),
+    }
+}
+
+/// Crossings of the rows of a block of another kind: `sides` of both squares of rays, or a number of rays for the second.
+fn check_canopies(
+    archive: &Archive,
+    block: &Block,
+    of: u32,
+    sides: [usize; 2],
+    seen: Option<u32>,
+    site: &Site,
+) -> Result<()> {
+    let (tile, rows) = (block.entry().tile, block.items());
+    let of_kind = archive.entries_of(of).iter().find(|entry| entry.tile == tile).map(|entry| entry.items);
+    if of_kind != Some(rows) {
+        return Err(block.corrupt(format!("{rows} rows"), format!("as many as {}", format::block_name(of, tile))));
+    }
+    let [sky, square] = sides.map(|side| side.saturating_mul(side));
+    let rays = [sky, seen.map_or(square, |rays| rays as usize)];
+    let is_canopy = |material: u16| site.canopies.get(usize::from(material)) == Some(&1);
+    let good = |row: &Vec<u8>| Canopy::from_bytes(row, rays, is_canopy).is_some();
+    match extras::unpack(block.bytes(), rows as usize) {
+        Some(found) if found.iter().all(good) => Ok(()),
+        _ => Err(block.corrupt("crossings of another shape", "those of the settings' textures and rays, of canopies")),
+    }
+}
+
+/// One chunk of cells: known materials, in its place among the chunks, and seeing cells that exist.
+fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
+    let cells = Cells::from_block(block)?.into_cells();
+    check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material), site)?;
+    let chunk = block.entry().tile as usize;
+    if cells.keys.first() != firsts.get(chunk) {
+        return Err(block.corrupt("another first cell", "the one of the index"));
+    }
+    if cells.keys.last().zip(firsts.get(chunk.saturating_add(1))).is_some_and(|(last, next)| last >= next) {
+        return Err(block.corrupt("keys that pass the next chunk's", "keys that rise from chunk to chunk"));
+    }
+    match &site.keys {
+        Some(keys) => check_references(block, &cells.seen, &keys.bounces),
+        None => Ok(()),
+    }
+}
+
+/// What receivers or cells see in mirrors: as many rows as there are of them, and, in a deep check, windows that can be read, and
+/// mirrors, materials and cells that exist.
+fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
+    let (entry, settings) = (block.entry(), &archive.manifest().settings);
+    let (of, side) = match entry.kind {
+        MIRROR => (RECEIVERS, settings.hit),
+        PROBE_MIRROR => (PROBES, settings.probe),
+        _ => (BOUNCE, settings.bounce_sky),
+    };
+    let owners = archive.entries_of(of);
+    let owner = owners.binary_search_by_key(&entry.tile, |owner| owner.tile).ok();
+    let expected = owner.and_then(|row| owners.get(row)).map_or(0, |owner| owner.items);
+    if entry.items != expected {
+        return Err(block.corrupt(format!("{} rows", entry.items), format!("{expected}, as {}", format::kind_name(of))));
+    }
+    let bad = || block.corrupt("a layer of another shape", "the manifest's");
+    let rows = extras::unpack(block.bytes(), entry.items as usize).ok_or_else(bad)?;
+    let Some(keys) = &site.keys else { return Ok(()) };
+    let side = side as usize;
+    let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
+    for row in rows {
+        let (chains, steps, mut cells): (Vec<Chain>, Vec<Vec<Step>>, Vec<CellKey>);
+        let known;
+        if entry.kind == MIRROR {
+            // Written again, a key of another region shows.
+            let found = ReceiverMirrors::from_bytes(&row, base, side).filter(|found| found.to_bytes() == row);
+            let found = found.ok_or_else(bad)?;
+            let doubled = fine.checked_div(base).unwrap_or(0);
+            let whole = found.windows.iter().all(|window| {
+                let side = usize::from(window.side);
+                fine <= MOST_FINE
+                    && SkyTexture::unpack(&window.texture, 1, side, side.saturating_mul(doubled)).is_some()
+            });
+            if !whole {
+                return Err(bad());
+            }
+            chains = found.windows.iter().map(|window| window.chain).collect();
+            (steps, cells) = found.paths.into_iter().map(|path| (path.steps, path.cell)).unzip();
+            known = &keys.probes;
+        } else {
+            let bytes = side.saturating_mul(side).div_ceil(8);
+            let found = CellMirrors::from_bytes(&row, bytes).filter(|found| found.to_bytes(bytes) == row);
+            let found = found.ok_or_else(bad)?;
+            chains = found.windows.iter().map(|window| window.chain).collect();
+            (steps, cells) = found.paths.into_iter().map(|path| (path.steps, path.cell)).unzip();
+            known = &keys.bounces;
+        }
+        let mirrors = chains.iter().flat_map(Chain::numbers);
+        if let Some(number) = mirrors.max().filter(|&number| u64::from(number) >= site.orientations) {
+            return Err(block.corrupt(format!("mirror {number}"), format!("below {}", site.orientations)));
+        }
+        check_materials(block, steps.iter().flatten().map(|step| step.0), site)?;
+        cells.dedup();
+        check_references(block, &cells, known)?;
+    }
+    Ok(())
+}
+
+/// Largest side of a refined sky, as `schema/layers.md` states it: above it a few bytes could stand for gigabytes.
+const MOST_FINE: usize = 4096;
+
+/// Whether all keys are among the known ones.
+fn check_references(block: &Block, keys: &[CellKey], known: &[CellKey]) -> Result<()> {
+    match keys.iter().find(|key| known.binary_search(key).is_err()) {
+        Some(key) => Err(block.corrupt(format!("{key:?}, which does not exist"), "cells that exist")),
+        None => Ok(()),
+    }
+}
+
+fn check_materials(block: &Block, materials: impl Iterator<Item = u16>, site: &Site) -> Result<()> {
+    match materials.max() {
+        Some(number) if u64::from(number) >= site.materials => {
+            Err(block.corrupt(format!("material {number}"), format!("below {}", site.materials)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Bytes between the parts that are not zero. Later generations leave old blocks there, so only the first one is asked.
+fn padding(archive: &Archive) -> Result<Vec<Problem>> {
+    let slot = &archive.header().slot;
+    let mut problems = Vec::new();
+    if slot.generation != 1 {
+        return Ok(problems);
+    }
+    let slots = SLOT_OFFSETS.iter().map(|offset| (*offset, offset.saturating_add(SLOT_SIZE as u64)));
+    let places = by_place(archive.entries());
+    let blocks = places.iter().map(|entry| (entry.offset, entry.end().unwrap_or(u64::MAX)));
+    let tables = [
+        (slot.directory_offset, slot.directory_offset.saturating_add(slot.directory_length)),
+        (slot.manifest_offset, slot.committed),
+    ];
+    let mut end = 0;
+    for (start, next) in slots.chain(blocks).chain(tables) {
+        while end < start {
+            let length = start.saturating_sub(end).min(FIRST_BLOCK);
+            let bytes = archive.source().read(end, length)?;
+            if let Some(place) = bytes.iter().position(|byte| *byte != 0) {
+                let offset = end.saturating_add(place as u64);
+                problems.push(Problem { part: "padding".to_string(), offset, reason: "not zero".to_string() });
+            }
+            end = end.saturating_add(length);
+        }
+        end = end.max(next);
+    }
+    Ok(problems)
+}
+
+fn found(got: &str, expected: &str) -> String {
+    format!("found {got}, expected {expected}")
+}

@@ -1,0 +1,258 @@
+//! The canopy layer: how often rays cross leaves and screens. In: crossings of the rays of one receiver or cell. Out: its bytes, and
+//! back; and, for given transmittances, the share of the light that comes through along each ray.
+//!
+//! Counts are kept as bit planes of blocks of 64 rays; blocks in which nothing is crossed take one bit.
+
+use std::collections::BTreeMap;
+
+use crate::site::crossing::Crossing;
+
+/// Rays of a block.
+const BLOCK: usize = 64;
+
+/// The two lists of rays that a receiver or a cell has: towards the texels of the sky, and to what else is seen.
+pub const SKY: usize = 0;
+pub const SEEN: usize = 1;
+
+/// Shares that come through 0, 1, ... 255 crossings, by material.
+pub type Powers = BTreeMap<u16, [f32; 256]>;
+
+/// Side above which a receiver's square of sky rays is halved: texels as wide as the sun, and a tile under trees fits into a block.
+const WIDE: usize = 256;
+
+/// Side of a receiver's square of sky rays, for the sides of its sky texture: a texel of it is a whole number of fine ones a side.
+pub fn sky_side(base: usize, fine: usize) -> usize {
+    let mut side = (2 * base).min(fine);
+    while side > WIDE && side.is_multiple_of(2) {
+        side /= 2;
+    }
+    side
+}
+
+/// Crossings of one receiver or cell.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Canopy {
+    /// Ascending, each with its counts along both lists of rays.
+    materials: Vec<(u16, [Counts; 2])>,
+}
+
+/// Counts along a list of rays.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Counts {
+    /// Bits of a count: 0 where nothing is crossed.
+    bits: usize,
+    /// `[block / 64]`: blocks in which something is crossed.
+    used: Vec<u64>,
+    /// `[used block][bit]`: bit i belongs to ray i of the block.
+    planes: Vec<u64>,
+}
+
+impl Canopy {
+    /// From the crossings along both lists of rays, each sorted.
+    pub fn new(crossings: [&[Crossing]; 2]) -> Self {
+        let mut of_material: BTreeMap<u16, [Vec<&Crossing>; 2]> = BTreeMap::new();
+        for (list, crossings) in crossings.into_iter().enumerate() {
+            for crossing in crossings {
+                of_material.entry(crossing.material).or_default()[list].push(crossing);
+            }
+        }
+        let counted = |(material, lists): (u16, [Vec<&Crossing>; 2])| (material, lists.map(|list| Counts::new(&list)));
+        Canopy { materials: of_material.into_iter().map(counted).collect() }
+    }
+
+    /// Bytes for lists of so many rays; none where nothing is crossed.
+    pub fn to_bytes(&self, rays: [usize; 2]) -> Vec<u8> {
+        if self.materials.is_empty() {
+            return Vec::new();
+        }
+        let mut bytes = (self.materials.len() as u16).to_le_bytes().to_vec();
+        bytes.extend(self.materials.iter().flat_map(|(material, _)| material.to_le_bytes()));
+        for (counts, rays) in self.materials.iter().flat_map(|(_, lists)| lists.iter().zip(rays)) {
+            bytes.push(counts.bits as u8);
+            if counts.bits > 0 {
+                let used = counts.used.iter().flat_map(|word| word.to_le_bytes()).chain(std::iter::repeat(0));
+                bytes.extend(used.take(mask_bytes(rays)));
+                bytes.extend(counts.planes.iter().flat_map(|word| word.to_le_bytes()));
+            }
+        }
+        bytes
+    }
+
+    /// Inverse of [`Canopy::to_bytes`]; `None` if the bytes are not exactly that or name a material that is no canopy. What is
+    /// allocated is no larger than the bytes.
+    pub fn from_bytes(bytes: &[u8], rays: [usize; 2], is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
+        if bytes.is_empty() {
+            return Some(Canopy::default());
+        }
+        let (count, rest) = bytes.split_first_chunk()?;
+        let (names, mut rest) = rest.split_at_checked(2 * usize::from(u16::from_le_bytes(*count)))?;
+        let names: Vec<u16> = names.as_chunks().0.iter().map(|name| u16::from_le_bytes(*name)).collect();
+        if names.is_empty() || !names.array_windows().all(|[a, b]| a < b) || !names.iter().all(|&name| is_canopy(name))
+        {
+            return None;
+        }
+        let mut materials = Vec::with_capacity(names.len());
+        for name in names {
+            let lists = [Counts::take(&mut rest, rays[SKY])?, Counts::take(&mut rest, rays[SEEN])?];
+            materials.push((name, lists));
+        }
+        rest.is_empty().then_some(Canopy { materials })
+    }
+
+    /// Share of the light that comes through along each ray of a list; `None` where nothing is crossed.
+    pub fn through(&self, list: usize, rays: usize, powers: &Powers) -> Option<Vec<f32>> {
+        let mut shares: Option<Vec<f32>> = None;
+        for (material, lists) in &self.materials {
+            if let Some(powers) = powers.get(material).filter(|_| lists[list].bits > 0) {
+                let shares = shares.get_or_insert_with(|| vec![1.0; rays]);
+                lists[list].for_each(|ray, count| shares[ray] *= powers[usize::from(count)]);
+            }
+        }
+        shares
+    }
+
+    /// The largest count of a material along one ray.
+    pub fn most(&self) -> u8 {
+        let mut most = 0;
+        for counts in self.materials.iter().flat_map(|(_, lists)| lists) {
+            counts.for_each(|_, count| most = most.max(count));
+        }
+        most
+    }
+}
+
+impl Counts {
+    /// Of the crossings of one material, sorted by ray.
+    fn new(crossings: &[&Crossing]) -> Self {
+        let most = crossings.iter().map(|crossing| crossing.count).max().unwrap_or(0);
+        let bits = 8 - most.leading_zeros() as usize;
+        let mut counts = Counts { bits, ..Counts::default() };
+        for of_block in crossings.chunk_by(|a, b| a.ray as usize / BLOCK == b.ray as usize / BLOCK) {
+            let block = of_block[0].ray as usize / BLOCK;
+            if counts.used.len() <= block / 64 {
+                counts.used.resize(block / 64 + 1, 0);
+            }
+            counts.used[block / 64] |= 1 << (block % 64);
+            let plane = |bit: usize| {
+                let set = of_block.iter().filter(|crossing| crossing.count >> bit & 1 == 1);
+                set.fold(0_u64, |word, crossing| word | 1 << (crossing.ray as usize % BLOCK))
+            };
+            counts.planes.extend((0..bits).map(plane));
+        }
+        counts
+    }
+
+    /// Reads the counts along a number of rays from the front of some bytes.
+    fn take(bytes: &mut &[u8], rays: usize) -> Option<Self> {
+        let (&bits, rest) = bytes.split_first()?;
+        let bits = usize::from(bits);
+        if bits == 0 {
+            *bytes = rest;
+            return Some(Counts::default());
+        }
+        let (mask, rest) = rest.split_at_checked(mask_bytes(rays))?;
+        let word = |eight: &[u8]| eight.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
+        let used: Vec<u64> = mask.chunks(8).map(word).collect();
+        let blocks: usize = used.iter().map(|word| word.count_ones() as usize).sum();
+        let (planes, rest) = rest.split_at_checked(blocks.checked_mul(bits)?.checked_mul(8)?)?;
+        *bytes = rest;
+        let planes = planes.as_chunks().0.iter().map(|word| u64::from_le_bytes(*word)).collect();
+        let counts = Counts { bits, used, planes };
+        let mut last = 0;
+        if bits <= 8 {
+            counts.for_each(|ray, _| last = last.max(ray));
+        }
+        (bits <= 8 && last < rays).then_some(counts)
+    }
+
+    /// Calls `each(ray, count)` for all rays that cross something.
+    fn for_each(&self, mut each: impl FnMut(usize, u8)) {
+        let blocks = self.used.iter().enumerate().flat_map(|(i, &word)| {
+            let bits = std::iter::successors(Some(word), |w| Some(w & w.wrapping_sub(1))).take_while(|&w| w != 0);
+            bits.map(move |w| i * 64 + w.trailing_zeros() as usize)
+        });
+        for (block, planes) in blocks.zip(self.planes.chunks_exact(self.bits.max(1))) {
+            let mut any = planes.iter().fold(0, |any, plane| any | plane);
+            while any != 0 {
+                let ray = any.trailing_zeros();
+                let count = planes.iter().rev().fold(0, |count, plane| count << 1 | (plane >> ray & 1) as u8);
+                each(block * BLOCK + ray as usize, count);
+                any &= any - 1;
+            }
+        }
+    }
+}
+
+/// Bytes of the mask of blocks for a number of rays.
+fn mask_bytes(rays: usize) -> usize {
+    rays.div_ceil(BLOCK).div_ceil(8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hemisphere::mix;
+
+    /// Counts of 1 to 255 of two materials along 1000 and 9 rays come back with the product of the powers along each ray (1009
+    /// values, 1e-6); all cuts are refused, and so are a longer row, a material that is no canopy, a ninth plane and a ray behind
+    /// the last one.
+    #[test]
+    fn round_trip() {
+        let rays = [1000, 9];
+        let count = |material: u16, ray: u32| match mix(u64::from(material), u64::from(ray)) {
+            seed if seed % 3 == 0 => (seed >> 8) as u8 >> (ray / 200),
+            _ => 0,
+        };
+        let crossings = |list: usize| -> Vec<Crossing> {
+            let of = |ray| [3, 700].map(|material| Crossing { ray, material, count: count(material, ray) });
+            (0..rays[list] as u32).flat_map(of).filter(|crossing| crossing.count > 0).collect()
+        };
+        let canopy = Canopy::new([&crossings(0), &crossings(1)]);
+        let bytes = canopy.to_bytes(rays);
+        let read = |bytes: &[u8]| Canopy::from_bytes(bytes, rays, |material| material == 3 || material == 700);
+        assert_eq!(read(&bytes).as_ref(), Some(&canopy));
+        let table = |tau: f64| std::array::from_fn(|k| tau.powi(k as i32) as f32);
+        let powers = Powers::from([(3, table(0.9)), (700, table(0.99))]);
+        for list in [SKY, SEEN] {
+            let through = canopy.through(list, rays[list], &powers).unwrap_or_default();
+            for (ray, share) in (0..rays[list] as u32).zip(through) {
+                let expected = 0.9_f64.powi(count(3, ray).into()) * 0.99_f64.powi(count(700, ray).into());
+                assert!((f64::from(share) - expected).abs() < 1e-6);
+            }
+        }
+        assert_eq!((canopy.most(), Canopy::new([&[], &[]]).to_bytes(rays)), (255, Vec::new()));
+        assert!((1..bytes.len()).all(|cut| read(&bytes[..cut]).is_none()));
+        let longer = [&bytes[..], &[0]].concat();
+        assert!(read(&longer).is_none() && Canopy::from_bytes(&bytes, rays, |material| material == 3).is_none());
+        let few = Crossing { ray: 8, material: 3, count: 1 };
+        let few = Canopy::new([&[few], &[]]).to_bytes([9, 9]);
+        assert_eq!((few.len(), Canopy::from_bytes(&few, [8, 9], |_| true)), (15, None));
+        let mut ninth = few.clone();
+        ninth[4] = 9;
+        ninth.extend([0; 64]);
+        assert_eq!(Canopy::from_bytes(&ninth, [9, 9], |_| true), None);
+    }
+
+    /// 20,000 rows of random bytes after a plausible start: what is not refused has shares from 0 to 1 along all of its 130 and 40
+    /// rays, and at least 50 are not.
+    #[test]
+    fn any_bytes() {
+        let rays = [130, 40];
+        let powers = Powers::from([(1, std::array::from_fn(|k| 0.5_f32.powi(k as i32)))]);
+        let mut taken = 0;
+        for case in 0..20_000_u64 {
+            let bits = (mix(case, 1) % 10) as u8;
+            let planes = 8 * usize::from(bits) * (mix(case, 2) % 4) as usize;
+            let random = (0..1 + planes).map(|i| (mix(case, i as u64 + 9) >> (mix(case, 3) % 9)) as u8);
+            let tail = if case % 3 == 0 { vec![0, 0] } else { vec![0] };
+            let row: Vec<u8> = [1, 0, 1, 0, bits].into_iter().chain(random).chain(tail).collect();
+            let Some(canopy) = Canopy::from_bytes(&row, rays, |material| material == 1) else { continue };
+            taken += 1;
+            for list in [SKY, SEEN] {
+                let shares = canopy.through(list, rays[list], &powers).unwrap_or_default();
+                assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
+            }
+        }
+        assert!(taken >= 50, "{taken}");
+    }
+}

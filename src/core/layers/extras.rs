@@ -1,0 +1,46 @@
+//! Layers that only some scenes call for: mirrors and canopies. In: bytes of each receiver or cell, empty where there is nothing.
+//! Out: one raw block for all of a tile or a chunk, and back; none if all are empty.
+
+/// Places in [`Extras`].
+pub const MIRROR: usize = 0;
+pub const CANOPY: usize = 1;
+
+/// What one receiver or cell has of each; the bytes mean something to [`crate::layers::mirror`] and [`crate::layers::canopy`] only.
+pub type Extras = [Vec<u8>; 2];
+
+/// Raw block of one of the layers: a length (u32) for each row, then all bytes. `None` if there are none.
+pub fn pack<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Option<Vec<u8>> {
+    if rows.clone().all(<[u8]>::is_empty) {
+        return None;
+    }
+    let lengths = rows.clone().flat_map(|row| (row.len() as u32).to_le_bytes());
+    Some(lengths.chain(rows.clone().flatten().copied()).collect())
+}
+
+/// Inverse of [`pack`] for a number of rows; `None` if the bytes are not exactly that.
+pub fn unpack(raw: &[u8], rows: usize) -> Option<Vec<Vec<u8>>> {
+    let (lengths, mut rest) = raw.split_at_checked(rows.checked_mul(4)?)?;
+    let row = |length: &[u8; 4]| {
+        let (row, tail) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        rest = tail;
+        Some(row.to_vec())
+    };
+    let found: Vec<Vec<u8>> = lengths.as_chunks().0.iter().map(row).collect::<Option<_>>()?;
+    rest.is_empty().then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three rows, one of them empty, come back, rows of nothing make no block, and all 20 cuts are refused.
+    #[test]
+    fn round_trip() {
+        let rows = [vec![1, 2, 3], Vec::new(), vec![4; 5]];
+        let raw = pack(rows.iter().map(Vec::as_slice)).unwrap_or_default();
+        assert_eq!((raw.len(), unpack(&raw, 3)), (20, Some(rows.to_vec())));
+        assert_eq!((0..raw.len()).filter(|&cut| unpack(&raw[..cut], 3).is_none()).count(), 20);
+        assert_eq!(pack([&[][..]; 3].into_iter()), None);
+        assert_eq!(unpack(&[0xff; 12], 3), None);
+    }
+}

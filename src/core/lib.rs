@@ -1,0 +1,12 @@
+//! What an archive is and how it is replayed.
+
+pub mod archive;
+pub mod error;
+pub mod hemisphere;
+pub mod layers;
+pub mod light;
+pub mod replay;
+pub mod site;
+pub mod sky;
+pub mod units;
+pub mod weather;

@@ -1,0 +1,432 @@
+//! Second and later bounces. In: the closed system of coarse cells and their reflectances. Out: each cell's radiosity per unit
+//! of irradiance from each direction of the sky.
+//!
+//! X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] ) for every sky texel t (one 3-vector each, as for the receiver's response;
+//! Goral et al. 1984 for the radiosity system). Only cells from the closed level up see each other in circles: they take a
+//! fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
+//! depends on the cells reachable from it, not on which others are in the table.
+
+use std::ops::Range;
+use std::path::Path;
+
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::hemisphere::{bit, texel_centres};
+use crate::layers::canopy::Powers;
+use crate::layers::cells::{Cells, DOWN, MISS};
+use crate::light::canopies::{Leafages, Shade};
+use crate::light::load::Tables;
+use crate::light::mirrors::{Chains, left};
+use crate::light::response::Reflector;
+use crate::light::scratch::Scratch;
+use crate::site::cells::{CellKey, CellMap};
+
+/// How many times light may be reflected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// Until less than [`TOLERANCE`] of the light is left.
+    All,
+    /// At most this many diffuse reflections; 1 is the paper's model.
+    Count(u32),
+}
+
+/// Share of the reflected light that `Depth::All` may leave out.
+pub const TOLERANCE: f64 = 1e-3;
+
+/// Columns of the system solved together: small enough for a core's cache.
+pub const BLOCK: usize = 32;
+
+/// A cell's values in these columns.
+pub type Block = [f32; BLOCK];
+
+/// out += weight x values.
+#[inline(always)]
+pub fn add_block(out: &mut Block, weight: f32, values: &Block) {
+    out.iter_mut().zip(values).for_each(|(o, x)| *o += weight * x);
+}
+
+/// How the system is made and solved.
+#[derive(Clone, Debug)]
+pub struct Rules {
+    /// Side of the cells' sky texture.
+    pub side: usize,
+    /// Cells from this level up see each other in circles.
+    pub closed_level: i8,
+    pub depth: Depth,
+}
+
+/// Diffuse reflectance by material.
+pub type Reflectance = Vec<f64>;
+
+/// Reflectance of a cell.
+pub fn rho(reflectance: &Reflectance, key: &CellKey) -> f32 {
+    reflectance.get(usize::from(key.material)).copied().unwrap_or(0.0) as f32
+}
+
+impl Rules {
+    /// Values of one cell: [axis][texel].
+    pub fn width(&self) -> usize {
+        3 * self.side * self.side
+    }
+
+    /// Whether a cell belongs to the closed system; with a bounded number of reflections every cell takes each step.
+    pub fn closes(&self, key: &CellKey) -> bool {
+        match self.depth {
+            Depth::All => key.level >= self.closed_level,
+            Depth::Count(bounces) => bounces > 1,
+        }
+    }
+
+    /// Jacobi steps. The first reflection is the fine probe's, the second is the source term.
+    fn steps(&self, reflectance: &Reflectance) -> usize {
+        match self.depth {
+            Depth::Count(bounces) => (bounces as usize).saturating_sub(2),
+            Depth::All => {
+                let largest = reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
+                (TOLERANCE.ln() / largest.ln()).ceil() as usize
+            }
+        }
+    }
+
+    /// What cell `i` of a table sees, some of it in mirrors, with the shares of its hemisphere that reach it.
+    pub fn row(
+        &self,
+        cells: &Cells,
+        i: usize,
+        shade: &Shade,
+        centres: &[[f32; 3]],
+        reflectors: &[Reflector],
+    ) -> Weighted<CellKey> {
+        let around = surround(cells.normals[i], cells.bits_of(i), centres);
+        let (above, below) = seen(cells.hits_of(i), shade.seen.as_deref());
+        let scaled = |list: Weighted<u32>, share: f64| {
+            list.into_iter().map(move |(cell, w)| (cells.seen[cell as usize], w * share as f32))
+        };
+        let mut row: Weighted<CellKey> = scaled(above, around.up).chain(scaled(below, around.down)).collect();
+        let each = each_ray(cells.hits_of(i), around);
+        let in_mirrors = cells.mirrors(i).paths.into_iter();
+        row.extend(in_mirrors.map(|p| (p.cell, (each[usize::from(p.up)] * left(&p.steps, reflectors)) as f32)));
+        row
+    }
+
+    /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky, times the share of
+    /// the sky's light that comes through, if not all does; and what comes by mirrors.
+    pub fn source(
+        &self,
+        cells: &Cells,
+        i: usize,
+        (rho, shares, by_mirrors): (f32, Option<&[f32]>, &Lit),
+        columns: Range<usize>,
+        out: &mut [f32],
+    ) {
+        let (texels, bits) = (self.side * self.side, cells.bits_of(i));
+        for (axis, n) in cells.normals[i].into_iter().enumerate() {
+            let (plane, lit) = (axis * texels..(axis + 1) * texels, rho * n);
+            let here = columns.start.max(plane.start)..columns.end.min(plane.end);
+            for column in here {
+                out[column - columns.start] = if bit(bits, column - plane.start) { lit } else { 0.0 };
+            }
+        }
+        if let Some(shares) = shares {
+            out.iter_mut().zip(columns.clone()).for_each(|(value, column)| *value *= shares[column % texels]);
+        }
+        let first = by_mirrors.partition_point(|&(column, _)| (column as usize) < columns.start);
+        let here = by_mirrors[first..].iter().take_while(|&&(column, _)| (column as usize) < columns.end);
+        here.for_each(|&(column, value)| out[column as usize - columns.start] += rho * value);
+    }
+
+    /// Columns of a block.
+    pub fn columns(&self, block: usize) -> Range<usize> {
+        block * BLOCK..self.width().min((block + 1) * BLOCK)
+    }
+}
+
+/// The closed system, solved for some states of its reflectances: each of its cells' radiosity per unit normal irradiance from
+/// direction s is s . X.
+pub struct Closed {
+    /// Sorted.
+    keys: Vec<CellKey>,
+    width: usize,
+    /// `[state]`
+    values: Vec<Values>,
+}
+
+/// [block of columns][cell][column].
+enum Values {
+    Memory(Vec<Vec<Block>>),
+    Disk(Scratch),
+}
+
+impl Closed {
+    /// Solves the system of an archive's cells for each state and its leaves. Values beyond `memory` bytes go to temporary files in `folder`.
+    pub fn solve(
+        tables: &Tables,
+        rules: &Rules,
+        states: &[Reflectance],
+        leafages: &Leafages,
+        memory: u64,
+        folder: &Path,
+    ) -> Result<Self> {
+        let (width, source) = (rules.width(), &tables.bounces);
+        let mut keys = Vec::new();
+        if rules.depth != Depth::Count(1) {
+            for chunk in 0..source.chunks() {
+                keys.extend(source.chunk(chunk)?.keys.into_iter().filter(|k| rules.closes(k)));
+            }
+        }
+        let blocks = width.div_ceil(BLOCK);
+        let bytes = (states.len() * keys.len() * blocks * size_of::<Block>()) as u64;
+        // A thread that solves a block holds three of its size: no more of them at a time than fit.
+        let of_thread = 3 * (keys.len() * size_of::<Block>()) as u64;
+        let at_once = (memory / of_thread.max(1)).clamp(1, rayon::current_num_threads() as u64) as usize;
+        let solve = |system: &System, state: &Reflectance| {
+            let mut solved =
+                if bytes <= memory { Values::Memory(Vec::new()) } else { Values::Disk(Scratch::new(folder)?) };
+            for first in (0..blocks).step_by(at_once) {
+                let some = (first..blocks.min(first + at_once)).into_par_iter();
+                let some = some.map_init(Default::default, |space, block| (block, system.solve(state, block, space)));
+                match &mut solved {
+                    Values::Memory(values) => values.par_extend(some.map(|(_, values)| values)),
+                    Values::Disk(scratch) => some.try_for_each(|(block, values)| {
+                        let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+                        scratch.write(bytes.len() as u64 * block as u64, &bytes)
+                    })?,
+                }
+            }
+            Ok(solved)
+        };
+        let mut values: Vec<Option<Values>> = states.iter().map(|_| None).collect();
+        for (leafage, powers) in leafages.powers.iter().enumerate() {
+            let system = System::load(tables, rules, &keys, powers)?;
+            for state in leafages.states(leafage) {
+                values[state] = Some(solve(&system, &states[state])?);
+            }
+        }
+        // Each state has a leafage.
+        Ok(Closed { keys, width, values: values.into_iter().flatten().collect() })
+    }
+
+    /// Place of a cell.
+    pub fn find(&self, key: &CellKey) -> Option<usize> {
+        self.keys.binary_search(key).ok()
+    }
+
+    /// Largest value of a linear combination of the states, as a share of the largest value of all; of some thousand cells.
+    pub fn combination(&self, coefficients: &[f64]) -> Result<f64> {
+        let step = self.keys.len().div_ceil(4096).max(1);
+        let cells: Vec<usize> = (0..self.keys.len()).step_by(step).collect();
+        let of_cell = |cell: &usize| {
+            let (mut sum, mut one) = (vec![0.0_f64; self.width], vec![0.0_f32; self.width]);
+            let mut largest = 0.0_f64;
+            for (state, coefficient) in coefficients.iter().enumerate() {
+                self.read(state, *cell, &mut one)?;
+                for (sum, x) in sum.iter_mut().zip(&one) {
+                    *sum += coefficient * f64::from(*x);
+                    largest = largest.max(f64::from(x.abs()));
+                }
+            }
+            Ok((sum.into_iter().map(f64::abs).fold(0.0, f64::max), largest))
+        };
+        let each = cells.par_iter().map(of_cell).collect::<Result<Vec<(f64, f64)>>>()?;
+        let (sum, largest) = each.into_iter().fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
+        Ok(if largest > 0.0 { sum / largest } else { 0.0 })
+    }
+
+    /// Writes the values of one cell in a state, [axis][texel], to `out`.
+    fn read(&self, state: usize, cell: usize, out: &mut [f32]) -> Result<()> {
+        for (block, part) in out[..self.width].chunks_mut(BLOCK).enumerate() {
+            part.copy_from_slice(&self.block(state, block, cell)?[..part.len()]);
+        }
+        Ok(())
+    }
+
+    /// The values of one cell in a state in a block of columns; beyond the last column they mean nothing.
+    pub fn block(&self, state: usize, block: usize, cell: usize) -> Result<Block> {
+        match &self.values[state] {
+            Values::Memory(blocks) => Ok(blocks[block][cell]),
+            Values::Disk(scratch) => {
+                let mut bytes = [0; size_of::<Block>()];
+                let place = (block * self.keys.len() + cell) * bytes.len();
+                scratch.read(place as u64, &mut bytes)?;
+                let mut values = [0.0; BLOCK];
+                for (value, bytes) in values.iter_mut().zip(bytes.as_chunks().0) {
+                    *value = f32::from_le_bytes(*bytes);
+                }
+                Ok(values)
+            }
+        }
+    }
+}
+
+/// The closed system in memory: about 0.3 kB a cell.
+struct System<'a> {
+    rules: &'a Rules,
+    /// The cells' keys, normals and sky bits; what they see is in `rows`.
+    cells: Cells,
+    /// `[cell][texel]`: share of the sky's light that comes through, where not all does.
+    shares: Vec<Option<Vec<f32>>>,
+    /// Starts of the cells' rows, and all rows: (cell, weight).
+    starts: Vec<usize>,
+    rows: Weighted<u32>,
+    /// What the cells get by mirrors.
+    lit: Vec<Lit>,
+}
+
+impl<'a> System<'a> {
+    /// Reads the cells of `keys`, which are all closed cells in order, behind leaves of some transmittances.
+    fn load(tables: &Tables, rules: &'a Rules, keys: &[CellKey], powers: &Powers) -> Result<Self> {
+        let (source, reflectors, centres) = (&tables.bounces, &tables.reflectors, centres_f32(rules.side));
+        let (shares, rows, lit) = (Vec::new(), Vec::new(), Vec::new());
+        let mut system = System { rules, cells: Cells::default(), shares, starts: vec![0], rows, lit };
+        if keys.is_empty() {
+            return Ok(system);
+        }
+        for number in 0..source.chunks() {
+            let chunk = source.chunk(number)?;
+            let chains = Chains::of_cells(&chunk, tables, &centres);
+            // Cells of the closed system see cells of it only.
+            let place: CellMap<u32> =
+                chunk.reached().filter_map(|key| Some((key, keys.binary_search(&key).ok()? as u32))).collect();
+            for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
+                let shade = Shade::of(&chunk, i, rules.side, powers);
+                for (key, weight) in rules.row(&chunk, i, &shade, &centres, reflectors) {
+                    let cell = *place.get(&key).ok_or_else(|| source.missing(&key))?;
+                    system.rows.push((cell, weight));
+                }
+                system.lit.push(in_mirrors_lit(&chunk, i, &chains));
+                system.starts.push(system.rows.len());
+                system.cells.keys.push(chunk.keys[i]);
+                system.cells.normals.push(chunk.normals[i]);
+                system.cells.bits.extend(chunk.bits_of(i));
+                system.shares.push(shade.sky);
+            }
+        }
+        Ok(system)
+    }
+
+    /// One block of columns for a state. `space`: two buffers that serve block after block.
+    fn solve(&self, state: &Reflectance, block: usize, space: &mut [Vec<Block>; 2]) -> Vec<Block> {
+        let [source, next] = space;
+        let columns = self.rules.columns(block);
+        source.clear();
+        source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
+        for (i, (source, key)) in source.iter_mut().zip(&self.cells.keys).enumerate() {
+            let shares = self.shares[i].as_deref();
+            self.rules.source(&self.cells, i, (rho(state, key), shares, &self.lit[i]), columns.clone(), source);
+        }
+        let mut now = source.clone();
+        next.resize(source.len(), [0.0_f32; BLOCK]);
+        for _ in 0..self.rules.steps(state) {
+            Arch::new().dispatch(Step { system: self, state, source, now: &now, next });
+            std::mem::swap(&mut now, next);
+        }
+        now
+    }
+}
+
+/// One Jacobi step, compiled for the processor at hand (as the body of a closure would not be); sums and products only, so with
+/// the same bits everywhere.
+struct Step<'a> {
+    system: &'a System<'a>,
+    state: &'a Reflectance,
+    source: &'a [Block],
+    now: &'a [Block],
+    next: &'a mut [Block],
+}
+
+impl WithSimd for Step<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let System { cells, starts, rows, .. } = self.system;
+        let of_cells = cells.keys.iter().zip(starts.windows(2));
+        for ((next, source), (key, range)) in self.next.iter_mut().zip(self.source).zip(of_cells) {
+            let (mut sum, rho) = (*source, rho(self.state, key));
+            for &(cell, weight) in &rows[range[0]..range[1]] {
+                add_block(&mut sum, weight * rho, &self.now[cell as usize]);
+            }
+            *next = sum;
+        }
+    }
+}
+
+/// How one cell's two kinds of rays share its surroundings.
+#[derive(Clone, Copy, Debug)]
+pub struct Surround {
+    /// Cosine-weighted share of the hemisphere above the horizon that is not sky.
+    pub up: f64,
+    /// Cosine-weighted share below the horizon.
+    pub down: f64,
+}
+
+/// Shares of a cell with mean normal n and n x n sky bits. The share above the horizon is what the sky bits leave, so that
+/// sky and surroundings always add up to the whole hemisphere: a white furnace stays white.
+pub fn surround(normal: [f32; 3], bits: &[u8], centres: &[[f32; 3]]) -> Surround {
+    let share = 2.0 / centres.len() as f64;
+    let mut sky = 0.0;
+    for (t, d) in centres.iter().enumerate() {
+        if bit(bits, t) {
+            let cos = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
+            sky += f64::from(cos.max(0.0));
+        }
+    }
+    let half = (1.0 + f64::from(normal[2])) / 2.0;
+    Surround { up: (half - sky * share).max(0.0), down: (1.0 - half).max(0.0) }
+}
+
+/// Texel centres of an n x n texture in f32.
+pub fn centres_f32(n: usize) -> Vec<[f32; 3]> {
+    texel_centres(n).iter().map(|d| d.as_vec3().to_array()).collect()
+}
+
+/// Cells and their weights.
+pub type Weighted<T> = Vec<(T, f32)>;
+
+/// Columns and what a cell gets in them per unit of reflectance; sorted by column, some come more than once.
+pub type Lit = Vec<(u32, f32)>;
+
+/// Share of a cell's hemisphere that each of its rays stands for: below the horizon, above it.
+pub fn each_ray(hits: &[u32], around: Surround) -> [f64; 2] {
+    let below = hits.iter().filter(|&&h| h & DOWN != 0).count();
+    let above = hits.iter().filter(|&&h| h & DOWN == 0 && h != MISS).count();
+    [around.down / below.max(1) as f64, around.up / above.max(1) as f64]
+}
+
+/// What a bounce cell gets by mirrors per unit of reflectance: column and value.
+pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> Lit {
+    let mirrors = cells.mirrors(row);
+    let mut lit: Lit = Vec::new();
+    for window in &mirrors.windows {
+        let Some((image, shares)) = chains.image(&window.chain, cells.normals[row]) else { continue };
+        for (t, share) in window.texels.iter().filter_map(|&t| Some((usize::from(t), shares.get(usize::from(t))?))) {
+            lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * share)));
+        }
+    }
+    // Stable: what comes in one column is always added in the same order.
+    lit.sort_by_key(|lit| lit.0);
+    lit
+}
+
+/// Weights of the cells that one cell sees, for its rays above and below the horizon apart: each list sums to the share of
+/// rays that met something (of the rays that met something, for the upper ones). Sorted by first ray. `shares` of the light that
+/// come through along each ray, if not all does.
+pub fn seen(hits: &[u32], shares: Option<&[f32]>) -> (Weighted<u32>, Weighted<u32>) {
+    let rays = || hits.iter().enumerate().map(|(ray, &hit)| (hit, shares.map_or(1.0, |shares| shares[ray])));
+    let below: Weighted<u32> = rays().filter(|(h, _)| h & DOWN != 0).map(|(h, share)| (h & !DOWN, share)).collect();
+    let above: Weighted<u32> = rays().filter(|(h, _)| h & DOWN == 0 && *h != MISS).collect();
+    let merge = |rays: &[(u32, f32)]| {
+        let each = 1.0 / rays.len().max(1) as f32;
+        let mut merged: Weighted<u32> = Vec::with_capacity(rays.len());
+        for &(cell, share) in rays.iter().filter(|(h, _)| *h != MISS) {
+            let weight = each * share;
+            match merged.iter_mut().find(|m| m.0 == cell) {
+                Some(m) => m.1 += weight,
+                None => merged.push((cell, weight)),
+            }
+        }
+        merged
+    };
+    (merge(&above), merge(&below))
+}

@@ -1,0 +1,13 @@
+//! Light: what arrives by way of surfaces. In: layers and tables of an archive, reflectances. Out: responses, one vector per sky texel.
+//! Never: weather of an hour, rays.
+
+pub mod bounces;
+pub mod canopies;
+pub mod fresnel;
+pub mod load;
+pub mod mirrors;
+pub mod responder;
+pub mod response;
+mod scratch;
+mod slots;
+pub mod states;

@@ -1,0 +1,159 @@
+//! What a receiver makes of its hits and of its response texture. In: a tile's hits, or a response and a direction. Out: the
+//! weight of every cell that it sees, its view factors, its diffuse irradiance.
+
+use glam::DVec3;
+
+use crate::archive::tables::{Materials, Optics};
+use crate::hemisphere::{Frame, jitter, texel_direction};
+use crate::layers::hit::HitTile;
+use crate::layers::response::CLASSES;
+use crate::site::material::{Class, Glass, Material};
+
+/// Sizes that give the tables their shape.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    /// Side of the hit texture.
+    pub hit: usize,
+    /// Side of the probes' sky texture, and of G.
+    pub probe: usize,
+    /// Side of the bounce cells' sky texture.
+    pub bounce_sky: usize,
+    /// Level of the bounce cells at middle distance: from here up cells see each other in circles.
+    pub closed_level: i8,
+}
+
+/// Optical properties of a material that recombination needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflector {
+    pub diffuse: f64,
+    pub class: Class,
+    /// Specular reflectance at any angle; 0 for glass.
+    pub specular: f64,
+    /// Panes of clear glass.
+    pub panes: u8,
+    /// Of a canopy; `None` is opaque.
+    pub transmittance: Option<f64>,
+}
+
+impl Reflector {
+    /// What a replay may change: of a canopy its transmittance, else the diffuse reflectance.
+    pub fn variable(&self) -> f64 {
+        self.transmittance.unwrap_or(self.diffuse)
+    }
+
+    /// The properties of a material of the scene.
+    pub fn of(material: &Material) -> Self {
+        Reflector {
+            diffuse: material.diffuse,
+            class: material.class,
+            specular: material.specular,
+            panes: material.glass.map_or(0, Glass::panes),
+            transmittance: material.transmittance,
+        }
+    }
+
+    /// Whether it reflects like a mirror.
+    pub fn mirrors(&self) -> bool {
+        self.specular > 0.0 || self.panes > 0
+    }
+
+    /// The rows of an archive's tables; without a table of optics all are opaque and no glass.
+    pub fn of_tables(materials: &Materials, optics: Option<&Optics>) -> Vec<Self> {
+        let reflector = |row: usize| Reflector {
+            diffuse: materials.diffuse[row],
+            class: if materials.class[row] == 1 { Class::Ground } else { Class::Obstruction },
+            specular: materials.specular[row],
+            panes: optics.map_or(0, |o| o.panes[row]),
+            transmittance: optics.and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
+        };
+        (0..materials.rows()).map(reflector).collect()
+    }
+}
+
+/// What is needed of a receiver besides its hits.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewer {
+    pub normal: DVec3,
+    /// Seed of its hit rays' jitter.
+    pub seed: u64,
+    /// Cosine-weighted share of its hemisphere that is sky, from the sky texture.
+    pub sky_view: f64,
+}
+
+/// Weight of each cell of a tile's palette at one receiver.
+#[derive(Clone, Debug)]
+pub struct HitWeights {
+    /// (palette index, cosine-weighted share of the hemisphere), in palette order.
+    pub cells: Vec<(usize, f64)>,
+}
+
+/// Weights of the hits of a receiver, cell by cell. `shares` of the light that come through along each ray, if not all does.
+pub fn hit_weights(texels: &[u32], viewer: &Viewer, shares: Option<&[f32]>) -> HitWeights {
+    let mut weights = texel_weights(texels, viewer);
+    if let Some(shares) = shares {
+        weights.iter_mut().zip(shares).for_each(|(weight, &share)| *weight *= f64::from(share));
+    }
+    let mut hits: Vec<(usize, f64)> = texels
+        .iter()
+        .zip(weights)
+        .filter(|(cell, _)| **cell != 0)
+        .map(|(&cell, weight)| (cell as usize - 1, weight))
+        .collect();
+    hits.sort_by_key(|h| h.0);
+    hits.dedup_by(|later, first| {
+        let same = later.0 == first.0;
+        if same {
+            first.1 += later.1;
+        }
+        same
+    });
+    HitWeights { cells: hits }
+}
+
+/// Cosine-weighted share of the hemisphere that each texel stands for; 0 where nothing is met. Rays above the horizon share what the
+/// (much finer) sky texture leaves, rays below share the lower part of the hemisphere; so sky and surfaces add up to one exactly.
+pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
+    let n = texels.len().isqrt();
+    let frame = Frame::of(viewer.normal);
+    let (mut above, mut below) = (0.0, 0.0);
+    let rays: Vec<(f64, bool)> = (0..texels.len())
+        .map(|t| {
+            let local = texel_direction(t % n, t / n, n, jitter(viewer.seed, t as u64));
+            let up = frame.to_world(local).z > 0.0;
+            if !up {
+                below += local.z;
+            } else if texels[t] != 0 {
+                above += local.z;
+            }
+            (local.z, up)
+        })
+        .collect();
+    let upper_half = (1.0 + viewer.normal.z) / 2.0;
+    let ratio = |share: f64, sum: f64| if sum > 0.0 { share.max(0.0) / sum } else { 0.0 };
+    let up_scale = ratio(upper_half - viewer.sky_view, above);
+    let down_scale = ratio(1.0 - upper_half, below);
+    let weight = |(&cell, (cos, up))| match cell {
+        0 => 0.0,
+        _ => cos * if up { up_scale } else { down_scale },
+    };
+    texels.iter().zip(rays).map(weight).collect()
+}
+
+/// Shares of a receiver's hemisphere whose first hit is ground and obstruction; canopies hide nothing.
+pub fn view_factors(texels: &[u32], tile: &HitTile, reflectors: &[Reflector], viewer: &Viewer) -> [f64; CLASSES] {
+    let mut shares = [0.0; CLASSES];
+    for (cell, weight) in hit_weights(texels, viewer, None).cells {
+        if let Some(reflector) = reflectors.get(usize::from(tile.palette[cell].material)) {
+            shares[class_index(reflector.class)] += weight;
+        }
+    }
+    shares
+}
+
+/// Place of a first-hit class in a response.
+pub fn class_index(class: Class) -> usize {
+    match class {
+        Class::Ground => 0,
+        Class::Obstruction => 1,
+    }
+}

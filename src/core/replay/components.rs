@@ -1,0 +1,160 @@
+//! The value columns of results, and which of them are asked for.
+
+use std::str::FromStr;
+
+/// Ending of the value columns of sums over periods.
+pub const SUM_SUFFIX: &str = "_kwh_m2";
+
+/// A value column, in the order of [`crate::replay::values::TileValues`]: W/m2 means; sums add [`SUM_SUFFIX`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Component {
+    SunDirect,
+    SkyDirect,
+    SunDiffuse,
+    SkyDiffuse,
+    SunSpecular,
+    SkySpecular,
+    /// The sum of the six.
+    Total,
+    /// Of sky, ground and obstructions by their temperatures; no part of the total.
+    Longwave,
+}
+
+impl Component {
+    /// All columns of light: those of results if nothing is chosen.
+    pub const ALL: [Component; 7] = [
+        Component::SunDirect,
+        Component::SkyDirect,
+        Component::SunDiffuse,
+        Component::SkyDiffuse,
+        Component::SunSpecular,
+        Component::SkySpecular,
+        Component::Total,
+    ];
+
+    /// Columns beyond them, for results that name them.
+    pub const FURTHER: [Component; 1] = [Component::Longwave];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Component::SunDirect => "sun_direct",
+            Component::SkyDirect => "sky_direct",
+            Component::SunDiffuse => "sun_diffuse",
+            Component::SkyDiffuse => "sky_diffuse",
+            Component::SunSpecular => "sun_specular",
+            Component::SkySpecular => "sky_specular",
+            Component::Total => "total",
+            Component::Longwave => "longwave",
+        }
+    }
+}
+
+/// Which components results hold, whatever their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ComponentSet(u8);
+
+impl ComponentSet {
+    /// Of [`Component::ALL`].
+    pub const ALL: ComponentSet = ComponentSet(0x7f);
+
+    pub fn of(components: &[Component]) -> Self {
+        ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u8))
+    }
+
+    pub fn contains(self, component: Component) -> bool {
+        self.0 & 1 << component as u8 != 0
+    }
+
+    /// Whether a component must be computed: it is asked for, or a part of the total that is.
+    pub fn needs(self, component: Component) -> bool {
+        self.contains(component) || self.contains(Component::Total) && !Component::FURTHER.contains(&component)
+    }
+
+    /// Number of places for components, in the order of their numbers, that values need to hold the set.
+    pub fn places(self) -> usize {
+        let further = Component::FURTHER.iter().filter(|component| self.contains(**component)).count();
+        Component::ALL.len() + further
+    }
+}
+
+/// Components in the order asked for: at least one, none twice.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ComponentList(Vec<Component>);
+
+impl ComponentList {
+    pub fn all() -> Self {
+        ComponentList(Component::ALL.to_vec())
+    }
+
+    pub fn as_slice(&self) -> &[Component] {
+        &self.0
+    }
+
+    pub fn set(&self) -> ComponentSet {
+        ComponentSet::of(&self.0)
+    }
+}
+
+/// `total,sun_direct`: names with or without [`SUM_SUFFIX`].
+impl FromStr for ComponentList {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = || Component::ALL.into_iter().chain(Component::FURTHER);
+        let mut list = Vec::new();
+        for part in text.split(',').map(str::trim) {
+            let name = part.strip_suffix(SUM_SUFFIX).unwrap_or(part);
+            let Some(component) = known().find(|c| c.name() == name) else {
+                let names: Vec<&str> = known().map(Component::name).collect();
+                return Err(format!("`{part}` is no column, name some of {}", names.join(", ")));
+            };
+            if list.contains(&component) {
+                return Err(format!("`{name}` stands there twice"));
+            }
+            list.push(component);
+        }
+        Ok(ComponentList(list))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two names, one with the ending of sums, come in the order asked; the set holds 2 and needs all 7 for the total, and 1
+    /// without it.
+    #[test]
+    fn lists_and_sets() {
+        let list: ComponentList = "total_kwh_m2, sky_direct".parse().expect("names");
+        assert_eq!(list.as_slice(), [Component::Total, Component::SkyDirect]);
+        let count = |with: &dyn Fn(Component) -> bool| Component::ALL.into_iter().filter(|c| with(*c)).count();
+        assert_eq!((count(&|c| list.set().contains(c)), count(&|c| list.set().needs(c))), (2, 7));
+        let one = ComponentSet::of(&[Component::SunDiffuse]);
+        assert_eq!(count(&|c| one.needs(c)), 1);
+        assert_eq!(ComponentList::all().set(), ComponentSet::ALL);
+    }
+
+    /// Longwave irradiance is asked for by name, 1 of 1, is no part of the total, and takes an eighth place.
+    #[test]
+    fn longwave() {
+        let list: ComponentList = "longwave_kwh_m2".parse().expect("a name");
+        assert_eq!(list.as_slice(), [Component::Longwave]);
+        assert_eq!((list.set().places(), ComponentSet::ALL.places()), (8, 7));
+        assert!(list.set().needs(Component::Longwave) && !ComponentSet::ALL.needs(Component::Longwave));
+        assert!(!list.set().needs(Component::SunDirect));
+    }
+
+    /// An unknown name is refused with all 8 names, an empty one and a repeated one too: 3 of 3.
+    #[test]
+    fn refusals() {
+        let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);
+        let unknown = refused("sun");
+        assert!(
+            Component::ALL.into_iter().chain(Component::FURTHER).all(|c| unknown.contains(c.name()))
+                && unknown.contains("`sun`"),
+            "{unknown}"
+        );
+        assert!(refused("total,").contains("`` is no column"));
+        assert!(refused("total,total_kwh_m2").contains("`total` stands there twice"));
+    }
+}

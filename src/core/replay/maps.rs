@@ -1,0 +1,394 @@
+//! Maps of one receiver: what its layers say of each direction. In: a [`ReceiverView`], and optionally a sun and a sky. Out: textures
+//! with named channels.
+//!
+//! One rule holds for all of them: the sum over the texels of a channel named like a column of results, times the channel
+//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::archive::Archive;
+use crate::error::Result;
+use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, bilinear, direction_of, texel_direction};
+use crate::layers::canopy::{SEEN, SKY, sky_side};
+use crate::layers::hit::HitTile;
+use crate::layers::response::{CLASSES, Response};
+use crate::light::bounces::Depth;
+use crate::light::load::{Tables, TileView, sides};
+use crate::light::mirrors::left;
+use crate::light::responder::Responder;
+use crate::light::response::{Reflector, Viewer, class_index, texel_weights};
+use crate::replay::receiver_view::ReceiverView;
+use crate::replay::shaded::Veil;
+use crate::replay::tile::TextureSides;
+use crate::site::cells::CellKey;
+use crate::sky::disc::disc_texels;
+use crate::sky::patches::Patches;
+use crate::sky::projection::Projection;
+use crate::sky::sky::SkyModel;
+use crate::weather::conditions::Condition;
+
+/// Frames that textures are in.
+pub const WORLD: &str = "world";
+pub const SURFACE: &str = "surface";
+
+/// A texture and its channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    pub name: &'static str,
+    /// [`WORLD`] or [`SURFACE`].
+    pub frame: &'static str,
+    /// Texels a side.
+    pub side: usize,
+    pub channels: Vec<Channel>,
+}
+
+/// One value for each texel, row-major as in the layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub values: Vec<f32>,
+}
+
+const RADIANCE: &str = "W/m2 sr";
+
+impl Map {
+    fn add(&mut self, name: &'static str, unit: &'static str, values: Vec<f32>) {
+        self.channels.push(Channel { name, unit, values });
+    }
+}
+
+/// Points a side of a texel in which patches are sampled, as replay does for its base texels.
+const SAMPLES: usize = 8;
+
+/// Sun and sky ready for the textures of an archive.
+pub struct Light {
+    condition: Condition,
+    depth: Depth,
+    patches: Patches,
+    /// `[patch]`, W/m2 sr.
+    radiances: Vec<f64>,
+    /// Patches on the response texture, and its radiance, `[texel]`.
+    projection: Projection,
+    on_response: Vec<f64>,
+}
+
+impl Light {
+    pub fn new(archive: &Archive, condition: Condition, model: SkyModel, patches: usize, depth: Depth) -> Result<Self> {
+        let sides = sides(archive)?;
+        let patches = Patches::new(patches)?;
+        let open = Projection::new(&patches, sides.sky_base, SAMPLES).open_horizontal_sr;
+        let radiances = patches.radiances(model, &condition, &open);
+        let projection = Projection::new(&patches, sides.response, SAMPLES);
+        let radiance = |t| projection.of_texel(t).iter().map(|&(p, s)| radiances[usize::from(p)] * f64::from(s)).sum();
+        let on_response = (0..sides.response * sides.response).map(radiance).collect();
+        Ok(Light { condition, depth, patches, radiances, projection, on_response })
+    }
+
+    /// What a response makes of it, W/m2: sun and sky.
+    fn reflected(&self, response: &Response) -> [f64; 2] {
+        let g = response.vectors();
+        let vector = |t: usize| DVec3::from(g[t].map(f64::from));
+        let of_sun = |sun: DVec3| -> f64 {
+            bilinear(sun, self.projection.side()).into_iter().map(|(t, w)| w * sun.dot(vector(t))).sum()
+        };
+        let suns: f64 = self.condition.suns.iter().map(|instant| instant.weight * of_sun(instant.sun)).sum();
+        let texels = self.projection.mean_directions.iter().zip(&self.on_response).enumerate();
+        let sky: f64 = texels.map(|(t, (d, radiance))| radiance * d.dot(vector(t))).sum();
+        [suns * self.condition.dni_w_m2, sky * self.projection.texel_sr()]
+    }
+}
+
+/// All maps of a receiver; those of `light` only where there is one.
+pub fn maps(
+    archive: &Archive,
+    view: &ReceiverView,
+    light: Option<&Light>,
+    memory: u64,
+    folder: &Path,
+) -> Result<Vec<Map>> {
+    let mut hit = hit_map(view);
+    let mut response = None;
+    if let Some(light) = light {
+        let lit = lit_cells(archive, view, light, memory, folder)?;
+        let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
+        hit.add("sun_diffuse", RADIANCE, of(0));
+        hit.add("sky_diffuse", RADIANCE, of(1));
+        if light.depth != Depth::All {
+            response = Some(lit.response);
+        }
+    }
+    let response = match response {
+        Some(derived) => derived,
+        None => view.response(archive)?,
+    };
+    let sky = SkyTexels::new(view, light);
+    let mut maps = vec![sky_map(view, &sky, light, sides(archive)?), hit, response_map(&response, light)];
+    if !view.mirrors.is_empty() {
+        maps.push(mirror_map(view, &sky, light));
+    }
+    Ok(maps)
+}
+
+/// Means over the texels of the sky.
+struct SkyTexels {
+    side: usize,
+    texels: Vec<SkyTexel>,
+    /// Of their radiance.
+    scale: f64,
+}
+
+impl SkyTexels {
+    fn new(view: &ReceiverView, light: Option<&Light>) -> Self {
+        let side = view.sky.side() * view.sky.block();
+        let texel = |t: usize| sky_texel(view.receiver.normal, light, side, t);
+        let texels: Vec<SkyTexel> = (0..side * side).into_par_iter().with_min_len(side).map(texel).collect();
+        // As replay does on its texels: an open horizontal receiver gets DHI exactly.
+        let open = texels.iter().map(|t| f64::from(t.horizontal)).sum::<f64>() * texel_sr(side);
+        let dhi_w_m2 = light.map_or(0.0, |light| light.condition.dhi_w_m2);
+        SkyTexels { side, texels, scale: if open > 0.0 { dhi_w_m2 / open } else { 0.0 } }
+    }
+
+    fn radiance(&self, texel: usize) -> f32 {
+        (f64::from(self.texels[texel].radiance) * self.scale) as f32
+    }
+}
+
+/// Solid angle of a texel, sr.
+fn texel_sr(side: usize) -> f64 {
+    HEMISPHERE_SR / (side * side) as f64
+}
+
+/// What is sky, and with a light the sky and the sun that are seen in it.
+fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>, sides: TextureSides) -> Map {
+    let (side, texels, texel_sr) = (sky.side, &sky.texels, texel_sr(sky.side));
+    // Bits reach a little behind the surface.
+    let visible: Vec<bool> =
+        texels.iter().enumerate().map(|(t, texel)| texel.cos > 0.0 && view.sky.get(t % side, t / side)).collect();
+    let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
+    map.add("visible", "1 where sky is seen, else 0", visible.iter().map(|v| f32::from(u8::from(*v))).collect());
+    map.add("weight_sr", "sr", texels.iter().map(|t| (f64::from(t.cos) * texel_sr) as f32).collect());
+    let rays = sky_side(sides.sky_base, sides.sky_fine).pow(2);
+    let veil = view.canopy.through(SKY, rays, &view.powers).map(|shares| Veil::new(shares, sides));
+    let through = |t: usize| veil.as_ref().map_or(1.0, |veil| veil.at_fine((t % side, t / side)));
+    if veil.is_some() {
+        map.add("through", "share of the light that canopies let through", (0..side * side).map(through).collect());
+    }
+    let Some(light) = light else { return map };
+    let seen = |t: usize| if visible[t] { sky.radiance(t) * through(t) } else { 0.0 };
+    map.add("sky_direct", RADIANCE, (0..side * side).map(seen).collect());
+    let mut sun = vec![0.0_f32; side * side];
+    for instant in &light.condition.suns {
+        // Replay takes the cosine of the middle for the whole disc.
+        let normal_w_m2 = light.condition.dni_w_m2 * instant.weight * view.receiver.normal.dot(instant.sun).max(0.0);
+        for (column, row, share) in disc_texels(instant.sun, side) {
+            let t = row as usize * side + column as usize;
+            if visible[t] {
+                let share = f64::from(share) * f64::from(through(t));
+                sun[t] += (normal_w_m2 * share / (f64::from(texels[t].cos) * texel_sr)) as f32;
+            }
+        }
+    }
+    map.add("sun_direct", RADIANCE, sun);
+    map
+}
+
+/// What is sky by way of mirrors, on the texels of the sky that light comes from.
+fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>) -> Map {
+    let side = sky.side;
+    let mut weights = vec![0.0_f64; side * side];
+    let mut sun = vec![0.0_f64; side * side];
+    for window in &view.mirrors {
+        let image = window.reflection.image(view.receiver.normal);
+        let mut visible = HashSet::new();
+        for (column, row) in window.visible() {
+            let d = texel_direction(column, row, side, DVec2::splat(0.5));
+            let cos = image.dot(d);
+            if cos > 0.0 {
+                weights[row * side + column] += cos * window.reflection.share(d) * texel_sr(side);
+                visible.insert((column, row));
+            }
+        }
+        let Some(light) = light else { continue };
+        for instant in &light.condition.suns {
+            // Replay takes the middle for the whole disc.
+            let share = window.reflection.share(instant.sun) * image.dot(instant.sun).max(0.0);
+            for (column, row, of_disc) in disc_texels(instant.sun, side) {
+                let (column, row) = (column as usize, row as usize);
+                if visible.contains(&(column, row)) {
+                    let normal_w_m2 = light.condition.dni_w_m2 * instant.weight * f64::from(of_disc);
+                    sun[row * side + column] += normal_w_m2 * share;
+                }
+            }
+        }
+    }
+    let mut map = Map { name: "mirror", frame: WORLD, side, channels: Vec::new() };
+    map.add("weight_sr", "sr", weights.iter().map(|&w| w as f32).collect());
+    if light.is_some() {
+        let seen = |(t, &weight): (usize, &f64)| if weight > 0.0 { sky.radiance(t) } else { 0.0 };
+        map.add("sky_specular", RADIANCE, weights.iter().enumerate().map(seen).collect());
+        let radiance = |(e, &weight): (f64, &f64)| if weight > 0.0 { (e / weight) as f32 } else { 0.0 };
+        map.add("sun_specular", RADIANCE, sun.into_iter().zip(&weights).map(radiance).collect());
+    }
+    map
+}
+
+/// Means over a texel of the sky.
+struct SkyTexel {
+    /// Cosine on the receiver.
+    cos: f32,
+    /// Radiance by its patches, and that times the cosine on a horizontal surface.
+    radiance: f32,
+    horizontal: f32,
+}
+
+fn sky_texel(normal: DVec3, light: Option<&Light>, side: usize, t: usize) -> SkyTexel {
+    // Points 1/2048 of the square apart: 4 in a texel of the usual 1024.
+    let samples = (2048 / side).max(1);
+    let (mut cos, mut radiance, mut horizontal) = (0.0, 0.0, 0.0);
+    for i in 0..samples * samples {
+        let inside = (DVec2::new((i % samples) as f64, (i / samples) as f64) + 0.5) / samples as f64;
+        let square = (DVec2::new((t % side) as f64, (t / side) as f64) + inside) / side as f64;
+        cos += normal.dot(direction_of(square)).max(0.0);
+        if let Some(light) = light {
+            let (turns, z) = azimuth_and_z(square);
+            let of_patch = light.radiances[light.patches.patch_at(turns, z)];
+            radiance += of_patch;
+            horizontal += of_patch * z;
+        }
+    }
+    let mean = |sum: f64| (sum / (samples * samples) as f64) as f32;
+    SkyTexel { cos: mean(cos), radiance: mean(radiance), horizontal: mean(horizontal) }
+}
+
+/// Which cells are met, and what they are worth.
+fn hit_map(view: &ReceiverView) -> Map {
+    let side = view.texels.len().isqrt();
+    let mut map = Map { name: "hit", frame: SURFACE, side, channels: Vec::new() };
+    let class = |t| view.class(t).map_or(0.0, |class| 1.0 + class_index(class) as f32);
+    let material = |t| view.cell(t).map_or(0.0, |cell| 1.0 + f32::from(cell.material));
+    let texels = 0..view.texels.len();
+    map.add("class", "0 nothing, 1 ground, 2 obstruction", texels.clone().map(class).collect());
+    map.add("material", "0 nothing, else place in `materials`, from 1", texels.map(material).collect());
+    let cells = view.texels.iter().map(|&t| t as f32).collect();
+    map.add("cell", "0 nothing, else place among the cells that the tile sees, from 1", cells);
+    let mut mirrors = vec![0.0_f32; view.texels.len()];
+    for path in &view.paths {
+        if let Some(most) = mirrors.get_mut(path.texel as usize) {
+            *most = most.max(path.steps.len() as f32);
+        }
+    }
+    map.add("mirrors", "mirrors passed to the last surface that is seen, 0 for none", mirrors);
+    // Shares of the hemisphere, whose weight is pi.
+    let weights = texel_weights(&view.texels, &view.viewer);
+    map.add("weight_sr", "sr", weights.iter().map(|w| (w * HEMISPHERE_SR / 2.0) as f32).collect());
+    map
+}
+
+/// What each direction of the sky is worth by way of reflections.
+fn response_map(response: &Response, light: Option<&Light>) -> Map {
+    const NAMES: [&str; CLASSES * 3] =
+        ["ground.x", "ground.y", "ground.z", "obstruction.x", "obstruction.y", "obstruction.z"];
+    let texels = response.values.len() / NAMES.len();
+    let side = texels.isqrt();
+    let mut map = Map { name: "response", frame: WORLD, side, channels: Vec::new() };
+    for (name, values) in NAMES.into_iter().zip(response.values.chunks(texels.max(1))) {
+        map.add(name, "W/m2 for 1 W/m2 at normal incidence", values.to_vec());
+    }
+    if let Some(light) = light {
+        let worth = |(d, g): (&DVec3, [f32; 3])| d.dot(DVec3::from(g.map(f64::from))) * light.projection.texel_sr();
+        let weights = light.projection.mean_directions.iter().zip(response.vectors()).map(|pair| worth(pair) as f32);
+        map.add("weight_sr", "sr", weights.collect());
+        map.add("sky_diffuse", RADIANCE, light.on_response.iter().map(|&l| l as f32).collect());
+    }
+    map
+}
+
+/// Light that the cells around a receiver send.
+struct Lit {
+    /// `[texel]` of the hit texture: radiance by the sun, by the sky.
+    texels: Vec<[f64; 2]>,
+    /// Of the receiver, as the sum of all.
+    response: Response,
+}
+
+/// A cell that a texel shows, in mirrors or not.
+struct Shown {
+    cell: CellKey,
+    texel: usize,
+    /// Share of its light that is left.
+    left: f64,
+    /// Of what is seen first.
+    class: usize,
+}
+
+/// Cells that responses are derived for at a time: some 25 MB.
+const CELLS_AT_ONCE: usize = 1024;
+
+fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64, folder: &Path) -> Result<Lit> {
+    let mut tables = Tables::load(archive)?;
+    // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
+    tables.shape.hit = 1;
+    let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
+    let responder = Responder::new(&tables, light.depth, memory, folder)?;
+    let shown = shown(view, &tables.reflectors);
+    let weights = texel_weights(&view.texels, &view.viewer);
+    let mut lit = Lit {
+        texels: vec![[0.0; 2]; view.texels.len()],
+        response: Response { values: vec![0.0; Response::len(tables.shape.probe)] },
+    };
+    let cells: Vec<&[Shown]> = shown.chunk_by(|a, b| a.cell == b.cell).collect();
+    for part in cells.chunks(CELLS_AT_ONCE) {
+        let palette: Vec<CellKey> = part.iter().map(|places| places[0].cell).collect();
+        let hits = HitTile { palette, texels: (1..=part.len() as u32).collect() };
+        let tile = TileView {
+            ids: Vec::new(),
+            viewers: vec![viewer; part.len()],
+            hits,
+            mirrored: Vec::new(),
+            canopies: Vec::new(),
+        };
+        let responses = responder.derive(&tables, &[tile])?;
+        for (response, places) in responses.into_iter().flatten().flatten().zip(part) {
+            let radiances = light.reflected(&response).map(|e| e / (HEMISPHERE_SR / 2.0));
+            let mut shares = [0.0_f64; CLASSES];
+            for place in *places {
+                shares[place.class] += weights[place.texel] * place.left;
+                let texel = lit.texels[place.texel].iter_mut().zip(radiances);
+                texel.for_each(|(sum, radiance)| *sum += radiance * place.left);
+            }
+            // The cell's own class holds all of it; in a mirror it counts for the mirror's.
+            let of_class = response.values.len() / CLASSES;
+            let all = response.values.chunks(of_class).fold(vec![0.0_f32; of_class], |mut sum, values| {
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                sum
+            });
+            for (sums, share) in lit.response.values.chunks_mut(of_class).zip(shares) {
+                sums.iter_mut().zip(&all).for_each(|(sum, value)| *sum += share as f32 * value);
+            }
+        }
+    }
+    Ok(lit)
+}
+
+/// All cells that texels show, by cell.
+fn shown(view: &ReceiverView, reflectors: &[Reflector]) -> Vec<Shown> {
+    let class_of = |material: u16| reflectors.get(usize::from(material)).map_or(0, |r| class_index(r.class));
+    let through = view.canopy.through(SEEN, view.texels.len(), &view.powers);
+    let direct = (0..view.texels.len()).filter_map(|texel| {
+        let cell = *view.cell(texel)?;
+        let left = through.as_ref().map_or(1.0, |shares| f64::from(shares[texel]));
+        Some(Shown { cell, texel, left, class: class_of(cell.material) })
+    });
+    let in_mirrors = view.paths.iter().filter_map(|path| {
+        let class = class_of(path.steps.first()?.0);
+        Some(Shown { cell: path.cell, texel: path.texel as usize, left: left(&path.steps, reflectors), class })
+    });
+    let mut all: Vec<Shown> = direct.chain(in_mirrors).collect();
+    all.sort_by_key(|shown| (shown.cell, shown.texel));
+    all
+}

@@ -1,0 +1,17 @@
+//! Replay: layers of an archive and the weather of an hour become irradiance. In: an archive, conditions, the choice of a sky. Out: six
+//! components and their total for every receiver and condition, and longwave irradiance where it is asked for. It never casts a ray:
+//! the crate has no code that could.
+
+pub mod components;
+pub mod longwave;
+pub mod maps;
+pub mod receiver_view;
+pub mod reflectances;
+#[allow(clippy::module_inception)]
+pub mod replay;
+pub mod shaded;
+pub mod sources;
+pub mod specular;
+pub mod suns;
+pub mod tile;
+pub mod values;

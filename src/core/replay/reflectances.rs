@@ -1,0 +1,308 @@
+//! Reflectances and transmittances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out:
+//! schedules of materials, checked.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::archive::tables::Materials;
+use crate::error::{Error, Result};
+use crate::light::states::Schedule;
+use crate::weather::calendar::Date;
+use crate::weather::formats::schedule_csv::{Column, read_schedule};
+use crate::weather::weather::Row;
+
+/// What the ground reflects under snow, from the weather file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Snow {
+    /// The snow's reflectance wherever the snow depth is 1 cm or more
+    Depth,
+    /// The column `albedo`, wherever it has a value
+    Albedo,
+}
+
+/// The values of a schedule.
+const REFLECTANCE: Column = Column { name: "reflectance", low: 0.0, high: 1.0 };
+const TRANSMITTANCE: Column = Column { name: "transmittance", low: 0.0, high: 1.0 };
+
+/// Depth from which snow covers the ground.
+const COVER_CM: f64 = 1.0;
+
+/// What a transmittance is, or where it stands for each row of a weather file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Follow {
+    Value(f64),
+    File(PathBuf),
+}
+
+impl FromStr for Follow {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.parse::<f64>() {
+            Ok(value) if (0.0..=1.0).contains(&value) => Ok(Follow::Value(value)),
+            Ok(value) => Err(format!("a transmittance is from 0 to 1, not {value}")),
+            Err(_) if text.is_empty() => Err("give a number from 0 to 1 or a CSV file".into()),
+            Err(_) => Ok(Follow::File(text.into())),
+        }
+    }
+}
+
+/// The materials of an archive, and which of them are canopies.
+pub struct Changeable<'a> {
+    /// The archive, for messages.
+    pub site: &'a Path,
+    pub materials: &'a Materials,
+    /// By material; empty where none is.
+    pub lets_through: &'a [bool],
+}
+
+/// What is changed. Later entries win over earlier ones, schedules over constants, snow over both.
+#[derive(Clone, Debug, Default)]
+pub struct Changes {
+    /// Group, material or class, and its diffuse reflectance.
+    pub constant: Vec<(String, f64)>,
+    /// Group, material or class, and the file of its schedule.
+    pub scheduled: Vec<(String, PathBuf)>,
+    /// Where it comes from, and the reflectance of snow.
+    pub snow: Option<(Snow, f64)>,
+    /// Group, material or class of canopies, and what comes through at each crossing.
+    pub transmittance: Vec<(String, Follow)>,
+}
+
+impl Changes {
+    /// Whether nothing is changed.
+    pub fn is_empty(&self) -> bool {
+        self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none() && self.transmittance.is_empty()
+    }
+
+    /// Schedules over `conditions` conditions that have no date.
+    pub fn constant(&self, changeable: &Changeable, conditions: usize) -> Result<Vec<Schedule>> {
+        let mut schedules = self.reflecting(changeable, conditions)?;
+        schedules.extend(self.letting_through(changeable, conditions, &[])?);
+        Ok(schedules)
+    }
+
+    fn reflecting(&self, changeable: &Changeable, conditions: usize) -> Result<Vec<Schedule>> {
+        let of =
+            |(name, value): &(String, f64)| schedule(changeable, changeable.opaque(name)?, vec![*value; conditions]);
+        self.constant.iter().map(of).collect()
+    }
+
+    fn letting_through(&self, changeable: &Changeable, conditions: usize, dates: &[Date]) -> Result<Vec<Schedule>> {
+        let of = |(name, follow): &(String, Follow)| {
+            let values = match follow {
+                Follow::Value(value) => vec![*value; conditions],
+                Follow::File(path) => read_schedule(path, TRANSMITTANCE, dates)?,
+            };
+            Ok(Schedule { materials: changeable.canopies(name)?, values })
+        };
+        self.transmittance.iter().map(of).collect()
+    }
+
+    /// Schedules over the rows of a weather file, and what the user should know about them.
+    pub fn over(&self, changeable: &Changeable, rows: &[Row]) -> Result<(Vec<Schedule>, Vec<String>)> {
+        let materials = changeable.materials;
+        let mut schedules = self.reflecting(changeable, rows.len())?;
+        let mut warnings = Vec::new();
+        let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
+        for (name, path) in &self.scheduled {
+            schedules.push(schedule(changeable, changeable.opaque(name)?, read_schedule(path, REFLECTANCE, &dates)?)?);
+        }
+        if let Some((snow, reflectance)) = self.snow {
+            let cover = |row: &Row| match snow {
+                Snow::Depth => row.snow_depth_cm.filter(|depth| *depth >= COVER_CM).map(|_| reflectance),
+                Snow::Albedo => row.albedo,
+            };
+            let covers: Vec<Option<f64>> = rows.iter().map(cover).collect();
+            if covers.iter().all(Option::is_none) {
+                warnings.push(match snow {
+                    Snow::Depth if rows.iter().all(|row| row.snow_depth_cm.is_none()) => {
+                        "the weather file states no snow depth (TMY3 has none): --snow depth changes nothing".into()
+                    }
+                    Snow::Depth => {
+                        format!("the weather file never has {COVER_CM} cm of snow: --snow depth changes nothing")
+                    }
+                    Snow::Albedo => "the weather file has no albedo: --snow albedo changes nothing".into(),
+                });
+            }
+            let before = schedules.clone();
+            let snowy = |&m: &usize| materials.class.get(m) == Some(&GROUND) && !changeable.is_canopy(m);
+            for material in (0..materials.rows()).filter(snowy) {
+                let scheduled = before.iter().rev().find(|schedule| schedule.materials.contains(&material));
+                let bare = |row: usize| scheduled.map_or(materials.diffuse[material], |s| s.values[row]);
+                let values = covers.iter().enumerate().map(|(row, cover)| cover.unwrap_or_else(|| bare(row)));
+                schedules.push(schedule(changeable, vec![material], values.collect())?);
+            }
+        }
+        schedules.extend(self.letting_through(changeable, rows.len(), &dates)?);
+        Ok((schedules, warnings))
+    }
+}
+
+impl Changeable<'_> {
+    fn is_canopy(&self, material: usize) -> bool {
+        self.lets_through.get(material) == Some(&true)
+    }
+
+    /// Those of the materials of a name that reflect.
+    fn opaque(&self, name: &str) -> Result<Vec<usize>> {
+        let mut members = members(self.site, self.materials, name)?;
+        members.retain(|&material| !self.is_canopy(material));
+        self.some(members, name, "is a canopy, which reflects nothing", "change its --transmittance")
+    }
+
+    /// Those of the materials of a name that let light through.
+    fn canopies(&self, name: &str) -> Result<Vec<usize>> {
+        let mut members = members(self.site, self.materials, name)?;
+        members.retain(|&material| self.is_canopy(material));
+        let canopies: Vec<&str> = (0..self.materials.rows())
+            .filter(|&material| self.is_canopy(material))
+            .map(|material| self.materials.name[material].as_str())
+            .collect();
+        let hint = match canopies.is_empty() {
+            true => "give a material a `transmittance` in materials.toml and build the archive again".to_string(),
+            false => format!("name canopies or their group: {}", canopies.join(", ")),
+        };
+        self.some(members, name, "is no canopy: it lets no light through", &hint)
+    }
+
+    fn some(&self, members: Vec<usize>, name: &str, what: &str, hint: &str) -> Result<Vec<usize>> {
+        match members.is_empty() {
+            true => Err(Error::input(self.site, None, format!("`{name}` {what}"), hint)),
+            false => Ok(members),
+        }
+    }
+}
+
+/// Classes in the table of materials.
+const GROUND: u8 = 1;
+const OBSTRUCTION: u8 = 0;
+
+/// Materials of a group; where there is no such group, the material of that name, or else those of that class.
+fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>> {
+    let all = |names: &[String]| (0..names.len()).filter(|&i| names[i] == name).collect::<Vec<_>>();
+    let of_class = |class| (0..materials.rows()).filter(|&m| materials.class.get(m) == Some(&class)).collect();
+    let found = [all(&materials.group), all(&materials.name)].into_iter().find(|members| !members.is_empty());
+    let found: Vec<usize> = match (found, name) {
+        (Some(found), _) if !name.is_empty() => found,
+        (_, "ground") => of_class(GROUND),
+        (_, "obstruction") => of_class(OBSTRUCTION),
+        _ => Vec::new(),
+    };
+    if found.is_empty() {
+        let mut groups: Vec<&str> = materials.group.iter().map(String::as_str).filter(|g| !g.is_empty()).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let listed = |names: &[&str]| match names {
+            [] => "none".to_string(),
+            names if names.len() > 20 => format!("{}, ...", names[..20].join(", ")),
+            names => names.join(", "),
+        };
+        let names: Vec<&str> = materials.name.iter().map(String::as_str).collect();
+        let what = format!("there is no group and no material `{name}`");
+        let hint =
+            format!("name a group ({}), a material ({}), `ground` or `obstruction`", listed(&groups), listed(&names));
+        return Err(Error::input(site, None, what, hint));
+    }
+    Ok(found)
+}
+
+/// A schedule that leaves room for what its materials reflect like mirrors.
+fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> Result<Schedule> {
+    let materials = changeable.materials;
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    for &material in &members {
+        let specular = materials.specular[material];
+        if largest + specular > 1.0 + 1e-9 {
+            // What glass reflects has many digits.
+            let shown = (specular * 1e4 - 1e-6).ceil() / 1e4;
+            let what = format!(
+                "material `{}` would reflect {largest} diffusely and {shown} like a mirror, more than arrives",
+                materials.name[material]
+            );
+            let hint = format!("its diffuse reflectance can be at most {:.4}", 1.0 - shown);
+            return Err(Error::input(changeable.site, None, what, hint));
+        }
+    }
+    Ok(Schedule { materials: members, values })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::weather::sun::Interval;
+    use glam::DVec3;
+
+    fn materials() -> Materials {
+        Materials {
+            name: ["lawn", "street", "wall", "glass"].map(String::from).to_vec(),
+            diffuse: vec![0.2, 0.1, 0.4, 0.1],
+            specular: vec![0.0, 0.0, 0.0, 0.5],
+            class: vec![1, 1, 0, 0],
+            group: ["", "ground", "facade", "facade"].map(String::from).to_vec(),
+        }
+    }
+
+    fn changeable(materials: &Materials) -> Changeable<'_> {
+        Changeable { site: Path::new("a.helio"), materials, lets_through: &[] }
+    }
+
+    fn rows() -> Vec<Row> {
+        let row = |month: u32, snow_depth_cm, albedo| {
+            let date = Date::new(2021, month, 3).expect("a date");
+            Row {
+                line: 9,
+                interval: Interval { date, start_min: 0.0, end_min: 60.0 },
+                sun: DVec3::Z,
+                ghi_w_m2: None,
+                dni_w_m2: 0.0,
+                dhi_w_m2: 0.0,
+                albedo,
+                snow_depth_cm,
+            }
+        };
+        vec![row(1, Some(5.0), Some(0.7)), row(2, Some(0.4), None), row(3, None, Some(0.25))]
+    }
+
+    /// Snow lies on both grounds in one of three rows by depth and in two by albedo, over the constant 0.3 of the street and the stored
+    /// 0.2 of the lawn.
+    #[test]
+    fn snow() {
+        for (snow, lawn, street) in
+            [(Snow::Depth, [0.6, 0.2, 0.2], [0.6, 0.3, 0.3]), (Snow::Albedo, [0.7, 0.2, 0.25], [0.7, 0.3, 0.25])]
+        {
+            let changes =
+                Changes { constant: vec![("ground".into(), 0.3)], snow: Some((snow, 0.6)), ..Changes::default() };
+            let (schedules, warnings) = changes.over(&changeable(&materials()), &rows()).expect("schedules");
+            assert!(warnings.is_empty());
+            let of =
+                |material| schedules.iter().rev().find(|s| s.materials.contains(&material)).map(|s| s.values.clone());
+            assert_eq!((of(0), of(1), of(2)), (Some(lawn.to_vec()), Some(street.to_vec()), None));
+        }
+        let bare = [rows()[1]];
+        let changes = Changes { snow: Some((Snow::Depth, 0.6)), ..Changes::default() };
+        let (schedules, warnings) = changes.over(&changeable(&materials()), &bare).expect("schedules");
+        assert_eq!(warnings.len(), 1);
+        assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
+    }
+
+    /// A group takes in its 2 materials, a class its 2, a material's name stands for itself; an unknown name lists the 2 groups and 4 materials; 0.6 on
+    /// a facade with half of its light mirrored is refused with the 0.5 that is left.
+    #[test]
+    fn names() {
+        let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };
+        let schedules = change("facade", 0.5).constant(&changeable(&materials()), 2).expect("schedules");
+        assert_eq!(schedules, [Schedule { materials: vec![2, 3], values: vec![0.5, 0.5] }]);
+        assert_eq!(change("lawn", 0.5).constant(&changeable(&materials()), 1).expect("schedules")[0].materials, [0]);
+        let text = change("roof", 0.5).constant(&changeable(&materials()), 1).expect_err("unknown").to_string();
+        assert!(
+            text.contains(
+                "a group (facade, ground), a material (lawn, street, wall, glass), `ground` or `obstruction`"
+            ),
+            "{text}"
+        );
+        let text = change("facade", 0.6).constant(&changeable(&materials()), 1).expect_err("too much").to_string();
+        assert!(text.contains("`glass`") && text.contains("at most 0.5000"), "{text}");
+        assert!(change("", 0.6).constant(&changeable(&materials()), 1).is_err());
+    }
+}

@@ -1,0 +1,221 @@
+//! A replay: an archive under a series of conditions, tile by tile. It reads and multiplies; it cannot cast a ray.
+
+use rayon::prelude::*;
+
+use crate::archive::Archive;
+use crate::error::{Error, Result};
+use crate::layers::response::Response;
+use crate::light::bounces::Depth;
+use crate::light::canopies;
+use crate::light::canopies::Leafages;
+use crate::light::load::{Tables, cached_responses, mirror_table, sides, tile_layers, tile_view};
+use crate::light::responder::Responder;
+use crate::light::response::Reflector;
+use crate::light::states::{Schedule, States};
+use crate::replay::components::{Component, ComponentSet};
+use crate::replay::longwave::Longwave;
+use crate::replay::specular::MirrorTable;
+use crate::replay::tile::Forcing;
+use crate::replay::values::TileValues;
+use crate::sky::patches::Patches;
+use crate::sky::sky::SkyModel;
+use crate::weather::bins::Bins;
+use crate::weather::conditions::Condition;
+
+/// Bytes of results and responses that are made at a time, beyond one tile a core.
+const RESULT_BYTES: usize = 48 << 20;
+
+/// Choices of a replay that the weather does not make.
+#[derive(Clone, Copy, Debug)]
+pub struct ReplaySettings {
+    pub sky: SkyModel,
+    /// Number of sky patches: 145, 577 or 2305.
+    pub patches: usize,
+    pub depth: Depth,
+    /// What results hold; components that nothing here needs may stay zero.
+    pub components: ComponentSet,
+    /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
+    pub memory_bytes: u64,
+}
+
+impl Default for ReplaySettings {
+    /// Perez skies of 577 patches, all bounces, all components, 4 GiB.
+    fn default() -> Self {
+        ReplaySettings {
+            sky: SkyModel::Perez,
+            patches: 577,
+            depth: Depth::All,
+            components: ComponentSet::ALL,
+            memory_bytes: 4 << 30,
+        }
+    }
+}
+
+/// An archive with its weather, ready to give tile after tile.
+///
+/// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
+/// [`Bins`], such as kWh/m2 ([`Replay::summed`]). Diffuse reflectances and transmittances may change from condition to condition
+/// ([`Replay::scheduled`]). Longwave irradiance needs conditions with an emission, as [`crate::weather::temperatures::emissions`] gives
+/// them. Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
+///
+/// ```no_run
+/// use std::path::Path;
+/// use crate::replay::components::Component;
+/// use crate::weather::formats::epw::read_epw;
+/// use heliotile::{Archive, Replay, ReplaySettings};
+///
+/// # fn main() -> heliotile::Result<()> {
+/// let archive = Archive::open(Path::new("site.helio"))?;
+/// let conditions = read_epw(Path::new("x.epw"))?.conditions(1);
+/// let replay = Replay::new(&archive, &conditions, ReplaySettings::default())?;
+/// for tile in replay.results(0..replay.tiles()) {
+///     let (ids, values) = tile?;
+///     for (receiver, id) in ids.iter().enumerate() {
+///         // [condition], W/m2.
+///         let total = values.row(Component::Total as usize, receiver);
+///         println!("{id}: {:.0} W/m2 at most", total.iter().copied().fold(0.0, f32::max));
+///     }
+/// }
+/// # Ok(())
+/// # }
+/// ```
+pub struct Replay<'a> {
+    archive: &'a Archive,
+    forcing: Forcing,
+    /// Only where there are mirrors, and they are asked for.
+    mirrors: Option<MirrorTable>,
+    /// Only where the archive's own responses do not serve.
+    responder: Option<(Tables<'a>, Responder)>,
+}
+
+/// Whether diffuse reflections were traced, or there are none.
+fn holds_diffuse(archive: &Archive) -> bool {
+    !archive.manifest().settings.left_out.iter().any(|effect| effect == "diffuse")
+}
+
+/// Receiver ids and irradiance of one tile: [component][receiver][result].
+pub type TileResult = (Vec<String>, TileValues);
+
+impl<'a> Replay<'a> {
+    /// One result for every condition: means in W/m2.
+    pub fn new(archive: &'a Archive, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
+        Replay::summed(archive, conditions, settings, &Bins::each(conditions.len()))
+    }
+
+    /// Results that conditions add up to.
+    pub fn summed(
+        archive: &'a Archive,
+        conditions: &[Condition],
+        settings: ReplaySettings,
+        bins: &Bins,
+    ) -> Result<Self> {
+        Replay::scheduled(archive, conditions, settings, bins, &[])
+    }
+
+    /// The same with reflectances and transmittances that follow schedules.
+    pub fn scheduled(
+        archive: &'a Archive,
+        conditions: &[Condition],
+        settings: ReplaySettings,
+        bins: &Bins,
+        schedules: &[Schedule],
+    ) -> Result<Self> {
+        let patches = Patches::new(settings.patches)?;
+        let asked = (settings.sky, settings.components);
+        let forced = |ways: &[Bins]| -> Result<Forcing> {
+            let forcing = Forcing::new(conditions, bins, ways, asked, &patches, sides(archive)?);
+            if !settings.components.contains(Component::Longwave) {
+                return Ok(forcing);
+            }
+            Ok(forcing.with_longwave(Longwave::new(conditions, bins, archive.path())?))
+        };
+        let reflects = holds_diffuse(archive)
+            && [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
+        let leaves = canopies::stored(archive)?;
+        if !schedules.is_empty() && !holds_diffuse(archive) && leaves.is_empty() {
+            let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
+            return Err(Error::input(archive.path(), None, what, "build it with `--effects all`"));
+        }
+        let behind = |forcing: Forcing, ways| match leaves.is_empty() {
+            true => forcing,
+            false => forcing.behind(conditions, ways, settings.sky, &patches),
+        };
+        let derives = reflects && (settings.depth != Depth::All || !schedules.is_empty());
+        if !derives && (leaves.is_empty() || schedules.is_empty()) {
+            let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
+            return Replay::with(archive, forcing, None);
+        }
+        let tables = Tables::load(archive)?;
+        let stored = tables.reflectors.iter().map(Reflector::variable).collect();
+        let lets_through: Vec<bool> = tables.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
+        let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
+        let states_of = |finer| States::new(&stored, &lets_through, schedules, conditions.len(), finer);
+        let ways = |states: &States| {
+            let leafages = Leafages::split(&tables.reflectors, &mut states.reflectances.clone());
+            leafages.ways(&states.ways(bins))
+        };
+        if !derives {
+            let states = states_of(true)?;
+            return Replay::with(archive, behind(forced(&[])?, ways(&states)), None);
+        }
+        let solved = |finer| -> Result<(States, Responder)> {
+            let states = states_of(finer)?;
+            let of_states = states.reflectances.clone();
+            let responder = Responder::with_states(&tables, of_states, settings.depth, memory, &folder)?;
+            Ok((states, responder))
+        };
+        let (mut states, mut responder) = solved(false)?;
+        if !responder.interpolates(&states.checks)? {
+            (states, responder) = solved(true)?;
+        }
+        let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
+        let forcing = behind(forcing, ways(&states));
+        Replay::with(archive, forcing, Some((tables, responder)))
+    }
+
+    fn with(archive: &'a Archive, forcing: Forcing, responder: Option<(Tables<'a>, Responder)>) -> Result<Self> {
+        let mirrors = if forcing.reads_mirrors() { mirror_table(archive)? } else { None };
+        Ok(Replay { archive, forcing, mirrors, responder })
+    }
+
+    /// Number of tiles.
+    pub fn tiles(&self) -> u32 {
+        self.archive.tiles()
+    }
+
+    /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, and
+    /// as many as neighbours that share what they see had better be, while their results are small.
+    pub fn results(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<TileResult>> {
+        let tiles: Vec<u32> = tiles.into_iter().collect();
+        let cores = rayon::current_num_threads().max(1);
+        let step = (RESULT_BYTES / self.forcing.tile_bytes().max(1)).clamp(cores, 16 * cores);
+        (0..tiles.len()).step_by(step).flat_map(move |first| {
+            match self.run(tiles.iter().copied().skip(first).take(step)) {
+                Ok(results) => results.into_iter().map(Ok).collect(),
+                Err(error) => vec![Err(error)],
+            }
+        })
+    }
+
+    /// Results of some tiles, all in memory at once.
+    pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
+        let tiles: Vec<u32> = tiles.into_iter().collect();
+        let responses: Vec<Vec<Vec<Response>>> = match &self.responder {
+            _ if !self.forcing.reads_responses() || !holds_diffuse(self.archive) => vec![Vec::new(); tiles.len()],
+            None => {
+                let cached = |tile| Ok(vec![cached_responses(self.archive, tile)?]);
+                tiles.par_iter().copied().map(cached).collect::<Result<_>>()?
+            }
+            Some((tables, responder)) => {
+                let view = |tile| tile_view(self.archive, tile);
+                responder.derive(tables, &tiles.par_iter().copied().map(view).collect::<Result<Vec<_>>>()?)?
+            }
+        };
+        let result = |(tile, responses): (u32, Vec<Vec<Response>>)| {
+            let reads = (self.forcing.reads_sky(), self.mirrors.as_ref());
+            let (ids, layers) = tile_layers(self.archive, tile, reads, responses)?;
+            Ok((ids, self.forcing.replay(&layers)))
+        };
+        tiles.into_par_iter().zip(responses).map(result).collect()
+    }
+}

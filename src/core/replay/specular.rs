@@ -1,0 +1,74 @@
+//! The sky and the sun that a receiver sees in mirrors. In: its windows. Out: specular irradiance of suns and patches.
+
+use glam::DVec3;
+
+use crate::layers::mirror::Window;
+use crate::layers::mosaic::{Mosaic, Texel};
+use crate::light::mirrors::Reflection;
+use crate::light::response::Reflector;
+use crate::site::chain::Orientation;
+use crate::sky::projection::Projection;
+
+/// The mirrors of an archive.
+#[derive(Clone, Debug)]
+pub struct MirrorTable {
+    pub orientations: Vec<Orientation>,
+    pub reflectors: Vec<Reflector>,
+}
+
+/// The part of the sky that is seen by one chain of mirrors: a window through which the receiver's image looks.
+#[derive(Clone, Debug)]
+pub struct MirrorView {
+    pub reflection: Reflection,
+    /// First base texel of the window.
+    column: usize,
+    row: usize,
+    sky: Mosaic,
+}
+
+impl MirrorView {
+    /// A decoded window; `block` fine texels to a side of a base texel. `None` if it does not describe a texture.
+    pub fn new(window: &Window, table: &MirrorTable, block: usize) -> Option<Self> {
+        let side = usize::from(window.side);
+        let mut sky = Mosaic::unpack(&window.texture, 1, side, side * block)?;
+        Some(MirrorView {
+            reflection: Reflection::new(window.chain, &table.orientations, &table.reflectors)?,
+            column: usize::from(window.column),
+            row: usize::from(window.row),
+            sky: sky.pop()?,
+        })
+    }
+
+    /// About how many bytes it takes.
+    pub fn bytes(&self) -> usize {
+        self.sky.bytes() + 512
+    }
+
+    /// What a base texel of the whole sky holds.
+    #[inline]
+    pub fn texel(&self, column: usize, row: usize) -> Texel<'_> {
+        let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
+        if column < self.sky.side() && row < self.sky.side() { self.sky.texel(column, row) } else { Texel::Closed }
+    }
+
+    /// Fine texels (column, row) of the whole sky that are seen.
+    pub fn visible(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let (side, block) = (self.sky.side() * self.sky.block(), self.sky.block());
+        let seen =
+            (0..side * side).map(move |t| (t % side, t / side)).filter(|&(column, row)| self.sky.get(column, row));
+        seen.map(move |(column, row)| (column + self.column * block, row + self.row * block))
+    }
+
+    /// Adds the irradiance per unit radiance of each patch, without the texels' solid angle.
+    pub fn add_patches(&self, projection: &Projection, normal: DVec3, sums: &mut [f64]) {
+        let (side, image) = (self.sky.side(), self.reflection.image(normal));
+        self.sky.for_visible(|texel, share| {
+            let whole = (self.row + texel / side) * projection.side() + self.column + texel % side;
+            let direction = projection.mean_directions[whole];
+            let cos = image.dot(direction);
+            if cos > 0.0 {
+                projection.add(whole, cos * share * self.reflection.share(direction.normalize_or_zero()), sums);
+            }
+        });
+    }
+}

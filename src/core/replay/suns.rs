@@ -1,0 +1,153 @@
+//! The suns of a series of conditions, looked up once for all receivers. In: conditions and where they add to. Out: direct
+//! irradiance of a receiver whose sky is at hand.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::layers::mosaic::{Mosaic, Texel};
+use crate::replay::shaded::Veil;
+use crate::replay::specular::MirrorView;
+use crate::replay::tile::TextureSides;
+use crate::sky::disc::disc_texels;
+use crate::weather::bins::Bins;
+use crate::weather::conditions::Condition;
+
+/// One position of the sun.
+#[derive(Clone, Debug)]
+struct Sun {
+    bin: usize,
+    /// DNI x share of the condition's time x weight in the result.
+    strength: f64,
+    direction: DVec3,
+    /// Its [`Part`]s.
+    parts: Range<usize>,
+}
+
+/// The part of a sun's disc in one base texel of the sky texture.
+#[derive(Clone, Debug)]
+struct Part {
+    column: u32,
+    row: u32,
+    /// Share of the disc.
+    share: f32,
+    /// Its texels in [`Suns::fine`].
+    fine: Range<usize>,
+}
+
+/// Suns made ready for receivers' textures.
+pub struct Suns {
+    suns: Vec<Sun>,
+    parts: Vec<Part>,
+    /// Place in a base texel's bits, and share of the disc.
+    fine: Vec<(u32, f32)>,
+}
+
+impl Suns {
+    /// Looks up all suns of all conditions with DNI.
+    pub fn new(conditions: &[Condition], bins: &Bins, sides: TextureSides) -> Self {
+        let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
+        let mut found = Suns { suns: Vec::new(), parts: Vec::new(), fine: Vec::new() };
+        let lit =
+            conditions.par_iter().zip(&bins.of_condition).filter(|(c, (_, weight))| c.dni_w_m2 > 0.0 && *weight != 0.0);
+        let discs: Vec<(Sun, Vec<_>)> = lit
+            .flat_map_iter(|(c, &(bin, weight))| {
+                c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
+                    let strength = c.dni_w_m2 * instant.weight * weight;
+                    let sun = Sun { bin, strength, direction: instant.sun, parts: 0..0 };
+                    (sun, disc_texels(instant.sun, sides.sky_fine))
+                })
+            })
+            .collect();
+        for (sun, mut disc) in discs {
+            let first = found.parts.len();
+            disc.sort_by_key(|t| (t.1 / block, t.0 / block));
+            for part in disc.chunk_by(|a, b| (a.0 / block, a.1 / block) == (b.0 / block, b.1 / block)) {
+                let start = found.fine.len();
+                found.fine.extend(part.iter().map(|&(c, r, share)| (r % block * block + c % block, share)));
+                found.parts.push(Part {
+                    column: part[0].0 / block,
+                    row: part[0].1 / block,
+                    share: part.iter().map(|t| t.2).sum(),
+                    fine: start..found.fine.len(),
+                });
+            }
+            found.suns.push(Sun { parts: first..found.parts.len(), ..sun });
+        }
+        found
+    }
+
+    /// Whether there is no sun.
+    pub fn is_empty(&self) -> bool {
+        self.suns.is_empty()
+    }
+
+    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
+    pub fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
+        for sun in &self.suns {
+            let cos = normal.dot(sun.direction);
+            if cos > 0.0 {
+                let visible: f32 = self.parts[sun.parts.clone()].iter().map(|part| self.visible(part, sky)).sum();
+                out[sun.bin] += sun.strength * cos * f64::from(visible);
+            }
+        }
+    }
+
+    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
+    pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
+        let image = view.reflection.image(normal);
+        for sun in &self.suns {
+            let cos = image.dot(sun.direction);
+            if cos > 0.0 {
+                let parts = self.parts[sun.parts.clone()].iter();
+                let visible: f32 =
+                    parts.map(|part| self.share(part, view.texel(part.column as usize, part.row as usize))).sum();
+                if visible > 0.0 {
+                    out[sun.bin] += sun.strength * cos * f64::from(visible) * view.reflection.share(sun.direction);
+                }
+            }
+        }
+    }
+
+    /// The same behind a veil.
+    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &Veil, out: &mut [f64]) {
+        for sun in &self.suns {
+            let cos = normal.dot(sun.direction);
+            if cos > 0.0 {
+                let parts = self.parts[sun.parts.clone()].iter();
+                let visible: f32 = parts.map(|part| self.visible_behind(part, sky, veil)).sum();
+                out[sun.bin] += sun.strength * cos * f64::from(visible);
+            }
+        }
+    }
+
+    fn visible_behind(&self, part: &Part, sky: &Mosaic, veil: &Veil) -> f32 {
+        let place = (part.column as usize, part.row as usize);
+        let fine = self.fine[part.fine.clone()].iter();
+        let through = |&(i, share): &(u32, f32)| share * veil.at(place, i as usize);
+        match sky.texel(place.0, place.1) {
+            Texel::Closed => 0.0,
+            Texel::Open => fine.map(through).sum(),
+            Texel::Mixed(bits) => fine.filter(|(i, _)| bits[*i as usize / 64] >> (i % 64) & 1 == 1).map(through).sum(),
+        }
+    }
+
+    /// Share of the disc that is seen in a base texel.
+    #[inline]
+    fn visible(&self, part: &Part, sky: &Mosaic) -> f32 {
+        self.share(part, sky.texel(part.column as usize, part.row as usize))
+    }
+
+    #[inline]
+    fn share(&self, part: &Part, texel: Texel) -> f32 {
+        match texel {
+            Texel::Closed => 0.0,
+            Texel::Open => part.share,
+            Texel::Mixed(bits) => {
+                let seen = |&&(i, _): &&(u32, f32)| bits[i as usize / 64] >> (i % 64) & 1 == 1;
+                self.fine[part.fine.clone()].iter().filter(seen).map(|t| t.1).sum()
+            }
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! One tile of receivers under a series of conditions. In: the tile's decoded layers and the weather prepared once. Out: six
+//! components and their total for every receiver and condition, and longwave irradiance where it is asked for.
+
+use glam::DVec3;
+
+use crate::layers::bits::BitSquare;
+use crate::layers::canopy::{Canopy, Powers};
+use crate::layers::mosaic::Mosaic;
+use crate::layers::response::Response;
+use crate::layers::sky::half_texel;
+use crate::replay::components::Component;
+use crate::replay::components::Component::{
+    SkyDiffuse, SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular, Total,
+};
+use crate::replay::components::ComponentSet;
+use crate::replay::longwave::Longwave;
+use crate::replay::shaded::Shaded;
+use crate::replay::sources::Sources;
+use crate::replay::specular::MirrorView;
+use crate::replay::suns::Suns;
+use crate::replay::values::TileValues;
+use crate::site::receiver::TILE;
+use crate::sky::patches::Patches;
+use crate::sky::projection::Projection;
+use crate::sky::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
+use crate::sky::sky::SkyModel;
+use crate::weather::bins::Bins;
+use crate::weather::conditions::Condition;
+
+/// Points per texel side when textures are projected on patches.
+const PROJECTION_SAMPLES: usize = 8;
+
+/// Sides of the textures that forcing is looked up in.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureSides {
+    pub sky_base: usize,
+    pub sky_fine: usize,
+    pub response: usize,
+}
+
+/// Decoded layers of one tile.
+pub struct TileLayers {
+    pub normals: Vec<DVec3>,
+    /// Shares of each hemisphere: sky, ground, obstructions.
+    pub views: Vec<[f32; 3]>,
+    /// Empty where a [`Forcing`] does not read them.
+    pub sky: Vec<Mosaic>,
+    /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
+    pub mirrors: Vec<Vec<MirrorView>>,
+    /// What rays to the sky cross; empty where none of the tile's does, likewise.
+    pub canopies: Vec<Canopy>,
+    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with; likewise.
+    pub responses: Vec<Vec<Response>>,
+}
+
+/// Weather made ready once for all tiles.
+pub struct Forcing {
+    /// Number of results.
+    bins: usize,
+    sides: TextureSides,
+    suns: Suns,
+    skies: Skies,
+    /// `[state]`: what is reflected.
+    reflected: Vec<Reflected>,
+    sky_projection: Projection,
+    response_projection: Projection,
+    components: ComponentSet,
+    longwave: Option<Longwave>,
+    /// Direct light where canopies stand before the sky.
+    shaded: Option<Shaded>,
+}
+
+/// The weather of one state of the reflectances.
+struct Reflected {
+    sources: Sources,
+    /// `None` if they are all skies.
+    skies: Option<Skies>,
+}
+
+impl Forcing {
+    /// Looks up suns and skies of all conditions, as far as the components need them. `states`: how conditions add to the results in
+    /// each state of the reflectances; empty if there is but one.
+    pub fn new(
+        conditions: &[Condition],
+        bins: &Bins,
+        states: &[Bins],
+        (model, components): (SkyModel, ComponentSet),
+        patches: &Patches,
+        sides: TextureSides,
+    ) -> Self {
+        let when = |needed: bool| -> &[Condition] { if needed { conditions } else { &[] } };
+        let skies_of = when([SkyDirect, SkyDiffuse, SkySpecular].iter().any(|&c| components.needs(c)));
+        let sky_projection = Projection::new(patches, sides.sky_base, PROJECTION_SAMPLES);
+        let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
+        let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
+        let all = skies.next();
+        let sources = |bins| Sources::new(when(components.needs(SunDiffuse)), bins, sides.response);
+        let mut reflected: Vec<Reflected> =
+            states.iter().zip(skies).map(|(bins, s)| Reflected { sources: sources(bins), skies: Some(s) }).collect();
+        if reflected.is_empty() {
+            reflected.push(Reflected { sources: sources(bins), skies: None });
+        }
+        Forcing {
+            bins: bins.count,
+            sides,
+            suns: Suns::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
+            skies: all.unwrap_or_default(),
+            reflected,
+            response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
+            sky_projection,
+            components,
+            longwave: None,
+            shaded: None,
+        }
+    }
+
+    /// The same with longwave irradiance.
+    pub fn with_longwave(self, longwave: Longwave) -> Self {
+        Forcing { longwave: Some(longwave), ..self }
+    }
+
+    /// The same behind leaves: how conditions add to the results with each leafage.
+    pub fn behind(
+        self,
+        conditions: &[Condition],
+        leafages: Vec<(Powers, Bins)>,
+        model: SkyModel,
+        patches: &Patches,
+    ) -> Self {
+        let asked = (model, self.components);
+        let shaded = Shaded::new(conditions, leafages, asked, patches, &self.sky_projection, self.sides);
+        Forcing { shaded: Some(shaded), ..self }
+    }
+
+    /// Bytes of the results of a full tile, and of the responses that they are made of.
+    pub fn tile_bytes(&self) -> usize {
+        let responses = self.reflected.len() * Response::len(self.response_projection.side());
+        TILE * (self.components.places() * self.bins + responses) * size_of::<f32>()
+    }
+
+    /// Whether what is asked for needs the receivers' sky textures.
+    pub fn reads_sky(&self) -> bool {
+        self.components.needs(SunDirect) && !self.suns.is_empty()
+            || self.components.needs(SkyDirect) && !self.skies.is_empty()
+    }
+
+    /// Whether it needs what they see in mirrors.
+    pub fn reads_mirrors(&self) -> bool {
+        self.components.needs(SunSpecular) && !self.suns.is_empty()
+            || self.components.needs(SkySpecular) && !self.skies.is_empty()
+    }
+
+    /// Whether it needs their responses.
+    pub fn reads_responses(&self) -> bool {
+        self.reflected.iter().any(|state| !state.sources.is_empty())
+            || self.components.needs(SkyDiffuse) && !self.skies.is_empty()
+    }
+
+    /// Irradiance of every receiver of a tile.
+    pub fn replay(&self, tile: &TileLayers) -> TileValues {
+        let mut out = TileValues::of(self.components, tile.normals.len(), self.bins);
+        self.add_direct(tile, &mut out);
+        self.add_specular(tile, &mut out);
+        self.add_diffuse(tile, &mut out);
+        if self.components.contains(Total) {
+            let mut total = vec![0.0_f32; self.bins];
+            for receiver in 0..tile.normals.len() {
+                total.fill(0.0);
+                for part in Component::ALL.into_iter().filter(|part| *part != Total) {
+                    total.iter_mut().zip(out.row(part as usize, receiver)).for_each(|(total, v)| *total += v);
+                }
+                out.row_mut(Total as usize, receiver).copy_from_slice(&total);
+            }
+        }
+        if let Some(longwave) = &self.longwave {
+            for (receiver, views) in tile.views.iter().enumerate() {
+                longwave.irradiance(*views, out.row_mut(Component::Longwave as usize, receiver));
+            }
+        }
+        out
+    }
+
+    fn add_direct(&self, tile: &TileLayers, out: &mut TileValues) {
+        let sky_direct = self.components.needs(SkyDirect) && !self.skies.is_empty();
+        let sun_direct = self.components.needs(SunDirect);
+        let mut sums = vec![0.0_f64; self.bins];
+        let mut coefficients = Vec::new();
+        for (receiver, (&normal, sky)) in tile.normals.iter().zip(&tile.sky).enumerate() {
+            if sun_direct {
+                sums.fill(0.0);
+                self.suns.direct(normal, sky, &mut sums);
+                put(&sums, out.row_mut(SunDirect as usize, receiver));
+            }
+            if sky_direct {
+                sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
+            }
+        }
+        let each = |receiver, bin, v: f32| out.row_mut(SkyDirect as usize, receiver)[bin] = v.max(0.0);
+        self.skies.irradiance(&coefficients, each);
+        if let Some(shaded) = &self.shaded {
+            shaded.replace(tile, &self.sky_projection, out);
+        }
+    }
+
+    fn add_specular(&self, tile: &TileLayers, out: &mut TileValues) {
+        let projection = &self.sky_projection;
+        let sky = self.components.needs(SkySpecular) && !self.skies.is_empty();
+        let sun = self.components.needs(SunSpecular);
+        let mut sums = vec![0.0_f64; self.bins];
+        let mut coefficients = Vec::new();
+        for (receiver, (&normal, views)) in tile.normals.iter().zip(&tile.mirrors).enumerate() {
+            if sun && !views.is_empty() {
+                sums.fill(0.0);
+                views.iter().for_each(|view| self.suns.by_mirrors(normal, view, &mut sums));
+                put(&sums, out.row_mut(SunSpecular as usize, receiver));
+            }
+            if sky {
+                let mut patches = vec![0.0_f64; projection.patches()];
+                views.iter().for_each(|view| view.add_patches(projection, normal, &mut patches));
+                coefficients.extend(patches.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+            }
+        }
+        let each = |receiver, bin, v: f32| out.row_mut(SkySpecular as usize, receiver)[bin] = v.max(0.0);
+        self.skies.irradiance(&coefficients, each);
+    }
+
+    fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
+        let receivers = tile.normals.len();
+        let mut suns = vec![0.0_f64; receivers * self.bins];
+        let mut skies = vec![0.0_f32; receivers * self.bins];
+        for (state, responses) in self.reflected.iter().zip(&tile.responses) {
+            let of_state = state.skies.as_ref().unwrap_or(&self.skies);
+            let sky_diffuse = self.components.needs(SkyDiffuse) && !of_state.is_empty();
+            let mut coefficients = Vec::new();
+            for (response, sums) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))) {
+                let response = response.vectors();
+                state.sources.irradiance(&response, sums);
+                if sky_diffuse {
+                    response_coefficients(&self.response_projection, &response, &mut coefficients);
+                }
+            }
+            of_state.irradiance(&coefficients, |receiver, bin, v| skies[receiver * self.bins + bin] += v);
+        }
+        for receiver in 0..receivers {
+            let range = receiver * self.bins..(receiver + 1) * self.bins;
+            put(&suns[range.clone()], out.row_mut(SunDiffuse as usize, receiver));
+            let row = out.row_mut(SkyDiffuse as usize, receiver);
+            row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
+        }
+    }
+}
+
+/// Rounds sums; what is below 0 by the error of a texture is 0.
+pub(super) fn put(sums: &[f64], out: &mut [f32]) {
+    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0) as f32);
+}
+
+/// Per base texel: visible share x mean cosine of the part in front of the surface. `directions` of the base texels.
+pub fn visible_cosines(normal: DVec3, sky: &BitSquare, directions: &[DVec3]) -> Vec<f64> {
+    let n = directions.len().isqrt();
+    let block = sky.side() / n;
+    let half = half_texel(n);
+    directions
+        .iter()
+        .enumerate()
+        .map(|(t, d)| {
+            let cos = mean_positive(normal.dot(*d), half);
+            if cos == 0.0 {
+                return 0.0;
+            }
+            let visible = sky.count_block(block, t % n, t / n);
+            cos * f64::from(visible) / (block * block) as f64
+        })
+        .collect()
+}
+
+/// Cosine-weighted share of a receiver's hemisphere that is sky.
+pub fn sky_view_factor(normal: DVec3, sky: &BitSquare, directions: &[DVec3]) -> f64 {
+    visible_cosines(normal, sky, directions).iter().sum::<f64>() * 2.0 / directions.len() as f64
+}

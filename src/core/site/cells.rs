@@ -1,0 +1,331 @@
+//! Cells: how surfaces are cut into patches that probes stand for. In: a hit (point, normal, material, distance). Out: its key.
+//!
+//! A key depends on the surface point and a cell size only, never on who asked. Sizes are powers of two and their grids
+//! nest, so the cell of a coarser level holds whole cells of every finer one.
+
+use std::cmp::Ordering;
+use std::collections::{HashMap, HashSet};
+use std::hash::{BuildHasherDefault, Hash, Hasher};
+
+use glam::DVec3;
+
+use crate::hemisphere::mix;
+use crate::site::morton::{BITS as MORTON_BITS, morton_cmp, spread};
+
+/// The voxel grid is shifted by this much (metres, relative to the scene origin), so that walls and floors on round
+/// coordinates do not lie in the boundary between two voxels at any level.
+const GRID_SHIFT_M: DVec3 = DVec3::new(0.138_196_6, 0.209_017_0, 0.072_949_0);
+
+/// Number of facing bins of fine cells: six cube faces of 3 x 3. Codes from here on name whole faces, for coarse cells.
+const FACINGS: u8 = 54;
+
+/// Added to the facing of cells that are the back of their triangles. Light on the outside of a wall is not seen from
+/// inside the solid, though both sides of two neighbours may share a voxel and a facing.
+const BACK: u8 = 64;
+
+/// Name of a surface patch: the surfaces of one material that face one way inside one voxel of edge 2^level metres.
+/// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64 for the triangles' back.
+///
+/// Keys are ordered by place first: by the Morton code of a region, then by the fields as they stand. So what is near each
+/// other lies near each other in an archive, and a part of a site needs a part of its cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellKey {
+    pub level: i8,
+    pub facing: u8,
+    pub material: u16,
+    pub voxel: [i32; 3],
+}
+
+/// Regions that order cells have this level: 64 m.
+const REGION_LEVEL: i8 = 6;
+
+impl Ord for CellKey {
+    fn cmp(&self, other: &Self) -> Ordering {
+        morton_cmp(self.region_voxel(), other.region_voxel()).then_with(|| self.number().cmp(&other.number()))
+    }
+}
+
+impl Hash for CellKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let [high, low] = [(self.number() >> 64) as u64, self.number() as u64];
+        state.write_u64(high);
+        state.write_u64(low);
+    }
+}
+
+/// Hashes of keys in few instructions, the same in every run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
+    }
+    fn write_u64(&mut self, value: u64) {
+        self.0 = mix(self.0, value);
+    }
+}
+
+/// Values by cell; their order means nothing.
+pub type CellMap<T> = HashMap<CellKey, T, BuildHasherDefault<KeyHasher>>;
+
+/// Cells, each once; their order means nothing.
+pub type CellSet = HashSet<CellKey, BuildHasherDefault<KeyHasher>>;
+
+impl PartialOrd for CellKey {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl CellKey {
+    /// Bytes of [`CellKey::to_bytes`].
+    pub const BYTES: usize = 24;
+
+    /// Morton code of the region that holds the cell's lowest corner; beyond 2^20 regions from the origin it is clamped.
+    fn region(self) -> u64 {
+        let [x, y, z] = self.region_voxel().map(|v| spread(u64::from(v)));
+        x | y << 1 | z << 2
+    }
+
+    /// All fields as one number that sorts as they do.
+    pub fn number(self) -> u128 {
+        // Flipping the sign bit makes signed numbers sort as unsigned ones.
+        let [level] = self.level.to_be_bytes();
+        let head = u128::from(level ^ 0x80) << 24 | u128::from(self.facing) << 16 | u128::from(self.material);
+        self.voxel.iter().fold(head, |number, &v| number << 32 | u128::from((v ^ i32::MIN) as u32))
+    }
+
+    /// Inverse of [`CellKey::number`].
+    pub fn from_number(number: u128) -> Self {
+        // `as` cuts each part out.
+        let part = |shift: u32| (number >> shift) as u32;
+        CellKey {
+            level: (part(120) as u8 ^ 0x80).cast_signed(),
+            facing: part(112) as u8,
+            material: part(96) as u16,
+            voxel: [64, 32, 0].map(|shift| part(shift).cast_signed() ^ i32::MIN),
+        }
+    }
+
+    /// Voxel of the region, 21 bits an axis.
+    fn region_voxel(self) -> [u32; 3] {
+        let finer = u32::from(REGION_LEVEL.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
+        let coarser = u32::from(self.level.saturating_sub(REGION_LEVEL).max(0).unsigned_abs()).min(31);
+        let middle = 1_i64 << (MORTON_BITS - 1);
+        self.voxel.map(|v| {
+            let region = ((i64::from(v) << coarser) >> finer) + middle;
+            region.clamp(0, 2 * middle - 1) as u32
+        })
+    }
+
+    /// Bytes that sort as keys do, for sorting outside memory.
+    pub fn to_bytes(self) -> [u8; CellKey::BYTES] {
+        let mut bytes = [0; CellKey::BYTES];
+        let (region, number) = bytes.split_at_mut(8);
+        region.copy_from_slice(&self.region().to_be_bytes());
+        number.copy_from_slice(&self.number().to_be_bytes());
+        bytes
+    }
+
+    /// Inverse of [`CellKey::to_bytes`].
+    pub fn from_bytes(bytes: &[u8; CellKey::BYTES]) -> Self {
+        let number = bytes.last_chunk().copied().unwrap_or_default();
+        CellKey::from_number(u128::from_be_bytes(number))
+    }
+
+    /// Cell of edge 2^level metres that holds a surface point; `outward` is the triangle's normal, `back` says that its other
+    /// side is seen.
+    pub fn new(point: DVec3, outward: DVec3, back: bool, material: u16, level: i8) -> Self {
+        let size = size_of(level);
+        let p = (point + GRID_SHIFT_M) / size;
+        CellKey { level, facing: facing_code(outward, back), material, voxel: p.to_array().map(floor) }
+    }
+
+    /// The coarse cell of at least level `level` that this cell lies in: a whole cube face of directions.
+    pub fn coarse(self, level: i8) -> Self {
+        let shift = u32::from(level.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
+        CellKey {
+            level: self.level.max(level),
+            facing: FACINGS + self.face() + (self.facing & BACK),
+            voxel: self.voxel.map(|v| v >> shift),
+            ..self
+        }
+    }
+
+    /// The normal of this cell's side of a triangle, if the triangle belongs to the cell.
+    pub fn side_of(self, outward: DVec3) -> Option<DVec3> {
+        let back = self.facing & BACK != 0;
+        let bin = facing_code(outward, back) & !BACK;
+        let belongs = if self.bin() < FACINGS { self.bin() == bin } else { self.face() == bin / 9 };
+        belongs.then_some(if back { -outward } else { outward })
+    }
+
+    fn bin(self) -> u8 {
+        self.facing & !BACK
+    }
+
+    /// Cube face 0..6: x+, x-, y+, y-, z+, z-.
+    fn face(self) -> u8 {
+        if self.bin() < FACINGS { self.bin() / 9 } else { (self.bin() - FACINGS) % 6 }
+    }
+
+    /// Corners of the voxel, metres relative to the scene origin.
+    pub fn bounds(self) -> (DVec3, DVec3) {
+        let size = size_of(self.level);
+        let low = DVec3::from(self.voxel.map(f64::from)) * size - GRID_SHIFT_M;
+        (low, low + size)
+    }
+
+    /// Axis (0 x, 1 y, 2 z) and sign of the cube face that this cell's facing lies on.
+    pub fn axis(self) -> (usize, f64) {
+        let face = self.face();
+        (usize::from(face / 2), if face.is_multiple_of(2) { 1.0 } else { -1.0 })
+    }
+
+    /// Seed of everything random about this cell.
+    pub fn seed(self) -> u64 {
+        let head = (u64::from(self.level as u8) << 32) | (u64::from(self.facing) << 16) | u64::from(self.material);
+        self.voxel.iter().fold(mix(0x6365_6c6c, head), |state, &v| mix(state, u64::from(v as u32)))
+    }
+}
+
+/// Edge of a cell of this level, metres.
+pub fn size_of(level: i8) -> f64 {
+    // The exponent of a power of two.
+    f64::from_bits((1023 + i64::from(level)).cast_unsigned() << 52)
+}
+
+/// The largest integer that is not above a number, without a call of the C library; what lies beyond i32 is taken to its end.
+fn floor(x: f64) -> i32 {
+    // `as` saturates: no input can overflow.
+    let towards_zero = x as i32;
+    if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
+}
+
+/// Level whose size is nearest (as a ratio) to `size_m`; exact exponent arithmetic, equal on every processor.
+pub fn level_of(size_m: f64) -> i8 {
+    let exponent = ((size_m * std::f64::consts::SQRT_2).to_bits() >> 52) as i64 - 1023;
+    exponent.clamp(-12, 24) as i8
+}
+
+/// Facing of one side of a triangle with this unit normal.
+fn facing_code(outward: DVec3, back: bool) -> u8 {
+    if back { facing_bin(-outward) + BACK } else { facing_bin(outward) }
+}
+
+/// Bin of a unit vector: cube face (x+, x-, y+, y-, z+, z-), then its 3 x 3 part.
+fn facing_bin(n: DVec3) -> u8 {
+    let a = n.abs();
+    let (axis, p, q, major) = if a.z >= a.x && a.z >= a.y {
+        (2, n.x, n.y, n.z)
+    } else if a.x >= a.y {
+        (0, n.y, n.z, n.x)
+    } else {
+        (1, n.x, n.z, n.y)
+    };
+    let third = |t: f64| -> u8 {
+        // major is the largest of three components of a unit vector: at least 0.57.
+        let t = t / major.abs();
+        u8::from(t > -1.0 / 3.0) + u8::from(t > 1.0 / 3.0)
+    };
+    (axis * 2 + u8::from(major < 0.0)) * 9 + third(p) * 3 + third(q)
+}
+
+/// Seed of a receiver's own jitter: its place to the millimetre and its normal, so that neither its name nor its order counts.
+pub fn receiver_seed(position: DVec3, normal: DVec3) -> u64 {
+    let q = |v: f64, unit: f64| ((v / unit + 0.381_966).floor() as i64) as u64;
+    let p = (position + GRID_SHIFT_M).to_array().map(|v| q(v, 1e-3));
+    let n = normal.to_array().map(|v| q(v, 1e-4));
+    p.iter().chain(&n).fold(0x7265_6376, |state, &v| mix(state, v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Grids nest: the coarse cell of a point's fine cell is the point's own, for 1,000 points and 8 levels.
+    #[test]
+    fn grids_nest() {
+        let mut state = 1;
+        for _ in 0..1000 {
+            state = mix(state, 7);
+            let p = DVec3::new((state % 2001) as f64, (state % 977) as f64, (state % 331) as f64) * 0.37 - 300.0;
+            let fine = CellKey::new(p, DVec3::Z, false, 3, -1);
+            for level in -1..7 {
+                assert_eq!(fine.coarse(level), CellKey::new(p, DVec3::Z, false, 3, level).coarse(level));
+                assert_eq!(fine.coarse(level).side_of(DVec3::Z), Some(DVec3::Z));
+            }
+            let (low, high) = fine.bounds();
+            assert!(p.cmpge(low - 1e-9).all() && p.cmple(high + 1e-9).all());
+        }
+    }
+
+    /// Bytes and numbers come back as the key, bytes sort as keys do, and 4,000 keys of 8 levels lie region by region: each of the 418
+    /// regions of 64 m is met once.
+    #[test]
+    fn order_is_by_place() {
+        let mut keys = Vec::new();
+        for i in 0..4000_u64 {
+            let part = |k: u64| (mix(i, k) % 4001) as f64 * 0.1 - 200.0;
+            let level = (mix(i, 9) % 8) as i8 - 2;
+            keys.push(CellKey::new(DVec3::new(part(1), part(2), part(3)), DVec3::Z, i % 3 == 0, (i % 5) as u16, level));
+        }
+        let mut by_bytes = keys.clone();
+        keys.sort();
+        by_bytes.sort_by_key(|k| k.to_bytes());
+        assert_eq!(keys, by_bytes);
+        assert!(
+            keys.iter().all(|k| CellKey::from_bytes(&k.to_bytes()) == *k && CellKey::from_number(k.number()) == *k)
+        );
+        let corner = |k: &CellKey| k.voxel.map(|v| v >> (6 - k.level));
+        keys.dedup_by_key(|k| corner(k));
+        let regions: std::collections::BTreeSet<[i32; 3]> = keys.iter().map(corner).collect();
+        assert_eq!((keys.len(), regions.len()), (418, 418));
+        let far = CellKey { level: 24, facing: 0, material: 0, voxel: [i32::MAX, i32::MIN, 0] };
+        assert_eq!(CellKey::from_bytes(&far.to_bytes()), far);
+    }
+
+    /// All 54 facing bins are reached, and opposite normals never share one.
+    #[test]
+    fn facings() {
+        let mut seen = std::collections::BTreeSet::new();
+        for i in 0..4000_u64 {
+            let d = crate::hemisphere::direction_of(crate::hemisphere::jitter(5, i));
+            let d = if i % 2 == 0 { d } else { -d };
+            assert_ne!(facing_bin(d), facing_bin(-d));
+            seen.insert(facing_bin(d));
+        }
+        assert_eq!(seen.len(), usize::from(FACINGS));
+    }
+
+    /// The back of a triangle that faces up is a cell that faces down, and no front belongs to it: 2 of 4 pairs match.
+    #[test]
+    fn sides() {
+        let cells = [false, true].map(|back| CellKey::new(DVec3::ONE, DVec3::Z, back, 0, 1));
+        assert_eq!(cells.map(|c| c.side_of(DVec3::Z)), [Some(DVec3::Z), Some(DVec3::NEG_Z)]);
+        assert_eq!(cells.map(|c| c.side_of(DVec3::NEG_Z)), [None, None]);
+        assert_eq!(cells.map(CellKey::axis), [(2, 1.0), (2, -1.0)]);
+    }
+
+    /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5; all 256 have the size 2^level.
+    #[test]
+    fn levels() {
+        assert_eq!([0.5, 1.4, 1.5, 4.0, 30.0].map(level_of), [-1, 0, 1, 2, 5]);
+        for level in i8::MIN..=i8::MAX {
+            assert_eq!(size_of(level), f64::powi(2.0, i32::from(level)));
+        }
+    }
+
+    /// Twelve numbers, also beyond i32 and none, have the floor that the library gives them.
+    #[test]
+    fn floors() {
+        let far = 2147483648.0;
+        for x in [0.0, -0.0, 0.5, -0.5, 7.0, -7.0, -7.1, far, -far, -far - 0.5, 1e300, f64::NAN] {
+            assert_eq!(floor(x), x.floor() as i32, "{x}");
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Planar mirrors: orientations, and chains of them with what they do to directions.
+//!
+//! What a mirror does to a direction depends on its normal only. So all parallel mirrors of one material are one orientation, a
+//! hundred recessed windows as well as a single pane; a curved mirror is many.
+
+use glam::{DMat3, DVec3};
+
+/// Most mirrors that light meets one after the other.
+pub const MOST_MIRRORS: usize = 3;
+
+/// The parallel mirrors of one material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orientation {
+    /// Unit normal; its sign means nothing.
+    pub normal: DVec3,
+    pub material: u16,
+}
+
+impl Orientation {
+    /// A direction after reflection, or before it.
+    pub fn reflect(&self, direction: DVec3) -> DVec3 {
+        direction - self.normal * (2.0 * self.normal.dot(direction))
+    }
+}
+
+/// A mirror on the way to a surface: the number of its material, and the cosine of the angle of incidence in 255ths.
+pub type Step = (u16, u8);
+
+/// Orientations met one after the other from the looker on; at most [`MOST_MIRRORS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Chain {
+    /// Numbers + 1; 0 is none.
+    links: [u32; MOST_MIRRORS],
+}
+
+impl Chain {
+    pub fn new(numbers: &[u16]) -> Self {
+        let mut chain = Chain::default();
+        chain.links.iter_mut().zip(numbers).for_each(|(link, &number)| *link = u32::from(number) + 1);
+        chain
+    }
+
+    /// One mirror more, if there is room for it.
+    pub fn then(mut self, number: u16) -> Option<Self> {
+        let link = self.links.iter_mut().find(|link| **link == 0)?;
+        *link = u32::from(number) + 1;
+        Some(self)
+    }
+
+    pub fn numbers(&self) -> impl Iterator<Item = u16> + Clone + '_ {
+        self.links.iter().take_while(|link| **link > 0).map(|link| (link - 1) as u16)
+    }
+
+    pub fn len(&self) -> usize {
+        self.numbers().count()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.links == [0; MOST_MIRRORS]
+    }
+
+    /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the looker
+    /// sees it; `None` if an orientation does not exist.
+    pub fn seen_from(&self, orientations: &[Orientation]) -> Option<DMat3> {
+        self.numbers().try_fold(DMat3::IDENTITY, |map, number| {
+            let n = orientations.get(usize::from(number))?.normal;
+            Some(map * (DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z) * 2.0))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ray that meets two mirrors is sent by the chain's map from the direction that it leaves in to the one that it started in, to
+    /// 1e-15; chains hold 3 mirrors and no fourth.
+    #[test]
+    fn chains() {
+        let orientation = |normal: DVec3| Orientation { normal: normal.normalize(), material: 0 };
+        let both = [orientation(DVec3::new(1.0, 2.0, 0.0)), orientation(DVec3::new(0.0, 1.0, -3.0))];
+        let chain = Chain::new(&[0, 1]);
+        let start = DVec3::new(0.6, 0.0, 0.8);
+        let end = both[1].reflect(both[0].reflect(start));
+        let map = chain.seen_from(&both).expect("both exist");
+        assert!((map * end - start).length() < 1e-15);
+        assert_eq!(chain.seen_from(&both[..1]), None);
+        assert_eq!((chain.len(), chain.then(0).and_then(|c| c.then(1))), (2, None));
+        assert_eq!(chain.then(0).map(|c| c.numbers().collect()), Some(vec![0, 1, 0]));
+    }
+}

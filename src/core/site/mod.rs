@@ -1,0 +1,12 @@
+//! The nouns of a site: cells, materials, receivers, chains of mirrors, the place. In: numbers of readers and of archives. Out: types
+//! that both the builder and replay speak of. Never: files, rays, weather.
+
+pub mod cells;
+pub mod chain;
+pub mod content;
+pub mod crossing;
+pub mod material;
+pub mod morton;
+pub mod ordered;
+pub mod place;
+pub mod receiver;

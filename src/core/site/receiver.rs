@@ -1,0 +1,22 @@
+//! A point that gets irradiance, and how many of them stand together.
+
+use glam::DVec3;
+
+/// Receivers of one tile: neighbours along the Morton curve that share compressed blocks.
+pub const TILE: usize = 64;
+
+/// A point and its unit normal that gets irradiance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Receiver {
+    pub id: String,
+    /// Input coordinates, metres.
+    pub position: DVec3,
+    /// Unit length.
+    pub normal: DVec3,
+    /// m2, > 0 where given.
+    pub area: Option<f64>,
+    pub surface: Option<String>,
+}
+
+/// Longest name that an archive holds.
+pub const MAX_NAME_BYTES: usize = 1024;

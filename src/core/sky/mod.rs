@@ -1,0 +1,9 @@
+//! Sky: how bright each part of it is. In: a condition and the choice of a model. Out: radiances of patches and texels, W/m2 sr.
+//! Never: obstructions, receivers, files.
+
+pub mod disc;
+pub mod patches;
+pub mod perez;
+pub mod projection;
+pub mod skies;
+pub mod sky;

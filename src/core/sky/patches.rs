@@ -1,0 +1,276 @@
+//! Sky patches: the sky cut into 145, 577 or 2305 parts of constant radiance, and their radiances for a condition.
+//!
+//! Reinhart's subdivision of Tregenza's sky (Tregenza, "Subdivision of the sky hemisphere for luminance measurements",
+//! Lighting Research and Technology 19(1), 1987; Reinhart and Walkenhorst, "Validation of dynamic RADIANCE-based daylight
+//! simulations", Energy and Buildings 33(7), 2001): each of Tregenza's seven rows is split MF times in altitude and MF times
+//! in azimuth, the zenith cap stays whole. Patches are numbered from the horizon row up, in a row clockwise from
+//! north; the first patch of a row is centred on north.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+use crate::error::Error;
+use crate::sky::sky::{Distribution, SkyModel};
+use crate::weather::conditions::Condition;
+
+/// Patches of Tregenza's rows, from the horizon up; the cap makes 145.
+const TREGENZA: [usize; 7] = [30, 30, 24, 24, 18, 12, 6];
+
+/// Points in which the radiance of a patch is averaged, per side: spacing 1.5 deg or finer.
+fn samples_per_side(factor: usize) -> usize {
+    (16 / factor).clamp(4, 8)
+}
+
+/// Two-point Gauss rules a side of a patch far from the sun, where radiance is smooth.
+fn rules_per_side(factor: usize) -> usize {
+    (2 / factor).max(1)
+}
+
+/// Angle from the sun to the centre of a patch below which all points of the patch are taken, radians; the patches of 12 degrees
+/// of Tregenza's own sky always lie within it.
+const NEAR_RAD: f64 = 0.35;
+
+/// Offset of the points of the two-point Gauss rule from the middle of an interval, in its lengths.
+const GAUSS: f64 = 0.288_675_134_594_812_9;
+
+/// Entries of the table of the indicatrix over the chord between a point and the sun. Linear interpolation then errs by
+/// (d / 1024)^2 / 2 of the circumsolar term: 3e-5 at Perez' steepest d of about -8.
+const CHORDS: usize = 1024;
+
+/// A ring of patches between two altitudes.
+#[derive(Clone, Debug)]
+struct Band {
+    /// Sine of the lower and upper altitude.
+    low: f64,
+    high: f64,
+    /// Patches are `first..first + count`.
+    first: usize,
+    count: usize,
+}
+
+/// A subdivision of the sky.
+#[derive(Clone, Debug)]
+pub struct Patches {
+    /// From the horizon up; the cap is the last.
+    bands: Vec<Band>,
+    /// Points per side of a patch.
+    side: usize,
+    /// `[patch][sample altitude][sample azimuth]`: points of equal solid angle within each patch.
+    samples: Vec<DVec3>,
+    /// Gauss rules a side, and `[patch][altitude][azimuth]`: their points.
+    rules: usize,
+    far: Vec<DVec3>,
+    centres: Vec<DVec3>,
+    /// Angle from the sun at each entry of the chord table, radians, and its cosine.
+    chord_angles: Vec<(f64, f64)>,
+}
+
+impl Patches {
+    /// 145, 577 or 2305 patches (MF 1, 2, 4).
+    pub fn new(count: usize) -> Result<Self, Error> {
+        let factor = match count {
+            145 => 1,
+            577 => 2,
+            2305 => 4,
+            _ => {
+                return Err(Error::Unsupported {
+                    what: "number of sky patches".into(),
+                    found: count.to_string(),
+                    supported: "145, 577 and 2305".into(),
+                });
+            }
+        };
+        let rows = TREGENZA.len() * factor;
+        // The cap has half a row's height.
+        let row_rad = 0.5 * PI / (rows as f64 + 0.5);
+        let mut bands = Vec::with_capacity(rows + 1);
+        let mut first = 0;
+        let per_row = TREGENZA.iter().flat_map(|n| std::iter::repeat_n(n * factor, factor));
+        for (row, count) in per_row.enumerate() {
+            bands.push(Band {
+                low: (row as f64 * row_rad).sin(),
+                high: ((row + 1) as f64 * row_rad).sin(),
+                first,
+                count,
+            });
+            first += count;
+        }
+        let low = (rows as f64 * row_rad).sin();
+        bands.push(Band { low, high: 1.0, first, count: 1 });
+        let (side, rules) = (samples_per_side(factor), rules_per_side(factor));
+        let even: Vec<f64> = (0..side).map(|j| (j as f64 + 0.5) / side as f64).collect();
+        let middles = (0..rules).map(|j| (j as f64 + 0.5) / rules as f64);
+        let gauss: Vec<f64> = middles.flat_map(|m| [m - GAUSS / rules as f64, m + GAUSS / rules as f64]).collect();
+        let (samples, far) = (points(&bands, &even), points(&bands, &gauss));
+        let chord_angles = (0..=CHORDS)
+            .map(|k| {
+                let half = k as f64 / CHORDS as f64;
+                (2.0 * half.min(1.0).asin(), 1.0 - 2.0 * half * half)
+            })
+            .collect();
+        let centres = centres(&bands);
+        Ok(Patches { bands, side, samples, rules, far, centres, chord_angles })
+    }
+
+    /// Number of patches.
+    #[expect(clippy::len_without_is_empty, reason = "a sky has at least 145 patches")]
+    pub fn len(&self) -> usize {
+        self.bands.iter().map(|b| b.count).sum()
+    }
+
+    /// Patch of a unit direction; directions below the horizon count as on it.
+    pub fn patch_of(&self, direction: DVec3) -> usize {
+        self.patch_at((direction.x.atan2(direction.y) / TAU).rem_euclid(1.0), direction.z)
+    }
+
+    /// Patch at an azimuth, turns clockwise from north in 0..=1, and the sine of an altitude.
+    pub fn patch_at(&self, turns: f64, z: f64) -> usize {
+        let above = self.bands.iter().take_while(|b| b.high <= z).count();
+        let Some(band) = self.bands.get(above).or(self.bands.last()) else {
+            return 0;
+        };
+        let place = (turns * band.count as f64 + 0.5) as usize;
+        band.first + if place >= band.count { 0 } else { place }
+    }
+
+    /// Unit directions of the patch centres: middle altitude and azimuth, the cap's is the zenith.
+    pub fn centres(&self) -> &[DVec3] {
+        &self.centres
+    }
+
+    /// Exact solid angle of each patch, sr: zone of the sphere over its number of patches.
+    pub fn solid_angles_sr(&self) -> Vec<f64> {
+        self.bands.iter().flat_map(|b| std::iter::repeat_n(TAU * (b.high - b.low) / b.count as f64, b.count)).collect()
+    }
+
+    /// Radiance of each patch, W/m2/sr: the model's mean over the patch, scaled so that the sum of radiance x
+    /// `open_horizontal_sr` (the patches' cosine-weighted solid angles as the receivers' coefficients count them, see
+    /// [`crate::sky::projection`]) is DHI. A model that gives no finite sky is replaced by the uniform one.
+    pub fn radiances(&self, model: SkyModel, condition: &Condition, open_horizontal_sr: &[f64]) -> Vec<f64> {
+        let count = self.len();
+        if condition.dhi_w_m2 <= 0.0 {
+            return vec![0.0; count];
+        }
+        let mut radiances = self.relative(&model.distribution(condition), condition.sky_sun);
+        let integral = |values: &[f64]| -> f64 { values.iter().zip(open_horizontal_sr).map(|(l, w)| l * w).sum() };
+        let mut sum = integral(&radiances);
+        let mut scale = condition.dhi_w_m2 / sum;
+        if !(sum.is_finite() && scale.is_finite() && scale > 0.0) {
+            radiances.fill(1.0);
+            sum = integral(&radiances);
+            scale = if sum > 0.0 { condition.dhi_w_m2 / sum } else { 0.0 };
+        }
+        for radiance in &mut radiances {
+            *radiance *= scale;
+        }
+        radiances
+    }
+
+    /// Mean relative radiance of each patch. The gradation depends on the sample's altitude only and the indicatrix on its
+    /// distance from the sun only: both are tabulated once per sky, which leaves one square root a sample.
+    ///
+    /// Away from the sun the indicatrix is smooth, and few points do: Gauss rules whose two rings of points take the weights
+    /// that the gradation, averaged over many rings, has with a linear function of the height.
+    fn relative(&self, sky: &Distribution, sun: DVec3) -> Vec<f64> {
+        let glow: Vec<f64> = self.chord_angles.iter().map(|&(angle, cos)| sky.indicatrix(angle, cos)).collect();
+        // Of chord^2 = 2 - 2 cos gamma; the table runs over chords 0..2.
+        let half_table = 0.5 * CHORDS as f64;
+        let glow_at = |direction: &DVec3| {
+            let chord = (2.0 - 2.0 * direction.dot(sun)).max(0.0).sqrt();
+            let at = (chord * half_table).min(CHORDS as f64);
+            let below = (at as usize).min(CHORDS - 1);
+            match glow.get(below..below + 2) {
+                Some([low, high]) => low + (high - low) * (at - below as f64),
+                _ => 0.0,
+            }
+        };
+        let near_cos = NEAR_RAD.cos();
+        let per_patch = (self.side * self.side) as f64;
+        let points = 2 * self.rules;
+        let mut samples = self.samples.chunks_exact(self.side * self.side);
+        let mut far = self.far.chunks_exact(points * points);
+        let mut centres = self.centres.iter();
+        let mut means = Vec::with_capacity(self.len());
+        let mut gradation = vec![0.0; self.side];
+        for band in &self.bands {
+            for (j, value) in gradation.iter_mut().enumerate() {
+                *value = sky.gradation(band.sample_z(j, self.side)) / per_patch;
+            }
+            let rings = band.ring_weights(self.rules, |z| sky.gradation(z));
+            let patches = samples.by_ref().zip(far.by_ref()).zip(centres.by_ref()).take(band.count);
+            means.extend(patches.map(|((samples, far), centre)| {
+                // Two azimuths do not go round the cap.
+                if centre.dot(sun) > near_cos || band.count == 1 {
+                    let rows = gradation.iter().zip(samples.chunks_exact(self.side));
+                    rows.map(|(g, row)| g * row.iter().map(glow_at).sum::<f64>()).sum()
+                } else {
+                    let rows = rings.iter().zip(far.chunks_exact(points));
+                    rows.map(|(w, row)| w * row.iter().map(glow_at).sum::<f64>()).sum::<f64>() / points as f64
+                }
+            }));
+        }
+        means
+    }
+}
+
+/// Points of each patch, `[patch][altitude][azimuth]`, at these shares of its solid angle from the lower edge and of its width.
+fn points(bands: &[Band], shares: &[f64]) -> Vec<DVec3> {
+    let mut found = Vec::new();
+    for band in bands {
+        for patch in 0..band.count {
+            for altitude in shares {
+                let z = band.low + (band.high - band.low) * altitude;
+                let horizontal = (1.0 - z * z).max(0.0).sqrt();
+                for inside in shares {
+                    let (sin, cos) = (TAU * (patch as f64 + inside - 0.5) / band.count as f64).sin_cos();
+                    found.push(DVec3::new(horizontal * sin, horizontal * cos, z));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Middle altitude and azimuth of each patch, the cap's is the zenith.
+fn centres(bands: &[Band]) -> Vec<DVec3> {
+    let of_band = |band: &Band| -> Vec<DVec3> {
+        let altitude = 0.5 * (band.low.clamp(0.0, 1.0).asin() + band.high.clamp(0.0, 1.0).asin());
+        let (sin_altitude, cos_altitude) = altitude.sin_cos();
+        let centre = |patch| {
+            let (sin, cos) = (TAU * patch as f64 / band.count as f64).sin_cos();
+            DVec3::new(cos_altitude * sin, cos_altitude * cos, sin_altitude)
+        };
+        if band.count == 1 { vec![DVec3::Z] } else { (0..band.count).map(centre).collect() }
+    };
+    bands.iter().flat_map(of_band).collect()
+}
+
+impl Band {
+    /// Sine of the altitude of the j-th of `side` sample rings of equal solid angle.
+    fn sample_z(&self, j: usize, side: usize) -> f64 {
+        self.low + (self.high - self.low) * (j as f64 + 0.5) / side as f64
+    }
+
+    /// Weights of the rings of points of Gauss rules: each pair has the mean of `gradation` over its part of the band, and the
+    /// mean of `gradation` times the height above the part's middle. Sum: the band's mean.
+    fn ring_weights(&self, rules: usize, gradation: impl Fn(f64) -> f64) -> Vec<f64> {
+        const RINGS: usize = 8;
+        let height = (self.high - self.low) / rules as f64;
+        let pair = |rule: usize| {
+            let (mut mean, mut moment) = (0.0, 0.0);
+            for ring in 0..RINGS {
+                let above = (ring as f64 + 0.5) / RINGS as f64 - 0.5;
+                let value = gradation(self.low + height * (rule as f64 + 0.5 + above)) / RINGS as f64;
+                mean += value;
+                moment += value * above;
+            }
+            [0.5 * mean - moment / (2.0 * GAUSS), 0.5 * mean + moment / (2.0 * GAUSS)].map(|w| w / rules as f64)
+        };
+        (0..rules).flat_map(pair).collect()
+    }
+}
+
+#[cfg(test)]
+#[path = "patches_tests.rs"]
+mod tests;

@@ -1,0 +1,138 @@
+//! The skies of a series of conditions as patch radiances. In: conditions and where they add to, later receivers' sky and response
+//! textures. Out: coefficients of the patches, and irradiances by one dense product for a tile.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use glam::DVec3;
+use ndarray::ArrayView2;
+use rayon::prelude::*;
+
+use crate::layers::mosaic::Mosaic;
+use crate::layers::sky::half_texel;
+use crate::sky::patches::Patches;
+use crate::sky::projection::Projection;
+use crate::sky::sky::SkyModel;
+use crate::weather::bins::Bins;
+use crate::weather::conditions::Condition;
+
+/// Skies made at a time.
+const PART: usize = 64;
+
+/// By way and result.
+type Sums = BTreeMap<(usize, usize), Vec<f64>>;
+
+/// Patch radiances of the results that have a sky.
+#[derive(Default)]
+pub struct Skies {
+    /// Results with a sky, and their patch radiances: [result with a sky][patch], W/m2 sr x weight.
+    bins: Vec<usize>,
+    radiances: Vec<f32>,
+    patches: usize,
+}
+
+impl Skies {
+    /// One for each of several ways to add conditions to results. Skies that add to one result are added before any receiver is
+    /// asked. `open_horizontal_sr` of the projection that coefficients are made with.
+    pub fn new(
+        conditions: &[Condition],
+        ways: &[&Bins],
+        model: SkyModel,
+        patches: &Patches,
+        open_horizontal_sr: &[f64],
+    ) -> Vec<Self> {
+        // Parts of a fixed size, added in order: the sum does not depend on the number of threads.
+        let parts: Vec<Sums> = (0..conditions.len().div_ceil(PART))
+            .into_par_iter()
+            .map(|part| {
+                let mut sums = Sums::new();
+                for (i, condition) in conditions.iter().enumerate().skip(part * PART).take(PART) {
+                    if condition.dhi_w_m2 > 0.0 {
+                        let radiances = patches.radiances(model, condition, open_horizontal_sr);
+                        for (way, bins) in ways.iter().enumerate() {
+                            let (bin, weight) = bins.of_condition[i];
+                            if weight != 0.0 {
+                                let sum = sums.entry((way, bin)).or_insert_with(|| vec![0.0; patches.len()]);
+                                sum.iter_mut().zip(&radiances).for_each(|(sum, l)| *sum += l * weight);
+                            }
+                        }
+                    }
+                }
+                sums
+            })
+            .collect();
+        let mut sums = Sums::new();
+        for (place, part) in parts.into_iter().flatten() {
+            match sums.entry(place) {
+                Entry::Vacant(free) => {
+                    free.insert(part);
+                }
+                Entry::Occupied(mut sum) => sum.get_mut().iter_mut().zip(part).for_each(|(sum, l)| *sum += l),
+            }
+        }
+        let none = || Skies { bins: Vec::new(), radiances: Vec::new(), patches: patches.len() };
+        let mut found: Vec<Skies> = ways.iter().map(|_| none()).collect();
+        for ((way, bin), sum) in sums {
+            found[way].bins.push(bin);
+            found[way].radiances.extend(sum.into_iter().map(|l| l as f32));
+        }
+        found
+    }
+
+    /// Whether no result has a sky.
+    pub fn is_empty(&self) -> bool {
+        self.bins.is_empty()
+    }
+
+    /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][patch]`: (receivers x patches) times (patches x
+    /// results).
+    pub fn irradiance(&self, coefficients: &[f32], mut each: impl FnMut(usize, usize, f32)) {
+        let shape = (coefficients.len() / self.patches.max(1), self.patches);
+        // Shapes follow from how the two vectors were filled, so neither view can fail.
+        let (Ok(a), Ok(b)) = (
+            ArrayView2::from_shape(shape, coefficients),
+            ArrayView2::from_shape((self.bins.len(), self.patches), &self.radiances),
+        ) else {
+            return;
+        };
+        for (receiver, values) in a.dot(&b.t()).rows().into_iter().enumerate() {
+            self.bins.iter().zip(values.iter()).for_each(|(&bin, &v)| each(receiver, bin, v));
+        }
+    }
+}
+
+/// Appends the irradiance per unit radiance of each patch, sr: visible share x cosine x solid angle of the texels.
+pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &Mosaic, out: &mut Vec<f32>) {
+    let half = half_texel(projection.side());
+    let mut sums = vec![0.0_f64; projection.patches()];
+    sky.for_visible(|texel, share| {
+        let cos = mean_positive(normal.dot(projection.mean_directions[texel]), half);
+        if cos > 0.0 {
+            projection.add(texel, cos * share, &mut sums);
+        }
+    });
+    out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+}
+
+/// The same for light that is reflected: d . G x solid angle; `response` is [texel][axis].
+pub fn response_coefficients(projection: &Projection, response: &[[f32; 3]], out: &mut Vec<f32>) {
+    let mut sums = vec![0.0_f64; projection.patches()];
+    for (texel, (d, g)) in projection.mean_directions.iter().zip(response).enumerate() {
+        let value = d.dot(DVec3::from(g.map(f64::from)));
+        if value != 0.0 {
+            projection.add(texel, value, &mut sums);
+        }
+    }
+    out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+}
+
+/// Mean of max(x, 0) for x spread evenly over `centre` +- `half`: the cosine of a texel that the surface's plane cuts.
+pub fn mean_positive(centre: f64, half: f64) -> f64 {
+    if centre >= half {
+        centre
+    } else if centre <= -half {
+        0.0
+    } else {
+        (centre + half) * (centre + half) / (4.0 * half)
+    }
+}

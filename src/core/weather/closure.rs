@@ -1,0 +1,108 @@
+//! Closure of a weather file: does GHI = DHI + DNI cos z hold with the sun at mid-interval, or at another time?
+//!
+//! A wrong time zone, a longitude of the wrong sign, rows in UT, or labels at the wrong end of the interval show as a smaller
+//! residual at a shifted sun. Nothing is shifted silently: the reader warns.
+
+use rayon::prelude::*;
+
+use crate::weather::sun::Site;
+use crate::weather::weather::Row;
+
+/// Shifts tried: half a day each way, first coarsely (the residual changes over hours), then by the minute.
+const HALF_DAY_MIN: i32 = 720;
+const COARSE_MIN: i32 = 30;
+
+/// Rows with less light say little: the sun is low, or its interval is cut by the horizon.
+const SMALLEST_GHI_W_M2: f64 = 50.0;
+
+/// Fewer rows prove nothing.
+const FEWEST_ROWS: usize = 24;
+
+/// More rows are thinned to this: the check must not cost more than reading.
+const MOST_ROWS: usize = 4_000;
+
+/// If the best shift leaves more than this share of GHI - DHI unexplained, time is not what is wrong.
+const LARGEST_SHARE: f64 = 0.2;
+
+/// Root mean square of GHI - (DHI + DNI cos z) over the rows with DNI and a GHI above 50 W/m2: rows that the sun's place
+/// matters for, chosen without it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closure {
+    /// With the sun at mid-interval.
+    pub rmse_w_m2: f64,
+    /// At the best of the shifts tried.
+    pub best_rmse_w_m2: f64,
+    /// Best shift, minutes after mid-interval (negative: before).
+    pub best_shift_min: i32,
+    /// Root mean square of GHI - DHI: what is left if no sun is put in at all.
+    pub sunless_rmse_w_m2: f64,
+}
+
+impl Closure {
+    /// The check over rows for which GHI, DNI and DHI were all in the file.
+    pub fn of(site: &Site, rows: &[Row]) -> Option<Self> {
+        let mut usable: Vec<(&Row, f64)> = rows
+            .iter()
+            .filter(|row| row.dni_w_m2 > 0.0)
+            .filter_map(|row| row.ghi_w_m2.map(|ghi| (row, ghi)))
+            .filter(|(_, ghi)| *ghi > SMALLEST_GHI_W_M2)
+            .collect();
+        if usable.len() < FEWEST_ROWS {
+            return None;
+        }
+        let stride = usable.len().div_ceil(MOST_ROWS);
+        usable = usable.into_iter().step_by(stride).collect();
+        let rmse = |shift_min: i32| {
+            let sum: f64 = usable
+                .iter()
+                .map(|(row, ghi)| {
+                    let sun = site.turned(row.sun, f64::from(shift_min));
+                    let residual = ghi - row.dhi_w_m2 - row.dni_w_m2 * sun.z.max(0.0);
+                    residual * residual
+                })
+                .sum();
+            (sum / usable.len() as f64).sqrt()
+        };
+        let at_middle = rmse(0);
+        let better = |best: (f64, i32), shifts: Vec<i32>| {
+            let tried: Vec<_> = shifts.into_par_iter().map(|shift| (rmse(shift), shift)).collect();
+            tried.into_iter().fold(best, |best, next| if next.0 < best.0 { next } else { best })
+        };
+        let steps = HALF_DAY_MIN / COARSE_MIN;
+        let coarse = better((at_middle, 0), (-steps..=steps).map(|i| i * COARSE_MIN).collect());
+        let best = better(coarse, (1 - COARSE_MIN..COARSE_MIN).map(|i| coarse.1 + i).collect());
+        let sunless: f64 = usable.iter().map(|(row, ghi)| (ghi - row.dhi_w_m2).powi(2)).sum();
+        Some(Closure {
+            rmse_w_m2: at_middle,
+            best_rmse_w_m2: best.0,
+            best_shift_min: best.1,
+            sunless_rmse_w_m2: (sunless / usable.len() as f64).sqrt(),
+        })
+    }
+
+    /// A sentence if another time fits better by a factor of two and by more than 5 W/m2, or if none fits.
+    pub fn warning(&self, site: &Site) -> Option<String> {
+        let Closure { rmse_w_m2, best_rmse_w_m2, best_shift_min, sunless_rmse_w_m2 } = *self;
+        if best_rmse_w_m2 > LARGEST_SHARE * sunless_rmse_w_m2 {
+            return Some(format!(
+                "GHI = DHI + DNI cos(z) does not hold: {rmse_w_m2:.1} W/m2 RMSE, {best_rmse_w_m2:.1} at the best of all time \
+                 shifts, {sunless_rmse_w_m2:.1} without any sun. Latitude or the radiation columns look wrong; they are used as \
+                 they stand"
+            ));
+        }
+        let wrong = rmse_w_m2 > 2.0 * best_rmse_w_m2 && rmse_w_m2 - best_rmse_w_m2 > 5.0;
+        wrong.then(|| {
+            let hours = f64::from(best_shift_min) / 60.0;
+            // Into the ranges that the header allows.
+            let zone = (site.zone_hours - hours + 12.0).rem_euclid(24.0) - 12.0;
+            let longitude = (site.longitude_deg + 15.0 * hours + 180.0).rem_euclid(360.0) - 180.0;
+            format!(
+                "GHI = DHI + DNI cos(z) fits best with the sun {} min {} mid-interval ({best_rmse_w_m2:.1} W/m2 RMSE against \
+                 {rmse_w_m2:.1} at mid-interval): time zone, longitude or time stamps look wrong. Nothing was shifted; on line 1 \
+                 a time zone of {zone:.2} or a longitude of {longitude:.1} gives this shift",
+                best_shift_min.abs(),
+                if best_shift_min < 0 { "before" } else { "after" },
+            )
+        })
+    }
+}

@@ -1,0 +1,254 @@
+//! Conditions: what the sun and the sky do in one result row. In: `conditions.csv`. Out: checked [`Condition`]s.
+//!
+//! A query row is one condition with one sun. A replay hour is one condition with the suns of its sub-steps (see
+//! [`crate::weather::weather`]). The mean over the interval of the sun on a surface is DNI x sum of weight x cos over the suns.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::replay::longwave::Emission;
+use crate::units::direction_from_degrees;
+use crate::weather::calendar::Date;
+use crate::weather::sun::SOLAR_CONSTANT_W_M2;
+
+/// One position of the sun in a condition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant {
+    /// Unit, towards the centre of the sun, above the horizon (z > 0): suns below it are not listed.
+    pub sun: DVec3,
+    /// Share of the condition's direct energy that comes from here; the weights of a condition sum to 1.
+    pub weight: f64,
+}
+
+/// When a replay condition was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamp {
+    /// Date of the row; months of a typical year come from different years.
+    pub date: Date,
+    /// Length of the interval.
+    pub hours: f64,
+}
+
+/// Sun and sky of one result row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    /// Name of the row in the results: the `condition` of a query, the start of the interval of a replay.
+    pub label: String,
+    /// Empty when the sun is down the whole time: the sun parts are then zero.
+    pub suns: Vec<Instant>,
+    /// Sun position that the sky's radiance distribution is built on: unit, z >= 0. The normalised mean of the suns; when
+    /// there are none, the sun's azimuth at altitude 0.
+    pub sky_sun: DVec3,
+    /// Mean over the interval, also where the sun is up for a part of it only.
+    pub dni_w_m2: f64,
+    pub dhi_w_m2: f64,
+    pub extraterrestrial_w_m2: f64,
+    /// Present in a replay only.
+    pub stamp: Option<Stamp>,
+    /// Present where longwave irradiance is asked for.
+    pub emission: Option<Emission>,
+}
+
+impl Condition {
+    /// A condition with equally weighted suns (those above the horizon); `below` is where the sun stands if there is none.
+    pub fn new(label: String, suns: &[DVec3], below: DVec3, dni_w_m2: f64, dhi_w_m2: f64) -> Self {
+        let up: Vec<DVec3> = suns.iter().copied().filter(|s| s.z > 0.0).collect();
+        let weight = 1.0 / up.len().max(1) as f64;
+        let sky_sun = match up.iter().sum::<DVec3>().try_normalize() {
+            Some(mean) if mean.z > 0.0 => mean,
+            _ => on_horizon(below),
+        };
+        Condition {
+            label,
+            suns: up.into_iter().map(|sun| Instant { sun, weight }).collect(),
+            sky_sun,
+            dni_w_m2,
+            dhi_w_m2,
+            extraterrestrial_w_m2: SOLAR_CONSTANT_W_M2,
+            stamp: None,
+            emission: None,
+        }
+    }
+}
+
+/// The direction with its altitude set to 0; north for a vertical one.
+fn on_horizon(direction: DVec3) -> DVec3 {
+    DVec3::new(direction.x, direction.y, 0.0).try_normalize().unwrap_or(DVec3::Y)
+}
+
+/// Conditions of a query, and what the user should know about them.
+#[derive(Debug)]
+pub struct ConditionsFile {
+    pub conditions: Vec<Condition>,
+    pub warnings: Vec<String>,
+}
+
+/// The columns of `conditions.csv`, in any order; further columns are ignored.
+const COLUMNS: [&str; 5] = ["condition", "sun_azimuth_deg", "sun_altitude_deg", "dni_w_m2", "dhi_w_m2"];
+
+/// No irradiance on Earth comes near; above it the number is a slip of units or of columns.
+const MAX_IRRADIANCE_W_M2: f64 = 1e6;
+
+/// Reads and checks `conditions.csv` (UTF-8, with or without byte order mark, any line ending).
+pub fn read_conditions(path: &Path) -> Result<ConditionsFile> {
+    let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
+    parse(path, &bytes)
+}
+
+fn parse(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
+    let header = reader.headers().map_err(|e| csv_error(path, &e))?.clone();
+    let mut place = [0; COLUMNS.len()];
+    for (slot, name) in place.iter_mut().zip(COLUMNS) {
+        let mut found = header.iter().enumerate().filter(|(_, cell)| *cell == name);
+        *slot = match (found.next(), found.next()) {
+            (Some((i, _)), None) => i,
+            (None, _) => {
+                let what = format!("column `{name}` is missing from the header");
+                let hint = format!("the first line names the columns {}", COLUMNS.join(","));
+                return Err(Error::input(path, 1, what, hint));
+            }
+            (Some(_), Some(_)) => {
+                let what = format!("column `{name}` appears twice in the header");
+                return Err(Error::input(path, 1, what, "keep one of the two"));
+            }
+        };
+    }
+    let mut conditions = Vec::new();
+    let mut warnings = Vec::new();
+    let mut line_of_name: HashMap<String, usize> = HashMap::new();
+    for record in reader.records() {
+        let record = record.map_err(|e| csv_error(path, &e))?;
+        let line = record.position().map_or(0, |p| p.line() as usize);
+        let [name, numbers @ ..] = place.map(|i| record.get(i).unwrap_or_default());
+        if name.is_empty() {
+            let hint = "give every row a name in the column `condition`";
+            return Err(Error::input(path, line, "the condition has no name", hint));
+        }
+        if let Some(first) = line_of_name.insert(name.to_string(), line) {
+            let what = format!("condition `{name}` was already on line {first}");
+            return Err(Error::input(path, line, what, "give every row its own name"));
+        }
+        let mut values = [0.0; 4];
+        let limits = [(-360.0, 360.0), (-90.0, 90.0), (0.0, MAX_IRRADIANCE_W_M2), (0.0, MAX_IRRADIANCE_W_M2)];
+        let cells = values.iter_mut().zip(COLUMNS.into_iter().skip(1));
+        for (((value, column), text), (low, high)) in cells.zip(numbers).zip(limits) {
+            *value = match text.parse::<f64>() {
+                Ok(number) if (low..=high).contains(&number) => number,
+                _ => {
+                    let what = format!("column `{column}` holds `{text}`");
+                    let hint = format!("write a number from {low} to {high}");
+                    return Err(Error::input(path, line, what, hint));
+                }
+            };
+        }
+        let [azimuth_deg, altitude_deg, dni_w_m2, dhi_w_m2] = values;
+        if altitude_deg <= 0.0 && dni_w_m2 > 0.0 {
+            warnings.push(format!(
+                "{}, line {line}: condition `{name}` has a DNI of {dni_w_m2} W/m2 with the sun at {altitude_deg} deg, not \
+                 above the horizon: its sun parts are zero",
+                path.display()
+            ));
+        }
+        let sun = direction_from_degrees(azimuth_deg, altitude_deg);
+        // At altitude 0 the sine may round to above 0.
+        let suns: &[DVec3] = if altitude_deg > 0.0 { &[sun] } else { &[] };
+        conditions.push(Condition::new(name.to_string(), suns, sun, dni_w_m2, dhi_w_m2));
+    }
+    if conditions.is_empty() {
+        let hint = format!("write one line per condition below {}", COLUMNS.join(","));
+        return Err(Error::input(path, None, "the file has no conditions", hint));
+    }
+    Ok(ConditionsFile { conditions, warnings })
+}
+
+fn csv_error(path: &Path, error: &csv::Error) -> Error {
+    let line = error.position().map(|p| p.line() as usize);
+    Error::input(path, line, error.to_string(), "save the file as CSV in UTF-8")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<ConditionsFile> {
+        parse(Path::new("c.csv"), text.as_bytes())
+    }
+
+    /// Columns in another order, a byte order mark, CRLF and an extra column give the same condition: sun in the south at 30
+    /// deg, weight 1, E0 1367 W/m2.
+    #[test]
+    fn any_layout() {
+        let file = read(
+            "\u{feff}dhi_w_m2, dni_w_m2,condition,sun_altitude_deg,sun_azimuth_deg,note\r\n100, 800,a,30,180,x\r\n\r\n",
+        )
+        .expect("valid");
+        assert!(file.warnings.is_empty());
+        let c = &file.conditions[0];
+        assert_eq!((c.label.as_str(), c.suns.len(), c.suns[0].weight), ("a", 1, 1.0));
+        assert!((c.suns[0].sun - DVec3::new(0.0, -(0.75_f64.sqrt()), 0.5)).length() < 1e-12);
+        assert_eq!((c.dni_w_m2, c.dhi_w_m2), (800.0, 100.0));
+        assert_eq!(c.extraterrestrial_w_m2, 1367.0);
+    }
+
+    /// Each broken line is an error that names file, line, column and cell: 12 cases.
+    #[test]
+    fn errors_name_the_cell() {
+        let header = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n";
+        for (rows, expected) in [
+            ("a,180,91,0,0", "line 2: column `sun_altitude_deg` holds `91`"),
+            ("a,180,-90.5,0,0", "column `sun_altitude_deg` holds `-90.5`"),
+            ("a,NaN,9,0,0", "column `sun_azimuth_deg` holds `NaN`"),
+            ("a,inf,9,0,0", "column `sun_azimuth_deg` holds `inf`"),
+            ("a,180,9,-1,0", "column `dni_w_m2` holds `-1`"),
+            ("a,180,9,1,-0.1", "column `dhi_w_m2` holds `-0.1`"),
+            ("a,180,9,1,1e9", "column `dhi_w_m2` holds `1e9`"),
+            ("a,180,9,1,", "column `dhi_w_m2` holds ``"),
+            ("a,180,9,1", "column `dhi_w_m2` holds ``"),
+            ("a,180,9,x,0", "column `dni_w_m2` holds `x`"),
+            ("a,1,1,1,1\nb,1,1,1,1\na,1,1,1,1", "line 4: condition `a` was already on line 2"),
+            (",1,1,1,1", "the condition has no name"),
+        ] {
+            let text = read(&format!("{header}{rows}\n")).expect_err(rows).to_string();
+            assert!(text.starts_with("c.csv, line"), "{text}");
+            assert!(text.contains(expected), "{text}");
+        }
+        let text = read("condition,dni_w_m2\n").expect_err("header").to_string();
+        assert!(text.contains("line 1: column `sun_azimuth_deg` is missing"), "{text}");
+        let text = read("condition,condition,dni_w_m2\n").expect_err("twice").to_string();
+        assert!(text.contains("column `condition` appears twice"), "{text}");
+        for empty in ["", header] {
+            assert!(read(empty).is_err());
+        }
+        let bytes = [header.as_bytes(), b"\xff\xfe,1,1,1,1\n"].concat();
+        assert!(parse(Path::new("c.csv"), &bytes).is_err());
+    }
+
+    /// DNI with the sun at or below the horizon is accepted with one warning a row; there are no suns, and the sky's sun is
+    /// the same azimuth at altitude 0 (exactly z = 0), also at the nadir.
+    #[test]
+    fn sun_below_horizon() {
+        let rows = "a,90,-5,300,20\nb,90,0,300,20\nc,0,-90,0,20\n";
+        let file = read(&format!("{}\n{rows}", COLUMNS.join(","))).expect("valid");
+        assert_eq!(file.warnings.len(), 2);
+        assert!(file.warnings[0].contains("DNI of 300 W/m2"), "{}", file.warnings[0]);
+        for c in &file.conditions {
+            assert!(c.suns.is_empty() && c.sky_sun.z == 0.0);
+            assert!((c.sky_sun.length() - 1.0).abs() < 1e-12);
+        }
+        assert!((file.conditions[0].sky_sun - DVec3::X).length() < 1e-12);
+    }
+
+    /// Weights of several suns sum to 1 and suns that are down are dropped.
+    #[test]
+    fn weights() {
+        let suns = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Z];
+        let c = Condition::new("h".into(), &suns, DVec3::Z, 1.0, 1.0);
+        assert_eq!(c.suns.len(), 2);
+        assert!((c.suns.iter().map(|i| i.weight).sum::<f64>() - 1.0).abs() < 1e-15);
+    }
+}

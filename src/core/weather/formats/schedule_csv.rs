@@ -1,0 +1,103 @@
+//! Reader of schedules: one value a line. In: a CSV file with a column such as `reflectance`, and the dates of a weather file's rows.
+//! Out: a checked value for each row.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::weather::calendar::Date;
+
+/// The column that is read, and what its values can be; further columns (a time, a note) are ignored.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    pub name: &'static str,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Column {
+    /// Whether a value can be; false for NaN.
+    pub fn holds(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
+/// Reads a schedule with a value for each of `dates`, or with twelve values, one a month.
+pub fn read_schedule(path: &Path, column: Column, dates: &[Date]) -> Result<Vec<f64>> {
+    let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
+    let values = parse(path, &bytes, column)?;
+    match values.len() {
+        count if count == dates.len() => Ok(values),
+        12 => Ok(dates.iter().filter_map(|date| values.get(date.month as usize - 1).copied()).collect()),
+        count => {
+            let what = format!("{count} values for a weather file of {} rows", dates.len());
+            Err(Error::input(
+                path,
+                None,
+                what,
+                "give a line for each row of the weather file, or 12 lines, one a month",
+            ))
+        }
+    }
+}
+
+fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
+    let Column { name, low, high } = column;
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
+    let broken = |error: csv::Error| {
+        let line = error.position().map(|p| p.line() as usize);
+        Error::input(path, line, error.to_string(), "save the file as CSV in UTF-8")
+    };
+    let header = reader.headers().map_err(broken)?;
+    let Some(place) = header.iter().position(|cell| cell == name) else {
+        let what = format!("column `{name}` is missing from the header");
+        return Err(Error::input(path, 1, what, format!("name the column of the values `{name}`")));
+    };
+    let mut values = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(broken)?;
+        let line = record.position().map_or(0, |p| p.line() as usize);
+        let text = record.get(place).unwrap_or_default();
+        match text.parse::<f64>() {
+            Ok(value) if column.holds(value) => values.push(value),
+            _ => {
+                let what = format!("column `{name}` holds `{text}`");
+                return Err(Error::input(path, line, what, format!("write a number from {low} to {high}")));
+            }
+        }
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twelve values follow the months of 3 rows, as many values as rows are taken as they are; 7 broken files are errors that name
+    /// the line or both numbers.
+    #[test]
+    fn values() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("s.csv");
+        let dates = [(1, 31), (2, 1), (12, 5)].map(|(month, day)| Date::new(2021, month, day).expect("a date"));
+        let read = |text: &str| {
+            std::fs::write(&path, text).expect("written");
+            read_schedule(&path, Column { name: "reflectance", low: 0.0, high: 1.0 }, &dates)
+        };
+        let months: String = (1..=12).map(|m| format!("{m},0.{m:02}\n")).collect();
+        assert_eq!(read(&format!("month, reflectance\r\n{months}")).expect("months"), [0.01, 0.02, 0.12]);
+        assert_eq!(read("\u{feff}reflectance\n0\n1\n0.5\n").expect("rows"), [0.0, 1.0, 0.5]);
+        for (text, expected) in [
+            ("", "column `reflectance` is missing"),
+            ("albedo\n1\n1\n1\n", "column `reflectance` is missing"),
+            ("reflectance\n0\n1\n", "2 values for a weather file of 3 rows"),
+            ("reflectance\n0\n1.1\n0\n", "line 3: column `reflectance` holds `1.1`"),
+            ("reflectance\n0\nNaN\n0\n", "line 3: column `reflectance` holds `NaN`"),
+            ("reflectance\n0\n-0.1\n0\n", "holds `-0.1`"),
+            ("a,reflectance\n0\n", "line 2: column `reflectance` holds ``"),
+        ] {
+            let error = read(text).expect_err(text).to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

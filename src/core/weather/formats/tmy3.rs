@@ -1,0 +1,259 @@
+//! Reader of TMY3 files as CSV. In: a file's bytes. Out: [`Weather`], judged as an EPW file is.
+//!
+//! Format: Wilcox and Marion, "Users manual for TMY3 data sets", NREL/TP-581-43156, 2008, section 3: a line of the site (number, name,
+//! state, time zone, latitude, longitude, elevation), a line of names, then hours labelled with their END in standard time, 01:00
+//! to 24:00. -9900 means missing. Columns are found by name, so files with a few of them only are read too. There is no snow depth,
+//! and no infrared radiation.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::weather::air::Air;
+use crate::weather::calendar::Date;
+use crate::weather::formats::epw::header::Header;
+use crate::weather::formats::epw::judge::judged;
+use crate::weather::formats::epw::row::{LOWEST_OFFSET_W_M2, RawRow};
+use crate::weather::formats::epw::warn_of_part;
+use crate::weather::sun::{Interval, Site};
+use crate::weather::weather::Weather;
+
+/// From this down a number means that there is none.
+const MISSING: f64 = -9900.0;
+
+/// Light from here up is no measurement; some programs write 9999 for missing here too.
+const MISSING_RADIATION: f64 = 9999.0;
+
+/// Whether the second line names the columns as TMY3 does.
+pub(super) fn is_tmy3(bytes: &[u8]) -> bool {
+    let second = bytes.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
+    let second = second.trim_ascii_start();
+    second.strip_prefix(b"\"").unwrap_or(second).get(..6).is_some_and(|name| name.eq_ignore_ascii_case(b"Date ("))
+}
+
+/// Places of the columns that are read; `None` where the file has none.
+struct Columns {
+    date: usize,
+    time: usize,
+    ghi: Option<usize>,
+    dni: Option<usize>,
+    dhi: Option<usize>,
+    albedo: Option<usize>,
+    dry_bulb: Option<usize>,
+    dew_point: Option<usize>,
+    opaque_sky: Option<usize>,
+    count: usize,
+}
+
+impl Columns {
+    fn read(path: &Path, line: &str) -> Result<Self> {
+        // Units stand behind the name: "GHI (W/m^2)".
+        let name = |cell: &str| cell.trim_matches(['"', ' ']).split(" (").next().unwrap_or_default().to_lowercase();
+        let names: Vec<String> = line.split(',').map(|cell| name(cell.trim())).collect();
+        let place = |wanted: &str| names.iter().position(|name| name == wanted);
+        let needed = |wanted: &str| {
+            place(wanted).ok_or_else(|| {
+                let hint = "TMY3 names its columns `Date (MM/DD/YYYY),Time (HH:MM),...` in line 2";
+                Error::input(path, 2, format!("there is no column `{wanted}`"), hint)
+            })
+        };
+        Ok(Columns {
+            date: needed("date")?,
+            time: needed("time")?,
+            ghi: place("ghi"),
+            dni: place("dni"),
+            dhi: place("dhi"),
+            albedo: place("alb"),
+            dry_bulb: place("dry-bulb"),
+            dew_point: place("dew-point"),
+            opaque_sky: place("opqcld"),
+            count: names.len(),
+        })
+    }
+}
+
+pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut lines = text.lines().zip(1_usize..);
+    let header = site(path, lines.next().map_or("", |(line, _)| line))?;
+    let columns = Columns::read(path, lines.next().map_or("", |(line, _)| line))?;
+    let mut raw: Vec<RawRow> = Vec::new();
+    let mut air = Vec::new();
+    for (text, line) in lines {
+        if text.trim().is_empty() {
+            continue;
+        }
+        let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+        if cells.len() != columns.count {
+            let what = format!("the row has {} columns instead of {}", cells.len(), columns.count);
+            return Err(Error::input(path, line, what, "the file may be cut off; fetch it again"));
+        }
+        let row = row(path, line, &cells, &columns)?;
+        if let Some(before) = raw.last()
+            && !before.is_followed_by(&row)
+        {
+            let label = row.interval.date.label(row.interval.start_min as u32);
+            let what = format!("the row starts at {label}, the row before does not end there");
+            let hint = "put the hours in order, without gaps, labelled with their end";
+            return Err(Error::input(path, line, what, hint));
+        }
+        raw.push(row);
+        if with_air {
+            air.push(air_of(&cells, &columns));
+        }
+    }
+    if raw.is_empty() {
+        return Err(Error::input(path, None, "the file has no weather rows", "TMY3 has them from line 3 on"));
+    }
+    let mut weather = judged(path, header, &raw, air)?;
+    warn_of_part(path, &mut weather);
+    Ok(weather)
+}
+
+/// The first line; the name may hold commas, so numbers are counted from its end.
+fn site(path: &Path, line: &str) -> Result<Header> {
+    let hint = "number,name,state,time zone,latitude,longitude,elevation";
+    let line = line.trim_start_matches('\u{feff}').trim_end_matches([',', ' ', '\r']);
+    let cells: Vec<&str> = line.split(',').map(|cell| cell.trim_matches(['"', ' '])).collect();
+    let [_, name @ .., zone, latitude, longitude, elevation] = cells.as_slice() else {
+        return Err(Error::input(path, 1, "the site has fewer than five columns", hint));
+    };
+    let number = |text: &str, what: &str| {
+        let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+        value.ok_or_else(|| Error::input(path, 1, format!("{what} of the site holds `{text}`"), hint))
+    };
+    let (latitude, longitude) = (number(latitude, "latitude")?, number(longitude, "longitude")?);
+    let site = Site::new(latitude, longitude, number(zone, "time zone")?, number(elevation, "elevation")?);
+    let site = site.map_err(|what| Error::input(path, 1, what, hint))?;
+    Ok(Header { place: name.join(", "), site, periods: 1, records_per_hour: 1 })
+}
+
+fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<RawRow> {
+    let cell = |place: usize| cells.get(place).copied().unwrap_or_default();
+    let bad =
+        |name: &str, text: &str, hint: &str| Error::input(path, line, format!("column `{name}` holds `{text}`"), hint);
+    let whole = |text: &str| text.parse::<u32>().ok();
+    let mut parts = cell(columns.date).split('/').map(whole);
+    let mut next = || parts.next().flatten();
+    let date = (|| {
+        let (month, day, year) = (next()?, next()?, next()?);
+        Date::new(i32::try_from(year).ok()?, month, day)
+    })();
+    let date = date.ok_or_else(|| bad("Date", cell(columns.date), "write a date that exists as MM/DD/YYYY"))?;
+    let time = cell(columns.time);
+    let hour = time.strip_suffix(":00").and_then(whole).filter(|hour| (1..=24).contains(hour));
+    let hour = hour.ok_or_else(|| bad("Time", time, "TMY3 holds whole hours by their end, 01:00 to 24:00"))?;
+    let mut negative = false;
+    let mut radiation = |place: Option<usize>, name: &str| {
+        let text = place.map(cell).unwrap_or_default();
+        match text.parse::<f64>() {
+            _ if text.is_empty() => Ok(None),
+            Ok(value) if value <= MISSING || value >= MISSING_RADIATION => Ok(None),
+            Ok(value) if value >= 0.0 => Ok(Some(value + 0.0)),
+            Ok(value) if value >= LOWEST_OFFSET_W_M2 => {
+                negative = true;
+                Ok(Some(0.0))
+            }
+            _ => Err(bad(name, text, "write W/m2 from 0 up, -9900 where missing")),
+        }
+    };
+    let (ghi, dni) = (radiation(columns.ghi, "GHI")?, radiation(columns.dni, "DNI")?);
+    let dhi = radiation(columns.dhi, "DHI")?;
+    let albedo = number(cells, columns.albedo, [0.0, 1.0]).filter(|albedo| *albedo > 0.0);
+    let end_min = f64::from(60 * hour);
+    let interval = Interval { date, start_min: end_min - 60.0, end_min };
+    Ok(RawRow { line, interval, ghi, dni, dhi, negative, albedo, snow_depth_cm: None })
+}
+
+fn number(cells: &[&str], place: Option<usize>, [low, high]: [f64; 2]) -> Option<f64> {
+    cells.get(place?)?.parse().ok().filter(|value| (low..=high).contains(value))
+}
+
+fn air_of(cells: &[&str], columns: &Columns) -> Air {
+    Air {
+        dry_bulb_c: number(cells, columns.dry_bulb, crate::weather::formats::epw::AIR_C),
+        dew_point_c: number(cells, columns.dew_point, crate::weather::formats::epw::AIR_C),
+        infrared_w_m2: None,
+        opaque_sky_tenths: number(cells, columns.opaque_sky, [0.0, 10.0]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::weather::formats::weather_file::{read_weather, read_weather_with_air};
+
+    fn parse(text: &str) -> Result<Weather> {
+        super::parse(Path::new("w.csv"), text.as_bytes(), false)
+    }
+
+    /// The hours of Golden's EPW written as TMY3 give the same light, suns and air, 8760 of 8760; its missing infrared radiation is
+    /// computed.
+    #[test]
+    fn golden() {
+        let epw = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
+        let text = String::from_utf8_lossy(&std::fs::read(&epw).expect("data")).into_owned();
+        let mut csv = "724666,\"GOLDEN, NREL\",CO,-7.0,39.74,-105.18,1829\n\
+                       Date (MM/DD/YYYY),Time (HH:MM),ETR (W/m^2),GHI (W/m^2),GHI source,GHI uncert (%),DNI (W/m^2),DHI (W/m^2),\
+                       OpqCld (tenths),Dry-bulb (C),Dew-point (C),Alb (unitless)\n"
+            .to_owned();
+        for line in text.lines().skip(8) {
+            let c: Vec<&str> = line.split(',').collect();
+            let clock = format!("{:0>2}/{:0>2}/{},{:0>2}:00", c[1], c[2], c[0], c[3]);
+            let (light, air) = (format!("0,{},2,8,{},{}", c[13], c[14], c[15]), format!("{},{},{}", c[23], c[6], c[7]));
+            csv += &format!("{clock},{light},{air},{}\n", c[32]);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("golden.csv");
+        std::fs::write(&path, csv).expect("written");
+        let (one, two) = (read_weather(&epw).expect("EPW"), read_weather_with_air(&path).expect("TMY3"));
+        assert_eq!((two.rows.len(), one.rows.len(), two.place.as_str()), (8760, 8760, "GOLDEN, NREL, CO"));
+        assert_eq!(one.site.zone_hours, two.site.zone_hours);
+        for (a, b) in one.rows.iter().zip(&two.rows) {
+            let light = |row: &crate::weather::weather::Row| {
+                (row.interval, row.ghi_w_m2, row.dni_w_m2, row.dhi_w_m2, row.albedo)
+            };
+            assert_eq!(light(a), light(b), "line {}", a.line);
+            assert!((a.sun - b.sun).length() < 1e-9);
+        }
+        assert!(two.air.iter().all(|air| air.sky_w_m2().is_some()));
+        assert_eq!(two.report.warnings.len(), 1, "{:?}", two.report.warnings);
+        assert!(two.report.warnings[0].contains("infrared radiation of 8760 hours"), "{:?}", two.report.warnings);
+    }
+
+    const HEAD: &str = "1,Town,X,1,45,8,250\nDate (MM/DD/YYYY),Time (HH:MM),DHI (W/m^2),DNI (W/m^2),GHI (W/m^2)\n";
+
+    /// -9900 and an empty cell are missing: DHI is computed of two hours; 24:00 ends its own day, so that 3 hours follow each other.
+    #[test]
+    fn missing() {
+        let rows = "06/16/2021,14:00,-9900,500,700\n06/16/2021,15:00,,500,600\n";
+        let weather = parse(&format!("{HEAD}{rows}")).expect("valid");
+        assert!(
+            weather.rows.iter().all(|row| row.dhi_w_m2 > 10.0 && row.snow_depth_cm.is_none() && row.albedo.is_none())
+        );
+        assert_eq!(weather.report.warnings.len(), 2, "{:?}", weather.report.warnings);
+        let rows = "06/16/2021,23:00,0,0,0\n06/16/2021,24:00,0,0,0\n06/17/2021,01:00,0,0,0\n";
+        assert_eq!(parse(&format!("{HEAD}{rows}")).expect("valid").rows.len(), 3);
+    }
+
+    /// 11 files that are wrong are refused with the line and what it holds.
+    #[test]
+    fn refusals() {
+        let row = |text: &str| format!("{HEAD}{text}\n");
+        for (text, said) in [
+            (HEAD.to_owned(), "no weather rows"),
+            ("1,2\nDate (MM/DD/YYYY)\n".into(), "line 1: the site has fewer than five columns"),
+            (HEAD.replace("45", "north"), "line 1: latitude of the site holds `north`"),
+            (HEAD.replace("45", "450"), "line 1: "),
+            (HEAD.replace("Time (HH:MM)", "Hour"), "line 2: there is no column `time`"),
+            (row("02/30/2021,01:00,0,0,0"), "line 3: column `Date` holds `02/30/2021`"),
+            (row("06/16/2021,00:00,0,0,0"), "line 3: column `Time` holds `00:00`"),
+            (row("06/16/2021,01:30,0,0,0"), "line 3: column `Time` holds `01:30`"),
+            (row("06/16/2021,01:00,0,nan,0"), "line 3: column `DNI` holds `nan`"),
+            (row("06/16/2021,01:00,0,0"), "line 3: the row has 4 columns instead of 5"),
+            (row("06/16/2021,01:00,0,0,0\n06/16/2021,03:00,0,0,0"), "line 4: the row starts at 2021-06-16T02:00"),
+        ] {
+            let message = parse(&text).map(drop).expect_err(said).to_string();
+            assert!(message.starts_with("w.csv") && message.contains(said), "{said}: {message}");
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Weather: series of conditions and the sun above them. In: bytes of weather files. Out: checked rows, conditions with the sun's
+//! position, and what is doubtful about them. Never: layers, reflectances, results.
+
+pub mod air;
+pub mod apart;
+pub mod bins;
+pub mod calendar;
+pub mod closure;
+pub mod conditions;
+pub mod erbs;
+pub mod findings;
+pub mod formats;
+pub mod span;
+pub mod sun;
+pub mod sun_path;
+pub mod temperatures;
+pub mod weather;
+pub mod years;

@@ -1,0 +1,256 @@
+//! A part of a weather file, `--from` and `--to`. In: two moments as a user writes them. Out: which rows are meant.
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use crate::error::{Error, Result};
+use crate::weather::calendar::Date;
+use crate::weather::sun::Interval;
+use crate::weather::weather::{Row, Weather};
+use crate::weather::years::Years;
+
+/// A day or a time of one, `2019-03-01`, `03-01`, `2019-03-01T06:30`, in the local standard time of the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Absent: every year.
+    year: Option<i32>,
+    month: u32,
+    day: u32,
+    /// Minutes of the day, to 1440; absent: the whole day.
+    minutes: Option<u32>,
+}
+
+/// A year with a 29 February.
+const LEAP_YEAR: i32 = 2000;
+
+impl FromStr for Moment {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let number = |part: &str| match part.bytes().all(|b| b.is_ascii_digit()) {
+            true => part.parse::<u32>().ok(),
+            false => None,
+        };
+        let read = || {
+            let (date, time) = match text.split_once(['T', ' ']) {
+                Some((date, time)) => (date, Some(time)),
+                None => (text, None),
+            };
+            let parts: Vec<u32> = date.split('-').map(number).collect::<Option<_>>()?;
+            let (year, month, day) = match parts[..] {
+                [year, month, day] => (Some(i32::try_from(year).ok()?), month, day),
+                [month, day] => (None, month, day),
+                _ => return None,
+            };
+            Date::new(year.unwrap_or(LEAP_YEAR), month, day)?;
+            let minutes = match time {
+                None => None,
+                Some(time) => {
+                    let (hours, minutes) = time.split_once(':')?;
+                    let (hours, minutes) = (number(hours)?, number(minutes)?);
+                    if hours > 24 || minutes > 59 || hours * 60 + minutes > 1440 {
+                        return None;
+                    }
+                    Some(hours * 60 + minutes)
+                }
+            };
+            Some(Moment { year, month, day, minutes })
+        };
+        read().ok_or_else(|| "give a day that exists, 2019-03-01 or 03-01, or a time of it, 2019-03-01T06:00".into())
+    }
+}
+
+impl fmt::Display for Moment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(year) = self.year {
+            write!(f, "{year:04}-")?;
+        }
+        write!(f, "{:02}-{:02}", self.month, self.day)?;
+        match self.minutes {
+            Some(minutes) => write!(f, "T{:02}:{:02}", minutes / 60, minutes % 60),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Sorts moments; without a year, moments of any year.
+type Place = (i32, u32, u32, f64);
+
+/// From one moment to another, the whole of both days.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    from: Option<Moment>,
+    to: Option<Moment>,
+}
+
+impl Span {
+    /// Both moments with a year, in order; or both without: then the first may be the later one, over the new year.
+    pub fn new(from: Option<Moment>, to: Option<Moment>) -> Result<Self> {
+        let span = Span { from, to };
+        let refuse = |supported: &str| {
+            let (what, found) = ("the part of the weather file".into(), span.to_string());
+            Err(Error::Unsupported { what, found, supported: supported.into() })
+        };
+        match (from, to) {
+            (Some(a), Some(b)) if a.year.is_some() != b.year.is_some() => {
+                refuse("two dates with a year or two without")
+            }
+            (Some(a), Some(b)) if a.year.is_some() && a.start() > b.end() => refuse("a first date before the last one"),
+            _ => Ok(span),
+        }
+    }
+
+    /// For each row of a file whether all of its interval is meant. No row at all is an error, and so is a year where the
+    /// file's months come from different ones.
+    pub fn rows_of(&self, weather: &Weather, file: &Path) -> Result<Vec<bool>> {
+        let has_year = [self.from, self.to].into_iter().flatten().any(|moment| moment.year.is_some());
+        let dates = || weather.rows.iter().map(|row| row.interval.date);
+        if has_year && Years::of(dates()) == Years::Typical {
+            let what = format!("its months come from different years, {self} would take some of them only");
+            return Err(Error::input(file, None, what, "give month and day alone, such as 03-01"));
+        }
+        let chosen: Vec<bool> = weather.rows.iter().map(|row| self.contains(&row.interval)).collect();
+        if chosen.contains(&true) {
+            return Ok(chosen);
+        }
+        let label = |row: Option<&Row>, minutes: fn(&Interval) -> f64| {
+            row.map_or_else(String::new, |row| row.interval.date.label(minutes(&row.interval) as u32))
+        };
+        let (first, last) = (label(weather.rows.first(), |i| i.start_min), label(weather.rows.last(), |i| i.end_min));
+        let what = format!("holds {first} to {last}, nothing {self}");
+        Err(Error::input(file, None, what, "choose a part of the file"))
+    }
+
+    fn contains(&self, interval: &Interval) -> bool {
+        let Date { year, month, day } = interval.date;
+        let at = |moment: Option<Moment>, minutes: f64| {
+            (moment.and_then(|m| m.year).map_or(0, |_| year), month, day, minutes)
+        };
+        let after = self.from.is_none_or(|from| at(self.from, interval.start_min) >= from.start());
+        let before = self.to.is_none_or(|to| at(self.to, interval.end_min) <= to.end());
+        match (self.from, self.to) {
+            (Some(from), Some(to)) if from.start() > to.end() => after || before,
+            _ => after && before,
+        }
+    }
+}
+
+impl Moment {
+    fn start(&self) -> Place {
+        self.place(0)
+    }
+
+    fn end(&self) -> Place {
+        self.place(1440)
+    }
+
+    fn place(&self, otherwise: u32) -> Place {
+        (self.year.unwrap_or(0), self.month, self.day, f64::from(self.minutes.unwrap_or(otherwise)))
+    }
+}
+
+impl fmt::Display for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.from, self.to) {
+            (Some(from), Some(to)) => write!(f, "from {from} to {to}"),
+            (Some(from), None) => write!(f, "from {from}"),
+            (None, Some(to)) => write!(f, "to {to}"),
+            (None, None) => write!(f, "from the first to the last row"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::weather::sun::Site;
+    use crate::weather::weather::Report;
+
+    /// Hours of some days, given as (year, month, day).
+    fn weather(days: &[(i32, u32, u32)]) -> Weather {
+        let site = Site::new(52.0, 4.0, 1.0, 0.0).expect("a site");
+        let row = |&(year, month, day): &(i32, u32, u32), hour: u32| {
+            let date = Date::new(year, month, day).expect("a date");
+            let start_min = f64::from(hour * 60);
+            let interval = Interval { date, start_min, end_min: start_min + 60.0 };
+            let sun = site.sun(date, interval.middle_min());
+            let (ghi_w_m2, albedo, snow_depth_cm) = (None, None, None);
+            Row { line: 9, interval, sun, ghi_w_m2, dni_w_m2: 0.0, dhi_w_m2: 0.0, albedo, snow_depth_cm }
+        };
+        let rows = days.iter().flat_map(|day| (0..24).map(move |hour| row(day, hour))).collect();
+        Weather { place: String::new(), site, rows, air: Vec::new(), interval_hours: 1.0, report: Report::default() }
+    }
+
+    fn span(from: &str, to: &str) -> Result<Span> {
+        let moment = |text: &str| (!text.is_empty()).then(|| text.parse().expect("a moment"));
+        Span::new(moment(from), moment(to))
+    }
+
+    /// Hours that spans take of six days of 2019: whole days, parts of days, over the new year, one side open.
+    #[test]
+    fn hours_taken() {
+        let file = weather(&[(2019, 1, 1), (2019, 2, 28), (2019, 3, 1), (2019, 3, 31), (2019, 11, 1), (2019, 12, 31)]);
+        for (from, to, hours) in [
+            ("", "", 144),
+            ("2019-03-01", "2019-03-31", 48),
+            ("03-01", "03-31", 48),
+            ("2019-03-01T06:00", "2019-03-01 12:00", 6),
+            ("03-01T06:30", "03-01T12:30", 5),
+            ("03-01", "03-01T24:00", 24),
+            ("11-01", "02-28", 96),
+            ("12-31T12:00", "01-01T01:00", 13),
+            ("03-31", "", 72),
+            ("", "2018-12-31", 0),
+            ("", "2019-02-28", 48),
+        ] {
+            let chosen = span(from, to).expect("a span").rows_of(&file, Path::new("w.epw"));
+            match hours {
+                0 => {
+                    let text = chosen.expect_err("nothing").to_string();
+                    assert!(text.contains("w.epw: holds 2019-01-01T00:00 to 2019-12-31T24:00, nothing to 2018-12-31"));
+                }
+                _ => assert_eq!(chosen.expect("rows").iter().filter(|c| **c).count(), hours, "{from} {to}"),
+            }
+        }
+    }
+
+    /// A year is refused for a file whose months come from two years, and taken for one of two years: 24 of 48 hours.
+    #[test]
+    fn years_of_files() {
+        let file = Path::new("w.epw");
+        let of_2007 = span("2007-01-01", "2007-12-31").expect("a span");
+        let text = of_2007.rows_of(&weather(&[(2007, 1, 1), (2004, 2, 1)]), file).expect_err("typical").to_string();
+        assert!(text.contains("different years") && text.contains("03-01"), "{text}");
+        let two = weather(&[(2007, 1, 1), (2008, 1, 1)]);
+        assert_eq!(of_2007.rows_of(&two, file).expect("rows").iter().filter(|c| **c).count(), 24);
+        let every = span("01-01", "01-31").expect("a span").rows_of(&two, file).expect("rows");
+        assert_eq!(every.iter().filter(|c| **c).count(), 48);
+    }
+
+    /// Days that do not exist and times of no clock are refused, 12 of 12, and so are a year on one side and a wrong order.
+    #[test]
+    fn refusals() {
+        for text in [
+            "",
+            "2019",
+            "2019-02-29",
+            "13-01",
+            "04-31",
+            "03-01T",
+            "03-01T6",
+            "03-01T25:00",
+            "03-01T24:01",
+            "03-01T06:60",
+            "2019-3-x",
+            "+3-01",
+        ] {
+            assert!(text.parse::<Moment>().is_err(), "{text}");
+        }
+        assert_eq!("02-29".parse::<Moment>().map(|m| m.to_string()), Ok("02-29".to_string()));
+        for (from, to, part) in [("2019-03-01", "05-31", "with a year"), ("2019-03-02", "2019-03-01", "before")] {
+            let text = span(from, to).expect_err(part).to_string();
+            assert!(text.contains(part) && text.contains(from), "{text}");
+        }
+    }
+}

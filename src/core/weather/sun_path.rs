@@ -1,0 +1,66 @@
+//! The sun's paths over a place, as people draw them. In: a site. Out: directions along the days of the solstices and of an
+//! equinox, and along the year at each full hour.
+
+use glam::DVec3;
+
+use crate::weather::calendar::Date;
+use crate::weather::sun::Site;
+
+/// The days between which the sun's paths lie, and the one amid them; in autumn the sun takes the path of spring.
+pub const DAYS: [(u32, u32, &str); 3] = [(6, 21, "21 Jun"), (3, 20, "20 Mar"), (12, 21, "21 Dec")];
+
+/// The year that the positions are of; others differ by less than half a degree.
+const YEAR: i32 = 2021;
+
+/// Minutes between the points of a day.
+const STEP_MIN: u32 = 5;
+
+/// Days of the months that an hour's loop passes through.
+const LOOP_DAYS: [u32; 5] = [1, 7, 13, 19, 25];
+
+/// Paths of the sun over a site.
+pub struct SunPath {
+    /// `[day of [`DAYS`]]`: directions from midnight to midnight, below the horizon too.
+    pub days: Vec<Vec<DVec3>>,
+    /// `[hour]`, 0 to 23: the loop of the sun at this hour of the clock through a year, closed.
+    pub hours: Vec<Vec<DVec3>>,
+}
+
+impl SunPath {
+    pub fn of(site: &Site) -> Self {
+        let sun = |month, day, minutes: u32| {
+            // Every one of these dates exists.
+            Date::new(YEAR, month, day).map_or(DVec3::NEG_Z, |date| site.sun(date, f64::from(minutes)))
+        };
+        let path = |&(month, day, _): &(u32, u32, &str)| {
+            (0..=24 * 60 / STEP_MIN).map(|step| sun(month, day, step * STEP_MIN)).collect()
+        };
+        let year = || (1..=12).flat_map(|month| LOOP_DAYS.map(|day| (month, day))).chain([(1, 1)]);
+        let hour = |hour: u32| year().map(|(month, day)| sun(month, day, 60 * hour)).collect();
+        SunPath { days: DAYS.iter().map(path).collect(), hours: (0..24).map(hour).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At 52 N on its meridian the sun is highest at 90 - 52 + 23.44, 0 and -23.44 deg, within 0.3; the noon loop stays within 5 deg of
+    /// the meridian and within 47 deg of itself; at 52 S the midday sun is in the north.
+    #[test]
+    fn known_heights() {
+        let path = SunPath::of(&Site::new(52.0, 0.0, 0.0, 0.0).expect("a site"));
+        for (day, declination) in path.days.iter().zip([23.44, 0.0, -23.44]) {
+            let highest = day.iter().map(|d| d.z.asin().to_degrees()).fold(-90.0, f64::max);
+            assert!((highest - (38.0 + declination)).abs() < 0.3, "{highest}");
+        }
+        let noon = &path.hours[12];
+        assert_eq!((path.hours.len(), noon.len(), noon[0]), (24, 61, noon[60]));
+        assert!(noon.iter().all(|d| d.y < 0.0 && d.x.atan2(-d.y).to_degrees().abs() < 9.0));
+        let spread = noon.iter().map(|d| d.z.asin().to_degrees());
+        let (low, high) = spread.fold((90.0, -90.0), |(l, h): (f64, f64), a| (l.min(a), h.max(a)));
+        assert!((high - low - 46.9).abs() < 0.6, "{low} {high}");
+        let south = SunPath::of(&Site::new(-52.0, 0.0, 0.0, 0.0).expect("a site"));
+        assert!(south.hours[12].iter().all(|d| d.y > 0.0));
+    }
+}

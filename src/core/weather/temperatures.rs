@@ -1,0 +1,154 @@
+//! Temperatures of the surfaces that receivers see. In: what the user gives, the air of a weather file. Out: what sky, ground and
+//! obstructions send in each chosen row.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::error::{Error, Result};
+use crate::replay::longwave::{Emission, black_body_w_m2};
+use crate::site::material::Class;
+use crate::weather::formats::schedule_csv::{Column, read_schedule};
+use crate::weather::weather::Weather;
+
+/// Temperatures of a schedule; below lies no surface on Earth, and above a kelvin stands where a degree Celsius is asked for.
+const CELSIUS: Column = Column { name: "temperature_c", low: -100.0, high: 150.0 };
+
+/// A temperature that a user gives: `ground=12.5` degrees Celsius, or `obstruction=walls.csv`, a schedule.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Temperature {
+    pub class: Class,
+    pub of: Given,
+}
+
+/// In degrees Celsius.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Given {
+    Constant(f64),
+    /// A file with a column `temperature_c`.
+    Schedule(PathBuf),
+}
+
+impl Temperature {
+    /// The file of a schedule.
+    pub fn file(&self) -> Option<&Path> {
+        match &self.of {
+            Given::Constant(_) => None,
+            Given::Schedule(file) => Some(file),
+        }
+    }
+}
+
+impl FromStr for Temperature {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let (name, value) = text.split_once('=').unwrap_or((text, ""));
+        let class = match name {
+            "ground" => Class::Ground,
+            "obstruction" => Class::Obstruction,
+            _ => {
+                return Err(format!(
+                    "`{name}` has no view factors, `ground` and `obstruction` have: as in ground=12.5"
+                ));
+            }
+        };
+        let of = match value.parse::<f64>() {
+            Ok(celsius) if CELSIUS.holds(celsius) => Given::Constant(celsius),
+            Ok(_) => return Err(format!("`{value}` is not from {} to {} degrees Celsius", CELSIUS.low, CELSIUS.high)),
+            Err(_) if value.is_empty() => return Err("give degrees Celsius or a CSV file behind an equals sign".into()),
+            Err(_) => Given::Schedule(value.into()),
+        };
+        Ok(Temperature { class, of })
+    }
+}
+
+/// What is sent in the rows of a weather file, read from `file` with its air, that are chosen. Surfaces without a given temperature
+/// have that of the air; of several given ones the last counts.
+pub fn emissions(weather: &Weather, file: &Path, chosen: &[bool], given: &[Temperature]) -> Result<Vec<Emission>> {
+    let dates: Vec<_> = weather.rows.iter().map(|row| row.interval.date).collect();
+    let schedule = |class| match given.iter().rev().find(|temperature| temperature.class == class) {
+        Some(Temperature { of: Given::Constant(celsius), .. }) => Ok(Some(vec![*celsius; dates.len()])),
+        Some(Temperature { of: Given::Schedule(path), .. }) => read_schedule(path, CELSIUS, &dates).map(Some),
+        None => Ok(None),
+    };
+    let (ground, obstruction) = (schedule(Class::Ground)?, schedule(Class::Obstruction)?);
+    let mut emissions = Vec::new();
+    for (i, row) in weather.rows.iter().enumerate().filter(|(i, _)| chosen.get(*i) == Some(&true)) {
+        let air = weather.air.get(i).copied().unwrap_or_default();
+        let sky_w_m2 = air.sky_w_m2().ok_or_else(|| {
+            let what = format!("horizontal infrared radiation is missing and cannot be computed without {}", {
+                air.lacks().join(" and ")
+            });
+            let hint = "fill the column in (13; or 7, 8 and 24, from which it is computed), leave such rows out with --from and \
+                        --to, or leave out the column `longwave`";
+            Error::input(file, row.line, what, hint)
+        })?;
+        let of_surface = |given: &Option<Vec<f64>>, name: &str| {
+            let given = given.as_ref().and_then(|values| values.get(i)).copied();
+            let celsius = given.or(air.dry_bulb_c).ok_or_else(|| {
+                let what = format!("dry bulb temperature is missing, which `longwave` takes for that of the {name}");
+                let hint = format!("fill in the column (7), or give a temperature, as in --temperature {name}=12.5");
+                Error::input(file, row.line, what, hint)
+            })?;
+            Ok(black_body_w_m2(celsius))
+        };
+        emissions.push(Emission {
+            sky_w_m2,
+            ground_w_m2: of_surface(&ground, "ground")?,
+            obstruction_w_m2: of_surface(&obstruction, "obstruction")?,
+        });
+    }
+    Ok(emissions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::weather::formats::epw::read_epw_with_air;
+
+    /// 12.5 is a constant, a name a file; 6 wrong ones are refused with what is allowed, a number in kelvin among them.
+    #[test]
+    fn command_line() {
+        let read = |text: &str| text.parse::<Temperature>();
+        assert_eq!(read("ground=-5.5"), Ok(Temperature { class: Class::Ground, of: Given::Constant(-5.5) }));
+        let file = read("obstruction=a=b.csv").expect("a file");
+        assert_eq!((file.class, file.file()), (Class::Obstruction, Some(Path::new("a=b.csv"))));
+        for (text, expected) in [
+            ("roof=12", "`ground` and `obstruction`"),
+            ("12", "`ground` and `obstruction`"),
+            ("ground", "behind an equals sign"),
+            ("ground=", "behind an equals sign"),
+            ("ground=285.65", "-100 to 150 degrees Celsius"),
+            ("ground=NaN", "-100 to 150 degrees Celsius"),
+        ] {
+            let error = read(text).expect_err(text);
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+
+    /// Of the 72 rows of Golden 24 are chosen; the first has the file's 237 W/m2, ground and obstructions at its -5.7 degrees Celsius send
+    /// 290.1; with 12.5 and then 0 given for the ground it sends 315.7, and a schedule of March at 20 makes obstructions
+    /// send 418.8.
+    #[test]
+    fn golden() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
+        let weather = read_epw_with_air(&path).expect("weather");
+        let chosen: Vec<bool> = (0..72).map(|i| i < 24).collect();
+        let first = |given: &[&str]| {
+            let given: Vec<Temperature> = given.iter().map(|text| text.parse().expect("a temperature")).collect();
+            let emissions = emissions(&weather, &path, &chosen, &given).expect("emissions");
+            assert_eq!(emissions.len(), 24);
+            [emissions[0].sky_w_m2, emissions[0].ground_w_m2, emissions[0].obstruction_w_m2]
+        };
+        let near = |got: [f64; 3], expected: [f64; 3]| {
+            assert!(got.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.05), "{got:?} {expected:?}");
+        };
+        near(first(&[]), [237.0, 290.12, 290.12]);
+        near(first(&["ground=12.5", "ground=0"]), [237.0, 315.66, 290.12]);
+        let folder = tempfile::tempdir().expect("a folder");
+        let walls = folder.path().join("walls.csv");
+        let months: String = (1..=12).map(|m| if m == 3 { "20\n" } else { "-9\n" }).collect();
+        std::fs::write(&walls, format!("temperature_c\n{months}")).expect("written");
+        near(first(&[&format!("obstruction={}", walls.display())]), [237.0, 290.12, 418.77]);
+    }
+}

@@ -1,0 +1,141 @@
+//! A weather file's rows, checked, and the conditions of its intervals. Reading is in [`crate::weather::formats::epw`].
+//!
+//! DNI acts only while the sun is up: intervals with a sunrise or sunset are cut to their sunlit part before the sub-step
+//! mid-points are taken, and the DNI, an interval mean of energy, is spread over that part (weights sum to 1). The mean of the
+//! sun on a surface is thus DNI x the mean over the sunlit part of the cosine. Where DNI is given for an interval with
+//! the sun below the horizon throughout (refraction, clock errors) there are no suns and that energy is lost; the report
+//! counts it.
+
+use rayon::prelude::*;
+
+use glam::DVec3;
+
+use crate::weather::air::Air;
+use crate::weather::closure::Closure;
+use crate::weather::conditions::{Condition, Stamp};
+use crate::weather::findings::Findings;
+use crate::weather::sun::{Interval, Site, extraterrestrial_w_m2};
+
+/// One interval of a weather file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Line of the file, 1-based.
+    pub line: usize,
+    pub interval: Interval,
+    /// Unit, towards the sun at mid-interval; below the horizon at night.
+    pub sun: DVec3,
+    /// Interval means; `None` where the file has none.
+    pub ghi_w_m2: Option<f64>,
+    pub dni_w_m2: f64,
+    pub dhi_w_m2: f64,
+    /// Of the ground around the station, above 0 and at most 1; `None` where missing.
+    pub albedo: Option<f64>,
+    /// 0 where the ground is bare, `None` where missing.
+    pub snow_depth_cm: Option<f64>,
+}
+
+/// What the reader found, for the user.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Rows that are odd, by kind.
+    pub findings: Findings,
+    /// Check of the time stamps; `None` if too few rows have GHI, DNI and DHI.
+    pub closure: Option<Closure>,
+    /// Sentences for the user, each naming a line or a number.
+    pub warnings: Vec<String>,
+}
+
+/// A weather file.
+#[derive(Clone, Debug)]
+pub struct Weather {
+    /// City and country of the header.
+    pub place: String,
+    pub site: Site,
+    /// In file order.
+    pub rows: Vec<Row>,
+    /// `[row]`: its air; empty if only light was read.
+    pub air: Vec<Air>,
+    /// Length of every row's interval.
+    pub interval_hours: f64,
+    pub report: Report,
+}
+
+impl Weather {
+    /// One condition per row, in file order, with the sun at `steps` mid-points of the sunlit part of its interval (at least
+    /// one). The label is the START of the interval in local standard time, `YYYY-MM-DDTHH:MM`: hour 1 of EPW is 00:00.
+    /// Rows without light get no suns.
+    pub fn conditions(&self, steps: usize) -> Vec<Condition> {
+        self.rows
+            .par_iter()
+            .map(|row| {
+                let dark = row.dni_w_m2 == 0.0 && row.dhi_w_m2 == 0.0;
+                let suns = if dark { Vec::new() } else { self.site.sunlit(&row.interval, row.sun, steps) };
+                let date = row.interval.date;
+                let label = date.label(row.interval.start_min as u32);
+                let condition = Condition::new(label, &suns, row.sun, row.dni_w_m2, row.dhi_w_m2);
+                Condition {
+                    extraterrestrial_w_m2: extraterrestrial_w_m2(date),
+                    stamp: Some(Stamp { date, hours: self.interval_hours }),
+                    ..condition
+                }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::weather::calendar::Date;
+
+    fn weather(site: Site, rows: &[(f64, f64, f64)]) -> Weather {
+        let date = Date::new(2021, 3, 21).expect("a date");
+        let rows = rows
+            .iter()
+            .map(|&(hour, dni_w_m2, dhi_w_m2)| {
+                let interval = Interval { date, start_min: 60.0 * hour, end_min: 60.0 * hour + 60.0 };
+                Row {
+                    line: 9,
+                    interval,
+                    sun: site.sun(date, interval.middle_min()),
+                    ghi_w_m2: None,
+                    dni_w_m2,
+                    dhi_w_m2,
+                    albedo: None,
+                    snow_depth_cm: None,
+                }
+            })
+            .collect();
+        Weather { place: String::new(), site, rows, air: Vec::new(), interval_hours: 1.0, report: Report::default() }
+    }
+
+    /// In a sunrise hour all of the DNI goes to the sunlit part: six suns, all up, weights sum 1; labels are the start of the
+    /// interval and E0 is the day's value (1378 W/m2 on 21 March, within 2).
+    #[test]
+    fn sunrise_hour() {
+        let site = Site::new(51.5, 0.0, 0.0, 10.0).expect("a site");
+        let all = weather(site, &[(6.0, 50.0, 10.0), (12.0, 500.0, 100.0)]).conditions(6);
+        for c in &all {
+            assert_eq!(c.suns.len(), 6);
+            assert!((c.suns.iter().map(|i| i.weight).sum::<f64>() - 1.0).abs() < 1e-12);
+            assert!(c.suns.iter().all(|i| i.sun.z > 0.0) && c.sky_sun.z > 0.0);
+            assert!((c.extraterrestrial_w_m2 - 1378.0).abs() < 2.0);
+            assert_eq!(c.stamp.map(|s| (s.date.month, s.date.day, s.hours)), Some((3, 21, 1.0)));
+        }
+        assert_eq!(all[0].label, "2021-03-21T06:00");
+        // The sun is above 0 deg from 06:05 on: the mean sine altitude of the lit part is that of its middle, 4.2 deg.
+        let mean: f64 = all[0].suns.iter().map(|i| i.weight * i.sun.z).sum();
+        assert!((mean - 0.074).abs() < 0.006, "{mean}");
+    }
+
+    /// DNI and DHI at night give no suns and a finite sky sun on the horizon (z = 0, length 1).
+    #[test]
+    fn light_at_night() {
+        let site = Site::new(51.5, 0.0, 0.0, 10.0).expect("a site");
+        let night = &weather(site, &[(1.0, 5.0, 3.0)]).conditions(4)[0];
+        assert!(night.suns.is_empty());
+        assert_eq!(night.sky_sun.z, 0.0);
+        assert!((night.sky_sun.length() - 1.0).abs() < 1e-12);
+        assert_eq!(night.dhi_w_m2, 3.0);
+    }
+}

@@ -1,0 +1,203 @@
+//! Scene: checked geometry, materials and receivers. In: files of the user. Out: types that can only hold checked values.
+//! It never casts a ray and knows nothing of archives.
+#![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
+
+mod assumed;
+pub mod cover;
+mod endless_ground;
+mod formats;
+mod geometry;
+pub mod load;
+pub mod materials;
+mod materials_toml;
+pub mod mesh;
+pub mod mirrors;
+pub mod objects;
+mod palette;
+mod polygon;
+pub mod receiver_ids;
+pub mod receivers;
+pub mod reference;
+mod rows;
+pub mod site;
+pub mod surfaces;
+mod terrain;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use geometry::MAX_COORDINATE_M;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::content::ContentHasher;
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::place::Place;
+use materials::MaterialUse;
+use mesh::{Canonical, Mesh, RawTriangle, canonical};
+
+/// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub mesh: Mesh,
+    /// The materials in use, sorted by name.
+    pub materials: Vec<Material>,
+    /// Where on Earth it lies, if its files say so; no part of its content.
+    pub place: Option<Place>,
+    pub report: LoadReport,
+}
+
+/// What loading a scene came across; no part of its content.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadReport {
+    pub faces_read: usize,
+    /// Triangles kept.
+    pub triangles: usize,
+    /// Faces with fewer than three distinct corners and triangles without area.
+    pub degenerate_dropped: usize,
+    /// Triangles that repeated another one of the same material.
+    pub duplicates_dropped: usize,
+    /// Faces that bend inwards somewhere.
+    pub concave_faces: usize,
+    /// In the order of `Scene::materials`.
+    pub materials: Vec<MaterialUse>,
+    /// Names of materials that nobody describes.
+    pub assumed: Vec<String>,
+    pub warnings: Vec<String>,
+    /// What was decided that the user did not ask for, such as how terrain was thinned.
+    pub notes: Vec<String>,
+}
+
+impl Scene {
+    /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as if read from a file.
+    pub fn from_triangles(triangles: &[([DVec3; 3], u16)], materials: Vec<Material>) -> Result<Scene> {
+        let refuse = |what: String, hint: &str| Err(Error::input(Path::new("triangles in memory"), None, what, hint));
+        let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
+        for material in &materials {
+            if let Err(what) = material.check() {
+                return refuse(format!("material `{}`: {what}", material.name), "give shares of the light from 0 to 1");
+            }
+        }
+        if 3 * triangles.len() as u64 > u64::from(u32::MAX) {
+            return Err(Error::Limit {
+                what: "the number of corners of triangles in memory".to_owned(),
+                value: 3 * triangles.len() as u64,
+                max: u64::from(u32::MAX),
+            });
+        }
+        let mut positions = Vec::with_capacity(3 * triangles.len());
+        let mut raw = Vec::with_capacity(triangles.len());
+        for (i, &(corners, material)) in triangles.iter().enumerate() {
+            if usize::from(material) >= materials.len() {
+                let what = format!("triangle {i} has material {material} of {}", materials.len());
+                return refuse(what, "add the material");
+            }
+            if let Some(bad) = corners.iter().find(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {
+                return refuse(format!("triangle {i} has a corner at {bad}"), "give metres, at most 1e9 in size");
+            }
+            let first = positions.len() as u32;
+            positions.extend(corners);
+            raw.push(RawTriangle { corners: [first, first + 1, first + 2], material: u32::from(material) });
+        }
+        let sorted = rank_by_name(&names, &mut raw);
+        if let Some([name, _]) = sorted.array_windows().find(|[a, b]| a == b) {
+            return refuse(format!("two materials are called `{name}`"), "give every material a name of its own");
+        }
+        let Canonical { mesh, used, dropped } = canonical(&positions, raw, None)?;
+        if mesh.triangles.is_empty() {
+            return refuse(
+                format!("none of the {} triangles has an area", triangles.len()),
+                "give positions in metres",
+            );
+        }
+        let mut table: materials::Table =
+            materials.into_iter().map(|material| (material.name.clone(), material)).collect();
+        let uses = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
+        let materials = uses.iter().filter_map(|entry| table.remove(&entry.name)).collect();
+        let report = LoadReport {
+            faces_read: triangles.len(),
+            triangles: mesh.triangles.len(),
+            degenerate_dropped: dropped.degenerate,
+            duplicates_dropped: dropped.duplicates,
+            concave_faces: 0,
+            materials: uses,
+            assumed: Vec::new(),
+            warnings: contested_warning(dropped.contested).into_iter().collect(),
+            notes: Vec::new(),
+        };
+        Ok(Scene { mesh, materials, place: None, report })
+    }
+
+    /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal
+    /// scenes, whatever the order of faces, vertices and materials in their files.
+    pub fn content_hash(&self) -> [u8; 32] {
+        let mut content = ContentHasher::new("heliotile scene 1");
+        content.point(&self.mesh.origin);
+        content.length(self.mesh.vertices.len());
+        self.mesh.vertices.iter().for_each(|vertex| content.point(vertex));
+        content.length(self.mesh.triangles.len());
+        for corner in self.mesh.triangles.iter().flatten() {
+            content.raw(&corner.to_le_bytes());
+        }
+        content.length(self.mesh.triangle_material.len());
+        for material in &self.mesh.triangle_material {
+            content.raw(&material.to_le_bytes());
+        }
+        content.length(self.materials.len());
+        for material in &self.materials {
+            content.bytes(material.name.as_bytes());
+            content.number(material.diffuse);
+            content.number(material.specular);
+            content.raw(&[match material.class {
+                Class::Ground => 0,
+                Class::Obstruction => 1,
+            }]);
+            // A name of length 0 is none: groups are never empty.
+            content.bytes(material.group.as_deref().unwrap_or_default().as_bytes());
+            if let Some(glass) = material.glass {
+                content.bytes(b"glass");
+                content.raw(&[glass.panes()]);
+            }
+            if let Some(transmittance) = material.transmittance {
+                content.bytes(b"transmittance");
+                content.number(transmittance);
+            }
+        }
+        content.finish()
+    }
+}
+
+/// Renumbers the materials of triangles to ranks in the sorted names, which are returned.
+fn rank_by_name(names: &[String], triangles: &mut [RawTriangle]) -> Vec<String> {
+    let mut order: Vec<u32> = (0_u32..).take(names.len()).collect();
+    order.sort_by_key(|&i| names.get(i as usize));
+    let mut rank_of = vec![0_u32; names.len()];
+    for (rank, &i) in (0_u32..).zip(&order) {
+        if let Some(slot) = rank_of.get_mut(i as usize) {
+            *slot = rank;
+        }
+    }
+    for triangle in triangles {
+        triangle.material = rank_of.get(triangle.material as usize).copied().unwrap_or_default();
+    }
+    order.iter().filter_map(|&i| names.get(i as usize).cloned()).collect()
+}
+
+fn count_uses(mesh: &Mesh, used: &[u32], name: impl Fn(usize) -> Option<String>) -> Vec<MaterialUse> {
+    let mut uses: Vec<MaterialUse> =
+        used.iter().map(|&rank| MaterialUse { name: name(rank as usize).unwrap_or_default(), triangles: 0 }).collect();
+    for &material in &mesh.triangle_material {
+        if let Some(entry) = uses.get_mut(usize::from(material)) {
+            entry.triangles += 1;
+        }
+    }
+    uses
+}
+
+fn contested_warning(count: usize) -> Option<String> {
+    (count > 0).then(|| {
+        format!("{count} triangles lie exactly on one of another material; which of the two is hit is not defined")
+    })
+}
