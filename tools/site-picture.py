@@ -1,6 +1,6 @@
 """Draws a site from above, receivers coloured by annual irradiation: site-picture.py SCENE.obj RECEIVERS.csv YEAR.csv OUT.png
 
-Needs matplotlib. README's picture is made by it from the output of tools/first-site.
+Needs matplotlib. The picture in src/book/building.md is made by it from the output of tools/first-site.
 """
 
 import csv

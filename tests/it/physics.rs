@@ -15,7 +15,7 @@ use crate::scenes::*;
 /// Open-sky value that errors are a share of: DHI.
 const OPEN: f64 = 100.0;
 
-/// Also prints the error: README's table is read off `cargo test --release physics -- --nocapture`.
+/// Also prints the error: the table of src/book/validation.md is read off `cargo test --release physics -- --nocapture`.
 fn assert_near(what: &str, got: f64, expected: f64, tolerance: f64) {
     let error = (got - expected).abs();
     println!("{what}: off by {error:.3} % of open sky");

@@ -1,6 +1,6 @@
 """Radiance's annual method and heliotile beside a converged `rtrace`, on two generated scenes and a site.
 
-    tools/peers/run [--site FOLDER] [--only SCENE] [--picture FILE.svg]
+    tools/peers/run [--site FOLDER] [--only SCENE] [--truth-only]
 
 Writes target/peers/peers.csv and peers.svg. The reference is kept in target/peers; other work on the machine makes CPU seconds
 longer, so leave it alone."""
