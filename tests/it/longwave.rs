@@ -8,9 +8,9 @@ use glam::DVec3;
 use heliotile::commands::build::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::longwave::Emission;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::emission::Emission;
 
 use crate::cli::{Folder, golden, stdout};
 use crate::scenes::*;

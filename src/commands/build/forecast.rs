@@ -28,7 +28,7 @@ use heliotile_core::layers::mirror::CellPath;
 use heliotile_core::light::bounces::{centres_f32, each_ray, surround};
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::mirrors::left;
-use heliotile_core::light::response::Reflector;
+use heliotile_core::light::reflector::Reflector;
 use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_core::site::chain::MOST_MIRRORS;
 use heliotile_core::site::receiver::Receiver;

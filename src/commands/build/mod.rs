@@ -29,7 +29,7 @@ use heliotile_builder::writing::Writer;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::response::Reflector;
+use heliotile_core::light::reflector::Reflector;
 use heliotile_core::site::chain::MOST_MIRRORS;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;

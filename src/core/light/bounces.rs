@@ -19,7 +19,7 @@ use crate::layers::cells::{Cells, DOWN, MISS};
 use crate::light::canopies::{Leafages, Shade};
 use crate::light::load::Tables;
 use crate::light::mirrors::{Chains, left};
-use crate::light::response::Reflector;
+use crate::light::reflector::{Reflectance, Reflector};
 use crate::light::scratch::Scratch;
 use crate::site::cells::{CellKey, CellMap};
 
@@ -56,9 +56,6 @@ pub struct Rules {
     pub closed_level: i8,
     pub depth: Depth,
 }
-
-/// Diffuse reflectance by material.
-pub type Reflectance = Vec<f64>;
 
 /// Reflectance of a cell.
 pub fn rho(reflectance: &Reflectance, key: &CellKey) -> f32 {

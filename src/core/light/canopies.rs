@@ -8,9 +8,8 @@ use crate::layers::canopy::{Canopy, Powers, SEEN, SKY, sky_side};
 use crate::layers::cells::Cells;
 use crate::layers::extras;
 use crate::layers::extras::CANOPY;
-use crate::light::bounces::Reflectance;
 use crate::light::load::optics;
-use crate::light::response::Reflector;
+use crate::light::reflector::{Reflectance, Reflector};
 use crate::weather::bins::Bins;
 
 /// The transmittances that some states have, each set of them once.

@@ -1,7 +1,7 @@
 //! Specular reflectance of mirrors and of clear glass. In: a material and the cosine of the angle of incidence. Out: the share of
 //! unpolarised light that is reflected.
 
-use crate::light::response::Reflector;
+use crate::light::reflector::Reflector;
 
 /// Refractive index of window glass.
 pub const GLASS: f64 = 1.52;

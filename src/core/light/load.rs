@@ -19,12 +19,15 @@ use crate::layers::mirror::{Path, ReceiverMirrors, Window};
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response;
 use crate::layers::response::Response;
+use crate::layers::sides::TextureSides;
 use crate::layers::sky::SkyTexture;
 use crate::light::canopies::{check_cells, tile_canopies};
 use crate::light::fresnel::panes_mean;
-use crate::light::response::{Reflector, Shape, Viewer};
-use crate::replay::specular::{MirrorTable, MirrorView};
-use crate::replay::tile::{TextureSides, TileLayers};
+use crate::light::mirrors::MirrorTable;
+use crate::light::reflector::Reflector;
+use crate::light::response::{Shape, Viewer};
+use crate::replay::specular::MirrorView;
+use crate::replay::tile_layers::TileLayers;
 use crate::site::cells::{CellKey, level_of, receiver_seed};
 use crate::site::chain::Orientation;
 

@@ -9,8 +9,15 @@ use crate::layers::cells::Cells;
 use crate::layers::extras::MIRROR;
 use crate::light::fresnel::specular;
 use crate::light::load::Tables;
-use crate::light::response::Reflector;
+use crate::light::reflector::Reflector;
 use crate::site::chain::{Chain, Orientation, Step};
+
+/// The mirrors of an archive: their orientations, and what materials reflect.
+#[derive(Clone, Debug)]
+pub struct MirrorTable {
+    pub orientations: Vec<Orientation>,
+    pub reflectors: Vec<Reflector>,
+}
 
 /// One chain.
 #[derive(Clone, Debug)]

@@ -6,6 +6,7 @@ pub mod canopies;
 pub mod fresnel;
 pub mod load;
 pub mod mirrors;
+pub mod reflector;
 pub mod responder;
 pub mod response;
 mod scratch;

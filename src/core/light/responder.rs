@@ -19,13 +19,14 @@ use crate::layers::extras::MIRROR;
 use crate::layers::mirror::CellMirrors;
 use crate::layers::response::{CLASSES, Response};
 use crate::light::bounces::{
-    BLOCK, Block, Closed, Depth, Lit, Reflectance, Rules, Surround, Weighted, add_block, centres_f32, each_ray,
-    in_mirrors_lit, rho, seen, surround,
+    BLOCK, Block, Closed, Depth, Lit, Rules, Surround, Weighted, add_block, centres_f32, each_ray, in_mirrors_lit, rho,
+    seen, surround,
 };
 use crate::light::canopies::{Leafages, Shade};
 use crate::light::load::{Tables, TileView};
 use crate::light::mirrors::{Chains, left};
-use crate::light::response::{Reflector, Shape, Viewer, class_index, hit_weights, texel_weights};
+use crate::light::reflector::{Reflectance, Reflector};
+use crate::light::response::{Shape, Viewer, class_index, hit_weights, texel_weights};
 use crate::light::slots::Slots;
 use crate::site::cells::{CellKey, CellMap, CellSet};
 

@@ -1,7 +1,7 @@
 //! Materials grouped by how their reflectances change. In: the reflectances of some states. Out: for each material a slot; light
 //! by way of a slot is linear in one factor a state.
 
-use crate::light::bounces::Reflectance;
+use crate::light::reflector::Reflectance;
 
 /// Slot 0 holds all materials that never change, with factor 1; every other slot those that change alike.
 #[derive(Clone, Debug)]

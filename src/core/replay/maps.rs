@@ -16,14 +16,15 @@ use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, bilinear, direction_of, te
 use crate::layers::canopy::{SEEN, SKY, sky_side};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
+use crate::layers::sides::TextureSides;
 use crate::light::bounces::Depth;
 use crate::light::load::{Tables, TileView, sides};
 use crate::light::mirrors::left;
+use crate::light::reflector::Reflector;
 use crate::light::responder::Responder;
-use crate::light::response::{Reflector, Viewer, class_index, texel_weights};
+use crate::light::response::{Viewer, class_index, texel_weights};
 use crate::replay::receiver_view::ReceiverView;
-use crate::replay::shaded::Veil;
-use crate::replay::tile::TextureSides;
+use crate::replay::veil::Veil;
 use crate::site::cells::CellKey;
 use crate::sky::disc::disc_texels;
 use crate::sky::patches::Patches;

@@ -4,9 +4,9 @@
 use glam::DVec3;
 
 use crate::layers::bits::BitSquare;
-use crate::layers::canopy::{Canopy, Powers};
-use crate::layers::mosaic::Mosaic;
+use crate::layers::canopy::Powers;
 use crate::layers::response::Response;
+use crate::layers::sides::TextureSides;
 use crate::layers::sky::half_texel;
 use crate::replay::components::Component;
 use crate::replay::components::Component::{
@@ -16,9 +16,9 @@ use crate::replay::components::ComponentSet;
 use crate::replay::longwave::Longwave;
 use crate::replay::shaded::Shaded;
 use crate::replay::sources::Sources;
-use crate::replay::specular::MirrorView;
 use crate::replay::suns::Suns;
-use crate::replay::values::TileValues;
+use crate::replay::tile_layers::TileLayers;
+use crate::replay::values::{TileValues, put};
 use crate::site::receiver::TILE;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
@@ -29,29 +29,6 @@ use crate::weather::conditions::Condition;
 
 /// Points per texel side when textures are projected on patches.
 const PROJECTION_SAMPLES: usize = 8;
-
-/// Sides of the textures that forcing is looked up in.
-#[derive(Clone, Copy, Debug)]
-pub struct TextureSides {
-    pub sky_base: usize,
-    pub sky_fine: usize,
-    pub response: usize,
-}
-
-/// Decoded layers of one tile.
-pub struct TileLayers {
-    pub normals: Vec<DVec3>,
-    /// Shares of each hemisphere: sky, ground, obstructions.
-    pub views: Vec<[f32; 3]>,
-    /// Empty where a [`Forcing`] does not read them.
-    pub sky: Vec<Mosaic>,
-    /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
-    pub mirrors: Vec<Vec<MirrorView>>,
-    /// What rays to the sky cross; empty where none of the tile's does, likewise.
-    pub canopies: Vec<Canopy>,
-    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with; likewise.
-    pub responses: Vec<Vec<Response>>,
-}
 
 /// Weather made ready once for all tiles.
 pub struct Forcing {
@@ -248,11 +225,6 @@ impl Forcing {
             row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
         }
     }
-}
-
-/// Rounds sums; what is below 0 by the error of a texture is 0.
-pub(super) fn put(sums: &[f64], out: &mut [f32]) {
-    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0) as f32);
 }
 
 /// Per base texel: visible share x mean cosine of the part in front of the surface. `directions` of the base texels.

@@ -71,3 +71,8 @@ impl TileValues {
         self.labels
     }
 }
+
+/// Rounds sums; what is below 0 by the error of a texture is 0.
+pub(super) fn put(sums: &[f64], out: &mut [f32]) {
+    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0) as f32);
+}

@@ -7,6 +7,7 @@ pub mod bins;
 pub mod calendar;
 pub mod closure;
 pub mod conditions;
+pub mod emission;
 pub mod erbs;
 pub mod findings;
 pub mod formats;
