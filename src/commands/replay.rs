@@ -22,9 +22,9 @@ use heliotile_core::weather::apart::far_apart;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::{Condition, read_conditions};
 use heliotile_core::weather::formats::weather_file::{read_weather, read_weather_with_air};
+use heliotile_core::weather::row::Row;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::temperatures::emissions;
-use heliotile_core::weather::weather::Row;
 use heliotile_core::weather::years::Years;
 
 /// What results are made of.

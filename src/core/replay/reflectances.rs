@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::light::states::Schedule;
 use crate::weather::calendar::Date;
 use crate::weather::formats::schedule_csv::{Column, read_schedule};
-use crate::weather::weather::Row;
+use crate::weather::row::Row;
 
 /// What the ground reflects under snow, from the weather file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,6 +11,7 @@ pub mod emission;
 pub mod erbs;
 pub mod findings;
 pub mod formats;
+pub mod row;
 pub mod span;
 pub mod sun;
 pub mod sun_path;
