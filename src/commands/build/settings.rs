@@ -1,7 +1,5 @@
 //! Settings of a build. In: defaults, and what the user sets by name. Out: numbers in range.
 
-use std::path::Path;
-
 use super::ladder::{PATCHES, Rungs, quality_of};
 use crate::cli::{Effects, Quality, Share};
 use heliotile_core::archive::manifest::Settings;
@@ -47,7 +45,7 @@ impl Default for BuildSettings {
 impl BuildSettings {
     /// Sets one number by `name=value`, named as in the manifest.
     pub fn set(&mut self, text: &str) -> Result<()> {
-        let wrong = |what: String, hint: &str| Error::input(Path::new("--set"), None, what, hint);
+        let wrong = |what: String, hint: &str| Error::argument("--set", what, hint);
         let Some((name, value)) = text.split_once('=') else {
             return Err(wrong(format!("`{text}` is not NAME=VALUE"), "write it as in --set hit=16"));
         };
@@ -93,7 +91,7 @@ impl BuildSettings {
     /// Refuses numbers that cannot work.
     pub fn check(&self) -> Result<()> {
         let wrong = |name: &str, value: f64, right: &str| {
-            Err(Error::input(Path::new("--set"), None, format!("{name} is {value}"), format!("give {right}")))
+            Err(Error::argument("--set", format!("{name} is {value}"), format!("give {right}")))
         };
         for (name, side, largest) in [
             ("sky_base", self.sky_base, 1024),
