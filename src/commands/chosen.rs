@@ -9,6 +9,7 @@ use super::transfer::selection::Selection;
 use crate::cli::RecombineArgs;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::replay::TileResult;
 use heliotile_core::site::receiver::Receiver;
 
@@ -30,11 +31,11 @@ pub struct ChosenTile {
 
 impl Chosen {
     /// The choice of a command line.
-    pub fn of(args: &RecombineArgs, archive: &Archive) -> Result<Self> {
+    pub fn of(args: &RecombineArgs, archive: &Archive, site: &OpenSite) -> Result<Self> {
         let Some(file) = &args.receivers else { return Ok(Chosen::new(archive, None)) };
         let folder =
             if args.output == Path::new("-") { std::env::temp_dir() } else { temporary_folder(&args.output).into() };
-        let kept = Selection::Receivers(file.clone()).resolve(archive, &folder, args.memory.0 as usize / 4)?;
+        let kept = Selection::Receivers(file.clone()).resolve(site, &folder, args.memory.0 as usize / 4)?;
         Ok(Chosen::new(archive, Some(kept)))
     }
 
@@ -66,10 +67,14 @@ impl Chosen {
     }
 
     /// The chosen receivers, in the order of results.
-    pub fn receivers<'a>(&'a self, archive: &'a Archive) -> impl Iterator<Item = Result<Receiver>> + 'a {
+    pub fn receivers<'a>(
+        &'a self,
+        archive: &'a Archive,
+        site: &OpenSite<'a>,
+    ) -> impl Iterator<Item = Result<Receiver>> + use<'a> {
         let rows = match &self.kept {
-            Some(kept) => Rows::<()>::chosen(archive, kept),
-            None => Rows::new(archive),
+            Some(kept) => Rows::<()>::chosen(site, archive, kept),
+            None => Rows::new(site),
         };
         rows.map(|row| Ok(row?.receiver))
     }

@@ -10,7 +10,7 @@ use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_core::archive;
 use heliotile_core::archive::{Access, Archive, Blocks, format, tables};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::load::settings;
+use heliotile_core::opened::SiteSettings;
 use heliotile_core::site::receiver::Receiver;
 
 /// `heliotile repair`.
@@ -59,8 +59,9 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     interrupt::watch();
     // Under a name of its own until it is known to be what it was.
     let repaired = with_ending(output, ".repaired");
+    SiteSettings::of(&archive.manifest().settings, archive.path())?;
     let plan = BuildPlan {
-        settings: BuildSettings::of(settings(&archive)?),
+        settings: BuildSettings::of(&archive.manifest().settings),
         output: repaired.clone(),
         memory_bytes: args.memory.0,
         start: Start::GoOn,

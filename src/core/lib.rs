@@ -5,6 +5,7 @@ pub mod error;
 pub mod hemisphere;
 pub mod layers;
 pub mod light;
+pub mod opened;
 pub mod replay;
 pub mod site;
 pub mod sky;

@@ -7,6 +7,7 @@ use std::process::Output;
 use glam::DVec3;
 use heliotile::commands::build::BuildSettings;
 use heliotile_core::archive::Archive;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::Condition;
@@ -30,7 +31,7 @@ fn longwave(site: &Site, condition: Condition) -> BTreeMap<String, f64> {
     let archive = Archive::open(&site.path).expect("an archive");
     let components = ComponentSet::of(&[Component::Longwave]);
     let settings = ReplaySettings { components, ..ReplaySettings::default() };
-    let replay = Replay::new(&archive, &[condition], settings).expect("a replay");
+    let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &[condition], settings).expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
         let row = |r: usize| f64::from(values.row(Component::Longwave as usize, r)[0]);

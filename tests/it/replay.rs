@@ -6,7 +6,7 @@ use heliotile_core::hemisphere::bilinear;
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
-use heliotile_core::light::load::cached_responses;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::replay::tile::visible_cosines;
 use heliotile_core::sky::disc::disc_texels;
@@ -40,7 +40,7 @@ fn receivers(archive: &Archive) -> Vec<Receiver> {
     let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
     let raw = archive.block(format::SKY, 0).expect("sky");
     let sky = SkyTexture::unpack(raw.bytes(), table.ids.len(), base, fine).expect("bits");
-    let responses = cached_responses(archive, 0).expect("responses");
+    let responses = OpenSite::of(archive).expect("a site").tile_responses(0).expect("responses");
     let rows = table.normal.iter().zip(sky).zip(responses).take(RECEIVERS);
     rows.map(|((n, sky), response)| Receiver { normal: DVec3::from(*n), sky, response }).collect()
 }
@@ -87,7 +87,8 @@ fn plain_path() {
     let conditions = read_epw(&weather).expect("weather").conditions(1);
     let replay = |bins: &Bins| {
         let settings = ReplaySettings::default();
-        let replay = Replay::summed(&archive, &conditions, settings, bins).expect("a replay");
+        let replay =
+            Replay::summed(&OpenSite::of(&archive).expect("a site"), &conditions, settings, bins).expect("a replay");
         replay.run(0..1).expect("a tile").remove(0).1
     };
     let hours = replay(&Bins::each(conditions.len()));

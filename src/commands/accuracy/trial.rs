@@ -11,6 +11,7 @@ use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
@@ -80,7 +81,8 @@ impl Bench<'_> {
         let mut rows: Vec<[f32; 8]> = Vec::new();
         let settings =
             |depth| ReplaySettings { patches, depth, memory_bytes: self.memory_bytes, ..ReplaySettings::default() };
-        let all = Replay::new(&archive, conditions, settings(Depth::All))?;
+        let site = OpenSite::of(&archive)?;
+        let all = Replay::new(&site, conditions, settings(Depth::All))?;
         for tile in all.results(0..all.tiles()) {
             let (ids, values) = tile?;
             for receiver in 0..ids.len() {
@@ -91,7 +93,7 @@ impl Bench<'_> {
                 }));
             }
         }
-        let once = Replay::new(&archive, conditions, settings(Depth::Count(1)))?;
+        let once = Replay::new(&site, conditions, settings(Depth::Count(1)))?;
         let mut next = 0;
         for tile in once.results(0..once.tiles()) {
             let (ids, values) = tile?;

@@ -12,6 +12,7 @@ mod settings;
 mod tiles;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -27,9 +28,11 @@ use heliotile_builder::trace::canopy::Canopies;
 use heliotile_builder::trace::mirror::Reflections;
 use heliotile_builder::writing::Writer;
 use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::manifest::ReceiverSummary;
 use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::reflector::Reflector;
+use heliotile_core::opened::SiteFacts;
 use heliotile_core::site::chain::MOST_MIRRORS;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
@@ -88,6 +91,8 @@ struct Job<'a> {
     folder: PathBuf,
     /// Bytes to work in, besides the scene.
     memory: usize,
+    /// What is known of the archive before it is one.
+    facts: Arc<SiteFacts>,
     known: Known<'a>,
     /// Only where there are mirrors.
     reflections: Option<Reflections<'a>>,
@@ -120,11 +125,27 @@ impl<'a> Ready<'a> {
 }
 
 impl<'a> Job<'a> {
-    fn new(scene: &'a Scene, ready: &'a Ready<'a>, plan: &'a BuildPlan, known: Known<'a>) -> Self {
+    /// A build of some receivers; what `earlier` archives hold is not traced again.
+    fn new(
+        scene: &'a Scene,
+        ready: &'a Ready<'a>,
+        plan: &'a BuildPlan,
+        receivers: &ReceiverTiles,
+        earlier: &'a [Archive],
+    ) -> Result<Self> {
         let reflections =
             ready.reflects(&plan.settings).then(|| Reflections::new(&scene.mesh, &ready.tracer, &ready.mirrors));
+        let summary = ReceiverSummary {
+            count: receivers.count() as u64,
+            tiles: receivers.tile_count() as u32,
+            ..ReceiverSummary::default()
+        };
+        let stated = (&plan.settings.stated(), scene.mesh.origin, &summary);
+        let orientations = reflections.as_ref().map_or(Vec::new(), |r| r.orientations().to_vec());
+        let facts = SiteFacts::given(&plan.output, stated, scene.materials.clone(), orientations)?;
+        let known = Known::new(earlier, &facts);
         let canopies = ready.canopies.as_ref().filter(|_| !plan.settings.left_out.contains(Effect::Canopies));
-        Job {
+        Ok(Job {
             scene,
             reflectors: scene.materials.iter().map(Reflector::of).collect(),
             tracer: &ready.tracer,
@@ -132,12 +153,13 @@ impl<'a> Job<'a> {
             start: plan.start,
             folder: temporary_folder(&plan.output).to_path_buf(),
             memory: plan.memory_bytes as usize,
+            facts: Arc::new(facts),
             known,
             reflections,
             accuracy: plan.accuracy.as_ref(),
             lost: Default::default(),
             canopies,
-        }
+        })
     }
 
     /// Whether an effect is to be traced, if the scene has it.
@@ -290,7 +312,7 @@ fn forecast(
     plan: &BuildPlan,
     wanted: Wanted,
 ) -> Result<Forecast> {
-    let job = Job::new(scene, ready, plan, Known::default());
+    let job = Job::new(scene, ready, plan, receivers, &[])?;
     job.forecast(receivers, ready.mirrors.orientations.len(), wanted)
 }
 
@@ -364,7 +386,7 @@ pub(super) fn build_ready(
         (Start::Resume, None) => warn("there is no checkpoint to go on from: starting anew"),
         _ => {}
     }
-    let job = Job::new(scene, ready, plan, Known::new(earlier, scene.materials.len(), ready.reflects(&plan.settings)));
+    let job = Job::new(scene, ready, plan, receivers, earlier)?;
     let traced = trace(&job, receivers, &mut writer, &mut clock);
     if matches!(traced, Err(Error::Io { .. })) {
         // Where another file failed, such as a temporary one, what was written can be kept.

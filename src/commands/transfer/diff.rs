@@ -16,7 +16,7 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::response::Response;
-use heliotile_core::light::load::{CellSource, Tables};
+use heliotile_core::opened::{CellSource, OpenSite};
 
 /// Names of one line.
 const NAMED: usize = 20;
@@ -98,17 +98,17 @@ pub fn diff(args: &DiffArgs) -> Result<Differences> {
     let [a, b] = [Archive::open_with(&args.first, args.io)?, Archive::open_with(&args.second, args.io)?];
     let mut found =
         Differences { statements: differences(&a, &b)?, same_root: a.root() == b.root(), ..Differences::default() };
+    let (of_a, of_b) = (OpenSite::of(&a)?, OpenSite::of(&b)?);
     let budget = args.memory.0 as usize / 4;
-    for side in union(by_id(&a, budget)?, by_id(&b, budget)?, |a, b| a.0.cmp(&b.0)) {
+    for side in union(by_id(&of_a, budget)?, by_id(&of_b, budget)?, |a, b| a.0.cmp(&b.0)) {
         let name = |record: &(Vec<u8>, Vec<u8>)| String::from_utf8_lossy(&record.0).into_owned();
         found.receivers.add(&side?, name, |a, b| {
             let parts = Digests::from_bytes(&a.1).differences(&Digests::from_bytes(&b.1));
             (!parts.is_empty()).then(|| format!(" ({})", parts.join(", ")))
         });
     }
-    let (of_a, of_b) = (Tables::load(&a)?, Tables::load(&b)?);
-    diff_cells(&of_a.probes, &of_b.probes, &mut found.probes)?;
-    diff_cells(&of_a.bounces, &of_b.bounces, &mut found.bounces)?;
+    diff_cells(&CellSource::probes(&of_a)?, &CellSource::probes(&of_b)?, &mut found.probes)?;
+    diff_cells(&CellSource::bounces(&of_a)?, &CellSource::bounces(&of_b)?, &mut found.bounces)?;
     let order = |a: &&format::Entry, b: &&format::Entry| a.key().cmp(&b.key());
     for side in union(unknown(&a).map(Ok), unknown(&b).map(Ok), order) {
         let content = |entry: &format::Entry| (entry.schema, entry.items, entry.content);
@@ -118,9 +118,9 @@ pub fn diff(args: &DiffArgs) -> Result<Differences> {
 }
 
 /// The receivers' hashes by id.
-fn by_id(archive: &Archive, budget_bytes: usize) -> Result<Sorted> {
+fn by_id(site: &OpenSite, budget_bytes: usize) -> Result<Sorted> {
     let mut sorter = Sorter::new(&std::env::temp_dir(), budget_bytes);
-    for row in Rows::<(Traced, Response)>::new(archive) {
+    for row in Rows::<(Traced, Response)>::new(site) {
         let row = row?;
         sorter.push(row.receiver.id.as_bytes(), &Digests::of(&row).to_bytes())?;
     }

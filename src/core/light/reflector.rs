@@ -1,6 +1,5 @@
 //! What materials do with light. In: the materials of a scene or of an archive. Out: the numbers that light is computed with.
 
-use crate::archive::tables::{Materials, Optics};
 use crate::site::material::{Class, Glass, Material};
 
 /// Diffuse reflectance by material.
@@ -39,17 +38,5 @@ impl Reflector {
     /// Whether it reflects like a mirror.
     pub fn mirrors(&self) -> bool {
         self.specular > 0.0 || self.panes > 0
-    }
-
-    /// The rows of an archive's tables; without a table of optics all are opaque and no glass.
-    pub fn of_tables(materials: &Materials, optics: Option<&Optics>) -> Vec<Self> {
-        let reflector = |row: usize| Reflector {
-            diffuse: materials.diffuse[row],
-            class: if materials.class[row] == 1 { Class::Ground } else { Class::Obstruction },
-            specular: materials.specular[row],
-            panes: optics.map_or(0, |o| o.panes[row]),
-            transmittance: optics.and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
-        };
-        (0..materials.rows()).map(reflector).collect()
     }
 }

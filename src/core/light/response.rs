@@ -9,19 +9,6 @@ use crate::layers::response::CLASSES;
 use crate::light::reflector::Reflector;
 use crate::site::material::Class;
 
-/// Sizes that give the tables their shape.
-#[derive(Clone, Copy, Debug)]
-pub struct Shape {
-    /// Side of the hit texture.
-    pub hit: usize,
-    /// Side of the probes' sky texture, and of G.
-    pub probe: usize,
-    /// Side of the bounce cells' sky texture.
-    pub bounce_sky: usize,
-    /// Level of the bounce cells at middle distance: from here up cells see each other in circles.
-    pub closed_level: i8,
-}
-
 /// What is needed of a receiver besides its hits.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewer {
@@ -95,9 +82,8 @@ pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
 pub fn view_factors(texels: &[u32], tile: &HitTile, reflectors: &[Reflector], viewer: &Viewer) -> [f64; CLASSES] {
     let mut shares = [0.0; CLASSES];
     for (cell, weight) in hit_weights(texels, viewer, None).cells {
-        if let Some(reflector) = reflectors.get(usize::from(tile.palette[cell].material)) {
-            shares[class_index(reflector.class)] += weight;
-        }
+        // The palette's materials were checked when it was read, or met when it was traced.
+        shares[class_index(reflectors[usize::from(tile.palette[cell].material)].class)] += weight;
     }
     shares
 }

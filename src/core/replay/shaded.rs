@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use crate::layers::canopy::{Powers, SKY, sky_side};
+use crate::layers::canopy::{Powers, SKY};
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::layers::sky::half_texel;
@@ -55,18 +55,18 @@ impl Shaded {
 
     /// Replaces the direct light of a tile's receivers that see the sky through leaves.
     pub fn replace(&self, tile: &TileLayers, projection: &Projection, out: &mut TileValues) {
-        let side = sky_side(self.sides.sky_base, self.sides.sky_fine);
-        let through = |(receiver, way): (usize, &Way)| {
-            let shares = tile.canopies.get(receiver)?.through(SKY, side * side, &way.powers)?;
-            Some(Veil::new(shares, self.sides))
-        };
         // Whether anything is crossed does not depend on the transmittances.
         let Some(first) = self.ways.first() else { return };
-        let behind: Vec<usize> = (0..tile.canopies.len()).filter(|&r| through((r, first)).is_some()).collect();
+        let crosses = |receiver: &usize| tile.canopies[*receiver].through(SKY, &first.powers).is_some();
+        let behind: Vec<usize> = (0..tile.canopies.len()).filter(crosses).collect();
+        let veil = |receiver: usize, way: &Way| match tile.canopies[receiver].through(SKY, &way.powers) {
+            Some(shares) => Veil::new(shares, self.sides),
+            None => Veil::clear(self.sides),
+        };
         for &receiver in &behind {
             let mut sums = vec![0.0_f64; out.labels()];
-            for veil in self.ways.iter().filter_map(|way| Some((way, through((receiver, way))?))) {
-                veil.0.suns.direct_behind(tile.normals[receiver], &tile.sky[receiver], &veil.1, &mut sums);
+            for way in &self.ways {
+                way.suns.direct_behind(tile.normals[receiver], &tile.sky[receiver], &veil(receiver, way), &mut sums);
             }
             put(&sums, out.row_mut(SunDirect as usize, receiver));
         }
@@ -74,9 +74,8 @@ impl Shaded {
         for way in self.ways.iter().filter(|way| !way.skies.is_empty()) {
             let mut coefficients = Vec::new();
             for &receiver in &behind {
-                let Some(veil) = through((receiver, way)) else { continue };
                 let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);
-                coefficients_behind(projection, normal, sky, &veil, &mut coefficients);
+                coefficients_behind(projection, normal, sky, &veil(receiver, way), &mut coefficients);
             }
             way.skies.irradiance(&coefficients, |i, bin, v| sums[i * out.labels() + bin] += v);
         }

@@ -23,7 +23,7 @@ impl MirrorView {
         let side = usize::from(window.side);
         let mut sky = Mosaic::unpack(&window.texture, 1, side, side * block)?;
         Some(MirrorView {
-            reflection: Reflection::new(window.chain, &table.orientations, &table.reflectors)?,
+            reflection: Reflection::new(window.chain, table)?,
             column: usize::from(window.column),
             row: usize::from(window.row),
             sky: sky.pop()?,

@@ -21,6 +21,12 @@ impl Veil {
         Veil { shares, side, wide: sides.sky_fine / side, block: sides.sky_fine / sides.sky_base }
     }
 
+    /// Nothing in the way.
+    pub fn clear(sides: TextureSides) -> Self {
+        let side = sky_side(sides.sky_base, sides.sky_fine);
+        Veil::new(vec![1.0; side * side], sides)
+    }
+
     /// Share at a fine texel (column, row).
     #[inline]
     pub fn at_fine(&self, (column, row): (usize, usize)) -> f32 {

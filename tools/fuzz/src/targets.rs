@@ -15,6 +15,7 @@ use heliotile_core::layers::mosaic::Mosaic;
 use heliotile_core::layers::response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
@@ -130,6 +131,7 @@ fn read_all(path: &Path) {
     }
     let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
     let conditions = read_conditions(&file("conditions.csv", sunny)).expect("a condition").conditions;
+    let Ok(site) = OpenSite::of(&archive) else { return };
     for depth in [Depth::All, Depth::Count(1)] {
         let settings = ReplaySettings {
             sky: SkyModel::Perez,
@@ -138,7 +140,7 @@ fn read_all(path: &Path) {
             components: ComponentSet::ALL,
             memory_bytes: 1 << 27,
         };
-        let Ok(replay) = Replay::new(&archive, &conditions, settings) else { continue };
+        let Ok(replay) = Replay::new(&site, &conditions, settings) else { continue };
         let _ = replay.run(0..replay.tiles().min(2));
     }
 }
