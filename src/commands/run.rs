@@ -168,7 +168,7 @@ fn annual(archive: &Archive, weather: &Weather, memory_bytes: u64) -> Result<Vec
     for result in replay.results(0..replay.tiles()) {
         let values = result?.1;
         for (i, row) in receivers.by_ref().take(values.receivers()).enumerate() {
-            let sum = |component: Component| values.row(component as usize, i).first().copied().unwrap_or_default();
+            let sum = |component: Component| values.row(component, i).first().copied().unwrap_or_default();
             rows.push(AnnualRow { receiver: row?.receiver, kwh_m2: Component::ALL.map(sum) });
         }
         progress.inc(values.receivers() as u64);

@@ -14,6 +14,7 @@ use heliotile_core::hemisphere::mix;
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::maps::{Light, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -52,7 +53,9 @@ fn columns(
         .expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
-        let row = |r: usize| (0..7).map(|c| values.row(c, r).iter().map(|v| f64::from(*v)).collect()).collect();
+        let row = |r: usize| {
+            (0..7).map(|c| values.row(Component::ALL[c], r).iter().map(|v| f64::from(*v)).collect()).collect()
+        };
         ids.into_iter().enumerate().map(|(r, id)| (id, row(r))).collect::<Vec<_>>()
     });
     rows.collect()
@@ -409,7 +412,7 @@ fn hostile_bytes() {
                 site.and_then(|site| Replay::scheduled(&site, conditions, settings, &Bins::each(2), &schedule));
             match replay.and_then(|replay| replay.run(0..1)) {
                 Err(_) => refused += 1,
-                Ok(tiles) => assert!(tiles[0].1.component(6).iter().all(|v| v.is_finite())),
+                Ok(tiles) => assert!(tiles[0].1.component(Component::Total).iter().all(|v| v.is_finite())),
             }
             std::fs::remove_file(&bad).expect("removed");
         }

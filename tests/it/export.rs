@@ -10,6 +10,7 @@ use heliotile::outputs::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, 
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::maps::{Light, Map, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -138,7 +139,7 @@ fn maps_of_mirrors_sum_to_results() {
                 .into_iter()
                 .enumerate()
                 {
-                    let expected = f64::from(values.row(column, row)[0]);
+                    let expected = f64::from(values.row(Component::ALL[column], row)[0]);
                     let sum = if sees || map != "mirror" { weighted(&maps, map, name) } else { 0.0 };
                     let most = if ["sky_direct", "sky_specular"].contains(&name) { 5e-3 } else { 1e-3 };
                     if expected > 1.0 {

@@ -34,7 +34,7 @@ fn longwave(site: &Site, condition: Condition) -> BTreeMap<String, f64> {
     let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &[condition], settings).expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
-        let row = |r: usize| f64::from(values.row(Component::Longwave as usize, r)[0]);
+        let row = |r: usize| f64::from(values.row(Component::Longwave, r)[0]);
         ids.into_iter().enumerate().map(|(r, id)| (id, row(r))).collect::<Vec<_>>()
     });
     rows.collect()

@@ -65,7 +65,7 @@ impl Built {
         for tile in replay.results(0..replay.tiles()) {
             let (ids, values) = tile.expect("a tile");
             for (i, id) in ids.into_iter().enumerate() {
-                let row = values.row(component as usize, i).iter().map(|&v| f64::from(v)).collect();
+                let row = values.row(component, i).iter().map(|&v| f64::from(v)).collect();
                 rows.insert(id, row);
             }
         }

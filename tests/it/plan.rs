@@ -51,7 +51,7 @@ fn totals(archive: &Archive, suns: &[Condition]) -> Vec<f64> {
     let mut found = Vec::new();
     for tile in replay.results(0..replay.tiles()) {
         let (ids, values) = tile.expect("a tile");
-        (0..ids.len()).for_each(|i| found.extend(values.row(Total as usize, i).iter().map(|&v| f64::from(v))));
+        (0..ids.len()).for_each(|i| found.extend(values.row(Total, i).iter().map(|&v| f64::from(v))));
     }
     found
 }

@@ -6,6 +6,7 @@ use heliotile::commands::build::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
@@ -33,7 +34,7 @@ fn totals(site: &Site, schedules: &[Schedule]) -> BTreeMap<String, Vec<f64>> {
         .expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
-        let row = |r: usize| values.row(6, r).iter().map(|v| f64::from(*v)).collect();
+        let row = |r: usize| values.row(Component::Total, r).iter().map(|v| f64::from(*v)).collect();
         ids.into_iter().enumerate().map(|(r, id)| (id, row(r))).collect::<Vec<_>>()
     });
     rows.collect()

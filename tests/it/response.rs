@@ -13,7 +13,7 @@ use heliotile_core::light::tables::Tables;
 use heliotile_core::light::tile_view::TileView;
 use heliotile_core::opened::CellSource;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::sky::SkyModel;
@@ -311,7 +311,7 @@ fn sums_are_the_sums_of_hours() {
     let sums =
         run(Replay::summed(&OpenSite::of(&archive).expect("a site"), &conditions, settings, &bins).expect("a replay"));
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
-    for component in 0..7 {
+    for component in Component::ALL {
         for receiver in 0..20 {
             let mut plain = [0.0_f64; 5];
             for (i, mean) in hours.row(component, receiver).iter().enumerate() {

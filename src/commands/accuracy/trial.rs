@@ -86,7 +86,7 @@ impl Bench<'_> {
         for tile in all.results(0..all.tiles()) {
             let (ids, values) = tile?;
             for receiver in 0..ids.len() {
-                let six: [&[f32]; 6] = std::array::from_fn(|component| values.row(component, receiver));
+                let six: [&[f32]; 6] = std::array::from_fn(|c| values.row(Component::ALL[c], receiver));
                 rows.extend((0..conditions.len()).map(|i| {
                     let [a, b, c, d, e, f] = six.map(|of| of[i]);
                     [a, b, c, d, e, f, 0.0, 0.0]
@@ -98,7 +98,7 @@ impl Bench<'_> {
         for tile in once.results(0..once.tiles()) {
             let (ids, values) = tile?;
             for receiver in 0..ids.len() {
-                let [sun, sky] = diffuse.map(|component| values.row(component as usize, receiver));
+                let [sun, sky] = diffuse.map(|component| values.row(component, receiver));
                 for (sun, sky) in sun.iter().zip(sky) {
                     rows[next][6] = *sun;
                     rows[next][7] = *sky;

@@ -1,5 +1,6 @@
 //! What earlier builds of the same scene with the same settings have traced. In: their archives, whole or damaged. Out: layers of
-//! receivers and cells, so that nothing is traced twice. Every block is checked before it is used; what is damaged is not there.
+//! receivers and cells, so that nothing is traced twice. Every block is checked before it is used; what is damaged is not there: errors
+//! are passed over on purpose.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -74,7 +74,7 @@ impl Default for ReplaySettings {
 ///     let (ids, values) = tile?;
 ///     for (receiver, id) in ids.iter().enumerate() {
 ///         // [condition], W/m2.
-///         let total = values.row(Component::Total as usize, receiver);
+///         let total = values.row(Component::Total, receiver);
 ///         println!("{id}: {:.0} W/m2 at most", total.iter().copied().fold(0.0, f32::max));
 ///     }
 /// }

@@ -68,7 +68,7 @@ impl Shaded {
             for way in &self.ways {
                 way.suns.direct_behind(tile.normals[receiver], &tile.sky[receiver], &veil(receiver, way), &mut sums);
             }
-            put(&sums, out.row_mut(SunDirect as usize, receiver));
+            put(&sums, out.row_mut(SunDirect, receiver));
         }
         let mut sums = vec![0.0_f32; behind.len() * out.labels()];
         for way in self.ways.iter().filter(|way| !way.skies.is_empty()) {
@@ -80,7 +80,7 @@ impl Shaded {
             way.skies.irradiance(&coefficients, |i, bin, v| sums[i * out.labels() + bin] += v);
         }
         for (&receiver, sums) in behind.iter().zip(sums.chunks(out.labels().max(1))) {
-            let row = out.row_mut(SkyDirect as usize, receiver);
+            let row = out.row_mut(SkyDirect, receiver);
             row.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0));
         }
     }

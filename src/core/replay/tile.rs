@@ -135,7 +135,7 @@ impl Forcing {
 
     /// Irradiance of every receiver of a tile.
     pub fn replay(&self, tile: &TileLayers) -> TileValues {
-        let mut out = TileValues::of(self.components, tile.normals.len(), self.bins);
+        let mut out = TileValues::new(tile.normals.len(), self.bins);
         self.add_direct(tile, &mut out);
         self.add_specular(tile, &mut out);
         self.add_diffuse(tile, &mut out);
@@ -144,14 +144,14 @@ impl Forcing {
             for receiver in 0..tile.normals.len() {
                 total.fill(0.0);
                 for part in Component::ALL.into_iter().filter(|part| *part != Total) {
-                    total.iter_mut().zip(out.row(part as usize, receiver)).for_each(|(total, v)| *total += v);
+                    total.iter_mut().zip(out.row(part, receiver)).for_each(|(total, v)| *total += v);
                 }
-                out.row_mut(Total as usize, receiver).copy_from_slice(&total);
+                out.row_mut(Total, receiver).copy_from_slice(&total);
             }
         }
         if let Some(longwave) = &self.longwave {
             for (receiver, views) in tile.views.iter().enumerate() {
-                longwave.irradiance(*views, out.row_mut(Component::Longwave as usize, receiver));
+                longwave.irradiance(*views, out.row_mut(Component::Longwave, receiver));
             }
         }
         out
@@ -166,13 +166,13 @@ impl Forcing {
             if sun_direct {
                 sums.fill(0.0);
                 self.suns.direct(normal, sky, &mut sums);
-                put(&sums, out.row_mut(SunDirect as usize, receiver));
+                put(&sums, out.row_mut(SunDirect, receiver));
             }
             if sky_direct {
                 sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
             }
         }
-        let each = |receiver, bin, v: f32| out.row_mut(SkyDirect as usize, receiver)[bin] = v.max(0.0);
+        let each = |receiver, bin, v: f32| out.row_mut(SkyDirect, receiver)[bin] = v.max(0.0);
         self.skies.irradiance(&coefficients, each);
         if let Some(shaded) = &self.shaded {
             shaded.replace(tile, &self.sky_projection, out);
@@ -189,7 +189,7 @@ impl Forcing {
             if sun && !views.is_empty() {
                 sums.fill(0.0);
                 views.iter().for_each(|view| self.suns.by_mirrors(normal, view, &mut sums));
-                put(&sums, out.row_mut(SunSpecular as usize, receiver));
+                put(&sums, out.row_mut(SunSpecular, receiver));
             }
             if sky {
                 let mut patches = vec![0.0_f64; projection.patches()];
@@ -197,7 +197,7 @@ impl Forcing {
                 coefficients.extend(patches.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
             }
         }
-        let each = |receiver, bin, v: f32| out.row_mut(SkySpecular as usize, receiver)[bin] = v.max(0.0);
+        let each = |receiver, bin, v: f32| out.row_mut(SkySpecular, receiver)[bin] = v.max(0.0);
         self.skies.irradiance(&coefficients, each);
     }
 
@@ -220,8 +220,8 @@ impl Forcing {
         }
         for receiver in 0..receivers {
             let range = receiver * self.bins..(receiver + 1) * self.bins;
-            put(&suns[range.clone()], out.row_mut(SunDiffuse as usize, receiver));
-            let row = out.row_mut(SkyDiffuse as usize, receiver);
+            put(&suns[range.clone()], out.row_mut(SunDiffuse, receiver));
+            let row = out.row_mut(SkyDiffuse, receiver);
             row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
         }
     }
