@@ -3,7 +3,6 @@
 mod build;
 mod choice;
 mod cover;
-mod effects;
 mod export;
 mod quality;
 mod run;
@@ -19,6 +18,7 @@ use glam::DVec3;
 
 use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
+use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Follow, Snow};
@@ -28,11 +28,10 @@ use heliotile_core::weather::temperatures::Temperature;
 
 use self::choice::choice;
 
-pub use self::build::{BuildArgs, PlanArgs, Share};
+pub use self::build::{BuildArgs, PlanArgs};
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
-pub use self::effects::{Effect, Effects, Wanted};
 pub use self::export::{ExportArgs, SunPosition};
-pub use self::quality::{AccuracyArgs, Percent, Quality};
+pub use self::quality::{AccuracyArgs, Percent};
 pub use self::run::RunArgs;
 pub use self::scene::SceneArgs;
 pub use self::study::{Distances, Rays, StudyArgs, StudyCommand, WallArgs};
@@ -324,7 +323,7 @@ pub struct ExtractArgs {
     #[arg(long, short, value_name = "FILE")]
     pub receivers: Option<PathBuf>,
     /// Keep the receivers in a box, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax
-    #[arg(long, value_name = "BOX", allow_hyphen_values = true)]
+    #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds)]
     pub bbox: Option<Bounds>,
     /// Keep the receivers of these surfaces
     #[arg(long, value_name = "NAME", num_args = 1..)]
@@ -367,31 +366,21 @@ pub struct DiffArgs {
 }
 
 /// A box of positions: `xmin,ymin,xmax,ymax` of any height, or with `zmin,zmax` behind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    pub low: DVec3,
-    pub high: DVec3,
-}
-
-impl FromStr for Bounds {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |part: &str| match part.trim().parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(number),
-            _ => Err(format!("`{part}` is not a number")),
-        };
-        let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-        let (low, high) = match numbers[..] {
-            [x0, y0, x1, y1] => (DVec3::new(x0, y0, f64::NEG_INFINITY), DVec3::new(x1, y1, f64::INFINITY)),
-            [x0, y0, x1, y1, z0, z1] => (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)),
-            _ => return Err(format!("{} numbers, not 4 or 6: give xmin,ymin,xmax,ymax[,zmin,zmax]", numbers.len())),
-        };
-        if low.cmpgt(high).any() {
-            return Err("a lowest value is above its highest: give xmin,ymin,xmax,ymax[,zmin,zmax]".into());
-        }
-        Ok(Bounds { low, high })
+fn parse_bounds(text: &str) -> Result<Bounds, String> {
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{part}` is not a number")),
+    };
+    let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    let (low, high) = match numbers[..] {
+        [x0, y0, x1, y1] => (DVec3::new(x0, y0, f64::NEG_INFINITY), DVec3::new(x1, y1, f64::INFINITY)),
+        [x0, y0, x1, y1, z0, z1] => (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)),
+        _ => return Err(format!("{} numbers, not 4 or 6: give xmin,ymin,xmax,ymax[,zmin,zmax]", numbers.len())),
+    };
+    if low.cmpgt(high).any() {
+        return Err("a lowest value is above its highest: give xmin,ymin,xmax,ymax[,zmin,zmax]".into());
     }
+    Ok(Bounds { low, high })
 }
 
 fn parse_depth(text: &str) -> Result<heliotile_core::light::bounces::Depth, String> {

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::choice;
-use super::{AccuracyArgs, Bytes, SceneArgs, Wanted, parse_memory};
+use crate::cli::{AccuracyArgs, Bytes, SceneArgs, parse_memory};
+use heliotile_builder::settings::{EffectChoice, Share};
 
 #[derive(Args, Debug)]
 pub struct BuildArgs {
@@ -30,8 +31,8 @@ pub struct BuildArgs {
     #[arg(long, value_parser = choice::<Share>(), default_value = "cells", conflicts_with = "error")]
     pub share: Share,
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
-    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
-    pub effects: Wanted,
+    #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
+    pub effects: EffectChoice,
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
@@ -50,20 +51,13 @@ pub struct PlanArgs {
     #[arg(long, short)]
     pub receivers: PathBuf,
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
-    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
-    pub effects: Wanted,
+    #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
+    pub effects: EffectChoice,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
-}
-
-/// How probes are shared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Share {
-    Cells,
-    None,
 }
 
 fn parse_seconds(text: &str) -> Result<u32, String> {

@@ -1,9 +1,9 @@
 //! Values of the library's types by their names on the command line.
 
+use heliotile_builder::settings::{Quality, Share};
 use heliotile_core::archive::Access;
 use heliotile_core::replay::reflectances::Snow;
 
-use super::{Quality, Share};
 use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
 

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 
 use super::choice::choice;
+use heliotile_builder::settings::Quality;
 
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
@@ -21,33 +22,6 @@ pub struct AccuracyArgs {
     /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
-}
-
-/// A named rung. What it means in textures and cells stands in `commands::build::ladder`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Quality {
-    /// A quick look
-    Draft,
-    /// Near the knee of error against time
-    #[default]
-    Standard,
-    /// For publication
-    Fine,
-    /// To judge the others by
-    Reference,
-}
-
-impl Quality {
-    pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Standard, Quality::Fine, Quality::Reference];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Quality::Draft => "draft",
-            Quality::Standard => "standard",
-            Quality::Fine => "fine",
-            Quality::Reference => "reference",
-        }
-    }
 }
 
 /// An error that is allowed, in percent.

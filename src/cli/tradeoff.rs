@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Bytes, SceneArgs, Wanted, parse_memory};
+use crate::cli::{Bytes, SceneArgs, parse_memory};
+use heliotile_builder::settings::EffectChoice;
 
 #[derive(Args, Debug)]
 pub struct TradeoffArgs {
@@ -26,8 +27,8 @@ pub struct TradeoffArgs {
     #[arg(long)]
     pub sources: bool,
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
-    #[arg(long, value_name = "LIST", default_value_t = Wanted::Auto)]
-    pub effects: Wanted,
+    #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
+    pub effects: EffectChoice,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,

@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use super::temporary_folder;
-use super::transfer::rows::Rows;
-use super::transfer::selection::Selection;
 use crate::cli::RecombineArgs;
+use heliotile_builder::transfer::{Rows, Selection};
+use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
+use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::replay::TileResult;
 use heliotile_core::site::receiver::Receiver;
@@ -33,9 +33,9 @@ impl Chosen {
     /// The choice of a command line.
     pub fn of(args: &RecombineArgs, archive: &Archive, site: &OpenSite) -> Result<Self> {
         let Some(file) = &args.receivers else { return Ok(Chosen::new(archive, None)) };
-        let folder =
-            if args.output == Path::new("-") { std::env::temp_dir() } else { temporary_folder(&args.output).into() };
-        let kept = Selection::Receivers(file.clone()).resolve(site, &folder, args.memory.0 as usize / 4)?;
+        let folder = if args.output == Path::new("-") { std::env::temp_dir() } else { folder_of(&args.output).into() };
+        let budget = MemoryBudget::new(args.memory.0).length(Use::ReceiverList);
+        let kept = Selection::Receivers(file.clone()).resolve(site, &folder, budget)?;
         Ok(Chosen::new(archive, Some(kept)))
     }
 

@@ -5,13 +5,14 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::transfer::rows::Rows;
-use super::{Outcome, guard_output, temporary_folder, warn};
+use super::{Outcome, guard_output, warn};
 use crate::cli::ExportArgs;
 use crate::outputs::exr::exr;
 use crate::outputs::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
 use crate::outputs::view_factors::ViewFactorTable;
+use heliotile_builder::transfer::Rows;
+use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -85,7 +86,7 @@ fn layers(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &Rece
             Some(Light::new(site, condition, args.sky, patches, args.bounces)?)
         }
     };
-    let folder = temporary_folder(&args.output);
+    let folder = folder_of(&args.output);
     let maps = maps(site, view, light.as_ref(), args.memory.0 / 2, folder)?;
     exr(&maps, &about(args, archive, view))
 }

@@ -2,14 +2,18 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, counted, is_archive, say, scene, warn};
+use super::{Outcome, is_archive, say, scene, warn};
 use crate::cli::{InfoArgs, VerifyArgs};
 use heliotile_core::archive;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
+use heliotile_core::text::counted;
 use heliotile_scene::site::Site;
+
+/// Numbers of the first of two lines.
+const SETTINGS_A_LINE: usize = 7;
 
 /// One line of text.
 macro_rules! line {
@@ -55,27 +59,10 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     }
     let tiles = counted(receivers.tiles.into(), "tile");
     line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);
-    line!(
-        out,
-        "  settings    sky_base={} sky_fine={} hit={} cell_factor={} cell_floor_m={} probe={} probe_hits={}",
-        s.sky_base,
-        s.sky_fine,
-        s.hit,
-        s.cell_factor,
-        s.cell_floor_m,
-        s.probe,
-        s.probe_hits
-    );
-    line!(
-        out,
-        "              closed_m={} bounce_sky={} bounce_hits={} patches={} steps={}; probes shared by {}",
-        s.closed_m,
-        s.bounce_sky,
-        s.bounce_hits,
-        s.patches(),
-        s.steps(),
-        s.share
-    );
+    let numbers: Vec<String> = s.numbers().map(|(setting, number)| format!("{}={number}", setting.name)).collect();
+    let (first, rest) = numbers.split_at(numbers.len().min(SETTINGS_A_LINE));
+    line!(out, "  settings    {}", first.join(" "));
+    line!(out, "              {}; probes shared by {}", rest.join(" "), s.share);
     if !s.quality.is_empty() {
         line!(out, "  quality     {}", s.quality);
     }

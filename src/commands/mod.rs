@@ -1,14 +1,10 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
-pub mod accuracy;
 pub mod build;
 mod chosen;
-mod copy;
 pub mod export;
 pub mod inspect;
 mod interrupt;
-mod pack;
-mod progress;
 pub mod receivers;
 pub mod repair;
 pub mod replay;
@@ -16,16 +12,23 @@ pub mod run;
 mod scene;
 pub mod store;
 pub mod study;
+mod terminal;
 pub mod tradeoff;
 pub mod transfer;
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::cli::{Command, SceneArgs};
+use crate::cli::{Bytes, Command, SceneArgs};
+use heliotile_builder::accuracy::conditions::Suns;
+use heliotile_builder::build::Workspace;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::weather::formats::weather_file::read_weather;
 use heliotile_scene::Scene;
 use heliotile_scene::site::Site;
 
@@ -52,9 +55,9 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),
         Command::Store(args) => store::run(args),
-        Command::Extract(args) => transfer::extract::run(args),
-        Command::Merge(args) => transfer::merge::run(args),
-        Command::Diff(args) => transfer::diff::run(args),
+        Command::Extract(args) => transfer::extract(args),
+        Command::Merge(args) => transfer::merge(args),
+        Command::Diff(args) => transfer::diff(args),
         Command::Export(args) => export::run(args),
         Command::Study(args) => study::run(args),
     }
@@ -114,9 +117,31 @@ fn starts_as_archive(path: &Path) -> Option<bool> {
     Some(head == format::MAGIC)
 }
 
-/// Where temporary files of a command go: beside its output.
-fn temporary_folder(output: &Path) -> &Path {
-    output.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
+/// Where a command works.
+fn workspace(folder: impl Into<PathBuf>, memory: Bytes) -> Workspace {
+    Workspace { folder: folder.into(), memory: MemoryBudget::new(memory.0) }
+}
+
+/// The same, with temporary files beside its output.
+fn workspace_beside(output: &Path, memory: Bytes) -> Workspace {
+    workspace(folder_of(output), memory)
+}
+
+/// The receivers of a file in tiles; prints what is passed over.
+fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<ReceiverTiles> {
+    let mut warnings = Vec::new();
+    let budget = workspace.memory.length(Use::SortedReceivers);
+    let receivers = ReceiverTiles::open(path, scene.mesh.origin, &workspace.folder, budget, &mut warnings)?;
+    warnings.iter().for_each(|w| warn(w));
+    Ok(receivers)
+}
+
+/// What errors are estimated under: a weather file, or suns from all sides.
+fn read_suns(weather: Option<&Path>) -> Result<Suns> {
+    let Some(path) = weather else { return Ok(Suns::Spread) };
+    let weather = read_weather(path)?;
+    weather.report.warnings.iter().for_each(|w| warn(w));
+    Suns::of_weather(path, weather)
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {
@@ -124,11 +149,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
         (Ok(a), Ok(b)) => a == b,
         _ => false,
     }
-}
-
-/// A number of things: "1 tile", "2 tiles".
-fn counted(count: u64, thing: &str) -> String {
-    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Writes text to standard output; a reader that went away is no error.

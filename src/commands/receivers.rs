@@ -8,17 +8,19 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::progress::bar;
-use super::{Outcome, counted, guard_site, say, warn};
+use super::terminal::Terminal;
+use super::{Outcome, guard_site, say, warn};
 use crate::cli::{CoverArgs, ReceiversArgs};
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
 use crate::outputs::sink::Sink;
+use heliotile_builder::observer::Stage;
 use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::canopy::Canopies;
 use heliotile_builder::trace::lying::{Lying, lying};
 use heliotile_builder::trace::receiver::Viewpoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
+use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::cover::{Density, MOST_POINTS, Piece, cover};
 use heliotile_scene::load::Soup;
@@ -137,17 +139,18 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
         });
     }
     let (tracer, _) = Canopies::split(scene);
-    let progress = bar("surfaces", Some(chosen.len() as u64));
+    let terminal = Terminal::default();
+    let progress = Stage::begin(&terminal, "surfaces", Some(chosen.len() as u64));
     let chosen: Vec<Chosen> = chosen
         .into_par_iter()
         .map(|surface| {
             let pieces = cover(&surfaces.list[surface], density);
             let lying = pieces.par_iter().map(|piece| lie(piece, args.offset.0, scene, &tracer)).collect();
-            progress.inc(1);
+            progress.advance(1);
             Chosen { surface, pieces, lying }
         })
         .collect();
-    progress.finish_and_clear();
+    drop(progress);
     let covered = Covered { surfaces, chosen, small };
     if covered.count(Lying::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));

@@ -2,16 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use super::build::{BuildPlan, BuildSettings, Start, build_with};
-use super::copy::copy_whole;
-use super::{Outcome, counted, guard_site, interrupt, load_scene, say, temporary_folder, warn};
+use super::terminal::Terminal;
+use super::{Outcome, guard_site, interrupt, load_scene, read_receivers, say, workspace_beside};
 use crate::cli::RepairArgs;
+use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Start};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::writing::copy::copy_whole;
 use heliotile_core::archive;
 use heliotile_core::archive::{Access, Archive, Blocks, format, tables};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::counted;
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
@@ -42,34 +46,31 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
             "give the scene and the materials that the archive was built from",
         ));
     }
-    let folder = temporary_folder(output);
-    let budget = args.memory.0 as usize / 8;
+    let workspace = workspace_beside(output, args.memory);
     let mut receivers = match &args.receivers {
         Some(path) => {
-            let mut warnings = Vec::new();
-            let mut receivers = ReceiverTiles::open(path, scene.mesh.origin, folder, budget, &mut warnings)?;
-            warnings.iter().for_each(|w| warn(w));
+            let mut receivers = read_receivers(path, &scene, &workspace)?;
             if let Some(what) = other_receivers(&archive, &mut receivers)? {
                 return Err(Error::input(path, None, what, "give the receivers that the archive was built from"));
             }
             receivers
         }
-        None => ReceiverTiles::from_receivers(&receivers_of(&archive)?, scene.mesh.origin, folder, budget)?,
+        None => {
+            let budget = workspace.memory.length(Use::SortedReceivers);
+            ReceiverTiles::from_receivers(&receivers_of(&archive)?, scene.mesh.origin, &workspace.folder, budget)?
+        }
     };
     interrupt::watch();
     // Under a name of its own until it is known to be what it was.
     let repaired = with_ending(output, ".repaired");
     SiteSettings::of(&archive.manifest().settings, archive.path())?;
-    let plan = BuildPlan {
-        settings: BuildSettings::of(&archive.manifest().settings),
-        output: repaired.clone(),
-        memory_bytes: args.memory.0,
-        start: Start::GoOn,
-        checkpoint_every: std::time::Duration::from_secs(30),
-        accuracy: archive.manifest().accuracy.clone(),
-    };
+    let settings = BuildSettings::of(&archive.manifest().settings);
+    let plan = Plan { accuracy: archive.manifest().accuracy.clone(), ..Plan::of(settings) };
+    let to = Output { start: Start::GoOn, ..Output::new(repaired.clone()) };
     let root = archive.root();
-    let done = build_with(&scene, &mut receivers, &plan, &[archive])?;
+    let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
+    let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
+    let done = build.write(&plan, &to, &[archive])?;
     let rays = done.rays.total();
     if done.root != root {
         let what = "has another root than the archive had: another release wrote that, or receivers were not those of the archive";

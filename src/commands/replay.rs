@@ -4,16 +4,18 @@ use std::fs;
 use std::path::Path;
 
 use super::chosen::Chosen;
-use super::progress::bar;
+use super::terminal::Terminal;
 use super::{Outcome, guard_output, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::surfaces::{SurfaceMeans, Surfaces};
 use crate::outputs::table::{Format, Places, TableWriter, files_of};
+use heliotile_builder::observer::Stage;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::states::Schedule;
+use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes, Follow};
@@ -181,7 +183,12 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
         By::Receiver => None,
         By::Surface => {
             let surfaces = Surfaces::new(chosen.receivers(archive, &site), &args.archive)?;
-            Some(SurfaceMeans::new(surfaces, layout.components(), labels.len(), args.memory.0 / 2)?)
+            Some(SurfaceMeans::new(
+                surfaces,
+                layout.components(),
+                labels.len(),
+                MemoryBudget::new(args.memory.0).share(Use::SurfaceSums),
+            )?)
         }
     };
     let settings = ReplaySettings {
@@ -199,7 +206,8 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     };
     let count = means.as_ref().map_or(chosen.count(), |means| means.surfaces().names().len() as u64);
     let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names })?;
-    let progress = bar("receivers", Some(chosen.count()));
+    let terminal = Terminal::default();
+    let progress = Stage::begin(&terminal, "receivers", Some(chosen.count()));
     let results = replay.results(chosen.tiles().iter().map(|tile| tile.number));
     for (tile, result) in chosen.tiles().iter().zip(results) {
         let (receivers, values) = chosen.results(*tile, result?);
@@ -207,7 +215,7 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
             Some(means) => means.add(&values),
             None => table.write_tile(&receivers, &values)?,
         }
-        progress.inc(receivers.len() as u64);
+        progress.advance(receivers.len() as u64);
         if table.is_closed() {
             break;
         }
@@ -215,7 +223,7 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     for (surfaces, values) in means.iter().flat_map(SurfaceMeans::tiles) {
         table.write_tile(&surfaces, &values)?;
     }
-    progress.finish_and_clear();
+    drop(progress);
     table.finish()?;
     Ok(Outcome::Fine)
 }

@@ -5,19 +5,24 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use super::build::{Asked, BuildPlan, BuildSettings, Effects, Ready, Start, build_planned, settings_of};
-use super::progress::bar;
+use super::build::{Asked, plan_and_write, settings_of};
 use super::receivers::{self, Covered, cover_site};
 use super::repair::other_receivers;
-use super::transfer::rows::Rows;
-use super::{Outcome, guard_archive, guard_output, guard_site, load_scene, say, temporary_folder, warn};
-use crate::cli::{Percent, RunArgs, Wanted};
+use super::terminal::Terminal;
+use super::{
+    Outcome, guard_archive, guard_output, guard_site, load_scene, read_receivers, say, warn, workspace_beside,
+};
+use crate::cli::{Percent, RunArgs};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
+use heliotile_builder::build::{Build, Output, PreparedScene, Start};
+use heliotile_builder::observer::Stage;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::settings::{BuildSettings, Effects};
+use heliotile_builder::transfer::Rows;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -100,10 +105,8 @@ fn default_folder(scene: &Path) -> PathBuf {
 
 /// The archive of these inputs: the one that is there, or a new one.
 fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene) -> Result<Archive> {
-    let (mut warnings, folder) = (Vec::new(), temporary_folder(&files.archive));
-    let budget = args.memory.0 as usize / 8;
-    let mut receivers = ReceiverTiles::open(&files.receivers, scene.mesh.origin, folder, budget, &mut warnings)?;
-    warnings.iter().for_each(|w| warn(w));
+    let workspace = workspace_beside(&files.archive, args.memory);
+    let mut receivers = read_receivers(&files.receivers, scene, &workspace)?;
     let settings = settings_of(&args.accuracy)?;
     if files.archive.exists()
         && let Ok(archive) = Archive::open_with(&files.archive, Access::Read)
@@ -112,22 +115,15 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene) -> Result<Archive> {
         say(&format!("{}: up to date, nothing is traced again\n", files.archive.display()))?;
         return Ok(archive);
     }
-    let ready = Ready::new(scene)?;
-    let asked = Asked { accuracy: &args.accuracy, effects: Wanted::Auto, store: None };
-    let mut plan = BuildPlan {
-        settings,
-        output: files.archive.clone(),
-        memory_bytes: args.memory.0,
-        start: Start::GoOn,
-        checkpoint_every: Duration::from_secs(30),
-        accuracy: None,
+    let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
+    let asked = Asked { settings, accuracy: &args.accuracy, effects: EffectChoice::Auto, store: None };
+    let mut write = |start: Start| {
+        let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
+        plan_and_write(build, &asked, &Output { start, ..Output::new(files.archive.clone()) })
     };
-    match build_planned(scene, &ready, &mut receivers, plan.clone(), &asked) {
+    match write(Start::GoOn) {
         // What lies there was begun for other inputs.
-        Err(Error::Incomplete { .. }) => {
-            plan.start = Start::Fresh;
-            build_planned(scene, &ready, &mut receivers, plan, &asked)?;
-        }
+        Err(Error::Incomplete { .. }) => write(Start::Fresh)?,
         done => done?,
     }
     Archive::open_with(&files.archive, Access::Read)
@@ -162,7 +158,8 @@ fn annual(archive: &Archive, weather: &Weather, memory_bytes: u64) -> Result<Vec
     let settings =
         ReplaySettings { patches: archive.manifest().settings.patches(), memory_bytes, ..ReplaySettings::default() };
     let replay = Replay::summed(&site, &conditions, settings, &bins)?;
-    let progress = bar("receivers", Some(archive.manifest().receivers.count));
+    let terminal = Terminal::default();
+    let progress = Stage::begin(&terminal, "receivers", Some(archive.manifest().receivers.count));
     let mut rows = Vec::new();
     let mut receivers = Rows::<()>::new(&site);
     for result in replay.results(0..replay.tiles()) {
@@ -171,9 +168,9 @@ fn annual(archive: &Archive, weather: &Weather, memory_bytes: u64) -> Result<Vec
             let sum = |component: Component| values.row(component, i).first().copied().unwrap_or_default();
             rows.push(AnnualRow { receiver: row?.receiver, kwh_m2: Component::ALL.map(sum) });
         }
-        progress.inc(values.receivers() as u64);
+        progress.advance(values.receivers() as u64);
     }
-    progress.finish_and_clear();
+    drop(progress);
     Ok(rows)
 }
 

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, counted, say, say_report};
+use super::{Outcome, say, say_report};
 use heliotile_core::error::Result;
+use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::objects::twins;
 use heliotile_scene::site::Site;

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use heliotile::commands::build::{BuildSettings, build};
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::light::responder::Responder;

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile::cli::{Bytes, ExtractArgs, MergeArgs};
-use heliotile::commands::build::{BuildReport, BuildSettings, build};
-use heliotile::commands::transfer::extract::extract;
-use heliotile::commands::transfer::merge::merge;
+use heliotile_builder::build::BuildReport;
+use heliotile_builder::observer::Silent;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::transfer::{Selection, extract, merge};
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, encode, format};
 use heliotile_core::hemisphere::mix;
@@ -318,23 +318,14 @@ fn parts_and_threads() {
     on(1, "one", all);
     on(2, "a", &all[..40]);
     on(2, "b", &all[40..]);
-    let memory = Bytes(64 << 20);
-    let merged =
-        MergeArgs { first: path("b"), second: path("a"), output: path("merged"), memory, io: Default::default() };
-    merge(&merged).expect("a merge");
+    let open = |name: &str| Archive::open(&path(name)).expect("an archive");
+    let place = workspace(folder.path(), 64 << 20);
+    merge([&open("b"), &open("a")], &path("merged"), &place, &Silent).expect("a merge");
     for (name, receivers) in [("cut a", &all[..40]), ("cut b", &all[40..])] {
         let ids: Vec<&str> = receivers.iter().map(|r| r.id.as_str()).collect();
         std::fs::write(path("ids.csv"), format!("receiver\n{}\n", ids.join("\n"))).expect("written");
-        let args = ExtractArgs {
-            archive: path("whole"),
-            output: path(name),
-            receivers: Some(path("ids.csv")),
-            bbox: None,
-            surface: Vec::new(),
-            memory,
-            io: Default::default(),
-        };
-        extract(&args).expect("an extract");
+        let list = Selection::Receivers(path("ids.csv"));
+        extract(&open("whole"), &list, &path(name), &place, &Silent).expect("an extract");
     }
     assert!(kinds(&path("whole")).contains(&format::CANOPY));
     for (name, expected) in [("one", "whole"), ("merged", "whole"), ("cut a", "a"), ("cut b", "b")] {

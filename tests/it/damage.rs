@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSETS, SLOT_SIZE, Slot};
 use heliotile_core::archive::{Access, Archive};

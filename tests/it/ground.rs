@@ -1,6 +1,6 @@
 //! The endless ground of `materials.toml` against closed forms.
 
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::sky::sky::SkyModel;
 use heliotile_scene::Scene;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::{Access, Archive, encode, format, verify};

@@ -6,7 +6,8 @@ use std::process::{Child, Command, Output};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build as build_site};
+use heliotile_builder::build::{Output as Target, Start};
+use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{mix, unit};
@@ -131,8 +132,9 @@ fn resumed_builds_name_misplaced_receivers() {
         writer.append(archive.copy(&entry).expect("a block")).expect("appended");
     }
     writer.keep().expect("a checkpoint");
-    let plan = BuildPlan { start: Start::Resume, ..plan(&settings, &path) };
-    let report = build_site(&scene, &mut tiles(&receivers, &scene), &plan).expect("a build");
+    let (what, output) = plan(&settings, &path);
+    let plan = (what, Target { start: Start::Resume, ..output });
+    let report = crate::scenes::build(&scene, &mut tiles(&receivers, &scene), &plan).expect("a build");
     assert_eq!((report.rays.sky, report.rays.hit), (0, 0));
     let named: Vec<&String> = report.warnings.iter().filter(|w| w.contains("inside a solid")).collect();
     assert!(

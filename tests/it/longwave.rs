@@ -5,7 +5,7 @@ use std::fs;
 use std::process::Output;
 
 use glam::DVec3;
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};

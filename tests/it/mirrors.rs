@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use heliotile::commands::build::{BuildPlan, BuildReport, BuildSettings, Start, build, build_with};
+use heliotile_builder::build::{BuildReport, Output, Start};
+use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::Entry;
 use heliotile_core::archive::{Archive, format};
@@ -437,7 +438,8 @@ fn resumed_builds_have_the_same_bytes() {
             writer.append(archive.copy(entry).expect("a block")).expect("appended");
         }
         writer.keep().expect("a checkpoint");
-        let plan = BuildPlan { start: Start::Resume, ..plan(&coarse(), &path) };
+        let (what, output) = plan(&coarse(), &path);
+        let plan = (what, Output { start: Start::Resume, ..output });
         build(&scene, &mut tiles(receivers, &scene), &plan).expect("a build");
         assert!(std::fs::read(&path).expect("an archive") == expected, "after {cut} blocks: other bytes");
         std::fs::remove_file(&path).expect("removed");

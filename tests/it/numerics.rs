@@ -1,7 +1,7 @@
 //! Hard cases of tracing, each with a number: leaks, self-hits, exact edges, needles, far coordinates, exact angles.
 
 use glam::{DQuat, DVec3};
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::trace::lanes::Level;
 use heliotile_builder::trace::{Ray, Tracer};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, texel_direction, texels_in_blocks, unit};

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::study::wall::Wall;
 use heliotile_core::hemisphere::{Frame, mix, unit};
 use heliotile_core::light::bounces::Depth;

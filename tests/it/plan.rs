@@ -3,10 +3,10 @@
 use std::fs;
 use std::process::Command;
 
-use heliotile::cli::Wanted;
-use heliotile::commands::build::{
-    BuildReport, BuildSettings, Effect, Effects, Forecast, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2, build, foresee,
-};
+use heliotile_builder::build::{Build, BuildReport, Forecast, NEGLIGIBLE_W_M2, PreparedScene, SKY_W_M2, SUN_W_M2};
+use heliotile_builder::observer::Silent;
+use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::settings::{BuildSettings, Effect, Effects};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, unit};
 use heliotile_core::opened::OpenSite;
@@ -29,10 +29,12 @@ fn coarse() -> BuildSettings {
     settings
 }
 
-fn forecast(scene: &Scene, receivers: &[Receiver], wanted: Wanted) -> Forecast {
+fn forecast(scene: &Scene, receivers: &[Receiver], wanted: EffectChoice) -> Forecast {
     let folder = tempfile::tempdir().expect("a folder");
-    let plan = plan(&coarse(), &folder.path().join("x"));
-    foresee(scene, &mut tiles(receivers, scene), &plan, wanted).expect("a forecast")
+    let (prepared, workspace) = (PreparedScene::new(scene).expect("a tree"), workspace(folder.path(), 1 << 30));
+    let mut receivers = tiles(receivers, scene);
+    let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &Silent };
+    build.forecast(&coarse(), wanted).expect("a forecast")
 }
 
 fn built(scene: &Scene, receivers: &[Receiver], left_out: Effects) -> (tempfile::TempDir, Archive, BuildReport) {
@@ -99,7 +101,7 @@ fn losses_are_bounded() {
     let (mut ratios, mut sums, mut left_out) = (Vec::new(), (0.0, 0.0), [0; 3]);
     for seed in 0..20 {
         let (scene, receivers) = generated(seed);
-        let forecast = forecast(&scene, &receivers, Wanted::Auto);
+        let forecast = forecast(&scene, &receivers, EffectChoice::Auto);
         let all = built(&scene, &receivers, Effects::NONE);
         let auto = built(&scene, &receivers, forecast.left_out);
         let (all, auto) = (totals(&all.1, &suns), totals(&auto.1, &suns));
@@ -110,7 +112,7 @@ fn losses_are_bounded() {
         for (count, effect) in left_out.iter_mut().zip(Effect::ALL) {
             *count += usize::from(forecast.left_out.contains(effect));
         }
-        assert_ne!(forecast.left_out, Effects::NONE, "{}", forecast.table());
+        assert_ne!(forecast.left_out, Effects::NONE, "{forecast:?}");
         sums = (sums.0 + bound, sums.1 + loss);
         ratios.push(bound / loss);
     }

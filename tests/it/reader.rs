@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use heliotile::commands::build::{BuildSettings, build};
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
 use heliotile_core::archive::{Archive, Block, format};

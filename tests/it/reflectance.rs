@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::opened::OpenSite;

@@ -1,7 +1,7 @@
 //! The response texture against the plain definitions that know nothing of it.
 
 use glam::DVec3;
-use heliotile::commands::build::{BuildSettings, Share};
+use heliotile_builder::settings::{BuildSettings, Share};
 use heliotile_core::archive::Archive;
 use heliotile_core::hemisphere::bit;
 use heliotile_core::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};

@@ -3,15 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use glam::DVec3;
-use heliotile::cli::Quality;
-use heliotile::commands::build::ladder::Rungs;
-use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
+use heliotile_builder::build::{Build, BuildReport, Output, Plan, PreparedScene, Workspace};
+use heliotile_builder::observer::Silent;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::settings::Quality;
+use heliotile_builder::settings::ladder::Rungs;
 use heliotile_core::archive::Archive;
+use heliotile_core::error::Result;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -167,16 +170,31 @@ pub fn tiles(receivers: &[Receiver], scene: &Scene) -> ReceiverTiles {
     ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &std::env::temp_dir(), 1 << 20).expect("receivers")
 }
 
+/// Where tests work.
+pub fn workspace(folder: &Path, bytes: u64) -> Workspace {
+    Workspace { folder: folder.to_path_buf(), memory: MemoryBudget::new(bytes) }
+}
+
 /// A build of an archive with some settings.
-pub fn plan(settings: &BuildSettings, path: &Path) -> BuildPlan {
-    BuildPlan {
-        settings: *settings,
-        output: path.to_path_buf(),
-        memory_bytes: 1 << 30,
-        start: Start::New,
-        checkpoint_every: Duration::from_secs(30),
-        accuracy: None,
-    }
+pub fn plan(settings: &BuildSettings, path: &Path) -> (Plan, Output) {
+    (Plan::of(*settings), Output::new(path))
+}
+
+/// Traces receivers as a plan says.
+pub fn build(scene: &Scene, receivers: &mut ReceiverTiles, plan: &(Plan, Output)) -> Result<BuildReport> {
+    build_with(scene, receivers, plan, &[])
+}
+
+/// The same, but for what earlier archives hold.
+pub fn build_with(
+    scene: &Scene,
+    receivers: &mut ReceiverTiles,
+    (plan, output): &(Plan, Output),
+    earlier: &[Archive],
+) -> Result<BuildReport> {
+    let workspace = workspace(output.path.parent().expect("a folder"), 1 << 30);
+    let scene = &PreparedScene::new(scene)?;
+    Build { scene, receivers, workspace: &workspace, observer: &Silent }.write(plan, output, earlier)
 }
 
 pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> Site {

@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use heliotile::cli::{Bytes, DiffArgs, ExtractArgs, MergeArgs};
-use heliotile::commands::build::{BuildSettings, build};
-use heliotile::commands::transfer::diff::{Differences, diff};
-use heliotile::commands::transfer::extract::extract;
-use heliotile::commands::transfer::merge::merge;
+use heliotile_builder::build::Workspace;
+use heliotile_builder::observer::Silent;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::transfer::{Differences, Selection, diff, extract, merge};
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, encode, format, tables};
 use heliotile_core::hemisphere::mix;
@@ -66,13 +65,8 @@ impl Folder {
     }
 
     fn merge(&self, first: &str, second: &str, output: &str) -> heliotile_core::error::Result<[u64; 2]> {
-        let merged = merge(&MergeArgs {
-            first: self.path(first),
-            second: self.path(second),
-            output: self.path(output),
-            memory: Bytes(64 << 20),
-            io: Default::default(),
-        })?;
+        let [first, second] = [first, second].map(|name| self.open(name));
+        let merged = merge([&first?, &second?], &self.path(output), &self.workspace(), &Silent)?;
         Ok([merged.written.receivers, merged.shared])
     }
 
@@ -86,21 +80,24 @@ impl Folder {
     fn extract(&self, from: &str, output: &str, ids: &[&str]) -> heliotile_core::error::Result<u64> {
         let list = self.path("ids.csv");
         fs::write(&list, format!("receiver\n{}\n", ids.join("\n"))).expect("a writable folder");
-        let args = ExtractArgs {
-            archive: self.path(from),
-            output: self.path(output),
-            receivers: Some(list),
-            bbox: None,
-            surface: Vec::new(),
-            memory: Bytes(64 << 20),
-            io: Default::default(),
-        };
-        Ok(extract(&args)?.written.receivers)
+        let (archive, list) = (self.open(from)?, Selection::Receivers(list));
+        Ok(extract(&archive, &list, &self.path(output), &self.workspace(), &Silent)?.written.receivers)
     }
 
     fn diff(&self, first: &str, second: &str) -> Differences {
-        let (first, second) = (self.path(first), self.path(second));
-        diff(&DiffArgs { first, second, memory: Bytes(64 << 20), io: Default::default() }).expect("a comparison")
+        self.try_diff(first, second).expect("a comparison")
+    }
+
+    fn try_diff(&self, first: &str, second: &str) -> heliotile_core::error::Result<Differences> {
+        diff(&self.open(first)?, &self.open(second)?, &self.workspace())
+    }
+
+    fn open(&self, name: &str) -> heliotile_core::error::Result<Archive> {
+        Archive::open(&self.path(name))
+    }
+
+    fn workspace(&self) -> Workspace {
+        workspace(self.0.path(), 64 << 20)
     }
 
     /// Writes an archive again, with other blocks or more, and another manifest.
@@ -240,7 +237,7 @@ fn diff_finds_nothing_or_what_is_missing() {
     assert!(same.is_equal() && same.same_root);
     let less = folder.diff("whole.helio", "a.helio");
     assert!(!less.is_equal() && !less.same_root && less.statements.is_empty());
-    let counts = |p: &heliotile::commands::transfer::diff::Parted| [p.only_a.count, p.only_b.count, p.different.count];
+    let counts = |p: &heliotile_builder::transfer::Parted| [p.only_a.count, p.only_b.count, p.different.count];
     assert_eq!((counts(&less.receivers), less.receivers.only_a.first.len()), ([50, 0, 0], 20));
     let probes = |name: &str| Archive::open(&folder.path(name)).expect("an archive").manifest().counts.probes;
     assert_eq!(counts(&less.probes), [probes("whole.helio") - probes("a.helio"), 0, 0]);
@@ -465,8 +462,7 @@ fn hostile_archives_are_survived() {
             })
         };
         folder.forge("a.helio", "bad.helio", change, Vec::new(), |_| {});
-        let (first, second) = (folder.path("a.helio"), folder.path("bad.helio"));
-        let compared = diff(&DiffArgs { first, second, memory: Bytes(64 << 20), io: Default::default() });
+        let compared = folder.try_diff("a.helio", "bad.helio");
         assert!(compared.as_ref().map_or(true, |found| !found.is_equal() || !found.same_root));
         let merged = folder.merge("bad.helio", "a.helio", "c.helio");
         let extracted = folder.extract("bad.helio", "d.helio", &["r001", "r069"]);

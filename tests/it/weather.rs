@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use std::sync::LazyLock;
 
 use glam::DVec3;
-use heliotile::commands::build::BuildSettings;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::weather::calendar::Date;
 use heliotile_core::weather::sun::Site as Place;
 

@@ -11,7 +11,7 @@ import numpy as np
 
 SUN_RADIUS_RAD = math.radians(0.533 / 2)
 E0_W_M2 = 1367.0
-PEREZ = Path(__file__).resolve().parents[2] / "src/recombine/perez.rs"
+PEREZ = Path(__file__).resolve().parents[2] / "src/core/sky/perez.rs"
 
 
 @dataclass
@@ -86,7 +86,7 @@ def coefficients():
 
 
 def perez(c):
-    """(a, b, c, d, e, floor of cos zenith) of a condition; rules as in src/recombine/perez.rs and sky.rs."""
+    """(a, b, c, d, e, floor of cos zenith) of a condition; rules as in src/core/sky/perez.rs and sky.rs."""
     zenith = math.radians(90 - c.altitude_deg)
     mass = 1 / (math.cos(zenith) + 0.15 * (93.885 - math.degrees(zenith)) ** -1.253)
     epsilon, delta = clearness(c), c.dhi_w_m2 * mass / E0_W_M2

@@ -21,6 +21,7 @@
     )
 )]
 
+pub mod copy;
 pub mod disk;
 pub mod journal;
 pub mod writer;

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::cli::{Rays, WallArgs};
-use crate::commands::{Outcome, counted, guard_output, say};
+use crate::commands::{Outcome, guard_output, say};
 use crate::outputs::plot::{Axis, Plot, Series, Style};
 use crate::outputs::sink::write_texts;
 use heliotile_builder::study::mapping::{MappedRay, Mapping};
@@ -16,6 +16,7 @@ use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::receiver::Viewpoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
+use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 
 /// Edge of the wall, and of the receiver over which points are spread, metres.

@@ -2,14 +2,14 @@
 
 use cpu_time::ProcessTime;
 
-use crate::cli::{Effects, Quality};
-use crate::commands::accuracy::conditions::Suns;
-use crate::commands::accuracy::estimate::{Errors, percent};
-use crate::commands::accuracy::trial::{Bench, Light, Source, Trial};
-use crate::commands::build::BuildSettings;
-use crate::commands::build::ladder::{PATCHES, Rungs};
-use crate::commands::pack::COMPRESSION;
-use crate::commands::progress::bar;
+use heliotile_builder::accuracy::conditions::Suns;
+use heliotile_builder::accuracy::estimate::{Errors, percent};
+use heliotile_builder::accuracy::trial::{Bench, Light, Source, Trial};
+use heliotile_builder::observer::Stage;
+use heliotile_builder::pack::COMPRESSION;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::settings::ladder::{PATCH_RUNGS, Rungs};
+use heliotile_builder::settings::{Effects, Quality};
 use heliotile_core::archive::{Access, Archive, codec};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -92,11 +92,11 @@ fn rungs() -> Vec<(String, Rungs)> {
 impl Ladder {
     pub fn climb(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Self> {
         let rungs = rungs();
-        let progress = bar("ladder", Some(rungs.len() as u64 + 1));
+        let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
         let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
         let try_out = |rungs: Rungs| -> Result<(Rungs, Trial)> {
             let trial = bench.trial(settings(rungs))?;
-            progress.inc(1);
+            progress.advance(1);
             Ok((rungs, trial))
         };
         let mut trials = Vec::new();
@@ -108,9 +108,9 @@ impl Ladder {
             trials.push((rungs, trial));
         }
         let finest = try_out(Rungs::FINEST)?;
-        progress.finish_and_clear();
+        drop(progress);
         let truth = &finest.1.light;
-        let truth_percent = Errors::of(&trials, &finest, [0.0; PATCHES.len()]).total(Rungs::FINEST);
+        let truth_percent = Errors::of(&trials, &finest, [0.0; PATCH_RUNGS]).total(Rungs::FINEST);
         let each = rungs.into_iter().zip(&trials).zip(costs);
         let mut steps: Vec<Step> =
             each.map(|(((name, _), (_, trial)), costs)| Step::of(name, trial, truth, costs)).collect();
@@ -185,7 +185,7 @@ fn replay_s(bench: &Bench, trial: &Trial, suns: &Suns) -> Result<f64> {
     let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
     let settings = ReplaySettings {
         patches: trial.settings.patches,
-        memory_bytes: bench.memory_bytes,
+        memory_bytes: bench.workspace.memory.total(),
         ..ReplaySettings::default()
     };
     let replay = Replay::summed(&OpenSite::of(&archive)?, &conditions, settings, &bins)?;

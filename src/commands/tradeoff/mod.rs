@@ -5,14 +5,14 @@ mod ladder;
 mod report;
 mod sources;
 
-use super::accuracy::conditions::Suns;
-use super::accuracy::trial::Bench;
-use super::accuracy::{CONDITIONS, sample};
-use super::build::{Ready, left_out};
-use super::{Outcome, load_scene, say, temporary_folder, warn};
+use super::terminal::Terminal;
+use super::{Outcome, load_scene, read_receivers, read_suns, say, workspace, workspace_beside};
 use crate::cli::TradeoffArgs;
 use crate::outputs::sink::write_texts;
-use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::accuracy::trial::Bench;
+use heliotile_builder::accuracy::{CONDITIONS, sample};
+use heliotile_builder::build::{Build, PreparedScene};
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
 use ladder::Ladder;
@@ -20,26 +20,24 @@ use ladder::Ladder;
 /// `heliotile tradeoff`.
 pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
     let scene = load_scene(&args.scene)?;
-    let suns = Suns::of(args.weather.as_deref())?;
-    let conditions = suns.some(CONDITIONS);
-    let (mut warnings, folder) = (Vec::new(), &args.output);
-    let (budget, beside) = (args.memory.0 as usize / 8, temporary_folder(folder));
-    let mut receivers = ReceiverTiles::open(&args.receivers, scene.mesh.origin, beside, budget, &mut warnings)?;
-    warnings.iter().for_each(|w| warn(w));
-    let ready = Ready::new(&scene)?;
-    let left_out = left_out(&scene, &ready, &mut receivers, folder, args.effects)?;
+    let suns = read_suns(args.weather.as_deref())?;
+    let (conditions, folder) = (suns.some(CONDITIONS), &args.output);
+    let beside = workspace_beside(folder, args.memory);
+    let mut receivers = read_receivers(&args.receivers, &scene, &beside)?;
+    let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
+    let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &beside, observer: &terminal };
+    let left_out = build.forecast(&BuildSettings::default(), args.effects)?.left_out;
     let some: Vec<Receiver> = sample(&mut receivers, usize::from(args.sample))?.into_iter().map(|s| s.1).collect();
     // Not before the inputs are known to be good.
     std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
     let trials = tempfile::Builder::new().prefix("trials").tempdir_in(folder);
     let trials = trials.map_err(Error::io(folder, "make a folder in"))?;
     let bench = Bench {
-        scene: &scene,
-        ready: &ready,
+        scene: &prepared,
         receivers: &some,
         conditions: &conditions,
-        folder: trials.path(),
-        memory_bytes: args.memory.0,
+        workspace: &workspace(trials.path(), args.memory),
+        observer: &terminal,
     };
     let ladder = Ladder::climb(&bench, left_out, &suns)?;
     say(&ladder.table())?;

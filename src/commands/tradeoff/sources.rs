@@ -1,12 +1,12 @@
 //! Each source of error alone. In: a bench. Out: how fast its error falls when its setting is made finer, all others staying as they are.
 
-use crate::cli::{Effects, Quality, Share};
-use crate::commands::accuracy::conditions::{Suns, is_lit};
-use crate::commands::accuracy::estimate::percent;
-use crate::commands::accuracy::trial::{Bench, Difference, Light, Source};
-use crate::commands::build::BuildSettings;
-use crate::commands::build::ladder::{PATCHES, Rungs};
-use crate::commands::progress::bar;
+use heliotile_builder::accuracy::conditions::{Suns, is_lit};
+use heliotile_builder::accuracy::estimate::percent;
+use heliotile_builder::accuracy::trial::{Bench, Difference, Light, Source};
+use heliotile_builder::observer::Stage;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::settings::ladder::{Rungs, patches};
+use heliotile_builder::settings::{Effects, Quality, Share};
 use heliotile_core::error::Result;
 
 /// A setting at one value.
@@ -88,10 +88,10 @@ const MOST_STEPS: usize = 60;
 /// All settings, one after the other, at the quality `fine` otherwise. Sun positions need a weather file.
 pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<Point>> {
     let base = BuildSettings { left_out, ..Rungs::of(Quality::Fine).settings() };
-    let progress = bar("settings", None);
+    let progress = Stage::begin(bench.observer, "settings", None);
     let mut points = Vec::new();
     let trial = |settings: BuildSettings| {
-        progress.inc(1);
+        progress.advance(1);
         bench.trial(settings)
     };
     let fine = trial(base)?;
@@ -113,10 +113,10 @@ pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<P
         }
         orders(&mut points[from..], row.setting == "cell_factor" || row.setting == "closed_m");
     }
-    let lights: Vec<Light> = PATCHES.iter().map(|n| bench.light(&fine.archive, *n)).collect::<Result<_>>()?;
+    let lights: Vec<Light> = patches().iter().map(|n| bench.light(&fine.archive, *n)).collect::<Result<_>>()?;
     let from = points.len();
     if let Some((truth, others)) = lights.split_last() {
-        for (light, &patches) in others.iter().zip(&PATCHES) {
+        for (light, &patches) in others.iter().zip(&patches()) {
             points.push(point("patches", patches as f64, "2305", light.total_error(truth), mean, (0, 0.0)));
         }
     }
@@ -135,7 +135,7 @@ pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<P
         }
     }
     orders(&mut points[from..], false);
-    progress.finish_and_clear();
+    drop(progress);
     Ok(points)
 }
 

@@ -10,6 +10,7 @@ use serde_json::Value;
 use crate::archive::accuracy::Accuracy;
 use crate::archive::format;
 use crate::archive::format::{Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
+pub use crate::archive::settings::Settings;
 use crate::error::{Error, Result};
 use crate::site::place::Place;
 
@@ -74,73 +75,6 @@ pub struct ReceiverSummary {
     pub tiles: u32,
     #[serde(flatten)]
     pub other: Unknown,
-}
-
-/// The settings of the build, as `plan` prints them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
-    /// Name of the rung of the accuracy ladder, such as `fine`; empty if the settings are not those of a named one.
-    pub quality: String,
-    /// Side of the receiver's sky texture before it is refined at edges.
-    pub sky_base: u32,
-    /// Side of the finest level of the sky texture.
-    pub sky_fine: u32,
-    /// Side of the hit texture.
-    pub hit: u32,
-    /// Cell size over the footprint of a hit texel.
-    pub cell_factor: f64,
-    /// Smallest cell.
-    pub cell_floor_m: f64,
-    /// Side of a probe's sky texture.
-    pub probe: u32,
-    /// Hit rays of a probe.
-    pub probe_hits: u32,
-    /// Edge of the bounce cells at middle distance.
-    pub closed_m: f64,
-    /// Side of the sky texture of a bounce cell.
-    pub bounce_sky: u32,
-    /// Hit rays of a bounce cell.
-    pub bounce_hits: u32,
-    /// Who shares probes: `cells`, or `none` for the reference with a hemisphere a hit.
-    pub share: String,
-    /// Bounces that the response holds: `all`, or a number.
-    pub bounces: String,
-    /// Sky patches that replay takes if it is not told otherwise: 145, 577 or 2305; 0 where none is stated.
-    pub patches: u32,
-    /// Sun positions an hour, the same; 0 where none is stated.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub steps: u16,
-    /// Effects that the scene has and that were not traced.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub left_out: Vec<String>,
-    #[serde(flatten)]
-    pub other: Unknown,
-}
-
-fn is_zero(number: &u16) -> bool {
-    *number == 0
-}
-
-impl Settings {
-    /// Sky patches that replay takes if it is not told otherwise.
-    pub fn patches(&self) -> usize {
-        if self.patches > 0 { self.patches as usize } else { 577 }
-    }
-
-    /// Sun positions of an interval, the same.
-    pub fn steps(&self) -> u16 {
-        self.steps.max(1)
-    }
-
-    /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.
-    pub fn hash(&self) -> Result<[u8; 32]> {
-        let json = serde_json::to_vec(self).map_err(|e| Error::Unsupported {
-            what: "naming settings".to_string(),
-            found: e.to_string(),
-            supported: "what JSON can hold".to_string(),
-        })?;
-        Ok(*blake3::hash(&json).as_bytes())
-    }
 }
 
 /// How much was traced.

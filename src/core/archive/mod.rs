@@ -33,6 +33,7 @@ pub mod header;
 pub mod manifest;
 pub mod reader;
 pub mod record;
+pub mod settings;
 pub mod source;
 pub mod tables;
 pub mod verify;

@@ -64,9 +64,10 @@ impl Default for ReplaySettings {
 /// use std::path::Path;
 /// use crate::replay::components::Component;
 /// use crate::weather::formats::epw::read_epw;
-/// use heliotile::{Archive, Replay, ReplaySettings};
+/// use heliotile_core::archive::Archive;
+/// use heliotile_core::replay::replay::{Replay, ReplaySettings};
 ///
-/// # fn main() -> heliotile::Result<()> {
+/// # fn main() -> heliotile_core::error::Result<()> {
 /// let archive = Archive::open(Path::new("site.helio"))?;
 /// let conditions = read_epw(Path::new("x.epw"))?.conditions(1);
 /// let replay = Replay::new(&OpenSite::of(&archive)?, &conditions, ReplaySettings::default())?;

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::time::Duration;
 
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE};
@@ -15,7 +14,10 @@ use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::Chain;
 use heliotile_core::site::crossing::Crossing;
-use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
+use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Workspace};
+use heliotile_builder::observer::Silent;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_scene::Scene;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_scene::receivers::read_receivers;
@@ -139,15 +141,10 @@ pub fn write() {
     let site = folder.path().join("site.helio");
     let origin = scene.mesh.origin;
     let mut tiles = ReceiverTiles::from_receivers(&receivers, origin, folder.path(), 1 << 20).expect("receivers");
-    let plan = BuildPlan {
-        settings,
-        output: site.clone(),
-        memory_bytes: 1 << 27,
-        start: Start::New,
-        checkpoint_every: Duration::from_secs(30),
-        accuracy: None,
-    };
-    build(&scene, &mut tiles, &plan).expect("an archive");
+    let workspace = Workspace { folder: folder.path().to_path_buf(), memory: MemoryBudget::new(1 << 27) };
+    let prepared = PreparedScene::new(&scene).expect("a tree");
+    let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer: &Silent };
+    build.write(&Plan::of(settings), &Output::new(site.clone()), &[]).expect("an archive");
     let bytes = fs::read(&site).expect("read");
     seed("archive", &bytes);
     seed("sealed", &[&bytes[..SLOT_SIZE], &bytes[FIRST_BLOCK as usize..]].concat());

@@ -1,0 +1,182 @@
+//! From a few trials to the error of every rung. In: how far trials lie from the finest one, source by source. Out: an error for each rung,
+//! and the cheapest rungs that keep within a target.
+//!
+//! Errors of two rungs are independent (their rays are), so the squared distance of rung k to the finest one c is e_k^2 + e_c^2. With
+//! e_c / e_k as on typical sites, that of the finest trial follows from the next coarser one, then those of all others. Rungs
+//! that were not tried lie where typical ones would.
+
+use crate::accuracy::trial::{Light, Source, Trial};
+use crate::settings::ladder::{BOUNCED_RUNGS, PATCH_RUNGS, Rungs, SEEN_RUNGS, SKY_RUNGS};
+
+/// RMSE of the hourly total by rungs of one ladder, percent of its mean, and CPU milliseconds a receiver.
+struct Typical {
+    percent: &'static [f64],
+    cost: &'static [f64],
+}
+
+/// Rounded from trials on the sites of `tools/accuracy/run`, whose tradeoff.csv gives such errors (sky_percent, seen_percent,
+/// bounced_percent). Only their ratios count.
+const fn typical(source: Source) -> Typical {
+    match source {
+        Source::Sky => Typical { percent: &[4.2, 2.0, 0.58, 0.56, 0.33, 0.18], cost: &[1.0, 1.4, 2.0, 2.3, 3.5, 6.0] },
+        Source::Seen => Typical {
+            percent: &[2.9, 1.35, 0.97, 0.55, 0.39, 0.30, 0.12],
+            cost: &[0.3, 0.8, 1.5, 3.5, 6.5, 20.0, 60.0],
+        },
+        Source::Bounced => {
+            Typical { percent: &[0.55, 0.42, 0.3, 0.2, 0.11, 0.06], cost: &[0.3, 0.5, 1.2, 3.0, 6.0, 25.0] }
+        }
+    }
+}
+
+/// Error by rung of one source, percent of the mean total.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    pub percent: Vec<f64>,
+}
+
+impl Curve {
+    /// From distances in percent between trials and the finest one: (rung, distance), and the finest trial's rung.
+    pub fn through(source: Source, distances: &[(usize, f64)], finest: usize) -> Self {
+        let typical = typical(source).percent;
+        let mut known: Vec<(usize, f64)> = distances.iter().copied().filter(|d| d.0 != finest).collect();
+        known.sort_by_key(|d| d.0);
+        // The next coarser trial says how this site compares with a typical one.
+        let next = known.iter().rev().find(|d| d.0 < finest).or(known.first());
+        let scale = next.map_or(0.0, |&(rung, distance)| distance / typical[rung].hypot(typical[finest]));
+        let of_finest = scale * typical[finest];
+        let mut anchors: Vec<(usize, f64)> = known
+            .into_iter()
+            .map(|(rung, distance)| {
+                let left = (distance * distance - of_finest * of_finest).max(0.0).sqrt();
+                (rung, left.max(0.5 * scale * typical[rung]))
+            })
+            .collect();
+        anchors.push((finest, of_finest));
+        let percent = (0..typical.len())
+            .map(|rung| {
+                let nearest = anchors.iter().min_by_key(|a| (a.0.abs_diff(rung), usize::MAX - a.0));
+                nearest.map_or(0.0, |&(at, error)| error * typical[rung] / typical[at])
+            })
+            .collect();
+        Curve { percent }
+    }
+}
+
+/// Errors of all ladders on one site, percent of the mean total.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Errors {
+    /// In the order of [`Source::ALL`].
+    pub curves: [Curve; 3],
+    pub patches: [f64; PATCH_RUNGS],
+}
+
+impl Errors {
+    /// From trials with their rungs, the finest one, and what each number of patches is off by.
+    pub fn of(trials: &[(Rungs, Trial)], finest: &(Rungs, Trial), patches: [f64; PATCH_RUNGS]) -> Self {
+        let (finest, truth) = finest;
+        let mean = truth.light.mean();
+        let curves = Source::ALL.map(|source| {
+            let distance = |(rungs, trial): &(Rungs, Trial)| {
+                (rung(*rungs, source), percent(trial.light.source_error(&truth.light, source).rmse, mean))
+            };
+            Curve::through(source, &trials.iter().map(distance).collect::<Vec<_>>(), rung(*finest, source))
+        });
+        Errors { curves, patches }
+    }
+
+    /// Error of a source at some rungs.
+    pub fn at(&self, rungs: Rungs, source: Source) -> f64 {
+        self.curves[source as usize].percent[rung(rungs, source)]
+    }
+
+    /// Error of the total at some rungs: sources are independent.
+    pub fn total(&self, rungs: Rungs) -> f64 {
+        let squares = Source::ALL.map(|source| self.at(rungs, source).powi(2));
+        (squares.iter().sum::<f64>() + self.patches[rungs.patches].powi(2)).sqrt()
+    }
+
+    /// The cheapest rungs within a target, or the finest ones if none are.
+    pub fn cheapest(&self, target_percent: f64) -> Rungs {
+        let mut best: Option<(f64, Rungs)> = None;
+        for sky in 0..SKY_RUNGS {
+            for seen in 0..SEEN_RUNGS {
+                for bounced in 0..BOUNCED_RUNGS {
+                    for patches in 0..PATCH_RUNGS {
+                        let rungs = Rungs { sky, seen, bounced, patches };
+                        let cost = cost(rungs);
+                        if self.total(rungs) <= target_percent && best.is_none_or(|b| cost < b.0) {
+                            best = Some((cost, rungs));
+                        }
+                    }
+                }
+            }
+        }
+        best.map_or(Rungs::FINEST, |b| b.1)
+    }
+}
+
+/// Rung on the ladder of a source.
+pub fn rung(rungs: Rungs, source: Source) -> usize {
+    match source {
+        Source::Sky => rungs.sky,
+        Source::Seen => rungs.seen,
+        Source::Bounced => rungs.bounced,
+    }
+}
+
+/// Typical CPU milliseconds of a receiver; what patches cost is small.
+fn cost(rungs: Rungs) -> f64 {
+    let traced = Source::ALL.map(|source| typical(source).cost[rung(rungs, source)]);
+    traced.iter().sum::<f64>() + 0.05 * rungs.patches as f64
+}
+
+/// What each number of patches is off by, from lights of one archive; the last is the finest.
+pub fn patch_errors(lights: &[Light; PATCH_RUNGS]) -> [f64; PATCH_RUNGS] {
+    let truth = &lights[PATCH_RUNGS - 1];
+    let mut errors = lights.each_ref().map(|light| percent(light.total_error(truth).rmse, truth.mean()));
+    // Four times the patches are a quarter as wide, and the error falls about as fast.
+    errors[PATCH_RUNGS - 1] = errors[PATCH_RUNGS - 2] / 4.0;
+    errors
+}
+
+/// A difference in percent of a mean; 0 in the dark.
+pub fn percent(difference: f64, mean: f64) -> f64 {
+    if mean > 0.0 { difference / mean * 100.0 } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A site twice as bad as a typical one, tried at rungs 1, 2 and 4 of the sky: all 6 rungs come out at twice the typical error within
+    /// 1e-9; trials of no distance mean no error.
+    #[test]
+    fn a_typical_site() {
+        let typical = typical(Source::Sky).percent;
+        let distance = |rung: usize| (rung, 2.0 * typical[rung].hypot(typical[4]));
+        let curve = Curve::through(Source::Sky, &[distance(1), distance(2)], 4);
+        for (found, typical) in curve.percent.iter().zip(typical) {
+            assert!((found - 2.0 * typical).abs() < 1e-9, "{found} {typical}");
+        }
+        let none = Curve::through(Source::Bounced, &[(1, 0.0), (2, 0.0)], 3);
+        assert_eq!(none.percent.iter().sum::<f64>(), 0.0);
+    }
+
+    /// Ladders have as many typical errors and costs as rungs, errors fall and costs rise: 3 of 3; a typical site gets coarser rungs for
+    /// 5 % than for 1 %, and the finest ones for 0.01 %.
+    #[test]
+    fn cheaper_for_less() {
+        for (source, rungs) in Source::ALL.into_iter().zip([SKY_RUNGS, SEEN_RUNGS, BOUNCED_RUNGS]) {
+            let typical = typical(source);
+            assert_eq!((typical.percent.len(), typical.cost.len()), (rungs, rungs));
+            assert!(typical.percent.is_sorted_by(|a, b| a > b) && typical.cost.is_sorted_by(|a, b| a < b));
+        }
+        let curves = Source::ALL.map(|s| Curve { percent: typical(s).percent.to_vec() });
+        let errors = Errors { curves, patches: [0.27, 0.06, 0.01] };
+        let (five, one) = (errors.cheapest(5.0), errors.cheapest(1.0));
+        assert!(cost(five) < cost(one) && errors.total(one) <= 1.0 && errors.total(five) <= 5.0);
+        assert!(errors.total(five) > 1.0);
+        assert_eq!(errors.cheapest(0.01), Rungs::FINEST);
+    }
+}

@@ -1,0 +1,244 @@
+//! What a build would trace, before it does. In: a sample of the receivers. Out: for every effect whether the scene calls for it, what
+//! it would cost, and what leaving it out could cost.
+//!
+//! Bounds hold under 1,000 W/m2 of sun from any direction and 100 W/m2 of a uniform sky, so no surface gets more than E = 1,100
+//! W/m2 at first. A receiver that sees the share v_m of its hemisphere filled with material m gets at most sum v_m rho_m E / (1 - rho)
+//! from all reflections, rho the largest reflectance of the scene, and of that at most the share g rho' by way of two or more: g is the
+//! cosine-weighted share of a seen cell's hemisphere that other surfaces fill, weighted by their reflectance. Both follow from the rendering
+//! equation, whose operator has a norm of at most rho.
+
+use super::sample::Sample;
+use super::site_tracer::SiteTracer;
+use crate::receiver_tiles::ReceiverTiles;
+use crate::settings::{Effect, EffectChoice, Effects};
+use heliotile_core::error::Result;
+use heliotile_core::light::fresnel::specular;
+use heliotile_core::light::reflector::Reflector;
+use heliotile_core::site::chain::MOST_MIRRORS;
+
+/// Light that bounds are stated for, W/m2: of the sun at normal incidence and of a uniform sky on open ground.
+pub const SUN_W_M2: f64 = 1000.0;
+pub const SKY_W_M2: f64 = 100.0;
+
+/// An effect is left out if that costs no more than this.
+pub const NEGLIGIBLE_W_M2: f64 = 1.0;
+
+/// What a view's share by its hit texture, and lookups in the response, may be wrong by.
+const COARSE: f64 = 1.1;
+
+/// What the few rays of a cell may be wrong by.
+const FEW_RAYS: f64 = 1.25;
+
+/// Bounce cells to a probe, and seconds to solve for them to seconds to trace them: as in The Hague (55 k probes).
+const CELLS_PER_PROBE: f64 = 1.9;
+const SOLVING: f64 = 0.3;
+
+/// What is to be traced, effect by effect.
+#[derive(Clone, Debug)]
+pub struct Forecast {
+    pub receivers: u64,
+    pub lines: Vec<Line>,
+    /// What is left out although the scene has it.
+    pub left_out: Effects,
+}
+
+/// One effect, or what is always traced.
+#[derive(Clone, Debug)]
+pub struct Line {
+    pub name: &'static str,
+    /// `None` is always on.
+    pub effect: Option<Effect>,
+    pub on: bool,
+    pub rays: f64,
+    pub seconds: f64,
+    /// The most that any receiver could lose without it, W/m2.
+    pub bound_w_m2: Option<f64>,
+    pub why: String,
+}
+
+impl Forecast {
+    /// The most that any receiver loses by what is left out, W/m2.
+    pub fn loss_w_m2(&self) -> f64 {
+        let off = |effect: Effect| self.lines.iter().any(|line| line.effect == Some(effect) && !line.on);
+        // Without diffuse reflection there are no bounces to lose besides.
+        let counts = |line: &&Line| !(line.on || line.effect == Some(Effect::Bounces) && off(Effect::Diffuse));
+        self.lines.iter().filter(counts).filter_map(|line| line.bound_w_m2).sum()
+    }
+
+    /// What is traced.
+    pub fn on(&self) -> impl Iterator<Item = &Line> {
+        self.lines.iter().filter(|line| line.on)
+    }
+
+    /// Of the whole build.
+    pub fn seconds(&self) -> f64 {
+        self.on().map(|line| line.seconds).sum()
+    }
+}
+
+impl SiteTracer<'_> {
+    /// Looks at a sample and decides. `mirrors`: number of orientations of mirrors in the scene, whether they are traced or not.
+    pub(super) fn forecast(
+        &self,
+        receivers: &mut ReceiverTiles,
+        mirrors: usize,
+        wanted: EffectChoice,
+    ) -> Result<Forecast> {
+        let sample = self.sample(receivers)?;
+        Ok(Decision { sample: &sample, reflectors: &self.reflectors, mirrors, wanted }.forecast())
+    }
+}
+
+/// What a decision rests on.
+struct Decision<'a> {
+    sample: &'a Sample,
+    reflectors: &'a [Reflector],
+    /// Orientations of mirrors.
+    mirrors: usize,
+    wanted: EffectChoice,
+}
+
+/// The most that each effect can give a receiver, W/m2.
+struct Bounds {
+    diffuse: f64,
+    bounces: f64,
+    mirrors: f64,
+    canopies: f64,
+    /// Largest diffuse reflectance.
+    brightest: f64,
+    /// Largest share of a cell's light that comes from other surfaces.
+    others: f64,
+}
+
+impl Decision<'_> {
+    fn bounds(&self) -> Bounds {
+        let Decision { sample, reflectors, mirrors, .. } = *self;
+        let largest = |value: fn(&Reflector) -> f64| reflectors.iter().map(value).fold(0.0, f64::max);
+        let brightest = largest(|r| r.diffuse);
+        let both = largest(|r| r.diffuse + if r.panes > 0 { 1.0 - r.diffuse } else { r.specular });
+        // A mirror can send the sun to where it shines already; several can do so at once.
+        let mirrored = largest(|r| if r.panes > 0 { specular(r, 0.0) } else { r.specular });
+        let once = mirrored * mirrors as f64;
+        let suns = (1..=MOST_MIRRORS as i32).map(|mirrors| once.powi(mirrors)).sum::<f64>();
+        let light = SUN_W_M2 * (1.0 + suns) + SKY_W_M2;
+        // Receivers that were not looked at may see nothing but the brightest material.
+        let worst = |share: f64| if sample.receivers < sample.all { brightest } else { share.min(brightest) };
+        let (share, others) = (worst(sample.reflecting), worst(sample.traced.reflecting * FEW_RAYS));
+        let gain = if both < 1.0 { light / (1.0 - both) } else { f64::INFINITY };
+        let bound = |share: f64, light: f64| if share > 0.0 { share * light } else { 0.0 };
+        Bounds {
+            diffuse: bound(share, gain * COARSE),
+            bounces: bound(share * others, gain * COARSE),
+            // The light of all paths with a mirror among them: 1 / (1 - both) less 1 / (1 - diffuse), both being their sum.
+            mirrors: bound(suns / (1.0 - brightest).max(0.0), (SUN_W_M2 + SKY_W_M2) / (1.0 - both).max(0.0)),
+            canopies: if reflectors.iter().any(|r| r.transmittance.is_some()) { gain } else { 0.0 },
+            brightest,
+            others,
+        }
+    }
+
+    /// Whether an effect is traced that can give so much.
+    fn is_on(&self, effect: Effect, bound: f64) -> bool {
+        match self.wanted {
+            EffectChoice::Auto => bound > NEGLIGIBLE_W_M2,
+            EffectChoice::These(effects) => effects.contains(effect),
+        }
+    }
+
+    /// The line of an effect: `nothing` says why it is off where the scene has none of it, `some` why it is on.
+    fn line(
+        &self,
+        name: &'static str,
+        (effect, on, bound): (Effect, bool, f64),
+        (rays, seconds): (f64, f64),
+        (nothing, some): (&str, String),
+    ) -> Line {
+        let why = match (self.wanted, on) {
+            _ if bound <= 0.0 => nothing.to_string(),
+            (EffectChoice::Auto, true) => some,
+            (EffectChoice::Auto, false) => format!("at most {NEGLIGIBLE_W_M2} W/m2: negligible"),
+            (EffectChoice::These(_), true) => "asked for".into(),
+            (EffectChoice::These(_), false) => "not asked for".into(),
+        };
+        Line { name, effect: Some(effect), on, rays, seconds, bound_w_m2: Some(bound), why }
+    }
+
+    /// The line of what is always traced.
+    fn always(name: &'static str, rays: f64, seconds: f64, why: &str) -> Line {
+        Line { name, effect: None, on: true, rays, seconds, bound_w_m2: None, why: why.into() }
+    }
+
+    fn forecast(&self) -> Forecast {
+        let Decision { sample, mirrors, .. } = *self;
+        let bounds = self.bounds();
+        let count = sample.all as f64;
+        let probes = predicted(sample.cells, count / sample.receivers.max(1) as f64);
+        let bounces = probes * CELLS_PER_PROBE;
+        let leaves_on = bounds.canopies > 0.0 && self.is_on(Effect::Canopies, bounds.canopies);
+        let diffuse_on = self.is_on(Effect::Diffuse, bounds.diffuse);
+        let bounces_on = diffuse_on && self.is_on(Effect::Bounces, bounds.bounces);
+        let mirrors_on = mirrors > 0 && self.is_on(Effect::Mirrors, bounds.mirrors);
+        let [probe_s, bounce_s] = sample.traced.seconds;
+        let [probe_rays, bounce_rays] = sample.traced.rays;
+        let (brightest, filled) = (bounds.brightest, filled(sample, bounds.brightest));
+        let mirrors_seen = match sample.sees_mirrors || sample.traced.see_mirrors {
+            true => format!("{mirrors} orientations, seen; seconds of cells are in the lines above"),
+            false => format!("{mirrors} orientations; none was seen by the sample: what none sees is not stored"),
+        };
+        let mirror_rays = sample.rays[2] * count + probes * (1.0 + CELLS_PER_PROBE) * sample.traced.mirror_rays;
+        let lines = vec![
+            Self::always("sun and sky, direct", sample.rays[0] * count, sample.seconds[0] * count, "always"),
+            Self::always(
+                "first hits",
+                sample.rays[1] * count,
+                0.0,
+                "always: view factors (seconds are in the line above)",
+            ),
+            self.line(
+                "diffuse reflection",
+                (Effect::Diffuse, diffuse_on, bounds.diffuse),
+                (probes * probe_rays, probes * probe_s),
+                (
+                    "no receiver sees a surface that reflects",
+                    format!("surfaces of up to {brightest:.2} fill up to {filled:.0} % of a view"),
+                ),
+            ),
+            self.line(
+                "further bounces",
+                (Effect::Bounces, bounces_on, bounds.bounces),
+                (bounces * bounce_rays, bounces * bounce_s * (1.0 + SOLVING)),
+                (
+                    "no surface that is seen sees one that reflects",
+                    format!("what is seen gets up to {:.1} % of its light from surfaces", bounds.others * 100.0),
+                ),
+            ),
+            self.line(
+                "mirrors and glass",
+                (Effect::Mirrors, mirrors_on, bounds.mirrors),
+                (mirror_rays, sample.seconds[1] * count),
+                ("there are none", mirrors_seen),
+            ),
+            self.line(
+                "canopies",
+                (Effect::Canopies, leaves_on, bounds.canopies),
+                (sample.rays[3] * count, sample.seconds[2] * count),
+                ("there are none", "leaves or screens dim what shines through them".into()),
+            ),
+        ];
+        let present = |line: &&Line| !line.on && line.bound_w_m2.is_some_and(|b| b > 0.0);
+        let names: Vec<String> =
+            lines.iter().filter(present).filter_map(|line| line.effect).map(|e| e.name().to_string()).collect();
+        Forecast { receivers: sample.all as u64, left_out: Effects::of_names(&names), lines }
+    }
+}
+
+/// Share of a view in percent that surfaces of the largest reflectance would fill.
+fn filled(sample: &Sample, diffuse: f64) -> f64 {
+    if diffuse > 0.0 { (sample.reflecting / diffuse * 100.0).min(100.0) } else { 0.0 }
+}
+
+/// Cells that so many times the receivers would see, from those of a quarter of the sample and of all of it: by a power law.
+fn predicted([quarter, all]: [usize; 2], factor: f64) -> f64 {
+    let power = if quarter > 0 { (all as f64 / quarter as f64).ln() / 4.0_f64.ln() } else { 1.0 };
+    all as f64 * factor.max(1.0).powf(power.clamp(0.0, 1.0))
+}

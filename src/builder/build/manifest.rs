@@ -1,0 +1,94 @@
+//! The manifest of a build: where the archive comes from and what is in it.
+
+use super::site_tracer::SiteTracer;
+use crate::pack::COMPRESSION;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::manifest;
+use heliotile_core::archive::manifest::{Creator, Manifest, ReceiverSummary, SceneSummary};
+use heliotile_core::archive::{EncodedBlock, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::site::material::{Class, Glass};
+use heliotile_core::site::receiver::TILE;
+
+/// What a build counted.
+#[derive(Clone, Copy, Debug)]
+pub struct Counts {
+    pub receivers: u64,
+    pub tiles: u32,
+    pub probes: u64,
+    pub bounce_cells: u64,
+}
+
+impl SiteTracer<'_> {
+    pub(super) fn materials_block(&self) -> Result<EncodedBlock> {
+        let materials = &self.scene.materials;
+        let table = tables::Materials {
+            name: materials.iter().map(|m| m.name.clone()).collect(),
+            diffuse: materials.iter().map(|m| m.diffuse).collect(),
+            specular: materials.iter().map(|m| m.specular).collect(),
+            class: materials.iter().map(|m| u8::from(m.class == Class::Ground)).collect(),
+            group: materials.iter().map(|m| m.group.clone().unwrap_or_default()).collect(),
+        };
+        table.encode(format::MATERIALS, 0, COMPRESSION)
+    }
+
+    /// What materials do besides reflecting diffusely, and the orientations of the mirrors; nothing where none does.
+    pub(super) fn optics_blocks(&self) -> Result<Vec<EncodedBlock>> {
+        let materials = &self.scene.materials;
+        if !materials.iter().any(|m| m.mirrors() || m.transmittance.is_some()) {
+            return Ok(Vec::new());
+        }
+        let table = tables::Optics {
+            panes: materials.iter().map(|m| m.glass.map_or(0, Glass::panes)).collect(),
+            canopy: materials.iter().map(|m| u8::from(m.transmittance.is_some())).collect(),
+            transmittance: materials.iter().map(|m| m.transmittance.unwrap_or(0.0)).collect(),
+        };
+        let mut blocks = vec![table.encode(format::OPTICS, 0, COMPRESSION)?];
+        if let Some(reflections) = &self.reflections {
+            let orientations = reflections.orientations();
+            let table = tables::Mirrors {
+                normal: orientations.iter().map(|o| o.normal.to_array()).collect(),
+                material: orientations.iter().map(|o| o.material).collect(),
+            };
+            blocks.push(table.encode(format::MIRRORS, 0, COMPRESSION)?);
+        }
+        Ok(blocks)
+    }
+
+    pub(super) fn manifest(
+        &self,
+        counts: &Counts,
+        accuracy: Option<&Accuracy>,
+        layers: Vec<manifest::LayerSummary>,
+    ) -> Manifest {
+        let mesh = &self.scene.mesh;
+        let (low, high) = mesh.bounds();
+        Manifest {
+            format: "heliotile".into(),
+            creator: Creator { name: "heliotile".into(), version: env!("CARGO_PKG_VERSION").into() },
+            experimental: true,
+            scene: SceneSummary {
+                content_hash: format::hex(&self.scene.content_hash()),
+                triangles: mesh.triangles.len() as u64,
+                vertices: mesh.vertices.len() as u64,
+                materials: self.scene.materials.len() as u64,
+                degenerate_dropped: self.scene.report.degenerate_dropped as u64,
+                origin_m: mesh.origin.to_array(),
+                bounds_m: [(mesh.origin + low).to_array(), (mesh.origin + high).to_array()],
+                ..SceneSummary::default()
+            },
+            receivers: ReceiverSummary {
+                count: counts.receivers,
+                tile_size: TILE as u32,
+                tiles: counts.tiles,
+                ..ReceiverSummary::default()
+            },
+            settings: self.settings.stated(),
+            accuracy: accuracy.cloned(),
+            place: self.scene.place,
+            counts: manifest::Counts { probes: counts.probes, bounce_cells: counts.bounce_cells },
+            layers,
+            ..Manifest::default()
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! What receivers and cells see in mirrors: traced here, packed as `layers/mirror.rs` says.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::site_tracer::SiteTracer;
+use crate::settings::Effect;
+use crate::trace::mirror::{End, Look, Met, Reflections, Start};
+use crate::trace::probe::{Directions, ProbeTrace, lifted};
+use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
+use crate::trace::surroundings::{Surroundings, level_seen};
+use heliotile_core::hemisphere::{Centres, HEMISPHERE_SR, mix};
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, Path, Window};
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::light::mirrors::left;
+use heliotile_core::site::cells::{CellKey, level_of};
+
+impl SiteTracer<'_> {
+    /// The surfaces that a receiver sees in mirrors; adds the rays that are cast to a count.
+    pub(super) fn mirror_paths(&self, view: &Viewpoint, hits: &HitTrace, rays: &mut u64) -> Vec<Path> {
+        let Some(reflections) = self.reflections.as_ref().filter(|_| self.traces(Effect::Diffuse)) else {
+            return Vec::new();
+        };
+        let cells = CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m };
+        let texel_angle = (HEMISPHERE_SR / (self.settings.hit * self.settings.hit) as f64).sqrt();
+        let starts: Vec<Start> = hits.mirrors.iter().map(|(_, start)| *start).collect();
+        let mut paths = Vec::new();
+        let mut lost = 0.0;
+        for ((texel, start), (met, end)) in hits.mirrors.iter().zip(reflections.follow(&starts, rays)) {
+            let path = |met: Met| {
+                let level = cells.level(met.length_m, texel_angle);
+                Path { texel: *texel as u32, cell: reflections.cell(&met, level), steps: met.steps }
+            };
+            if end == End::Cut {
+                let share = met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors));
+                lost += share * view.normal.dot(start.direction).max(0.0);
+            }
+            paths.extend(met.into_iter().map(path));
+        }
+        note_lost(&self.lost[0], lost * 2.0 / (self.settings.hit * self.settings.hit) as f64);
+        paths
+    }
+
+    /// The parts of the sky that a receiver sees in mirrors.
+    pub(super) fn mirror_windows(&self, view: &Viewpoint, centres: &Centres, rays: &mut u64) -> Vec<Window> {
+        let Some(reflections) = &self.reflections else { return Vec::new() };
+        let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
+        let around = reflections.around(base, view.seed(), |_| (view.position, view.normal));
+        let origin = lifted(view.position, view.normal, self.tracer);
+        let mut windows = Vec::new();
+        for (chain, texels) in reflections.reached(&around, base, rays) {
+            let map = reflections.seen_from(&chain);
+            let low = |axis: fn(&(u32, u32)) -> u32| texels.iter().map(axis).min().unwrap_or(0);
+            let high = |axis: fn(&(u32, u32)) -> u32| texels.iter().map(axis).max().unwrap_or(0);
+            let (column, row) = (low(|t| t.0), low(|t| t.1));
+            let side = (high(|t| t.0) - column).max(high(|t| t.1) - row) + 1;
+            // A square near the border is moved inwards.
+            let (column, row) = (column.min(base as u32 - side), row.min(base as u32 - side));
+            let mut front = BitSquare::new(side as usize);
+            texels.iter().for_each(|&(c, r)| front.set((c - column) as usize, (r - row) as usize, true));
+            let visible = |n: usize, texels: &[(u32, u32)]| {
+                let scale = (n / side as usize) as u32;
+                let whole: Vec<(u32, u32)> =
+                    texels.iter().map(|&(c, r)| (c + column * scale, r + row * scale)).collect();
+                let centre = centres.of(base * scale as usize);
+                let look = |&(c, r): &(u32, u32)| Look { chain: 0, sky: centre(c, r), origin, normal: view.normal };
+                reflections.lit(&[(chain, map)], &whole.iter().map(look).collect::<Vec<_>>(), rays)
+            };
+            let (texture, dense) = SkyTexture::trace_within(front, side as usize * (fine / base), visible);
+            if dense.count() > 0 {
+                windows.push(Window {
+                    chain,
+                    column: column as u16,
+                    row: row as u16,
+                    side: side as u16,
+                    texture: SkyTexture::pack(&[texture]),
+                });
+            }
+        }
+        windows
+    }
+
+    /// What a cell sees in mirrors.
+    pub(super) fn cell_mirrors(
+        &self,
+        key: CellKey,
+        probe: &ProbeTrace,
+        texture: &Directions,
+        surroundings: &Surroundings,
+        rays: &mut u64,
+    ) -> CellMirrors {
+        let Some(reflections) = &self.reflections else { return CellMirrors::default() };
+        let starts: Vec<Start> = surroundings.mirrors.iter().map(|(_, start)| *start).collect();
+        let closed = level_of(self.settings.closed_m);
+        let mut paths = Vec::new();
+        let mut lost = 0.0;
+        for ((up, _), (met, end)) in surroundings.mirrors.iter().zip(reflections.follow(&starts, rays)) {
+            if end == End::Cut {
+                lost += met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors));
+            }
+            let path = |met: Met| {
+                let level = level_seen(met.length_m, key.level, closed);
+                CellPath { up: *up, cell: reflections.cell(&met, level).coarse(level), steps: met.steps }
+            };
+            paths.extend(met.into_iter().map(path));
+        }
+        note_lost(&self.lost[1], lost / surroundings.seen.len().max(1) as f64);
+        CellMirrors { windows: cell_windows(reflections, key, probe, texture, rays), paths }
+    }
+}
+
+/// Keeps the largest share of light that is lost behind the last mirror that is followed.
+fn note_lost(largest: &AtomicU64, share: f64) {
+    // Numbers that are not negative sort as their bits do.
+    largest.fetch_max(share.max(0.0).to_bits(), Ordering::Relaxed);
+}
+
+/// The texels of the sky that a cell sees in mirrors: each from the point that it asks for the sky itself.
+fn cell_windows(
+    reflections: &Reflections,
+    key: CellKey,
+    probe: &ProbeTrace,
+    texture: &Directions,
+    rays: &mut u64,
+) -> Vec<CellWindow> {
+    let lit: Vec<_> = probe.points.iter().filter(|p| p.1 > 0.0).map(|p| p.0).collect();
+    if lit.is_empty() {
+        return Vec::new();
+    }
+    let (n, directions, seed) = (texture.n, texture.of(key), key.seed());
+    let around = reflections.around(n, seed, |texel| {
+        let point = lit[(mix(seed ^ 0x6c6f_6f6b, texel as u64) % lit.len() as u64) as usize];
+        (point.position, point.normal)
+    });
+    let (mut chains, mut looks, mut places) = (Vec::new(), Vec::new(), Vec::new());
+    for (chain, texels) in reflections.reached(&around, n, rays) {
+        let map = reflections.seen_from(&chain);
+        for texel in texels.into_iter().map(|(column, row)| row as usize * n + column as usize) {
+            let point = probe.points[usize::from(probe.owner[texel])].0;
+            let origin = reflections.origin(point.position, point.normal);
+            looks.push(Look { chain: chains.len(), sky: directions[texel], origin, normal: point.normal });
+            places.push(texel);
+        }
+        chains.push((chain, map));
+    }
+    let mut seen: Vec<Vec<u16>> = vec![Vec::new(); chains.len()];
+    for ((look, texel), lit) in looks.iter().zip(places).zip(reflections.lit(&chains, &looks, rays)) {
+        if lit {
+            // At most 128 texels a side.
+            seen[look.chain].push(texel as u16);
+        }
+    }
+    let windows = chains.into_iter().zip(seen).filter(|(_, texels)| !texels.is_empty());
+    windows.map(|((chain, _), texels)| CellWindow { chain, texels }).collect()
+}

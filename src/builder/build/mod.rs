@@ -1,0 +1,182 @@
+//! Building: scene -> trace -> layers -> archive. In: a prepared scene, its receivers, settings. Out: a finished archive, and what was
+//! done. The chain is [`Build::plan`] (which looks: [`Build::forecast`]), then [`Build::write`]. Never: printing, command lines.
+
+mod canopies;
+mod cells;
+mod forecast;
+mod known;
+mod manifest;
+mod mirrors;
+mod output;
+mod plan;
+mod prepared;
+mod report;
+mod sample;
+mod site_tracer;
+mod tiles;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use crate::observer::Observer;
+use crate::receiver_tiles::ReceiverTiles;
+use crate::settings::{BuildSettings, EffectChoice};
+use crate::trace::Tracer;
+use crate::writing::{Job, Writer};
+use heliotile_core::archive::manifest::ReceiverSummary;
+use heliotile_core::archive::{Archive, Manifest, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::SiteFacts;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_scene::Scene;
+use known::Known;
+use report::Clock;
+use site_tracer::SiteTracer;
+
+pub use forecast::{Forecast, Line, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
+pub use manifest::Counts;
+pub use output::{Output, Start};
+pub use plan::{ErrorTarget, Plan, PlanRequest};
+pub use prepared::PreparedScene;
+pub use report::{BuildReport, RayCounts};
+
+/// Where a build works.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Workspace {
+    /// For temporary files.
+    pub folder: PathBuf,
+    /// Besides the scene and its tree.
+    pub memory: MemoryBudget,
+}
+
+/// A scene with its receivers, about to be traced.
+pub struct Build<'a> {
+    pub scene: &'a PreparedScene<'a>,
+    pub receivers: &'a mut ReceiverTiles,
+    pub workspace: &'a Workspace,
+    pub observer: &'a dyn Observer,
+}
+
+impl Build<'_> {
+    /// What is known of the archive before it is one.
+    fn facts(&self, settings: &BuildSettings, path: &Path) -> Result<SiteFacts> {
+        let (scene, mirrors) = (self.scene.scene, &self.scene.mirrors);
+        let receivers = ReceiverSummary {
+            count: self.receivers.count() as u64,
+            tiles: self.receivers.tile_count() as u32,
+            ..ReceiverSummary::default()
+        };
+        let orientations = if self.scene.reflects(settings) { mirrors.orientations.clone() } else { Vec::new() };
+        let stated = (&settings.stated(), scene.mesh.origin, &receivers);
+        SiteFacts::given(path, stated, scene.materials.clone(), orientations)
+    }
+
+    /// What a build with some settings would trace.
+    pub fn forecast(&mut self, settings: &BuildSettings, effects: EffectChoice) -> Result<Forecast> {
+        let known = (self.facts(settings, &self.workspace.folder)?, Known::default());
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, known);
+        tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), effects)
+    }
+
+    /// Traces the receivers and writes the archive; nothing is traced that earlier archives of the same scene and settings hold. Equal
+    /// inputs give equal bytes, whatever the order of receivers, the number of threads or the memory.
+    pub fn write(&mut self, plan: &Plan, output: &Output, earlier: &[Archive]) -> Result<BuildReport> {
+        let (scene, settings) = (self.scene.scene, &plan.settings);
+        let mut clock = Clock::after("tree", self.scene.seconds);
+        let mut writer = output.writer(&Job {
+            scene: scene.content_hash(),
+            receivers: self.receivers.content_hash(),
+            settings: settings.hash()?,
+        })?;
+        match (output.start, writer.resumed()) {
+            (_, Some(done)) => self.observer.warn(&format!(
+                "going on after {} blocks of {:.1} MB",
+                done.blocks,
+                done.bytes as f64 / 1e6
+            )),
+            (Start::Resume, None) => self.observer.warn("there is no checkpoint to go on from: starting anew"),
+            _ => {}
+        }
+        let facts = self.facts(settings, &output.path)?;
+        let known = Known::new(earlier, &facts);
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, (facts, known));
+        let tracer = tracer.starting(output.start);
+        let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
+        if matches!(traced, Err(Error::Io { .. })) {
+            // Where another file failed, such as a temporary one, what was written can be kept.
+            let _ = writer.checkpoint();
+        }
+        let kept = writer.committed();
+        let finish = |traced: Traced| {
+            let summary = writer.finish(&traced.manifest)?;
+            clock.lap("finish");
+            let Traced { counts, rays, warnings, lost_in_mirrors, .. } = traced;
+            let (bytes, root) = (summary.bytes, summary.root);
+            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors })
+        };
+        traced.and_then(finish).map_err(|error| output.start.kept(error, kept))
+    }
+}
+
+/// What an archive holds whose blocks are all written.
+struct Traced {
+    counts: Counts,
+    rays: RayCounts,
+    warnings: Vec<String>,
+    manifest: Manifest,
+    lost_in_mirrors: [f64; 2],
+}
+
+/// Writes all blocks that a writer does not have.
+fn trace(
+    tracer: &SiteTracer,
+    plan: &Plan,
+    receivers: &mut ReceiverTiles,
+    writer: &mut Writer,
+    clock: &mut Clock,
+) -> Result<Traced> {
+    let farthest = receivers.farthest().and_then(|receiver| far_away(tracer.tracer, tracer.scene, receiver));
+    let mut warnings: Vec<String> = farthest.into_iter().collect();
+    let mut rays = RayCounts::default();
+
+    let mut misplaced = Vec::new();
+    let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut misplaced)?;
+    clock.lap("receivers");
+    let probes = tracer.write_probes(keys, writer, &mut rays)?;
+    let bounce_cells = tracer.write_bounces(probes.seen, writer, &mut rays)?;
+    clock.lap("cells");
+
+    if !writer.has(format::MATERIALS, 0) {
+        writer.append(tracer.materials_block()?)?;
+        for block in tracer.optics_blocks()? {
+            writer.append(block)?;
+        }
+    }
+    let tiles = receivers.tile_count() as u32;
+    let counts = Counts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
+    tracer.write_responses(tiles, writer, clock)?;
+    let manifest = tracer.manifest(&counts, plan.accuracy.as_ref(), writer.layers());
+    warnings.extend(tiles::warnings(&misplaced));
+    let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
+    Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
+}
+
+/// Rays start this far off surfaces (metres) before it is worth a warning.
+const LARGE_OFFSET_M: f64 = 0.01;
+
+/// A warning if some receiver lies so far from the scene's origin that details near it are lost.
+fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> {
+    let (offset_m, o) = (tracer.offset_m(worst.position - scene.mesh.origin), scene.mesh.origin);
+    (offset_m > LARGE_OFFSET_M).then(|| {
+        format!(
+            "receiver {} lies far from the scene's centre ({:.0}, {:.0}, {:.0}): rays start {:.1} mm off its surface and finer \
+             details are lost; look for stray geometry, or build the site in parts",
+            worst.id,
+            o.x,
+            o.y,
+            o.z,
+            offset_m * 1e3
+        )
+    })
+}

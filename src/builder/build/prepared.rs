@@ -1,0 +1,35 @@
+//! A scene ready for rays. In: a scene. Out: its tree, its mirrors and its canopies.
+
+use std::time::Instant;
+
+use crate::settings::{BuildSettings, Effect};
+use crate::trace::Tracer;
+use crate::trace::canopy::Canopies;
+use heliotile_core::error::Result;
+use heliotile_scene::Scene;
+use heliotile_scene::mirrors::Mirrors;
+
+/// A scene with all that does not depend on settings.
+pub struct PreparedScene<'a> {
+    pub scene: &'a Scene,
+    /// Of all that stops rays.
+    pub(super) tracer: Tracer,
+    pub(super) canopies: Option<Canopies<'a>>,
+    pub(super) mirrors: Mirrors,
+    pub(super) seconds: f64,
+}
+
+impl<'a> PreparedScene<'a> {
+    /// Builds the tree and finds mirrors.
+    pub fn new(scene: &'a Scene) -> Result<Self> {
+        let start = Instant::now();
+        let (tracer, canopies) = Canopies::split(scene);
+        let mirrors = Mirrors::find(&scene.mesh, &scene.materials)?;
+        Ok(PreparedScene { scene, tracer, canopies, mirrors, seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Whether there are mirrors, and they are to be traced.
+    pub(super) fn reflects(&self, settings: &BuildSettings) -> bool {
+        !self.mirrors.is_empty() && !settings.left_out.contains(Effect::Mirrors)
+    }
+}

@@ -1,0 +1,206 @@
+//! A sample of the receivers, traced before the build. In: a site's tracer, receivers. Out: what they see, what it costs to trace.
+
+use std::collections::BTreeSet;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::cells::Cast;
+use super::site_tracer::SiteTracer;
+use crate::receiver_tiles::ReceiverTiles;
+use crate::trace::bounce::trace_bounce;
+use crate::trace::probe::Directions;
+use crate::trace::surroundings::SurroundingSettings;
+use heliotile_core::error::Result;
+use heliotile_core::hemisphere::{Centres, jitter, texel_direction};
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::cells::{Cell, Cells};
+use heliotile_core::layers::mirror::CellPath;
+use heliotile_core::light::bounces::{centres_f32, each_ray, surround};
+use heliotile_core::light::mirrors::left;
+use heliotile_core::site::cells::{CellKey, level_of};
+use heliotile_core::site::receiver::Receiver;
+
+/// Receivers whose hits are looked at; if there are more, bounds take the worst that any could see. One in so many is traced whole.
+const SAMPLE: usize = 512;
+const WHOLE: usize = 16;
+
+/// Cells of the sample that are traced, at most.
+const CELLS: usize = 512;
+
+/// What the sample said.
+pub(super) struct Sample {
+    /// Receivers of the sample, and of all.
+    pub receivers: usize,
+    pub all: usize,
+    /// Rays of a receiver: sky, hits, mirrors, canopies.
+    pub rays: [f64; 4],
+    /// Seconds for the sky and hits of a receiver, for its mirrors and its canopies.
+    pub seconds: [f64; 3],
+    /// Largest share of a hemisphere that surfaces fill, weighted by their reflectance.
+    pub reflecting: f64,
+    pub sees_mirrors: bool,
+    /// Cells that a quarter of the sample and all of it see.
+    pub cells: [usize; 2],
+    pub traced: TracedCells,
+}
+
+/// Some of the cells that are seen.
+#[derive(Default)]
+pub(super) struct TracedCells {
+    /// Rays and seconds of a probe and of a bounce cell, and rays by mirrors.
+    pub rays: [f64; 2],
+    pub mirror_rays: f64,
+    pub seconds: [f64; 2],
+    /// Largest share of a hemisphere that other surfaces fill, weighted by their reflectance.
+    pub reflecting: f64,
+    pub see_mirrors: bool,
+}
+
+impl SiteTracer<'_> {
+    /// Looks at receivers spread evenly over the site.
+    pub fn sample(&self, receivers: &mut ReceiverTiles) -> Result<Sample> {
+        let (count, step) = (receivers.count(), receivers.count().div_ceil(SAMPLE).max(1));
+        let mut sample: Vec<Receiver> = Vec::new();
+        let mut number = 0;
+        for tile in receivers.tiles()? {
+            for receiver in tile? {
+                if number % step == 0 {
+                    sample.push(receiver);
+                }
+                number += 1;
+            }
+        }
+        Ok(self.look(&sample, count))
+    }
+
+    /// Traces the sample: hits of all of it, the rest of some.
+    fn look(&self, receivers: &[Receiver], all: usize) -> Sample {
+        let centres = Centres::new(self.settings.sky_base, self.settings.sky_fine);
+        let reflectors = &self.reflectors;
+        let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
+        let whole: Vec<&Receiver> = receivers.iter().step_by(WHOLE).collect();
+        let timed = Instant::now();
+        let skies: Vec<(BitSquare, u64)> = whole
+            .par_iter()
+            .map(|receiver| {
+                let (_, bits, rays) = self.trace_sky(&self.viewpoint(receiver), &centres);
+                (bits, rays)
+            })
+            .collect();
+        let sky = skies.iter().map(|sky| sky.1).sum::<u64>();
+        let sky_s = timed.elapsed().as_secs_f64() / whole.len().max(1) as f64;
+        let timed = Instant::now();
+        let behind = whole.par_iter().zip(&skies).filter(|_| self.canopies.is_some());
+        let leaves = behind.map(|(receiver, (bits, _))| {
+            let view = self.viewpoint(receiver);
+            self.canopy_of_receiver(&view, bits, &self.trace_hits(&view)).1
+        });
+        let leaves = leaves.sum::<u64>();
+        let leaves_s = timed.elapsed().as_secs_f64() / whole.len().max(1) as f64;
+        let timed = Instant::now();
+        let windows = |receiver: &&Receiver| {
+            let mut rays = 0;
+            let seen = self.mirror_windows(&self.viewpoint(receiver), &centres, &mut rays);
+            (!seen.is_empty(), rays)
+        };
+        let windows: Vec<(bool, u64)> = whole.par_iter().map(windows).collect();
+        let windows_s = timed.elapsed().as_secs_f64() / whole.len().max(1) as f64;
+        let timed = Instant::now();
+        let hits = |receiver: &Receiver| {
+            let (view, mut rays) = (self.viewpoint(receiver), 0);
+            let hits = self.trace_hits(&view);
+            let paths = self.mirror_paths(&view, &hits, &mut rays);
+            (view, hits.cells, paths, rays)
+        };
+        let hits: Vec<_> = receivers.par_iter().map(hits).collect();
+        let hits_s = timed.elapsed().as_secs_f64() / hits.len().max(1) as f64;
+
+        let n = self.settings.hit;
+        let mut reflecting = 0.0_f64;
+        let mut cells = [BTreeSet::new(), BTreeSet::new()];
+        for (i, (view, keys, paths, _)) in hits.iter().enumerate() {
+            let weight = |texel: usize| {
+                texel_direction(texel % n, texel / n, n, jitter(view.seed(), texel as u64)).z * 2.0 / (n * n) as f64
+            };
+            let direct = keys.iter().enumerate().filter_map(|(t, key)| Some((t, key.as_ref()?, 1.0)));
+            let in_mirrors = paths.iter().map(|p| (p.texel as usize, &p.cell, left(&p.steps, reflectors)));
+            let mut share = 0.0;
+            for (texel, key, left) in direct.chain(in_mirrors).filter(|light| rho(light.1) > 0.0) {
+                share += weight(texel) * left * rho(key);
+                if i % 4 == 0 {
+                    cells[0].insert(*key);
+                }
+                cells[1].insert(*key);
+            }
+            reflecting = reflecting.max(share);
+        }
+        let of_windows = windows.iter().map(|w| w.1 as f64).sum::<f64>() / windows.len().max(1) as f64;
+        let of_paths = hits.iter().map(|h| h.3 as f64).sum::<f64>() / hits.len().max(1) as f64;
+        let counts = [cells[0].len(), cells[1].len()];
+        let [_, cells] = cells;
+        Sample {
+            receivers: receivers.len(),
+            all,
+            rays: [
+                sky as f64 / whole.len().max(1) as f64,
+                (n * n) as f64,
+                of_windows + of_paths,
+                leaves as f64 / whole.len().max(1) as f64,
+            ],
+            seconds: [sky_s + hits_s, windows_s, leaves_s],
+            reflecting,
+            sees_mirrors: windows.iter().any(|w| w.0) || hits.iter().any(|h| !h.2.is_empty()),
+            cells: counts,
+            traced: self.look_at_cells(&cells.into_iter().collect::<Vec<_>>()),
+        }
+    }
+
+    /// Traces some of the cells that are seen, evenly chosen.
+    fn look_at_cells(&self, keys: &[CellKey]) -> TracedCells {
+        let (s, mesh, reflectors) = (self.settings, &self.scene.mesh, &self.reflectors);
+        let some: Vec<CellKey> = keys.iter().copied().step_by(keys.len().div_ceil(CELLS).max(1)).collect();
+        if some.is_empty() {
+            return TracedCells::default();
+        }
+        let texture = Directions::new(s.probe);
+        let centres = centres_f32(s.probe);
+        let timed = Instant::now();
+        let traced: Vec<(Cell, Cast)> = some.par_iter().map(|&key| self.trace_probe(key, &texture)).collect();
+        let probe_s = timed.elapsed().as_secs_f64() / some.len() as f64;
+        let share = |(cell, _): &(Cell, Cast)| {
+            let cells = Cells::new(std::slice::from_ref(cell));
+            let each = each_ray(cells.hits_of(0), surround(cell.normal, &cell.bits, &centres));
+            let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
+            let direct: f64 =
+                cell.seen.iter().filter_map(|(up, key)| Some(each[usize::from(*up)] * rho(key.as_ref()?))).sum();
+            let path = |p: &CellPath| each[usize::from(p.up)] * left(&p.steps, reflectors) * rho(&p.cell);
+            direct + cell.mirrors.paths.iter().map(path).sum::<f64>()
+        };
+        let reflecting = traced.iter().map(share).fold(0.0, f64::max);
+        let next: BTreeSet<CellKey> = traced.iter().flat_map(|(cell, _)| cell.reached()).collect();
+        let next: Vec<CellKey> = next.iter().copied().step_by(next.len().div_ceil(CELLS / 4).max(1)).collect();
+        let texture = Directions::new(s.bounce_sky);
+        let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
+        let timed = Instant::now();
+        let bounces: Vec<u64> = next
+            .par_iter()
+            .map(|&key| {
+                let traced = trace_bounce(key, &texture, settings, mesh, self.tracer, self.reflections.as_ref());
+                self.cell(key, traced.0, traced.1, &texture).1.plain
+            })
+            .collect();
+        let bounce_s = timed.elapsed().as_secs_f64() / next.len().max(1) as f64;
+        let count = some.len() as f64;
+        TracedCells {
+            rays: [
+                traced.iter().map(|t| t.1.plain as f64).sum::<f64>() / count,
+                bounces.iter().sum::<u64>() as f64 / bounces.len().max(1) as f64,
+            ],
+            mirror_rays: traced.iter().map(|t| t.1.mirror as f64).sum::<f64>() / count,
+            seconds: [probe_s, bounce_s],
+            reflecting,
+            see_mirrors: traced.iter().any(|(cell, _)| !cell.mirrors.is_empty()),
+        }
+    }
+}

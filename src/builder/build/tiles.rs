@@ -1,0 +1,303 @@
+//! One tile of a build: 64 receivers traced, packed and compressed.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::report::{Clock, RayCounts};
+use super::site_tracer::SiteTracer;
+use crate::build::known::KnownReceiver;
+use crate::observer::Stage;
+use crate::pack;
+use crate::receiver_tiles::ReceiverTiles;
+use crate::settings::Effect;
+use crate::spill::Sorter;
+use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
+use crate::writing::Writer;
+use heliotile_core::archive::{EncodedBlock, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::hemisphere::Centres;
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::extras::ReceiverExtras;
+use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::mirror::ReceiverMirrors;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::responder::Responder;
+use heliotile_core::light::response::{Viewer, view_factors};
+use heliotile_core::light::tables::Tables;
+use heliotile_core::light::tile_view::TileView;
+use heliotile_core::memory::Use;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::tile::sky_view_factor;
+use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::counted;
+
+/// A receiver that sees less sky than this and is enclosed lies inside a solid.
+const BLIND: f64 = 1e-4;
+
+/// Tiles whose responses are derived together: they share much of what they see.
+const GROUP: usize = 16;
+
+/// A traced tile: its blocks in the order they are written, and what the rest of the build needs of it.
+#[derive(Default)]
+pub(super) struct TracedTile {
+    pub blocks: Vec<EncodedBlock>,
+    pub cells: Vec<CellKey>,
+    pub rays: RayCounts,
+    pub misplaced: Vec<Misplaced>,
+}
+
+/// A receiver that lies where it can hardly be meant to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Misplaced {
+    /// In a solid or below the terrain: it sees no sky, and steep rays cross an odd number of surfaces.
+    Inside(String),
+    /// A surface this close in front of it, metres.
+    Touching(String, f64),
+}
+
+/// Receivers named in one warning.
+const MOST_NAMES: usize = 200;
+
+/// One warning for each way of being misplaced, naming the receivers.
+pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
+    let mut inside = Vec::new();
+    let mut touching = Vec::new();
+    for m in misplaced {
+        match m {
+            Misplaced::Inside(id) => inside.push(id.clone()),
+            Misplaced::Touching(id, metres) => touching.push(format!("{id} ({:.2} mm)", metres * 1e3)),
+        }
+    }
+    let say = |list: Vec<String>, one: &str, many: &str| {
+        let shown = list.len().min(MOST_NAMES);
+        let rest = if list.len() > shown { format!(" and {} more", list.len() - shown) } else { String::new() };
+        let (count, what) = (counted(list.len() as u64, "receiver"), if list.len() == 1 { one } else { many });
+        (shown > 0).then(|| format!("{count} {what}: {}{rest}", list[..shown].join(", ")))
+    };
+    [
+        say(
+            inside,
+            "lies inside a solid or below the terrain and sees no sky",
+            "lie inside a solid or below the terrain and see no sky",
+        ),
+        say(
+            touching,
+            "has a surface right in front of it, is it on its right side?",
+            "have a surface right in front of them, are they on its right side?",
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// One traced receiver.
+struct Traced {
+    sky: SkyTexture,
+    hits: HitTrace,
+    viewer: Viewer,
+    extras: ReceiverExtras,
+    rays: RayCounts,
+}
+
+impl SiteTracer<'_> {
+    /// Traces and writes the receivers' tiles. Returns the keys of all cells that they see, sorted, each once.
+    pub fn write_receivers(
+        &self,
+        receivers: &mut ReceiverTiles,
+        writer: &mut Writer,
+        rays: &mut RayCounts,
+        misplaced: &mut Vec<Misplaced>,
+    ) -> Result<impl Iterator<Item = Result<CellKey>> + use<>> {
+        let progress = Stage::begin(self.observer, "receivers", Some(receivers.count() as u64));
+        let centres = Centres::new(self.settings.sky_base, self.settings.sky_fine);
+        let mut keys = Sorter::new(&self.folder, self.memory.length(Use::CellKeys)).unique();
+        let mut tiles = receivers.tiles()?.peekable();
+        let mut first = 0;
+        while tiles.peek().is_some() {
+            let batch: Vec<Vec<Receiver>> =
+                tiles.by_ref().take(rayon::current_num_threads() * 2).collect::<Result<_>>()?;
+            let traced: Vec<Result<TracedTile>> = batch
+                .par_iter()
+                .enumerate()
+                .map(|(i, tile)| self.tile(first + i as u32, tile, &centres, writer))
+                .collect();
+            for tile in traced {
+                let tile = tile?;
+                tile.blocks.into_iter().try_for_each(|block| writer.append(block))?;
+                tile.cells.iter().try_for_each(|key| keys.push(&key.to_bytes(), &[]))?;
+                rays.sky += tile.rays.sky;
+                rays.hit += tile.rays.hit;
+                rays.mirror += tile.rays.mirror;
+                rays.canopy += tile.rays.canopy;
+                misplaced.extend(tile.misplaced);
+            }
+            first += batch.len() as u32;
+            progress.advance(batch.iter().map(|t| t.len() as u64).sum());
+            self.checkpoint(writer)?;
+        }
+        drop(progress);
+        let key = |record: Result<(Vec<u8>, Vec<u8>)>| {
+            let mut bytes = [0; CellKey::BYTES];
+            bytes.copy_from_slice(&record?.0);
+            Ok(CellKey::from_bytes(&bytes))
+        };
+        Ok(keys.finish()?.map(key))
+    }
+
+    /// A tile that the file holds already, or a traced one.
+    fn tile(&self, number: u32, receivers: &[Receiver], centres: &Centres, writer: &Writer) -> Result<TracedTile> {
+        if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, number)) {
+            let site = OpenSite::over(writer, Arc::clone(&self.facts));
+            let (hits, table) = (site.tile_hits(number, receivers.len())?, site.tile_receivers(number)?);
+            let inside = receivers.iter().zip(&table.sky_view).filter(|(r, view)| self.inside(r, f64::from(**view)));
+            let misplaced = inside.map(|(receiver, _)| Misplaced::Inside(receiver.id.clone())).collect();
+            let mirrors = site.tile_mirrors(number, receivers.len())?;
+            let cells = hits.palette.into_iter().chain(mirrors.iter().flat_map(ReceiverMirrors::cells)).collect();
+            return Ok(TracedTile { cells, misplaced, ..TracedTile::default() });
+        }
+        self.trace_tile(number, receivers, centres)
+    }
+
+    /// Derives and writes the responses of all tiles.
+    pub fn write_responses(&self, tiles: u32, writer: &mut Writer, clock: &mut Clock) -> Result<()> {
+        let missing: Vec<u32> = (0..tiles).filter(|&tile| !writer.has(format::RESPONSE, tile)).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let tables = Tables::of(&OpenSite::over(&*writer, Arc::clone(&self.facts)))?;
+        let responder = Responder::new(&tables, Depth::All, self.memory.total() / 2, &self.folder)?;
+        clock.lap("solve");
+        let progress = Stage::begin(self.observer, "responses", Some(u64::from(tiles)));
+        for group in missing.chunks(GROUP) {
+            let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
+            let view = |&tile: &u32| TileView::read(&site, tile);
+            let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
+            let responses = responder.derive(&Tables::of(&site)?, &views)?;
+            // The stored reflectances are the only state.
+            let encode = |(&tile, states): (&u32, &Vec<Vec<Response>>)| pack::responses(tile, &states[0]);
+            let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
+            blocks.into_iter().try_for_each(|block| writer.append(block))?;
+            progress.advance(group.len() as u64);
+            self.checkpoint(writer)?;
+        }
+        drop(progress);
+        clock.lap("response");
+        Ok(())
+    }
+
+    /// Traces and packs one tile.
+    fn trace_tile(&self, number: u32, receivers: &[Receiver], centres: &Centres) -> Result<TracedTile> {
+        let known = self.known.receivers(receivers);
+        let traced: Vec<Traced> = receivers
+            .par_iter()
+            .zip(known)
+            .map(|(receiver, known)| match known {
+                Some(known) => self.known_receiver(receiver, known, centres),
+                None => self.trace_receiver(receiver, centres),
+            })
+            .collect();
+        let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
+        let mut rays = RayCounts::default();
+        let (mut sky, mut cells, mut viewers, mut extras) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for t in traced {
+            rays.sky += t.rays.sky;
+            rays.hit += t.rays.hit;
+            rays.mirror += t.rays.mirror;
+            rays.canopy += t.rays.canopy;
+            sky.push(t.sky);
+            cells.push(t.hits.cells);
+            viewers.push(t.viewer);
+            extras.push(t.extras);
+        }
+        let mut hits = HitTile::new(&cells);
+        let table = self.receivers_table(receivers, &hits, &viewers);
+        if !self.traces(Effect::Diffuse) {
+            // They have given the view factors, and nothing else asks for them.
+            hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
+        }
+        let blocks = pack::tile(number, &table, &sky, &hits, &extras)?;
+        let in_mirrors = extras.iter().flat_map(|of| of.mirrors.cells());
+        let cells = hits.palette.into_iter().chain(in_mirrors).collect();
+        Ok(TracedTile { blocks, cells, rays, misplaced })
+    }
+
+    /// A receiver that an earlier build traced, as if it had been traced now.
+    fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, centres: &Centres) -> Traced {
+        let hits =
+            HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new(), distances_m: Vec::new() };
+        let viewer = viewer(&self.viewpoint(receiver), &known.dense, centres);
+        Traced { sky: known.sky, hits, viewer, extras: known.extras, rays: RayCounts::default() }
+    }
+
+    pub(super) fn viewpoint(&self, receiver: &Receiver) -> Viewpoint {
+        Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal }
+    }
+
+    fn trace_receiver(&self, receiver: &Receiver, centres: &Centres) -> Traced {
+        let view = self.viewpoint(receiver);
+        let (sky, dense, sky_rays) = self.trace_sky(&view, centres);
+        let mut rays =
+            RayCounts { sky: sky_rays, hit: (self.settings.hit * self.settings.hit) as u64, ..RayCounts::default() };
+        let hits = self.trace_hits(&view);
+        let viewer = viewer(&view, &dense, centres);
+        let paths = self.mirror_paths(&view, &hits, &mut rays.mirror);
+        let windows = self.mirror_windows(&view, centres, &mut rays.mirror);
+        let mirrors = ReceiverMirrors { windows, paths };
+        let (canopy, cast) = self.canopy_of_receiver(&view, &dense, &hits);
+        rays.canopy = cast;
+        Traced { sky, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
+    }
+
+    /// A receiver's sky, the bits that it describes, and the rays that were cast for it.
+    pub(super) fn trace_sky(&self, view: &Viewpoint, centres: &Centres) -> (SkyTexture, BitSquare, u64) {
+        let mut rays = 0;
+        let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
+        let (sky, dense) = SkyTexture::trace(base, fine, view.normal, |n, texels| {
+            rays += texels.len() as u64;
+            view.sky(n, texels, centres, self.tracer)
+        });
+        (sky, dense, rays)
+    }
+
+    /// A receiver's first hits.
+    pub(super) fn trace_hits(&self, view: &Viewpoint) -> HitTrace {
+        let cells = CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m };
+        view.hits(self.settings.hit, cells, &self.scene.mesh, self.tracer, self.reflections.as_ref())
+    }
+
+    /// What is wrong with where a receiver lies.
+    fn misplaced(&self, receiver: &Receiver, traced: &Traced) -> Option<Misplaced> {
+        if self.inside(receiver, traced.viewer.sky_view) {
+            return Some(Misplaced::Inside(receiver.id.clone()));
+        }
+        let place = receiver.position - self.scene.mesh.origin;
+        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.offset_m(place));
+        (nearest_m < 2.0 * offset_m).then(|| Misplaced::Touching(receiver.id.clone(), nearest_m + offset_m))
+    }
+
+    /// Whether a receiver that sees this share of sky lies inside a solid. Few are blind, so few are asked.
+    fn inside(&self, receiver: &Receiver, sky_view: f64) -> bool {
+        sky_view < BLIND && self.viewpoint(receiver).enclosed(self.tracer)
+    }
+
+    fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> tables::Receivers {
+        let reflectors = &self.reflectors;
+        let texels = self.settings.hit * self.settings.hit;
+        let views = viewers.iter().zip(hits.texels.chunks(texels)).map(|(viewer, texels)| {
+            let [ground, obstruction] = view_factors(texels, hits, reflectors, viewer);
+            [viewer.sky_view, ground, obstruction].map(|share| share as f32)
+        });
+        tables::Receivers::new(receivers.iter().zip(views))
+    }
+}
+
+/// What is needed of a receiver with these sky bits besides its hits.
+fn viewer(view: &Viewpoint, sky: &BitSquare, centres: &Centres) -> Viewer {
+    let sky_view = sky_view_factor(view.normal, sky, centres.base()).min((1.0 + view.normal.z) / 2.0);
+    Viewer { normal: view.normal, seed: view.seed(), sky_view }
+}

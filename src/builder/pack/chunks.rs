@@ -1,0 +1,79 @@
+//! Chunks of one kind of cells on their way into an archive, and the index that finds them.
+
+use crate::pack::{COMPRESSION, extra};
+use crate::writing::Writer;
+use heliotile_core::archive::{EncodedBlock, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::layers::canopy::Canopy;
+use heliotile_core::layers::cells::{Cells, cells_per_chunk};
+use heliotile_core::site::cells::CellKey;
+
+/// The chunks written so far; all but the last one hold [`Chunks::size`] cells.
+pub struct Chunks {
+    kind: u32,
+    index: u32,
+    size: usize,
+    firsts: Vec<CellKey>,
+    count: u64,
+}
+
+impl Chunks {
+    /// Chunks of probes with a number of rays each.
+    pub fn probes(rays: usize) -> Self {
+        Chunks::new(format::PROBES, tables::Index::PROBES, rays)
+    }
+
+    /// Chunks of bounce cells with a number of rays each.
+    pub fn bounces(rays: usize) -> Self {
+        Chunks::new(format::BOUNCE, tables::Index::BOUNCE, rays)
+    }
+
+    fn new(kind: u32, index: u32, rays: usize) -> Self {
+        Chunks { kind, index, size: cells_per_chunk(rays), firsts: Vec::new(), count: 0 }
+    }
+
+    pub fn kind(&self) -> u32 {
+        self.kind
+    }
+
+    /// Cells of a chunk.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Cells to be given at a time: some chunks for every core.
+    pub fn batch(&self) -> usize {
+        self.size * rayon::current_num_threads() * 2
+    }
+
+    /// Number of the next chunk.
+    pub fn next(&self) -> u32 {
+        self.firsts.len() as u32
+    }
+
+    /// The blocks of a chunk.
+    pub fn encode(&self, number: u32, chunk: &Cells) -> Result<Vec<EncodedBlock>> {
+        let mut blocks = vec![tables::Cells::new(chunk).encode(self.kind, number, COMPRESSION)?];
+        let [mirror, canopy] = format::cell_extras(self.kind);
+        let mirrors = chunk.mirrors.iter().enumerate().map(|(i, mirrors)| mirrors.to_bytes(chunk.bits_of(i).len()));
+        blocks.extend(extra(mirror, number, mirrors.collect())?);
+        blocks.extend(extra(canopy, number, chunk.canopies.iter().map(Canopy::to_bytes).collect())?);
+        Ok(blocks)
+    }
+
+    /// Writes the next chunk; without blocks if the file holds it already.
+    pub fn add(&mut self, chunk: &Cells, blocks: Vec<EncodedBlock>, writer: &mut Writer) -> Result<()> {
+        blocks.into_iter().try_for_each(|block| writer.append(block))?;
+        self.firsts.extend(chunk.keys.first());
+        self.count += chunk.keys.len() as u64;
+        Ok(())
+    }
+
+    /// Writes the index, and returns the number of cells.
+    pub fn finish(self, writer: &mut Writer) -> Result<u64> {
+        if !self.firsts.is_empty() && !writer.has(format::INDEX, self.index) {
+            writer.append(tables::Index::new(&self.firsts).encode(format::INDEX, self.index, COMPRESSION)?)?;
+        }
+        Ok(self.count)
+    }
+}

@@ -1,0 +1,50 @@
+//! The blocks of one tile of receivers.
+
+use crate::pack::COMPRESSION;
+use heliotile_core::archive::{EncodedBlock, encode, format, tables};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::layers::extras;
+use heliotile_core::layers::extras::ReceiverExtras;
+use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::response;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+
+/// What is known of a tile before its cells are, in the order of writing.
+pub fn tile(
+    number: u32,
+    receivers: &tables::Receivers,
+    sky: &[SkyTexture],
+    hits: &HitTile,
+    extras: &[ReceiverExtras],
+) -> Result<Vec<EncodedBlock>> {
+    let mut blocks = vec![
+        receivers.encode(format::RECEIVERS, number, COMPRESSION)?,
+        layer(format::SKY, number, receivers.rows(), &SkyTexture::pack(sky))?,
+        layer(format::HIT, number, receivers.rows(), &hits.pack())?,
+    ];
+    let (mirrors, canopies) = extras.iter().map(|of| (of.mirrors.to_bytes(), of.canopy.to_bytes())).unzip();
+    blocks.extend(extra(format::MIRROR, number, mirrors)?);
+    blocks.extend(extra(format::CANOPY, number, canopies)?);
+    Ok(blocks)
+}
+
+/// The block of a layer that only some scenes call for, if anything is in it.
+pub fn extra(kind: u32, number: u32, rows: Vec<Vec<u8>>) -> Result<Option<EncodedBlock>> {
+    let raw = extras::pack(rows.iter().map(Vec::as_slice));
+    raw.map(|raw| layer(kind, number, rows.len(), &raw)).transpose()
+}
+
+/// The responses of a tile.
+pub fn responses(number: u32, responses: &[Response]) -> Result<EncodedBlock> {
+    layer(format::RESPONSE, number, responses.len(), &response::pack(responses))
+}
+
+fn layer(kind: u32, number: u32, items: usize, raw: &[u8]) -> Result<EncodedBlock> {
+    let items = u32::try_from(items).map_err(|_| Error::Limit {
+        what: "items of one block".into(),
+        value: items as u64,
+        max: u64::from(u32::MAX),
+    })?;
+    encode(kind, number, format::schema_of(kind).unwrap_or(0), items, raw, COMPRESSION)
+}

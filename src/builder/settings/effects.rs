@@ -1,0 +1,127 @@
+//! Effects: the light paths that a build may leave out. In: what the user asks for. Out: a set of them.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A kind of light path. Sun and sky that are seen directly are always there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// What surfaces reflect diffusely.
+    Diffuse,
+    /// What they get from each other before: second and later reflections.
+    Bounces,
+    /// Mirrors and glass.
+    Mirrors,
+    /// Leaves and screens, which dim what shines through them; left out, they are not there.
+    Canopies,
+}
+
+impl Effect {
+    pub const ALL: [Effect; 4] = [Effect::Diffuse, Effect::Bounces, Effect::Mirrors, Effect::Canopies];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Effect::Diffuse => "diffuse",
+            Effect::Bounces => "bounces",
+            Effect::Mirrors => "mirrors",
+            Effect::Canopies => "canopies",
+        }
+    }
+}
+
+/// Some effects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effects(u8);
+
+impl Effects {
+    pub const NONE: Effects = Effects(0);
+    pub const ALL: Effects = Effects(0b1111);
+
+    pub fn contains(self, effect: Effect) -> bool {
+        self.0 & 1 << effect as u8 != 0
+    }
+
+    /// One more; bounces are reflections of what is reflected.
+    #[must_use]
+    pub fn with(self, effect: Effect) -> Self {
+        let implied = if effect == Effect::Bounces { 1 << Effect::Diffuse as u8 } else { 0 };
+        Effects(self.0 | 1 << effect as u8 | implied)
+    }
+
+    /// Their names.
+    pub fn names(self) -> Vec<String> {
+        Effect::ALL.into_iter().filter(|e| self.contains(*e)).map(|e| e.name().to_string()).collect()
+    }
+
+    /// The effects of these names, as a manifest lists them; names of a later release are passed over.
+    pub fn of_names(names: &[String]) -> Self {
+        let named = Effect::ALL.into_iter().filter(|e| names.iter().any(|name| name == e.name()));
+        Effects(named.fold(0, |set, effect| set | 1 << effect as u8))
+    }
+}
+
+/// What the user wants to be traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EffectChoice {
+    /// What the scene calls for.
+    Auto,
+    These(Effects),
+}
+
+impl fmt::Display for EffectChoice {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            EffectChoice::Auto => write!(f, "auto"),
+            EffectChoice::These(effects) if *effects == Effects::ALL => write!(f, "all"),
+            EffectChoice::These(effects) if *effects == Effects::NONE => write!(f, "none"),
+            EffectChoice::These(effects) => write!(f, "{}", effects.names().join(",")),
+        }
+    }
+}
+
+/// `auto`, `all`, `none` or names with commas.
+impl FromStr for EffectChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let one = |name: &str| {
+            let names = Effect::ALL.map(Effect::name).join(", ");
+            let unknown = || {
+                format!(
+                    "there is no effect `{name}`: give auto, all, none, or some of {names} with commas between them"
+                )
+            };
+            Effect::ALL.into_iter().find(|e| e.name() == name).ok_or_else(unknown)
+        };
+        match text.trim() {
+            "auto" => Ok(EffectChoice::Auto),
+            "all" => Ok(EffectChoice::These(Effects::ALL)),
+            "none" => Ok(EffectChoice::These(Effects::NONE)),
+            list => {
+                let named = |set: Effects, name: &str| Ok(set.with(one(name.trim())?));
+                list.split(',').try_fold(Effects::NONE, named).map(EffectChoice::These)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lists come back as they were written, bounces bring what they reflect (2 effects), and an unknown or an empty name is refused
+    /// with all 4 names.
+    #[test]
+    fn lists() {
+        for text in ["auto", "all", "none", "mirrors", "diffuse,bounces", "diffuse,mirrors"] {
+            assert_eq!(text.parse::<EffectChoice>().expect(text).to_string(), text);
+        }
+        assert_eq!("bounces".parse::<EffectChoice>().expect("one").to_string(), "diffuse,bounces");
+        for text in ["", "mirrors,", "glare", "all,mirrors"] {
+            let message = text.parse::<EffectChoice>().expect_err(text).to_string();
+            assert!(Effect::ALL.into_iter().all(|e| message.contains(e.name())), "{message}");
+        }
+        let some = Effects::NONE.with(Effect::Mirrors);
+        assert_eq!(Effects::of_names(&["mirrors".into(), "fog".into()]), some);
+    }
+}

@@ -1,0 +1,106 @@
+//! The accuracy ladder. In: a rung for each source of error. Out: settings.
+//!
+//! Errors are independent of each other, so each has a ladder of its own: the receivers' sky textures (sun and sky seen directly or in
+//! mirrors), the cells that they see (one reflection), what those see (further ones), and the patches of the sky. The values of the rungs
+//! stand with the settings ([`heliotile_core::archive::settings`]). What a rung is
+//! worth was measured on the sites of `tools/accuracy` against one that is finer everywhere (`tools/accuracy/run`); a build with
+//! `--error` measures it on its own receivers.
+
+use heliotile_core::archive::settings::{Ladder, SETTINGS};
+
+use super::effects::Effects;
+use super::quality::Quality;
+use super::values::BuildSettings;
+
+/// Number of rungs of a ladder.
+pub const fn rungs_of(ladder: Ladder) -> usize {
+    let mut i = 0;
+    while i < SETTINGS.len() {
+        if SETTINGS[i].ladder as u8 == ladder as u8 {
+            return SETTINGS[i].rungs.len();
+        }
+        i += 1;
+    }
+    0
+}
+
+/// Rungs of each ladder.
+pub const SKY_RUNGS: usize = rungs_of(Ladder::Sky);
+pub const SEEN_RUNGS: usize = rungs_of(Ladder::Seen);
+pub const BOUNCED_RUNGS: usize = rungs_of(Ladder::Bounced);
+pub const PATCH_RUNGS: usize = rungs_of(Ladder::Patches);
+
+/// Sky patches of each rung.
+pub fn patches() -> [usize; PATCH_RUNGS] {
+    std::array::from_fn(|patches| Rungs { patches, ..Rungs::FINEST }.settings().patches)
+}
+
+/// A rung of each ladder, from 0, the coarsest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rungs {
+    pub sky: usize,
+    pub seen: usize,
+    pub bounced: usize,
+    pub patches: usize,
+}
+
+impl Rungs {
+    /// Finer everywhere than any named rung: what they are judged by.
+    pub const FINEST: Rungs =
+        Rungs { sky: SKY_RUNGS - 1, seen: SEEN_RUNGS - 1, bounced: BOUNCED_RUNGS - 1, patches: PATCH_RUNGS - 1 };
+
+    /// The rungs of a quality.
+    pub const fn of(quality: Quality) -> Self {
+        match quality {
+            Quality::Draft => Rungs { sky: 1, seen: 1, bounced: 1, patches: 0 },
+            Quality::Standard => Rungs { sky: 2, seen: 2, bounced: 2, patches: 1 },
+            Quality::Fine => Rungs { sky: 3, seen: 3, bounced: 3, patches: 1 },
+            Quality::Reference => Rungs { sky: 4, seen: 5, bounced: 4, patches: 2 },
+        }
+    }
+
+    /// The rung of one ladder.
+    pub const fn at(self, ladder: Ladder) -> usize {
+        match ladder {
+            Ladder::Sky => self.sky,
+            Ladder::Seen => self.seen,
+            Ladder::Bounced => self.bounced,
+            Ladder::Patches => self.patches,
+        }
+    }
+
+    /// Settings that share probes and leave nothing out.
+    pub fn settings(self) -> BuildSettings {
+        BuildSettings::of_rungs(self)
+    }
+}
+
+/// The quality whose settings these are, whatever is left out.
+pub fn quality_of(settings: &BuildSettings) -> Option<Quality> {
+    let traced = BuildSettings { left_out: Effects::NONE, ..*settings };
+    Quality::ALL.into_iter().find(|quality| Rungs::of(*quality).settings() == traced)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All 4 named rungs are in range, are told by their settings, and are finer than the one before in every ladder; 1 changed number is
+    /// no named rung.
+    #[test]
+    fn rungs() {
+        for quality in Quality::ALL {
+            let settings = Rungs::of(quality).settings();
+            settings.check().expect("in range");
+            assert_eq!(quality_of(&settings), Some(quality));
+            assert_eq!(quality_of(&BuildSettings { probe_hits: 15, ..settings }), None);
+        }
+        for pair in Quality::ALL.windows(2) {
+            let [coarse, fine] = [pair[0], pair[1]].map(Rungs::of);
+            assert!(coarse.sky < fine.sky && coarse.seen < fine.seen && coarse.bounced < fine.bounced);
+            assert!(coarse.patches <= fine.patches);
+        }
+        Rungs::FINEST.settings().check().expect("the finest");
+        Rungs { sky: 0, seen: 0, bounced: 5, patches: 0 }.settings().check().expect("a coarse probe, fine bounces");
+    }
+}

@@ -1,0 +1,30 @@
+//! Named rungs of the accuracy ladder.
+
+/// A named rung of the accuracy ladder; what it means in textures and cells follows from [`Rungs::of`](super::Rungs::of).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// A quick look.
+    Draft,
+    /// Near the knee of error against time.
+    #[default]
+    Standard,
+    /// For publication.
+    Fine,
+    /// To judge the others by.
+    Reference,
+}
+
+impl Quality {
+    /// From coarse to fine.
+    pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Standard, Quality::Fine, Quality::Reference];
+
+    /// As the manifest and the command line name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quality::Draft => "draft",
+            Quality::Standard => "standard",
+            Quality::Fine => "fine",
+            Quality::Reference => "reference",
+        }
+    }
+}

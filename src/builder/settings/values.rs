@@ -1,0 +1,201 @@
+//! Settings of a build as numbers of the program. In: a rung of each ladder, an archive's statement, and what the user sets by name. Out:
+//! numbers in range.
+
+use heliotile_core::archive::settings::{Ladder, SETTINGS, Settings};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::for_each_setting;
+
+use super::effects::Effects;
+use super::ladder::{Rungs, quality_of};
+use super::quality::Quality;
+
+/// How probes are shared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Share {
+    /// By all receivers that see a cell.
+    Cells,
+    /// By nobody: a hemisphere of its own for every hit, the slow reference.
+    None,
+}
+
+impl Share {
+    /// As the manifest states it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Share::Cells => "cells",
+            Share::None => "none",
+        }
+    }
+}
+
+macro_rules! declare {
+    ($($(#[$attribute:meta])* $name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
+        /// Everything that decides what an archive of a scene holds. The defaults are the quality `standard`.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct BuildSettings {
+            $(#[doc = $meaning] pub $name: $native,)*
+            pub share: Share,
+            /// What is not traced although the scene has it.
+            pub left_out: Effects,
+        }
+
+        impl BuildSettings {
+            /// The settings of a rung of each ladder, which share probes and leave nothing out.
+            pub fn of_rungs(rungs: Rungs) -> Self {
+                let settings = BuildSettings {
+                    $($name: pick!($rungs, $native, rungs.at(Ladder::$ladder)),)*
+                    share: Share::Cells,
+                    left_out: Effects::NONE,
+                };
+                // A bounce cell cannot tell more of the sky than the probes that see it.
+                BuildSettings { bounce_sky: settings.bounce_sky.min(settings.probe), ..settings }
+            }
+
+            /// The settings that an archive states.
+            pub fn of(stated: &Settings) -> Self {
+                BuildSettings {
+                    $($name: stated.$name as $native,)*
+                    share: if stated.share == Share::None.name() { Share::None } else { Share::Cells },
+                    left_out: Effects::of_names(&stated.left_out),
+                }
+            }
+
+            /// The settings as the archive states them.
+            pub fn stated(&self) -> Settings {
+                Settings {
+                    quality: quality_of(self).map_or("", Quality::name).into(),
+                    $($name: self.$name as $stored,)*
+                    share: self.share.name().into(),
+                    bounces: "all".into(),
+                    left_out: self.left_out.names(),
+                    ..Settings::default()
+                }
+            }
+
+            /// Sets a number that has a name; `as` saturates, and [`BuildSettings::check`] refuses what is out of range.
+            fn set_number(&mut self, name: &str, number: f64) {
+                match name {
+                    $(stringify!($name) => self.$name = number as $native,)*
+                    _ => {}
+                }
+            }
+
+            /// The numbers, in the order of [`SETTINGS`].
+            fn numbers(&self) -> [f64; SETTINGS.len()] {
+                [$(self.$name as f64),*]
+            }
+        }
+    };
+}
+
+/// A number of a list, by its place.
+macro_rules! pick {
+    ([$($number:literal),*], $native:ty, $at:expr) => {{
+        const RUNGS: &[$native] = &[$($number),*];
+        RUNGS[$at]
+    }};
+}
+
+for_each_setting!(declare);
+
+impl Default for BuildSettings {
+    fn default() -> Self {
+        BuildSettings::of_rungs(Rungs::of(Quality::default()))
+    }
+}
+
+/// A wrong value of a setting.
+fn wrong(what: String, hint: impl Into<String>) -> Error {
+    Error::argument("--set", what, hint)
+}
+
+impl BuildSettings {
+    /// Sets one number by `name=value`, named as in the manifest.
+    pub fn set(&mut self, text: &str) -> Result<()> {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(wrong(format!("`{text}` is not NAME=VALUE"), "write it as in --set hit=16"));
+        };
+        let name = name.trim();
+        let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v >= 0.0);
+        let Some(number) = number else {
+            return Err(wrong(format!("`{value}` is not a number for {name}"), "give a number above zero"));
+        };
+        let Some(setting) = SETTINGS.iter().find(|setting| setting.name == name) else {
+            let mut names: Vec<&str> = SETTINGS.iter().map(|setting| setting.name).collect();
+            names.sort_unstable();
+            return Err(wrong(format!("there is no setting `{name}`"), format!("set one of {}", names.join(", "))));
+        };
+        if setting.range.is_whole() && number.fract() != 0.0 {
+            return Err(wrong(format!("{name} is {value}, not a whole number"), "give a whole number"));
+        }
+        self.set_number(name, number);
+        Ok(())
+    }
+
+    /// Refuses numbers that cannot work.
+    pub fn check(&self) -> Result<()> {
+        for (setting, number) in SETTINGS.iter().zip(self.numbers()) {
+            if !setting.range.contains(number) {
+                return Err(wrong(format!("{} is {number}", setting.name), format!("give {}", setting.range)));
+            }
+        }
+        if self.sky_fine < self.sky_base {
+            return Err(wrong(format!("sky_fine is {}", self.sky_fine), "give at least sky_base"));
+        }
+        if self.bounce_sky > self.probe {
+            return Err(wrong(format!("bounce_sky is {}", self.bounce_sky), "give at most probe"));
+        }
+        Ok(())
+    }
+
+    /// Edge of a fine cell in footprints; 0 when every hit has a probe of its own.
+    pub(crate) fn cell_factor(&self) -> f64 {
+        if self.share == Share::None { 0.0 } else { self.cell_factor }
+    }
+
+    /// Names the settings: builds with other ones have other hashes.
+    pub fn hash(&self) -> Result<[u8; 32]> {
+        self.stated().hash()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twelve settings can be set by name; 12 wrong texts are refused by name, and the defaults are in range.
+    #[test]
+    fn settings_by_name() {
+        let mut settings = BuildSettings::default();
+        settings.check().expect("the defaults");
+        assert_eq!(BuildSettings::of(&settings.stated()), settings);
+        for text in
+            ["sky_base=64", "sky_fine=512", "hit=16", "probe=16", "probe_hits=8", "bounce_sky=8", "bounce_hits=9"]
+        {
+            settings.set(text).expect(text);
+        }
+        for text in ["cell_factor=2", "cell_floor_m = 0.25", "closed_m=16", "patches=145", "steps=3"] {
+            settings.set(text).expect(text);
+        }
+        settings.check().expect("good ones");
+        assert_eq!((settings.hit, settings.bounce_hits, settings.cell_floor_m), (16, 9, 0.25));
+        for text in [
+            "hit",
+            "hit=x",
+            "hit=1.5",
+            "hit=-8",
+            "hit=inf",
+            "sky=3",
+            "hit=12",
+            "bounce_sky=32",
+            "closed_m=0",
+            "patches=100",
+            "steps=0",
+            "steps=61",
+        ] {
+            let mut wrong = settings;
+            let error = wrong.set(text).and_then(|()| wrong.check()).expect_err(text).to_string();
+            assert!(error.starts_with("--set: "), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! What two archives do not share.
+
+use crate::build::Workspace;
+use crate::spill::{Sorted, Sorter};
+use crate::transfer::compare::{Difference, differences};
+use crate::transfer::digests::{Digests, cell_name, same_cell};
+use crate::transfer::output::unknown;
+use crate::transfer::rows::{Rows, Traced, cells};
+use crate::transfer::union::{Side, union};
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::layers::response::Response;
+use heliotile_core::memory::Use;
+use heliotile_core::opened::{CellSource, OpenSite};
+
+/// Names of one line.
+const NAMED: usize = 20;
+
+/// What two archives do not share.
+#[derive(Clone, Debug, Default)]
+pub struct Differences {
+    /// Scene, settings, materials, and all else that the manifest states.
+    pub statements: Vec<Difference>,
+    pub receivers: Parted,
+    pub probes: Parted,
+    pub bounces: Parted,
+    /// Blocks of kinds that this release does not know.
+    pub unknown: Parted,
+    pub same_root: bool,
+}
+
+impl Differences {
+    /// Whether both hold the same, however it is packed.
+    pub fn is_equal(&self) -> bool {
+        let parts = [&self.receivers, &self.probes, &self.bounces, &self.unknown];
+        self.statements.is_empty() && parts.iter().all(|part| part.is_empty())
+    }
+}
+
+/// Things of one kind by where they are.
+#[derive(Clone, Debug, Default)]
+pub struct Parted {
+    pub only_a: Names,
+    pub only_b: Names,
+    /// In both, with different content.
+    pub different: Names,
+}
+
+impl Parted {
+    fn is_empty(&self) -> bool {
+        [&self.only_a, &self.only_b, &self.different].iter().all(|names| names.count == 0)
+    }
+
+    /// Sorts in one side of a union: its name, and for two items what differs, if anything.
+    fn add<T>(&mut self, side: &Side<T>, name: impl Fn(&T) -> String, compare: impl Fn(&T, &T) -> Option<String>) {
+        match side {
+            Side::Left(item) => self.only_a.add(|| name(item)),
+            Side::Right(item) => self.only_b.add(|| name(item)),
+            Side::Both(a, b) => {
+                if let Some(what) = compare(a, b) {
+                    self.different.add(|| name(a) + &what);
+                }
+            }
+        }
+    }
+}
+
+/// A number of things, the first few by name.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    pub count: u64,
+    pub first: Vec<String>,
+}
+
+impl Names {
+    fn add(&mut self, name: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.first.len() < NAMED {
+            self.first.push(name());
+        }
+    }
+}
+
+/// Compares all that two archives hold. Receivers are matched by id, cells by key.
+pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differences> {
+    let mut found =
+        Differences { statements: differences(a, b)?, same_root: a.root() == b.root(), ..Differences::default() };
+    let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
+    for side in union(by_id(&of_a, workspace)?, by_id(&of_b, workspace)?, |a, b| a.0.cmp(&b.0)) {
+        let name = |record: &(Vec<u8>, Vec<u8>)| String::from_utf8_lossy(&record.0).into_owned();
+        found.receivers.add(&side?, name, |a, b| {
+            let parts = Digests::from_bytes(&a.1).differences(&Digests::from_bytes(&b.1));
+            (!parts.is_empty()).then(|| format!(" ({})", parts.join(", ")))
+        });
+    }
+    diff_cells(&CellSource::probes(&of_a)?, &CellSource::probes(&of_b)?, &mut found.probes)?;
+    diff_cells(&CellSource::bounces(&of_a)?, &CellSource::bounces(&of_b)?, &mut found.bounces)?;
+    let order = |a: &&format::Entry, b: &&format::Entry| a.key().cmp(&b.key());
+    for side in union(unknown(a).map(Ok), unknown(b).map(Ok), order) {
+        let content = |entry: &format::Entry| (entry.schema, entry.items, entry.content);
+        found.unknown.add(&side?, |entry| entry.name(), |a, b| (content(a) != content(b)).then(String::new));
+    }
+    Ok(found)
+}
+
+/// The receivers' hashes by id.
+fn by_id(site: &OpenSite, workspace: &Workspace) -> Result<Sorted> {
+    let mut sorter = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
+    for row in Rows::<(Traced, Response)>::new(site) {
+        let row = row?;
+        sorter.push(row.receiver.id.as_bytes(), &Digests::of(&row).to_bytes())?;
+    }
+    sorter.finish()
+}
+
+fn diff_cells(a: &CellSource, b: &CellSource, found: &mut Parted) -> Result<()> {
+    for side in union(cells(a, |_, _| true), cells(b, |_, _| true), |a: &Cell, b: &Cell| a.key.cmp(&b.key)) {
+        found.add(&side?, |cell| cell_name(&cell.key), |a, b| (!same_cell(a, b)).then(String::new));
+    }
+    Ok(())
+}

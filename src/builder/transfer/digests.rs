@@ -1,0 +1,71 @@
+//! What can be compared of a receiver or a cell, as hashes.
+
+use crate::transfer::rows::{Row, Traced};
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::layers::response;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::site::cells::CellKey;
+
+/// Parts of a receiver, in the order of the hashes.
+const PARTS: [&str; 7] = ["place", "receivers", "sky", "hit", "response", "mirror", "canopy"];
+
+/// Hashes of a receiver's place and normal, of its other columns, and of its layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Digests([[u8; 32]; PARTS.len()]);
+
+impl Digests {
+    pub fn of(row: &Row<(Traced, Response)>) -> Self {
+        let (receiver, (traced, response)) = (&row.receiver, &row.layers);
+        let floats =
+            |part: [glam::DVec3; 2]| part.iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes).collect();
+        let place: Vec<u8> = floats([receiver.position, receiver.normal]);
+        let mut columns: Vec<u8> = receiver.area.unwrap_or_default().to_le_bytes().to_vec();
+        columns.extend(row.views.iter().flat_map(|view| view.to_le_bytes()));
+        columns.extend(receiver.surface.as_deref().unwrap_or_default().as_bytes());
+        // No key is all ones: the first bit of its bytes is 0.
+        let key = |key: &Option<CellKey>| key.map_or([u8::MAX; CellKey::BYTES], CellKey::to_bytes);
+        let hits: Vec<u8> = traced.hits.iter().flat_map(key).collect();
+        let sky = SkyTexture::pack(std::slice::from_ref(&traced.sky));
+        let response = response::pack(std::slice::from_ref(response));
+        let (mirror, canopy) = (traced.extras.mirrors.to_bytes(), traced.extras.canopy.to_bytes());
+        Digests([place, columns, sky, hits, response, mirror, canopy].map(|bytes| *blake3::hash(&bytes).as_bytes()))
+    }
+
+    /// Names of the parts that differ.
+    pub fn differences(&self, other: &Digests) -> Vec<&'static str> {
+        let parts = PARTS.into_iter().zip(self.0.iter().zip(&other.0));
+        parts.filter(|(_, (a, b))| a != b).map(|(name, _)| name).collect()
+    }
+
+    /// For sorting outside memory.
+    pub fn to_bytes(self) -> Vec<u8> {
+        self.0.concat()
+    }
+
+    /// Inverse of [`Digests::to_bytes`]; zeros stand for bytes that are missing.
+    pub fn from_bytes(bytes: &[u8]) -> Self {
+        let mut digests = [[0; 32]; PARTS.len()];
+        for (digest, bytes) in digests.iter_mut().zip(bytes.as_chunks().0) {
+            *digest = *bytes;
+        }
+        Digests(digests)
+    }
+}
+
+/// Whether two cells of one key hold the same; the order of rays means nothing.
+pub fn same_cell(a: &Cell, b: &Cell) -> bool {
+    let rays = |cell: &Cell| {
+        let mut seen = cell.seen.clone();
+        seen.sort_unstable();
+        seen
+    };
+    let bits = |cell: &Cell| cell.normal.map(f32::to_bits);
+    bits(a) == bits(b) && a.bits == b.bits && a.mirrors == b.mirrors && a.canopy == b.canopy && rays(a) == rays(b)
+}
+
+/// A cell as people read it: level/facing/material/voxel.
+pub fn cell_name(key: &CellKey) -> String {
+    let [x, y, z] = key.voxel;
+    format!("{}/{}/{}/{x},{y},{z}", key.level, key.facing, key.material)
+}

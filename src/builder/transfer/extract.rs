@@ -1,0 +1,76 @@
+//! The archive of some receivers of another one, with the cells that they need and no others.
+
+use std::path::Path;
+
+use crate::build::Workspace;
+use crate::observer::Observer;
+use crate::transfer::output::{Output, Written};
+use crate::transfer::reach::{Keys, Marks};
+use crate::transfer::rows::{Rows, Traced, cells};
+use crate::transfer::selection::Selection;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::{Archive, Manifest};
+use heliotile_core::error::Result;
+use heliotile_core::layers::response::Response;
+use heliotile_core::memory::Use;
+use heliotile_core::opened::{CellSource, OpenSite};
+
+/// What an extract did.
+#[derive(Clone, Debug)]
+pub struct Extracted {
+    pub written: Written,
+    pub of: Whole,
+}
+
+/// How much the archive holds that was extracted from.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole {
+    pub receivers: u64,
+    pub probes: u64,
+    pub bounce_cells: u64,
+}
+
+/// Writes the archive of some receivers: the bytes of a build of them alone.
+pub fn extract(
+    archive: &Archive,
+    selection: &Selection,
+    path: &Path,
+    workspace: &Workspace,
+    observer: &dyn Observer,
+) -> Result<Extracted> {
+    let Workspace { folder, memory } = workspace;
+    let site = OpenSite::of(archive)?;
+    let kept = selection.resolve(&site, folder, memory.length(Use::ReceiverList))?;
+    let budget = memory.length(Use::ExtractedKeys);
+    let keys = || Keys::new(folder, budget);
+
+    let mut output = Output::create(path, &[archive], observer)?;
+    let mut hits = keys();
+    output.tiles(Rows::<Traced>::chosen(&site, archive, &kept).map(|row| {
+        let row = row?;
+        let mut seen: Vec<_> = row.layers.reached().collect();
+        seen.sort_unstable();
+        seen.dedup();
+        seen.into_iter().try_for_each(|key| hits.push(key))?;
+        Ok(row)
+    }))?;
+    let (of_probes, of_bounces) = (CellSource::probes(&site)?, CellSource::bounces(&site)?);
+    let manifest = archive.manifest();
+    let (mut probes, mut bounces, mut seen) = (Marks::default(), Marks::default(), keys());
+    probes.add(&of_probes, ("hit", hits), |key| seen.push(key))?;
+    bounces.add_reachable(&of_bounces, ("probes", seen), keys)?;
+    let settings = &manifest.settings;
+    output.probes(settings.probe_hits, cells(&of_probes, |chunk, row| probes.contains(chunk, row)))?;
+    output.bounces(settings.bounce_hits, cells(&of_bounces, |chunk, row| bounces.contains(chunk, row)))?;
+    output.materials(archive)?;
+    output.responses(Rows::<Response>::chosen(&site, archive, &kept))?;
+    output.copy_unknown(&[archive])?;
+    let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
+    let written = output.finish(Manifest { accuracy, ..manifest.clone() })?;
+    let of = Whole {
+        receivers: manifest.receivers.count,
+        probes: manifest.counts.probes,
+        bounce_cells: manifest.counts.bounce_cells,
+    };
+    Ok(Extracted { written, of })
+}

@@ -1,0 +1,27 @@
+//! Archives from archives: a part of one (`extract`), two as one (`merge`), and what two do not share (`diff`). In: finished
+//! archives. Out: an archive with the very bytes that a build of its receivers has, or a list of differences.
+//!
+//! That is possible because a probe depends on the scene and its key only, and because tiles and chunks are cut from one
+//! sorted sequence: all work is merging or filtering of such sequences and packing them as the build does. Of receivers and
+//! cells only some tiles and chunks are in memory at a time, ids are sorted outside. No ray is cast.
+
+mod compare;
+mod conflicts;
+mod diff;
+mod digests;
+mod extract;
+mod merge;
+mod output;
+mod reach;
+mod rows;
+mod selection;
+mod union;
+
+pub use compare::Difference;
+pub use conflicts::listed;
+pub use diff::{Differences, Names, Parted, diff};
+pub use extract::{Extracted, Whole, extract};
+pub use merge::{Merged, merge};
+pub use output::Written;
+pub use rows::Rows;
+pub use selection::{Bounds, Selection};

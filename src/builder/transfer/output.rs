@@ -1,0 +1,202 @@
+//! An archive that is put together from receivers and cells of others, in the build's order of blocks.
+
+use std::fs;
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::observer::{Observer, Stage};
+use crate::pack;
+use crate::pack::Chunks;
+use crate::transfer::rows::{Row, Traced};
+use crate::writing::{Job, Summary, Writer};
+use heliotile_core::archive::{Archive, EncodedBlock, Manifest, format, manifest, tables};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::layers::cells::{Cell, Cells};
+use heliotile_core::layers::extras::ReceiverExtras;
+use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::response::Response;
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::site::receiver::TILE;
+
+/// The archive being written; the methods are called in the order in which they stand.
+pub struct Output<'a> {
+    observer: &'a dyn Observer,
+    writer: Writer,
+    receivers: u64,
+    tiles: u32,
+    cells: manifest::Counts,
+}
+
+/// What was written.
+#[derive(Clone, Debug)]
+pub struct Written {
+    pub receivers: u64,
+    pub tiles: u32,
+    pub cells: manifest::Counts,
+    pub summary: Summary,
+}
+
+impl<'a> Output<'a> {
+    pub fn create(path: &Path, inputs: &[&Archive], observer: &'a dyn Observer) -> Result<Self> {
+        let same = |archive: &&&Archive| match (fs::canonicalize(path), fs::canonicalize(archive.path())) {
+            (Ok(a), Ok(b)) => a == b,
+            _ => false,
+        };
+        if inputs.iter().find(same).is_some() {
+            let what = "is also an input, and would be replaced";
+            return Err(Error::input(path, None, what, "give the output a name of its own"));
+        }
+        let hash = |what: &[u8]| {
+            let mut hasher = blake3::Hasher::new();
+            hasher.update(what);
+            for archive in inputs {
+                hasher.update(&archive.root());
+            }
+            *hasher.finalize().as_bytes()
+        };
+        // It is written in one go, without checkpoints: the job only tells it from an interrupted build.
+        let job = Job { scene: hash(b"scene"), receivers: hash(b"receivers"), settings: hash(b"settings") };
+        let advice = "finish it with `heliotile build --resume`, remove it, or give the archive another name";
+        let writer = Writer::create(path, &job).map_err(|error| error.advise(advice))?;
+        Ok(Output { observer, writer, receivers: 0, tiles: 0, cells: manifest::Counts::default() })
+    }
+
+    /// Writes receivers, sky and hit layers.
+    pub fn tiles(&mut self, rows: impl Iterator<Item = Result<Row<Traced>>>) -> Result<()> {
+        (self.receivers, self.tiles) = self.cut("receivers", rows, |number, rows| {
+            let hits: Vec<_> = rows.iter().map(|row| row.layers.hits.as_slice()).collect();
+            let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
+            let table = tables::Receivers::new(rows.iter().map(|row| (&row.receiver, row.views)));
+            let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
+            pack::tile(number, &table, &sky, &HitTile::new(&hits), &extras)
+        })?;
+        Ok(())
+    }
+
+    /// Writes probes and their index.
+    pub fn probes(&mut self, rays: u32, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
+        self.cells.probes = self.chunks(Chunks::probes(rays as usize), cells)?;
+        Ok(())
+    }
+
+    /// Writes bounce cells and their index.
+    pub fn bounces(&mut self, rays: u32, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
+        self.cells.bounce_cells = self.chunks(Chunks::bounces(rays as usize), cells)?;
+        Ok(())
+    }
+
+    /// Writes the materials of an archive.
+    pub fn materials(&mut self, archive: &Archive) -> Result<()> {
+        let table = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+        self.writer.append(table.encode(format::MATERIALS, 0, pack::COMPRESSION)?)?;
+        if archive.has(format::OPTICS, 0) {
+            let table = tables::Optics::from_block(&archive.block(format::OPTICS, 0)?)?;
+            self.writer.append(table.encode(format::OPTICS, 0, pack::COMPRESSION)?)?;
+        }
+        if archive.has(format::MIRRORS, 0) {
+            let table = tables::Mirrors::from_block(&archive.block(format::MIRRORS, 0)?)?;
+            self.writer.append(table.encode(format::MIRRORS, 0, pack::COMPRESSION)?)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the responses of the receivers, in the same order as before.
+    pub fn responses(&mut self, rows: impl Iterator<Item = Result<Row<Response>>>) -> Result<()> {
+        self.cut("responses", rows, |number, rows| {
+            let responses: Vec<Response> = rows.iter().map(|row| row.layers.clone()).collect();
+            Ok(vec![pack::responses(number, &responses)?])
+        })?;
+        Ok(())
+    }
+
+    /// Copies the blocks of kinds that this release does not know; of equal names the first archive's.
+    pub fn copy_unknown(&mut self, archives: &[&Archive]) -> Result<()> {
+        let mut count = 0;
+        for archive in archives {
+            for entry in unknown(archive) {
+                if !self.writer.has(entry.kind, entry.tile) {
+                    self.writer.append(archive.copy(entry)?)?;
+                    count += 1;
+                }
+            }
+        }
+        if count > 0 {
+            self.observer.warn(&format!(
+                "{count} blocks of kinds that this release does not know were copied as they are; the tiles and chunks that \
+                 they may refer to have been cut anew"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Finishes with what a manifest states, its unknown keys too, and the counts of what was written.
+    pub fn finish(self, stated: Manifest) -> Result<Written> {
+        let Output { writer, receivers, tiles, cells, .. } = self;
+        let own = Manifest::new();
+        let manifest = Manifest {
+            creator: own.creator,
+            experimental: own.experimental,
+            receivers: manifest::ReceiverSummary {
+                count: receivers,
+                tile_size: TILE as u32,
+                tiles,
+                ..stated.receivers
+            },
+            counts: cells.clone(),
+            layers: writer.layers(),
+            ..stated
+        };
+        let summary = writer.finish(&manifest)?;
+        Ok(Written { receivers, tiles, cells, summary })
+    }
+
+    /// Cuts rows into tiles and writes the blocks of each. Returns the numbers of rows and tiles.
+    fn cut<L: Send + Sync>(
+        &mut self,
+        what: &'static str,
+        mut rows: impl Iterator<Item = Result<Row<L>>>,
+        pack: impl Fn(u32, &[Row<L>]) -> Result<Vec<EncodedBlock>> + Sync,
+    ) -> Result<(u64, u32)> {
+        let (mut count, mut tiles) = (0, 0);
+        let progress = Stage::begin(self.observer, what, None);
+        loop {
+            let some = TILE * rayon::current_num_threads();
+            let batch: Vec<Row<L>> = rows.by_ref().take(some).collect::<Result<_>>()?;
+            if batch.is_empty() {
+                return Ok((count, tiles));
+            }
+            progress.advance(batch.len() as u64);
+            let pack = |(i, rows)| pack(tiles + i as u32, rows);
+            let blocks: Vec<Vec<EncodedBlock>> = batch.par_chunks(TILE).enumerate().map(pack).collect::<Result<_>>()?;
+            count += batch.len() as u64;
+            tiles += blocks.len() as u32;
+            blocks.into_iter().flatten().try_for_each(|block| self.writer.append(block))?;
+        }
+    }
+
+    fn chunks(&mut self, mut chunks: Chunks, mut cells: impl Iterator<Item = Result<Cell>>) -> Result<u64> {
+        let progress = Stage::begin(self.observer, "cells", None);
+        loop {
+            let batch: Vec<Cell> = cells.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
+            progress.advance(batch.len() as u64);
+            if batch.is_empty() {
+                return chunks.finish(&mut self.writer);
+            }
+            let first = chunks.next();
+            let encode = |(i, cells): (usize, &[Cell])| {
+                let chunk = Cells::new(cells);
+                let blocks = chunks.encode(first + i as u32, &chunk)?;
+                Ok((chunk, blocks))
+            };
+            let done: Vec<(Cells, Vec<EncodedBlock>)> =
+                batch.par_chunks(chunks.size()).enumerate().map(encode).collect::<Result<_>>()?;
+            done.into_iter().try_for_each(|(chunk, blocks)| chunks.add(&chunk, blocks, &mut self.writer))?;
+        }
+    }
+}
+
+/// Blocks of an archive whose kinds this release does not know.
+pub fn unknown(archive: &Archive) -> impl Iterator<Item = &format::Entry> {
+    archive.entries().iter().filter(|entry| format::schema_of(entry.kind).is_none())
+}

@@ -1,0 +1,109 @@
+//! Which receivers of an archive are meant: those of a list, of a box, of some surfaces.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::spill::Sorter;
+use crate::transfer::conflicts::listed;
+use crate::transfer::rows::Rows;
+use crate::transfer::union::{Side, union};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
+use heliotile_scene::receiver_ids::ReceiverIds;
+
+/// Names that a message holds.
+const NAMED: usize = 10;
+
+/// A box of positions, its faces included; metres, input coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    pub low: DVec3,
+    pub high: DVec3,
+}
+
+/// A choice of receivers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Selection {
+    /// Ids in a column `receiver` of a CSV file.
+    Receivers(PathBuf),
+    /// Positions in a box, its faces included.
+    Bounds(Bounds),
+    /// Names of surfaces.
+    Surfaces(Vec<String>),
+}
+
+impl Selection {
+    /// For each receiver of an archive whether it is meant, in the archive's order, one byte each. Nobody, and names that do
+    /// not exist, are errors.
+    pub fn resolve(&self, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
+        let rows = Rows::<()>::new(site);
+        let kept = match self {
+            Selection::Receivers(file) => listed_in(file, site, folder, budget_bytes)?,
+            Selection::Bounds(Bounds { low, high }) => {
+                let inside = |p: DVec3| p.cmpge(*low).all() && p.cmple(*high).all();
+                rows.map(|row| Ok(inside(row?.receiver.position))).collect::<Result<_>>()?
+            }
+            Selection::Surfaces(names) => {
+                let mut missing: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+                let kept = rows.map(|row| {
+                    let surface = row?.receiver.surface.unwrap_or_default();
+                    missing.remove(surface.as_str());
+                    Ok(names.contains(&surface))
+                });
+                let kept: Vec<bool> = kept.collect::<Result<_>>()?;
+                let names: Vec<String> = missing.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
+                if !names.is_empty() {
+                    let what = format!("holds no receivers of {}", listed(missing.len() as u64, "surfaces", &names));
+                    return Err(Error::input(site.path(), None, what, "name surfaces as `receivers.csv` did"));
+                }
+                kept
+            }
+        };
+        if kept.contains(&true) {
+            return Ok(kept);
+        }
+        let hint = "choose a larger part; positions are in the coordinates of the scene file";
+        Err(Error::input(site.path(), None, "the selection holds none of the receivers", hint))
+    }
+}
+
+/// The receivers whose ids stand in a file.
+fn listed_in(file: &Path, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
+    let mut wanted = Sorter::new(folder, budget_bytes / 2).unique();
+    for id in ReceiverIds::open(file)? {
+        let (id, line) = id?;
+        wanted.push(id.as_bytes(), &(line as u64).to_le_bytes())?;
+    }
+    let mut held = Sorter::new(folder, budget_bytes / 2);
+    let mut count = 0_u64;
+    for row in Rows::<()>::new(site) {
+        held.push(row?.receiver.id.as_bytes(), &count.to_le_bytes())?;
+        count += 1;
+    }
+    let number = |payload: &[u8]| payload.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+    let mut kept = vec![false; count as usize];
+    let (mut missing, mut missing_count) = (Vec::new(), 0);
+    for side in union(wanted.finish()?, held.finish()?, |a, b| a.0.cmp(&b.0)) {
+        match side? {
+            Side::Both(_, (_, place)) => {
+                if let Some(kept) = kept.get_mut(number(&place) as usize) {
+                    *kept = true;
+                }
+            }
+            Side::Left((id, line)) => {
+                missing_count += 1;
+                if missing.len() < NAMED {
+                    missing.push(format!("{} (line {})", String::from_utf8_lossy(&id), number(&line)));
+                }
+            }
+            Side::Right(_) => {}
+        }
+    }
+    if missing_count == 0 {
+        return Ok(kept);
+    }
+    let what = format!("{} does not hold {}", site.path().display(), listed(missing_count, "receivers", &missing));
+    Err(Error::input(file, None, what, "remove these rows, or name the archive that holds them"))
+}

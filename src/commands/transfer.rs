@@ -1,0 +1,114 @@
+//! Parts of archives (`extract`, `merge`) and what two do not share (`diff`).
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::terminal::Terminal;
+use super::{Outcome, guard_archive, guard_output, say, workspace, workspace_beside};
+use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
+use heliotile_builder::transfer::{self, Difference, Differences, Selection, Written, listed};
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::Result;
+use heliotile_core::text::counted;
+
+/// `heliotile merge`.
+pub fn merge(args: &MergeArgs) -> Result<Outcome> {
+    guard_output(&args.output, &[&args.first, &args.second])?;
+    guard_archive(&args.output)?;
+    let [a, b] = [Archive::open_with(&args.first, args.io)?, Archive::open_with(&args.second, args.io)?];
+    let workspace = workspace_beside(&args.output, args.memory);
+    let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
+    let Written { receivers, tiles, cells, summary } = &merged.written;
+    say(&format!(
+        "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} of {}, {} of {}, {} of both\n  \
+         root {}\n",
+        args.output.display(),
+        counted(u64::from(*tiles), "tile"),
+        cells.probes,
+        cells.bounce_cells,
+        summary.bytes as f64 / 1e6,
+        merged.of_each[0],
+        args.first.display(),
+        merged.of_each[1],
+        args.second.display(),
+        merged.shared,
+        format::hex(&summary.root),
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile extract`.
+pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
+    let selection = selection(args);
+    let mut inputs = vec![args.archive.as_path()];
+    inputs.extend(args.receivers.as_deref());
+    guard_output(&args.output, &inputs)?;
+    guard_archive(&args.output)?;
+    let archive = Archive::open_with(&args.archive, args.io)?;
+    let workspace = workspace_beside(&args.output, args.memory);
+    let extracted = transfer::extract(&archive, &selection, &args.output, &workspace, &Terminal::default())?;
+    let Written { receivers, tiles, cells, summary } = &extracted.written;
+    say(&format!(
+        "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
+        args.output.display(),
+        extracted.of.receivers,
+        counted(u64::from(*tiles), "tile"),
+        cells.probes,
+        extracted.of.probes,
+        cells.bounce_cells,
+        extracted.of.bounce_cells,
+        summary.bytes as f64 / 1e6,
+        format::hex(&summary.root),
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// The choice of a command line, which makes exactly one.
+fn selection(args: &ExtractArgs) -> Selection {
+    match (&args.receivers, args.bbox) {
+        (Some(file), _) => Selection::Receivers(file.clone()),
+        (None, Some(bounds)) => Selection::Bounds(bounds),
+        (None, None) => Selection::Surfaces(args.surface.clone()),
+    }
+}
+
+/// `heliotile diff`: a difference is a finding (exit 1).
+pub fn diff(args: &DiffArgs) -> Result<Outcome> {
+    let [a, b] = [Archive::open_with(&args.first, args.io)?, Archive::open_with(&args.second, args.io)?];
+    let found = transfer::diff(&a, &b, &workspace(std::env::temp_dir(), args.memory))?;
+    say(&table(&found, args))?;
+    Ok(if found.is_equal() { Outcome::Fine } else { Outcome::ProblemFound })
+}
+
+/// The differences as a short table.
+fn table(found: &Differences, args: &DiffArgs) -> String {
+    let mut out = String::new();
+    let [a, b]: [&Path; 2] = [&args.first, &args.second];
+    if found.is_equal() {
+        let roots = match found.same_root {
+            true => "and so are the roots",
+            false => "but not the roots: cut or packed in another way, or written by another release",
+        };
+        return format!("equal, {roots}\n");
+    }
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "A {}\nB {}", a.display(), b.display());
+    for Difference { item, values: [a, b] } in &found.statements {
+        let _ = writeln!(out, "{item}: {a} in A, {b} in B");
+    }
+    for (what, parted) in [
+        ("receivers", &found.receivers),
+        ("probes (level/facing/material/voxel)", &found.probes),
+        ("bounce cells (level/facing/material/voxel)", &found.bounces),
+        ("blocks of unknown kinds", &found.unknown),
+    ] {
+        for (side, names) in
+            [("only in A", &parted.only_a), ("only in B", &parted.only_b), ("different", &parted.different)]
+        {
+            if names.count > 0 {
+                let _ = writeln!(out, "{side:<9}  {}", listed(names.count, what, &names.first));
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,226 @@
+//! The settings of a build. Each number is declared once, in [`for_each_setting`]: its name, its type in the manifest and in a program,
+//! its range, the rungs of its accuracy ladder from coarse to fine, and its meaning. The manifest's fields, `--set`, `info`, the ladder and
+//! the descriptions in `schema/manifest.schema.json` follow from that.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+
+/// Hands the declarations to a macro: attributes of the manifest's field, name, type in the manifest, type in a program, range, ladder and
+/// values of its rungs, meaning.
+#[macro_export]
+macro_rules! for_each_setting {
+    ($with:ident) => {
+        $with! {
+            sky_base: u32 as usize, PowerOfTwo(8, 1024), Sky [32, 64, 64, 128, 128, 128],
+                "Side of the receivers' sky texture before it is refined at edges.";
+            sky_fine: u32 as usize, PowerOfTwo(8, 4096), Sky [256, 512, 1024, 1024, 2048, 4096],
+                "Side of the finest level of the receivers' sky texture.";
+            hit: u32 as usize, PowerOfTwo(8, 256), Seen [8, 16, 16, 32, 32, 32, 64],
+                "Side of the hit texture.";
+            cell_factor: f64 as f64, Real(0.25, 64.0), Seen [4.0, 4.0, 2.0, 4.0, 2.0, 2.0, 2.0],
+                "Edge of a cell over the footprint of a hit texel.";
+            cell_floor_m: f64 as f64, Real(0.01, 256.0), Seen [2.0, 1.0, 0.5, 0.5, 0.5, 0.25, 0.125],
+                "Smallest edge of a cell that receivers see, metres.";
+            probe: u32 as usize, PowerOfTwo(8, 128), Seen [8, 16, 16, 32, 32, 64, 64],
+                "Side of a probe's sky texture, and of the response.";
+            probe_hits: u32 as usize, Whole(1, 4096), Bounced [4, 8, 8, 16, 16, 64],
+                "Rays of a probe to the surfaces around it.";
+            closed_m: f64 as f64, Real(0.5, 1024.0), Bounced [32.0, 32.0, 16.0, 8.0, 4.0, 2.0],
+                "Edge of the bounce cells at middle distance, which form the closed system, metres.";
+            bounce_sky: u32 as usize, PowerOfTwo(8, 64), Bounced [8, 8, 16, 16, 16, 16],
+                "Side of the sky texture of a bounce cell.";
+            bounce_hits: u32 as usize, Whole(1, 4096), Bounced [8, 8, 8, 32, 16, 64],
+                "Rays of a bounce cell to the surfaces around it.";
+            patches: u32 as usize, OneOf(&[145, 577, 2305]), Patches [145, 577, 2305],
+                "Sky patches that replay takes if it is not told otherwise; 0: not stated.";
+            #[serde(default, skip_serializing_if = "is_zero")]
+            steps: u16 as u16, Whole(1, 60), Sky [4, 6, 12, 12, 30, 60],
+                "Sun positions an hour that replay takes if it is not told otherwise; 0: not stated.";
+        }
+    };
+}
+
+/// What a number may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    PowerOfTwo(u32, u32),
+    Whole(u32, u32),
+    Real(f64, f64),
+    OneOf(&'static [u32]),
+}
+
+impl Range {
+    /// Whether it can have no part behind the point.
+    pub fn is_whole(self) -> bool {
+        !matches!(self, Range::Real(..))
+    }
+
+    /// Whether a number is inside.
+    pub fn contains(self, number: f64) -> bool {
+        let whole = number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number);
+        // Whole and in range.
+        let integer = number as u32;
+        match self {
+            Range::PowerOfTwo(low, high) => whole && integer.is_power_of_two() && (low..=high).contains(&integer),
+            Range::Whole(low, high) => whole && (low..=high).contains(&integer),
+            Range::Real(low, high) => (low..=high).contains(&number),
+            Range::OneOf(list) => whole && list.contains(&integer),
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Range::PowerOfTwo(low, high) => write!(f, "a power of two from {low} to {high}"),
+            Range::Whole(low, high) => write!(f, "{low} to {high}"),
+            Range::Real(low, high) => write!(f, "{low} to {high}"),
+            Range::OneOf(list) => {
+                let names: Vec<String> = list.iter().map(u32::to_string).collect();
+                match names.split_last() {
+                    Some((last, rest)) if !rest.is_empty() => write!(f, "{} or {last}", rest.join(", ")),
+                    _ => write!(f, "{}", names.concat()),
+                }
+            }
+        }
+    }
+}
+
+/// The source of error that a setting belongs to. Errors of different sources are independent, so each has a ladder of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ladder {
+    /// Sky textures: sun and sky seen directly or in mirrors.
+    Sky,
+    /// Cells that receivers see: one diffuse reflection.
+    Seen,
+    /// What cells see: further reflections.
+    Bounced,
+    /// The sky's own resolution at replay.
+    Patches,
+}
+
+/// The declaration of a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    pub name: &'static str,
+    pub meaning: &'static str,
+    pub range: Range,
+    pub ladder: Ladder,
+    /// Its value on each rung of its ladder, from coarse to fine.
+    pub rungs: &'static [f64],
+}
+
+macro_rules! declare {
+    ($($(#[$attribute:meta])* $name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
+        /// All numbers, in the order of the manifest's text.
+        pub const SETTINGS: &[Setting] = &[$(Setting {
+            name: stringify!($name),
+            meaning: $meaning,
+            range: Range::$range($($bound),*),
+            ladder: Ladder::$ladder,
+            rungs: as_f64!($rungs),
+        }),*];
+
+        /// The settings of a build, as the manifest states them.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        pub struct Settings {
+            /// Name of the rung of the accuracy ladder, such as `fine`; empty if the settings are not those of a named one.
+            pub quality: String,
+            $(#[doc = $meaning] $(#[$attribute])* pub $name: $stored,)*
+            /// Who shares probes: `cells`, or `none` for the reference with a hemisphere a hit.
+            pub share: String,
+            /// Bounces that the response holds: `all`, or a number.
+            pub bounces: String,
+            /// Effects that the scene has and that were not traced.
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            pub left_out: Vec<String>,
+            /// Keys that this release does not know.
+            #[serde(flatten)]
+            pub other: BTreeMap<String, Value>,
+        }
+
+        impl Settings {
+            /// The numbers with their declarations.
+            pub fn numbers(&self) -> impl Iterator<Item = (&'static Setting, f64)> {
+                SETTINGS.iter().zip([$(f64::from(self.$name)),*])
+            }
+        }
+    };
+}
+
+/// Numbers of any type as a list of f64.
+macro_rules! as_f64 {
+    ([$($number:literal),*]) => { &[$($number as f64),*] };
+}
+
+for_each_setting!(declare);
+
+// What serde calls.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(number: &u16) -> bool {
+    *number == 0
+}
+
+impl Settings {
+    /// Sky patches that replay takes if it is not told otherwise.
+    pub fn patches(&self) -> usize {
+        if self.patches > 0 { self.patches as usize } else { 577 }
+    }
+
+    /// Sun positions of an interval, the same.
+    pub fn steps(&self) -> u16 {
+        self.steps.max(1)
+    }
+
+    /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.
+    pub fn hash(&self) -> Result<[u8; 32]> {
+        let json = serde_json::to_vec(self).map_err(|e| Error::Unsupported {
+            what: "naming settings".to_string(),
+            found: e.to_string(),
+            supported: "what JSON can hold".to_string(),
+        })?;
+        Ok(*blake3::hash(&json).as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of the 12 numbers every rung lies in its range, rungs of one ladder are equally many (6, 7, 6, 3), and 0, -1 and NaN are in no range.
+    #[test]
+    fn rungs_lie_in_their_ranges() {
+        for setting in SETTINGS {
+            assert!(setting.rungs.iter().all(|rung| setting.range.contains(*rung)), "{}", setting.name);
+            assert!([0.0, -1.0, f64::NAN].iter().all(|wrong| !setting.range.contains(*wrong)), "{}", setting.name);
+            let count = match setting.ladder {
+                Ladder::Sky | Ladder::Bounced => 6,
+                Ladder::Seen => 7,
+                Ladder::Patches => 3,
+            };
+            assert_eq!(setting.rungs.len(), count, "{}", setting.name);
+        }
+        assert_eq!(SETTINGS.len(), 12);
+    }
+
+    /// The 12 descriptions and types of the JSON Schema are those that are declared here.
+    #[test]
+    fn the_schema_says_the_same() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../schema/manifest.schema.json");
+        let schema: Value = serde_json::from_slice(&std::fs::read(path).expect("a file")).expect("JSON");
+        let properties = &schema["properties"]["settings"]["properties"];
+        for setting in SETTINGS {
+            let stated = &properties[setting.name];
+            assert_eq!(stated["description"], setting.meaning, "{}", setting.name);
+            let kind = if setting.range.is_whole() { "integer" } else { "number" };
+            assert_eq!(stated["type"], kind, "{}", setting.name);
+        }
+        let more = ["quality", "share", "bounces", "left_out"];
+        assert_eq!(properties.as_object().expect("an object").len(), SETTINGS.len() + more.len());
+    }
+}

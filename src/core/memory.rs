@@ -1,0 +1,89 @@
+//! How the bytes of `--memory` are divided: one table for all commands. A test adds up what is alive at one time.
+
+/// Bytes to work in, besides a scene and its tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MemoryBudget(u64);
+
+/// What takes memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Receivers sorted along the Morton curve, from the beginning of a build to its end.
+    SortedReceivers,
+    /// Keys of cells that receivers see, while a build traces receivers and probes.
+    CellKeys,
+    /// Bounce cells, while a build traces them.
+    BounceCells,
+    /// Radiosities of the closed system.
+    Radiosity,
+    /// Tiles whose responses are derived together, and what they see.
+    TileGroup,
+    /// Sums by surface, while results are written.
+    SurfaceSums,
+    /// The receivers of a list, and those of an archive, while they are matched.
+    ReceiverList,
+    /// Names of receivers, while archives are merged; of one of two archives that are compared.
+    ReceiverIds,
+    /// One list of keys of cells, while an archive is extracted from.
+    ExtractedKeys,
+}
+
+impl Use {
+    /// Share of the whole, in sixteenths.
+    const fn sixteenths(self) -> u64 {
+        match self {
+            Use::SortedReceivers | Use::CellKeys | Use::BounceCells => 2,
+            Use::Radiosity | Use::TileGroup | Use::ReceiverList | Use::ReceiverIds | Use::ExtractedKeys => 4,
+            Use::SurfaceSums => 8,
+        }
+    }
+}
+
+/// What is alive together, by the time of its command when most is.
+pub const TOGETHER: [(&str, &[Use]); 6] = [
+    ("build, cells", &[Use::SortedReceivers, Use::CellKeys, Use::BounceCells]),
+    ("build, responses", &[Use::SortedReceivers, Use::Radiosity, Use::TileGroup]),
+    ("replay", &[Use::Radiosity, Use::TileGroup, Use::SurfaceSums]),
+    ("replay, choice of receivers", &[Use::ReceiverList]),
+    ("merge, diff", &[Use::ReceiverIds, Use::ReceiverIds]),
+    // Hits, what probes see, and two waves of what bounce cells see.
+    ("extract", &[Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys]),
+];
+
+impl MemoryBudget {
+    /// What commands take if they are not told otherwise: 4 GiB.
+    pub const DEFAULT: MemoryBudget = MemoryBudget(4 << 30);
+
+    /// So many bytes.
+    pub fn new(bytes: u64) -> Self {
+        MemoryBudget(bytes)
+    }
+
+    /// All of them.
+    pub fn total(self) -> u64 {
+        self.0
+    }
+
+    /// What one use of them may take, bytes.
+    pub fn share(self, of: Use) -> u64 {
+        self.0 / 16 * of.sixteenths()
+    }
+
+    /// The same as a length in memory.
+    pub fn length(self, of: Use) -> usize {
+        usize::try_from(self.share(of)).unwrap_or(usize::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is alive together takes at most all: 6 of 6 times.
+    #[test]
+    fn the_parts_add_up() {
+        let budget = MemoryBudget::new(1 << 30);
+        for (when, uses) in TOGETHER {
+            assert!(uses.iter().map(|of| budget.share(*of)).sum::<u64>() <= budget.total(), "{when}");
+        }
+    }
+}
