@@ -9,6 +9,7 @@ use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::replay::TileResult;
 use heliotile_core::site::receiver::Receiver;
 
@@ -30,11 +31,11 @@ pub struct ChosenTile {
 
 impl Chosen {
     /// The choice of a command line.
-    pub fn of(args: &RecombineArgs, archive: &Archive) -> Result<Self> {
+    pub fn of(args: &RecombineArgs, archive: &Archive, site: &OpenSite) -> Result<Self> {
         let Some(file) = &args.receivers else { return Ok(Chosen::new(archive, None)) };
         let folder = if args.output == Path::new("-") { std::env::temp_dir() } else { folder_of(&args.output).into() };
         let budget = MemoryBudget::new(args.memory.0).length(Use::ReceiverList);
-        let kept = Selection::Receivers(file.clone()).resolve(archive, &folder, budget)?;
+        let kept = Selection::Receivers(file.clone()).resolve(site, &folder, budget)?;
         Ok(Chosen::new(archive, Some(kept)))
     }
 
@@ -66,10 +67,14 @@ impl Chosen {
     }
 
     /// The chosen receivers, in the order of results.
-    pub fn receivers<'a>(&'a self, archive: &'a Archive) -> impl Iterator<Item = Result<Receiver>> + 'a {
+    pub fn receivers<'a>(
+        &'a self,
+        archive: &'a Archive,
+        site: &OpenSite<'a>,
+    ) -> impl Iterator<Item = Result<Receiver>> + use<'a> {
         let rows = match &self.kept {
-            Some(kept) => Rows::<()>::chosen(archive, kept),
-            None => Rows::new(archive),
+            Some(kept) => Rows::<()>::chosen(site, archive, kept),
+            None => Rows::new(site),
         };
         rows.map(|row| Ok(row?.receiver))
     }

@@ -15,6 +15,7 @@ use heliotile_builder::transfer::Rows;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::maps::{Light, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::weather::conditions::Condition;
@@ -57,10 +58,11 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
             // Before the archive: a wrong weather file is found at once.
             let overlay = overlay(args, &image)?;
             let archive = Archive::open_with(&args.archive, args.io)?;
-            let view = ReceiverView::load(&archive, id)?;
+            let site = OpenSite::of(&archive)?;
+            let view = ReceiverView::load(&site, id)?;
             let bytes = match image {
                 Image::Png => fisheye(&view, &overlay)?,
-                Image::Exr => layers(args, &archive, &view)?,
+                Image::Exr => layers(args, (&archive, &site), &view)?,
             };
             let mut sink = Sink::file(&args.output)?;
             sink.write_all(&bytes).map_err(Error::io(&args.output, "write to"))?;
@@ -71,7 +73,7 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
 }
 
 /// Maps of a receiver as EXR.
-fn layers(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Result<Vec<u8>> {
+fn layers(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &ReceiverView) -> Result<Vec<u8>> {
     let light = match args.sun {
         None => None,
         Some(sun) => {
@@ -81,11 +83,11 @@ fn layers(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Result<V
             let direction = sun.direction();
             let condition = Condition::new("export".into(), &[direction], direction, args.dni, args.dhi);
             let patches = args.patches.unwrap_or_else(|| archive.manifest().settings.patches());
-            Some(Light::new(archive, condition, args.sky, patches, args.bounces)?)
+            Some(Light::new(site, condition, args.sky, patches, args.bounces)?)
         }
     };
     let folder = folder_of(&args.output);
-    let maps = maps(archive, view, light.as_ref(), args.memory.0 / 2, folder)?;
+    let maps = maps(site, view, light.as_ref(), args.memory.0 / 2, folder)?;
     exr(&maps, &about(args, archive, view))
 }
 
@@ -96,7 +98,10 @@ fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<Strin
     about.insert("receiver".into(), json!(receiver.id));
     about.insert("position_m".into(), json!(receiver.position.to_array()));
     about.insert("normal".into(), json!(receiver.normal.to_array()));
-    about.insert("materials".into(), json!(view.materials.name));
+    about.insert(
+        "materials".into(),
+        json!(view.materials.iter().map(|material| material.name.as_str()).collect::<Vec<_>>()),
+    );
     about.insert("archive_root".into(), json!(format::hex(&archive.root())));
     if let Some(sun) = args.sun {
         about.insert("sun_azimuth_deg".into(), json!(sun.azimuth_deg));
@@ -139,7 +144,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
 fn view_factors(args: &ExportArgs) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, args.io)?;
     let mut table = ViewFactorTable::create(&args.output)?;
-    for row in Rows::<()>::new(&archive) {
+    for row in Rows::<()>::new(&OpenSite::of(&archive)?) {
         let row = row?;
         table.row(&row.receiver.id, row.views)?;
         if table.is_closed() {

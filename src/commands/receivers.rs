@@ -160,7 +160,7 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
                 "see where the parts of the scene lie (`heliotile info` of each): one may be below the terrain, or in another unit"
             }
         };
-        return Err(Error::input(Path::new("--on"), None, what.trim_end(), hint));
+        return Err(Error::argument("--on", what.trim_end(), hint));
     }
     Ok(covered)
 }
@@ -190,13 +190,13 @@ impl Wanted {
                 (_, None, Some(material)) => wanted.materials.push(material as u16),
                 (_, None, None) => {
                     let what = format!("there is no kind of surface and no material `{name}`");
-                    return Err(Error::input(Path::new("--on"), None, what, wanted.choice(materials, surfaces)));
+                    return Err(Error::argument("--on", what, wanted.choice(materials, surfaces)));
                 }
             }
         }
         if !surfaces.list.iter().any(|surface| wanted.contains(surface)) {
             let what = format!("the scene has no surface of {}", names.join(", "));
-            return Err(Error::input(Path::new("--on"), None, what, wanted.choice(materials, surfaces)));
+            return Err(Error::argument("--on", what, wanted.choice(materials, surfaces)));
         }
         Ok(wanted)
     }

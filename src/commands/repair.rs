@@ -12,8 +12,8 @@ use heliotile_builder::writing::copy::copy_whole;
 use heliotile_core::archive;
 use heliotile_core::archive::{Access, Archive, Blocks, format, tables};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::load::settings;
 use heliotile_core::memory::Use;
+use heliotile_core::opened::SiteSettings;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 
@@ -63,7 +63,8 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     interrupt::watch();
     // Under a name of its own until it is known to be what it was.
     let repaired = with_ending(output, ".repaired");
-    let settings = BuildSettings::of(settings(&archive)?);
+    SiteSettings::of(&archive.manifest().settings, archive.path())?;
+    let settings = BuildSettings::of(&archive.manifest().settings);
     let plan = Plan { accuracy: archive.manifest().accuracy.clone(), ..Plan::of(settings) };
     let to = Output { start: Start::GoOn, ..Output::new(repaired.clone()) };
     let root = archive.root();

@@ -14,9 +14,9 @@ use crate::outputs::table::{Format, Places, TableWriter, files_of};
 use heliotile_builder::observer::Stage;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::load::{lets_through, materials};
 use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes, Follow};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -24,9 +24,9 @@ use heliotile_core::weather::apart::far_apart;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::{Condition, read_conditions};
 use heliotile_core::weather::formats::weather_file::{read_weather, read_weather_with_air};
+use heliotile_core::weather::row::Row;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::temperatures::emissions;
-use heliotile_core::weather::weather::Row;
 use heliotile_core::weather::years::Years;
 
 /// What results are made of.
@@ -148,13 +148,11 @@ fn access(args: &RecombineArgs) -> Access {
 }
 
 /// Schedules of reflectances and transmittances over the conditions.
-fn schedules(archive: &Archive, series: &Series) -> Result<Vec<Schedule>> {
+fn schedules(site: &OpenSite, series: &Series) -> Result<Vec<Schedule>> {
     if series.changes.is_empty() {
         return Ok(Vec::new());
     }
-    let materials = materials(archive)?;
-    let lets_through = lets_through(archive, materials.rows())?;
-    let changeable = Changeable { site: archive.path(), materials: &materials, lets_through: &lets_through };
+    let changeable = Changeable { site: site.path(), materials: site.materials() };
     let (rows, chosen) = series.rows;
     if rows.is_empty() {
         return series.changes.constant(&changeable, series.conditions.len());
@@ -177,13 +175,14 @@ fn open(args: &RecombineArgs) -> Result<Archive> {
 /// Streams all tiles into a table.
 fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
     let labels = series.labels;
-    let chosen = Chosen::of(args, archive)?;
+    let site = OpenSite::of(archive)?;
+    let chosen = Chosen::of(args, archive, &site)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
     let layout = Layout { labels: series.kind, by: args.by, components };
     let mut means = match args.by {
         By::Receiver => None,
         By::Surface => {
-            let surfaces = Surfaces::new(chosen.receivers(archive), &args.archive)?;
+            let surfaces = Surfaces::new(chosen.receivers(archive, &site), &args.archive)?;
             Some(SurfaceMeans::new(
                 surfaces,
                 layout.components(),
@@ -199,11 +198,11 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
         components: layout.components.set(),
         memory_bytes: args.memory.0,
     };
-    let schedules = schedules(archive, series)?;
-    let replay = Replay::scheduled(archive, series.conditions, settings, series.bins, &schedules)?;
+    let schedules = schedules(&site, series)?;
+    let replay = Replay::scheduled(&site, series.conditions, settings, series.bins, &schedules)?;
     let names = || match &means {
         Some(means) => Ok(means.surfaces().names().to_vec()),
-        None => chosen.receivers(archive).map(|receiver| Ok(receiver?.id)).collect(),
+        None => chosen.receivers(archive, &site).map(|receiver| Ok(receiver?.id)).collect(),
     };
     let count = means.as_ref().map_or(chosen.count(), |means| means.surfaces().names().len() as u64);
     let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names })?;

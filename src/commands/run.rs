@@ -25,6 +25,7 @@ use heliotile_builder::settings::{BuildSettings, Effects};
 use heliotile_builder::transfer::Rows;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::apart::far_apart;
@@ -149,21 +150,22 @@ fn fits(
 
 /// Sums over the weather file of all receivers, in the archive's order.
 fn annual(archive: &Archive, weather: &Weather, memory_bytes: u64) -> Result<Vec<AnnualRow>> {
+    let site = OpenSite::of(archive)?;
     let conditions = weather.conditions(usize::from(archive.manifest().settings.steps()));
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let bins = Periods::new(Every::Total, years, &stamped).bins();
     let settings =
         ReplaySettings { patches: archive.manifest().settings.patches(), memory_bytes, ..ReplaySettings::default() };
-    let replay = Replay::summed(archive, &conditions, settings, &bins)?;
+    let replay = Replay::summed(&site, &conditions, settings, &bins)?;
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(archive.manifest().receivers.count));
     let mut rows = Vec::new();
-    let mut receivers = Rows::<()>::new(archive);
+    let mut receivers = Rows::<()>::new(&site);
     for result in replay.results(0..replay.tiles()) {
         let values = result?.1;
         for (i, row) in receivers.by_ref().take(values.receivers()).enumerate() {
-            let sum = |component: Component| values.row(component as usize, i).first().copied().unwrap_or_default();
+            let sum = |component: Component| values.row(component, i).first().copied().unwrap_or_default();
             rows.push(AnnualRow { receiver: row?.receiver, kwh_m2: Component::ALL.map(sum) });
         }
         progress.advance(values.receivers() as u64);

@@ -31,6 +31,22 @@ pub enum Error {
         got: String,
         expected: String,
     },
+    /// Blocks that are each as they were written do not fit together: what was checked when they were read does not hold.
+    Defect {
+        path: PathBuf,
+        /// Name of the block that says something of another, such as `probes/3`.
+        block: String,
+        /// Its part.
+        field: &'static str,
+        what: String,
+    },
+    /// An option or an argument has a value that cannot be used.
+    Argument {
+        /// As the user writes it: `--set`.
+        argument: String,
+        what: String,
+        hint: String,
+    },
     /// The file or the request is valid, but this release cannot do it.
     Unsupported { what: String, found: String, supported: String },
     /// A number is beyond a stated limit.
@@ -46,6 +62,16 @@ impl Error {
         hint: impl Into<String>,
     ) -> Self {
         Error::Input { file: file.to_path_buf(), line: line.into(), what: what.into(), hint: hint.into() }
+    }
+
+    /// A broken invariant of a block.
+    pub fn defect(path: &Path, block: impl Into<String>, field: &'static str, what: impl Into<String>) -> Self {
+        Error::Defect { path: path.to_path_buf(), block: block.into(), field, what: what.into() }
+    }
+
+    /// A wrong value of an option or of an argument.
+    pub fn argument(argument: impl Into<String>, what: impl Into<String>, hint: impl Into<String>) -> Self {
+        Error::Argument { argument: argument.into(), what: what.into(), hint: hint.into() }
     }
 
     /// What the command that runs offers where an interrupted build lies.
@@ -85,6 +111,14 @@ impl fmt::Display for Error {
                 path.display(),
                 path.display()
             ),
+            Error::Defect { path, block, field, what } => write!(
+                f,
+                "{}: block {block}, {field}: {what}: a fault of the program, or a file that was forged\n  \
+                 to fix: run `heliotile verify --deep {}`; if it finds nothing, report this defect with the archive's root",
+                path.display(),
+                path.display()
+            ),
+            Error::Argument { argument, what, hint } => write!(f, "{argument}: {what}\n  to fix: {hint}"),
             Error::Unsupported { what, found, supported } => {
                 write!(f, "{what}: found {found}, this release supports {supported}")
             }
@@ -101,5 +135,20 @@ impl std::error::Error for Error {
             Error::Io { source, .. } => Some(source),
             _ => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both messages of two lines name what is wrong and what to do: a defect its file, block and field, an argument the option.
+    #[test]
+    fn messages() {
+        let text = Error::defect(Path::new("a.helio"), "probes/3", "seen", "names no cell").to_string();
+        assert!(text.starts_with("a.helio: block probes/3, seen: names no cell: a fault of the program"), "{text}");
+        assert_eq!((text.lines().count(), text.contains("verify --deep a.helio")), (2, true));
+        let text = Error::argument("--set", "hit is 3", "give a power of two from 8 to 256").to_string();
+        assert_eq!(text, "--set: hit is 3\n  to fix: give a power of two from 8 to 256");
     }
 }

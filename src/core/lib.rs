@@ -6,6 +6,7 @@ pub mod hemisphere;
 pub mod layers;
 pub mod light;
 pub mod memory;
+pub mod opened;
 pub mod replay;
 pub mod site;
 pub mod sky;

@@ -88,7 +88,7 @@ impl ArrowTable {
         let names = DictionaryArray::<Int32Type>::try_new(places.collect::<Vec<_>>().into(), self.names.clone())?;
         let mut columns: Vec<ArrayRef> = vec![Arc::new(labels), Arc::new(names)];
         for component in self.components.as_slice() {
-            columns.push(Arc::new(Float32Array::from(values.component(*component as usize).to_vec())));
+            columns.push(Arc::new(Float32Array::from(values.component(*component).to_vec())));
         }
         RecordBatch::try_new(self.schema.clone(), columns)
     }

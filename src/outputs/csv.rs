@@ -41,8 +41,7 @@ impl CsvTable {
     }
 
     fn rows_of(&self, name: &str, receiver: usize, values: &TileValues) -> Vec<u8> {
-        let columns: Vec<&[f32]> =
-            self.components.as_slice().iter().map(|c| values.row(*c as usize, receiver)).collect();
+        let columns: Vec<&[f32]> = self.components.as_slice().iter().map(|c| values.row(*c, receiver)).collect();
         let mut text = Vec::with_capacity(self.labels.len() * (name.len() + 64));
         for (i, label) in self.labels.iter().enumerate() {
             text.extend_from_slice(label.as_bytes());

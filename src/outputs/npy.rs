@@ -41,7 +41,7 @@ pub(super) fn array_bytes(values: &TileValues, components: &[Component]) -> Vec<
     let size = values.labels() * components.len() * size_of::<f32>();
     let mut bytes = vec![0; values.receivers() * size];
     bytes.par_chunks_mut(size.max(1)).enumerate().for_each(|(receiver, out)| {
-        let columns: Vec<&[f32]> = components.iter().map(|c| values.row(*c as usize, receiver)).collect();
+        let columns: Vec<&[f32]> = components.iter().map(|c| values.row(*c, receiver)).collect();
         for (label, out) in out.chunks_exact_mut(components.len() * size_of::<f32>()).enumerate() {
             for (column, out) in columns.iter().zip(out.chunks_exact_mut(size_of::<f32>())) {
                 out.copy_from_slice(&column.get(label).copied().unwrap_or_default().to_le_bytes());

@@ -126,7 +126,7 @@ impl Table for ParquetTable {
                 }),
                 _ => {
                     let component = self.components.as_slice().get(i - 2);
-                    let parts = component.map(|c| values.component(*c as usize)).into_iter();
+                    let parts = component.map(|c| values.component(*c)).into_iter();
                     self.encode(column, parts, write_floats)
                 }
             })

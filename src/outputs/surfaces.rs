@@ -7,7 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
@@ -143,7 +143,7 @@ impl SurfaceMeans {
             for (row, (place, share)) in places.iter().zip(shares).enumerate() {
                 let first = *place as usize * labels;
                 let sums = sums.get_mut(first..first + labels).unwrap_or_default();
-                let values = values.row(*component as usize, row);
+                let values = values.row(*component, row);
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * f64::from(*value));
             }
         });
@@ -151,14 +151,12 @@ impl SurfaceMeans {
 
     /// The means: names of some surfaces and their values, all other components zero.
     pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues)> + '_ {
-        let components: Vec<Component> = self.sums.iter().map(|(component, _)| *component).collect();
-        let set = ComponentSet::of(&components);
         self.surfaces.names.chunks(SURFACES_AT_ONCE).enumerate().map(move |(i, names)| {
-            let mut values = TileValues::of(set, names.len(), self.labels);
+            let mut values = TileValues::new(names.len(), self.labels);
             let first = i * SURFACES_AT_ONCE * self.labels;
             for (component, sums) in &self.sums {
                 let here = sums.iter().skip(first);
-                let target = values.component_mut(*component as usize);
+                let target = values.component_mut(*component);
                 target.iter_mut().zip(here).for_each(|(value, sum)| *value = *sum as f32);
             }
             (names.to_vec(), values)
@@ -196,8 +194,8 @@ mod tests {
         for pair in [[1.0, 2.0], [4.0, 5.0]] {
             let mut values = TileValues::new(2, 2);
             for (row, value) in pair.into_iter().enumerate() {
-                values.row_mut(6, row).copy_from_slice(&[value, -value]);
-                values.row_mut(0, row).fill(9.0);
+                values.row_mut(Component::Total, row).copy_from_slice(&[value, -value]);
+                values.row_mut(Component::SunDirect, row).fill(9.0);
             }
             means.add(&values);
         }
@@ -205,8 +203,8 @@ mod tests {
         assert_eq!(tiles.len(), 1);
         let (names, values) = &tiles[0];
         assert_eq!(names, &["lawn", "wall"]);
-        assert_eq!(values.component(6), [3.5, -3.5, 3.25, -3.25]);
-        assert!(values.component(0).iter().all(|v| *v == 0.0));
+        assert_eq!(values.component(Component::Total), [3.5, -3.5, 3.25, -3.25]);
+        assert!(values.component(Component::SunDirect).iter().all(|v| *v == 0.0));
     }
 
     /// 130 surfaces come as tiles of 64, 64 and 2.
@@ -217,11 +215,11 @@ mod tests {
         let mut means = SurfaceMeans::new(surfaces(&receivers).expect("surfaces"), &[Component::SunDirect], 1, 2000)
             .expect("memory");
         let mut values = TileValues::new(130, 1);
-        values.component_mut(0).iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
+        values.component_mut(Component::SunDirect).iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
         means.add(&values);
         let tiles: Vec<_> = means.tiles().collect();
         assert_eq!(tiles.iter().map(|t| t.0.len()).collect::<Vec<_>>(), [64, 64, 2]);
-        let all: Vec<f32> = tiles.iter().flat_map(|t| t.1.component(0).to_vec()).collect();
+        let all: Vec<f32> = tiles.iter().flat_map(|t| t.1.component(Component::SunDirect).to_vec()).collect();
         assert_eq!(all, (0..130).rev().map(|i| i as f32).collect::<Vec<_>>());
     }
 

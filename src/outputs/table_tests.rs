@@ -4,7 +4,7 @@ use super::*;
 use crate::outputs::layout::{By, Labels};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
-use heliotile_core::replay::components::ComponentList;
+use heliotile_core::replay::components::{Component, ComponentList};
 
 /// All columns.
 fn all(labels: Labels) -> Layout {
@@ -41,7 +41,7 @@ pub(in crate::outputs) fn value(c: usize, r: usize, l: usize) -> f32 {
 pub(in crate::outputs) fn tile(first: usize, receivers: usize, labels: usize) -> TileValues {
     let mut t = TileValues::new(receivers, labels);
     for c in 0..7 {
-        let cells = t.component_mut(c);
+        let cells = t.component_mut(Component::ALL[c]);
         for r in 0..receivers {
             for l in 0..labels {
                 cells[r * labels + l] = value(c, first + r, l);

@@ -5,9 +5,10 @@ use std::fs;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::bounces::Depth;
-use heliotile_core::light::load::cached_responses;
-use heliotile_core::light::load::{Tables, tile_view};
 use heliotile_core::light::responder::Responder;
+use heliotile_core::light::tables::Tables;
+use heliotile_core::light::tile_view::TileView;
+use heliotile_core::opened::OpenSite;
 
 use crate::scenes::*;
 
@@ -42,13 +43,17 @@ fn bytes_depend_on_content_only() {
 fn cached_response_is_the_derived_one() {
     let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &fine());
     let archive = Archive::open(&site.path).expect("an archive");
-    let tables = Tables::load(&archive).expect("tables");
+    let tables = Tables::of(&OpenSite::of(&archive).expect("a site")).expect("tables");
     let responder = Responder::new(&tables, Depth::All, 1 << 30, &std::env::temp_dir()).expect("a responder");
-    let views: Vec<_> = (0..archive.tiles()).map(|tile| tile_view(&archive, tile).expect("a tile")).collect();
+    let views: Vec<_> = (0..archive.tiles())
+        .map(|tile| TileView::read(&OpenSite::of(&archive).expect("a site"), tile).expect("a tile"))
+        .collect();
     let mut compared = 0;
     for (tile, states) in responder.derive(&tables, &views).expect("responses").iter().enumerate() {
         let derived = &states[0];
-        for (derived, cached) in derived.iter().zip(&cached_responses(&archive, tile as u32).expect("responses")) {
+        for (derived, cached) in
+            derived.iter().zip(&OpenSite::of(&archive).expect("a site").tile_responses(tile as u32).expect("responses"))
+        {
             for (a, b) in derived.values.iter().zip(&cached.values) {
                 assert!((a - b).abs() <= 5e-4 * a.abs() + 1e-7, "{a} {b}");
                 compared += 1;

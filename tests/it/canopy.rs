@@ -13,6 +13,8 @@ use heliotile_core::archive::{Archive, encode, format};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::light::states::Schedule;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::maps::{Light, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -47,10 +49,13 @@ fn columns(
     let archive = Archive::open(path).expect("an archive");
     let settings = ReplaySettings { sky, memory_bytes: 1 << 28, ..ReplaySettings::default() };
     let bins = Bins::each(conditions.len());
-    let replay = Replay::scheduled(&archive, conditions, settings, &bins, schedules).expect("a replay");
+    let replay = Replay::scheduled(&OpenSite::of(&archive).expect("a site"), conditions, settings, &bins, schedules)
+        .expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
-        let row = |r: usize| (0..7).map(|c| values.row(c, r).iter().map(|v| f64::from(*v)).collect()).collect();
+        let row = |r: usize| {
+            (0..7).map(|c| values.row(Component::ALL[c], r).iter().map(|v| f64::from(*v)).collect()).collect()
+        };
         ids.into_iter().enumerate().map(|(r, id)| (id, row(r))).collect::<Vec<_>>()
     });
     rows.collect()
@@ -202,11 +207,13 @@ fn maps_add_up() {
     let condition = sun(140.0, 50.0, 800.0, 150.0);
     let rows = columns(&site.path, std::slice::from_ref(&condition), SkyModel::Uniform, &[]);
     let archive = Archive::open(&site.path).expect("an archive");
-    let light = Light::new(&archive, condition, SkyModel::Uniform, 577, Depth::All).expect("a light");
+    let light = Light::new(&OpenSite::of(&archive).expect("a site"), condition, SkyModel::Uniform, 577, Depth::All)
+        .expect("a light");
     let mut dimmed = 0;
     for (id, row) in &rows {
-        let view = ReceiverView::load(&archive, id).expect("a receiver");
-        let maps = maps(&archive, &view, Some(&light), 1 << 28, &std::env::temp_dir()).expect("maps");
+        let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver");
+        let maps = maps(&OpenSite::of(&archive).expect("a site"), &view, Some(&light), 1 << 28, &std::env::temp_dir())
+            .expect("maps");
         let channel = |part: &str, name: &str| {
             let map = maps.iter().find(|map| map.name == part)?;
             map.channels.iter().find(|channel| channel.name == name).map(|channel| &channel.values)
@@ -391,10 +398,12 @@ fn hostile_bytes() {
             found += usize::from(!report.problems.is_empty());
             let archive = Archive::open(&bad).expect("an archive");
             let settings = ReplaySettings { memory_bytes: 1 << 28, ..ReplaySettings::default() };
-            let replay = Replay::scheduled(&archive, conditions, settings, &Bins::each(2), &schedule);
+            let site = OpenSite::of(&archive);
+            let replay =
+                site.and_then(|site| Replay::scheduled(&site, conditions, settings, &Bins::each(2), &schedule));
             match replay.and_then(|replay| replay.run(0..1)) {
                 Err(_) => refused += 1,
-                Ok(tiles) => assert!(tiles[0].1.component(6).iter().all(|v| v.is_finite())),
+                Ok(tiles) => assert!(tiles[0].1.component(Component::Total).iter().all(|v| v.is_finite())),
             }
             std::fs::remove_file(&bad).expect("removed");
         }

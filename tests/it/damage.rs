@@ -10,7 +10,8 @@ use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSE
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Error;
 use heliotile_core::light::bounces::Depth;
-use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
 use rayon::prelude::*;
@@ -51,10 +52,10 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
             components: ComponentSet::ALL,
             memory_bytes: 1 << 26,
         };
-        let replay = Replay::new(&archive, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
+        let replay = Replay::new(&OpenSite::of(&archive)?, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
         for (ids, values) in replay.run(0..replay.tiles())? {
             for row in 0..ids.len() {
-                answers.extend((0..7).map(|component| values.row(component, row)[0].to_bits()));
+                answers.extend(Component::ALL.map(|component| values.row(component, row)[0].to_bits()));
             }
         }
     }

@@ -9,6 +9,8 @@ use glam::DVec3;
 use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::maps::{Light, Map, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -34,11 +36,12 @@ fn weighted(maps: &[Map], map: &str, name: &str) -> f64 {
 
 fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, Depth, &[f64; 4])>) -> Vec<Map> {
     let archive = Archive::open(path).expect("an archive");
-    let view = ReceiverView::load(&archive, id).expect("a receiver");
+    let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver");
     let light = light.map(|(sky, depth, &[azimuth, altitude, dni, dhi])| {
-        Light::new(&archive, sun(azimuth, altitude, dni, dhi), sky, 577, depth).expect("a light")
+        Light::new(&OpenSite::of(&archive).expect("a site"), sun(azimuth, altitude, dni, dhi), sky, 577, depth)
+            .expect("a light")
     });
-    maps(&archive, &view, light.as_ref(), 1 << 28, &std::env::temp_dir()).expect("maps")
+    maps(&OpenSite::of(&archive).expect("a site"), &view, light.as_ref(), 1 << 28, &std::env::temp_dir()).expect("maps")
 }
 
 /// Five receivers among twelve blocks, three suns, two skies, one and all bounces: each of the columns is the sum of its map times
@@ -115,7 +118,7 @@ fn maps_of_mirrors_sum_to_results() {
         let archive = Archive::open(&site.path).expect("an archive");
         let conditions = [sun(light[0], light[1], light[2], light[3])];
         let settings = ReplaySettings { sky: model, depth, ..ReplaySettings::default() };
-        let replay = Replay::new(&archive, &conditions, settings).expect("a replay");
+        let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay");
         for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
             for (row, id) in ids.iter().enumerate() {
                 let maps = maps_of(&site.path, id, Some((model, depth, &light)));
@@ -136,7 +139,7 @@ fn maps_of_mirrors_sum_to_results() {
                 .into_iter()
                 .enumerate()
                 {
-                    let expected = f64::from(values.row(column, row)[0]);
+                    let expected = f64::from(values.row(Component::ALL[column], row)[0]);
                     let sum = if sees || map != "mirror" { weighted(&maps, map, name) } else { 0.0 };
                     let most = if ["sky_direct", "sky_specular"].contains(&name) { 5e-3 } else { 1e-3 };
                     if expected > 1.0 {
@@ -217,7 +220,10 @@ fn fisheye_shows_what_is_there() {
     let site = between_walls();
     let archive = Archive::open(&site.path).expect("an archive");
     let draw = |id: &str, overlay: &Overlay| {
-        decoded(&fisheye(&ReceiverView::load(&archive, id).expect("a receiver"), overlay).expect("a picture"))
+        decoded(
+            &fisheye(&ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver"), overlay)
+                .expect("a picture"),
+        )
     };
     let (up, south) = (draw("up", &Overlay::default()), draw("south", &Overlay::default()));
     assert_eq!((up.0, up.1.len()), (900, 900 * 980 * 3));
@@ -243,7 +249,9 @@ fn fisheye_shows_what_is_there() {
     let triangles = [ground(5000.0, 0.0, 0), wall(-10.0, 2), wall(20.0, 0)].concat();
     let clad = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
     let clad = crate::export::site(&clad, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
-    let view = ReceiverView::load(&Archive::open(&clad.path).expect("an archive"), "up").expect("a receiver");
+    let view =
+        ReceiverView::load(&OpenSite::of(&Archive::open(&clad.path).expect("an archive")).expect("a site"), "up")
+            .expect("a receiver");
     let mirrored = decoded(&fisheye(&view, &Overlay::default()).expect("a picture"));
     assert_eq!([pixel(&mirrored, 190.0, 40.0), pixel(&mirrored, 355.0, 22.0)], [MIRROR, GROUND]);
     let place = Place::new(52.0, 0.0, 0.0, 0.0).expect("a place");

@@ -12,6 +12,7 @@ use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
@@ -155,7 +156,8 @@ fn lying_settings_are_refused() {
             components: ComponentSet::ALL,
             memory_bytes: 1 << 28,
         };
-        let replay = Replay::new(&copy, &[sun(90.0, 60.0, 800.0, 100.0)], settings);
+        let conditions = [sun(90.0, 60.0, 800.0, 100.0)];
+        let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
         replay.and_then(|replay| replay.run(0..1).map(drop)).err().map_or(String::new(), |error| error.to_string())
     };
     let depths = [Depth::All, Depth::Count(1)];
@@ -210,7 +212,8 @@ fn forged(archive: &Archive, kind: u32, path: &Path, change: &dyn Fn(&mut Rows))
 fn refusal_of(path: &Path, depth: Depth) -> Option<String> {
     let copy = Archive::open(path).expect("an archive");
     let settings = ReplaySettings { patches: 145, depth, memory_bytes: 1 << 28, ..ReplaySettings::default() };
-    let replay = Replay::new(&copy, &[sun(90.0, 60.0, 800.0, 100.0)], settings);
+    let conditions = [sun(90.0, 60.0, 800.0, 100.0)];
+    let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
     replay.and_then(|replay| replay.run(0..replay.tiles()).map(drop)).err().map(|error| error.to_string())
 }
 

@@ -7,10 +7,11 @@ use std::process::Output;
 use glam::DVec3;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::longwave::Emission;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::emission::Emission;
 
 use crate::cli::{Folder, golden, stdout};
 use crate::scenes::*;
@@ -30,10 +31,10 @@ fn longwave(site: &Site, condition: Condition) -> BTreeMap<String, f64> {
     let archive = Archive::open(&site.path).expect("an archive");
     let components = ComponentSet::of(&[Component::Longwave]);
     let settings = ReplaySettings { components, ..ReplaySettings::default() };
-    let replay = Replay::new(&archive, &[condition], settings).expect("a replay");
+    let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &[condition], settings).expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
-        let row = |r: usize| f64::from(values.row(Component::Longwave as usize, r)[0]);
+        let row = |r: usize| f64::from(values.row(Component::Longwave, r)[0]);
         ids.into_iter().enumerate().map(|(r, id)| (id, row(r))).collect::<Vec<_>>()
     });
     rows.collect()

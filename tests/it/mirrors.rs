@@ -11,6 +11,7 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter};
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::light::fresnel;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::components::Component::{SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -59,12 +60,13 @@ impl Built {
         depth: Depth,
     ) -> BTreeMap<String, Vec<f64>> {
         let settings = ReplaySettings { sky, depth, ..ReplaySettings::default() };
-        let replay = Replay::new(&self.archive, conditions, settings).expect("a replay");
+        let replay =
+            Replay::new(&OpenSite::of(&self.archive).expect("a site"), conditions, settings).expect("a replay");
         let mut rows = BTreeMap::new();
         for tile in replay.results(0..replay.tiles()) {
             let (ids, values) = tile.expect("a tile");
             for (i, id) in ids.into_iter().enumerate() {
-                let row = values.row(component as usize, i).iter().map(|&v| f64::from(v)).collect();
+                let row = values.row(component, i).iter().map(|&v| f64::from(v)).collect();
                 rows.insert(id, row);
             }
         }

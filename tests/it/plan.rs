@@ -9,6 +9,7 @@ use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::settings::{BuildSettings, Effect, Effects};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, unit};
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component::Total;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Material};
@@ -48,11 +49,11 @@ fn built(scene: &Scene, receivers: &[Receiver], left_out: Effects) -> (tempfile:
 /// Totals of all receivers and conditions, under the light that bounds are stated for.
 fn totals(archive: &Archive, suns: &[Condition]) -> Vec<f64> {
     let settings = ReplaySettings { sky: SkyModel::Uniform, patches: 145, ..ReplaySettings::default() };
-    let replay = Replay::new(archive, suns, settings).expect("a replay");
+    let replay = Replay::new(&OpenSite::of(archive).expect("a site"), suns, settings).expect("a replay");
     let mut found = Vec::new();
     for tile in replay.results(0..replay.tiles()) {
         let (ids, values) = tile.expect("a tile");
-        (0..ids.len()).for_each(|i| found.extend(values.row(Total as usize, i).iter().map(|&v| f64::from(v))));
+        (0..ids.len()).for_each(|i| found.extend(values.row(Total, i).iter().map(|&v| f64::from(v))));
     }
     found
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
-use heliotile_core::light::load::materials;
 use heliotile_core::light::states::Schedule;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
@@ -29,10 +30,11 @@ fn totals(site: &Site, schedules: &[Schedule]) -> BTreeMap<String, Vec<f64>> {
     let archive = Archive::open(&site.path).expect("an archive");
     let (conditions, settings) = (conditions(), ReplaySettings { memory_bytes: 1 << 28, ..ReplaySettings::default() });
     let bins = Bins::each(conditions.len());
-    let replay = Replay::scheduled(&archive, &conditions, settings, &bins, schedules).expect("a replay");
+    let replay = Replay::scheduled(&OpenSite::of(&archive).expect("a site"), &conditions, settings, &bins, schedules)
+        .expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
-        let row = |r: usize| values.row(6, r).iter().map(|v| f64::from(*v)).collect();
+        let row = |r: usize| values.row(Component::Total, r).iter().map(|v| f64::from(*v)).collect();
         ids.into_iter().enumerate().map(|(r, id)| (id, row(r))).collect::<Vec<_>>()
     });
     rows.collect()
@@ -111,8 +113,8 @@ fn mirrors_leave_less() {
         BuildSettings { sky_base: 16, sky_fine: 32, hit: 8, probe: 8, cell_floor_m: 4.0, ..BuildSettings::default() };
     let site = site(&mirror_town(), &many()[..4], &coarse);
     let archive = Archive::open(&site.path).expect("an archive");
-    let materials = materials(&archive).expect("materials");
-    let changeable = Changeable { site: &site.path, materials: &materials, lets_through: &[] };
+    let opened = OpenSite::of(&archive).expect("a site");
+    let changeable = Changeable { site: &site.path, materials: opened.materials() };
     for (name, value, most) in [
         ("glass", 0.76, None),
         ("glass", 0.77, Some("0.7645")),

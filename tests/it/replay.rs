@@ -6,7 +6,8 @@ use heliotile_core::hemisphere::bilinear;
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
-use heliotile_core::light::load::cached_responses;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::replay::tile::visible_cosines;
 use heliotile_core::sky::disc::disc_texels;
@@ -40,7 +41,7 @@ fn receivers(archive: &Archive) -> Vec<Receiver> {
     let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
     let raw = archive.block(format::SKY, 0).expect("sky");
     let sky = SkyTexture::unpack(raw.bytes(), table.ids.len(), base, fine).expect("bits");
-    let responses = cached_responses(archive, 0).expect("responses");
+    let responses = OpenSite::of(archive).expect("a site").tile_responses(0).expect("responses");
     let rows = table.normal.iter().zip(sky).zip(responses).take(RECEIVERS);
     rows.map(|((n, sky), response)| Receiver { normal: DVec3::from(*n), sky, response }).collect()
 }
@@ -87,7 +88,8 @@ fn plain_path() {
     let conditions = read_epw(&weather).expect("weather").conditions(1);
     let replay = |bins: &Bins| {
         let settings = ReplaySettings::default();
-        let replay = Replay::summed(&archive, &conditions, settings, bins).expect("a replay");
+        let replay =
+            Replay::summed(&OpenSite::of(&archive).expect("a site"), &conditions, settings, bins).expect("a replay");
         replay.run(0..1).expect("a tile").remove(0).1
     };
     let hours = replay(&Bins::each(conditions.len()));
@@ -137,9 +139,9 @@ fn plain_path() {
                 let floor = 0.01 * (c.dhi_w_m2 + c.dni_w_m2 * c.sky_sun.z);
                 let error = |got: f32, expected: f64| (f64::from(got) - expected).abs() / expected.max(floor).max(1e-9);
                 for (k, &value) in expected.iter().enumerate() {
-                    worst = worst.max(error(hours.row(k, i)[hour], value));
+                    worst = worst.max(error(hours.row(Component::ALL[k], i)[hour], value));
                 }
-                worst = worst.max(error(hours.row(6, i)[hour], expected.iter().sum()));
+                worst = worst.max(error(hours.row(Component::Total, i)[hour], expected.iter().sum()));
             }
             worst
         })
@@ -149,11 +151,11 @@ fn plain_path() {
 
     let year = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
     let sums = replay(&year);
-    let largest = (0..RECEIVERS).map(|i| sums.row(6, i)[0]).fold(0.0, f32::max);
+    let largest = (0..RECEIVERS).map(|i| sums.row(Component::Total, i)[0]).fold(0.0, f32::max);
     for i in 0..RECEIVERS {
         for k in 0..7 {
-            let summed: f64 = hours.row(k, i).iter().map(|v| f64::from(*v) * 1e-3).sum();
-            let got = f64::from(sums.row(k, i)[0]);
+            let summed: f64 = hours.row(Component::ALL[k], i).iter().map(|v| f64::from(*v) * 1e-3).sum();
+            let got = f64::from(sums.row(Component::ALL[k], i)[0]);
             assert!((got - summed).abs() < 1e-4 * f64::from(largest), "{k} {i}: {got} {summed}");
         }
     }

@@ -7,10 +7,13 @@ use heliotile_core::hemisphere::bit;
 use heliotile_core::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
 use heliotile_core::layers::cells::Cells;
 use heliotile_core::light::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
-use heliotile_core::light::load::{CellSource, Tables, TileView, tile_view};
 use heliotile_core::light::responder::Responder;
 use heliotile_core::light::response::hit_weights;
-use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::light::tables::Tables;
+use heliotile_core::light::tile_view::TileView;
+use heliotile_core::opened::CellSource;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::sky::SkyModel;
@@ -100,7 +103,7 @@ struct All<'a> {
 
 impl<'a> All<'a> {
     fn load(archive: &'a Archive) -> Self {
-        let tables = Tables::load(archive).expect("tables");
+        let tables = Tables::of(&OpenSite::of(archive).expect("a site")).expect("tables");
         let all = |source: &CellSource| {
             let chunk = |chunk| source.chunk(chunk).expect("a chunk");
             Cells::join(&(0..source.chunks()).map(chunk).collect::<Vec<_>>())
@@ -112,7 +115,7 @@ impl<'a> All<'a> {
 
 /// What a source sends to a receiver by a plain loop over the cells it sees.
 fn plain(all: &All, view: &TileView, index: usize, sky: &Source, cells: &[f64]) -> f64 {
-    let (shape, hits, probes) = (all.tables.shape, &view.hits, &all.probes);
+    let (shape, hits, probes) = (all.tables.settings, &view.hits, &all.probes);
     let per = shape.hit * shape.hit;
     let texels = &hits.texels[index * per..(index + 1) * per];
     let centres = centres_f32(shape.probe);
@@ -126,7 +129,7 @@ fn plain(all: &All, view: &TileView, index: usize, sky: &Source, cells: &[f64]) 
         let (above, below) = seen(probes.hits_of(probe), None);
         let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * cells[row_of(c)]).sum::<f64>();
         let indirect = around.up * gather(&above) + around.down * gather(&below);
-        let rho = all.tables.reflectors[usize::from(key.material)].diffuse;
+        let rho = all.tables.mirrors.reflectors[usize::from(key.material)].diffuse;
         sum += weight * rho * (sky(shape.probe, bits, probes.normals[probe]) + indirect);
     }
     sum
@@ -151,10 +154,10 @@ fn response_equals_plain_loop() {
     let archive = Archive::open(&site.path).expect("an archive");
     let all = All::load(&archive);
     let (tables, bounces) = (&all.tables, &all.bounces);
-    let view = tile_view(&archive, 0).expect("a tile");
+    let view = TileView::read(&OpenSite::of(&archive).expect("a site"), 0).expect("a tile");
     let folder = tempfile::tempdir().expect("a folder");
     let responder = Responder::new(tables, Depth::All, 1 << 30, folder.path()).expect("a responder");
-    let rho = |i: usize| tables.reflectors[usize::from(bounces.keys[i].material)].diffuse;
+    let rho = |i: usize| tables.mirrors.reflectors[usize::from(bounces.keys[i].material)].diffuse;
     let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
     let responses: Vec<Vec<[f32; 3]>> = tiles[0][0].iter().map(|response| response.vectors()).collect();
 
@@ -162,20 +165,20 @@ fn response_equals_plain_loop() {
     let mut largest = 0.0_f64;
     for s in suns() {
         // Bounce cells have coarser textures, read at the finer texel centres first, as the response is.
-        let corners = bilinear(s, tables.shape.probe);
+        let corners = bilinear(s, tables.settings.probe);
         let sun = |n: usize, bits: &[u8], normal: [f32; 3]| {
-            if n == tables.shape.probe {
+            if n == tables.settings.probe {
                 return bit_at(bits, &corners) * cosine(normal, s);
             }
-            let fine = texel_centres(tables.shape.probe);
+            let fine = texel_centres(tables.settings.probe);
             let at = |t: usize| bit_at(bits, &bilinear(fine[t], n));
             corners.iter().map(|&(t, w)| at(t) * w).sum::<f64>() * cosine(normal, s)
         };
         let cells = radiosities(
             bounces,
-            tables.shape.bounce_sky,
+            tables.settings.bounce_sky,
             &rho,
-            &|bits, normal| sun(tables.shape.bounce_sky, bits, normal),
+            &|bits, normal| sun(tables.settings.bounce_sky, bits, normal),
             200,
         );
         for (r, response) in responses.iter().enumerate() {
@@ -193,13 +196,13 @@ fn response_equals_plain_loop() {
         sum * HEMISPHERE_SR / (n * n) as f64
     };
     // A uniform sky of unit radiance; the coarse cells' textures are read at the response's texels here too.
-    let fine = texel_centres(tables.shape.probe);
+    let fine = texel_centres(tables.settings.probe);
     let coarse = |bits: &[u8], normal: [f32; 3]| {
-        let n = tables.shape.bounce_sky;
+        let n = tables.settings.bounce_sky;
         let sum: f64 = fine.iter().map(|d| bit_at(bits, &bilinear(*d, n)) * cosine(normal, *d)).sum();
         sum * HEMISPHERE_SR / fine.len() as f64
     };
-    let cells = radiosities(bounces, tables.shape.bounce_sky, &rho, &coarse, 200);
+    let cells = radiosities(bounces, tables.settings.bounce_sky, &rho, &coarse, 200);
     for (r, response) in responses.iter().enumerate() {
         let flux = |(d, g): (&DVec3, &[f32; 3])| d.dot(DVec3::from(g.map(f64::from)));
         let got = fine.iter().zip(response).map(flux).sum::<f64>() * HEMISPHERE_SR / fine.len() as f64;
@@ -220,10 +223,10 @@ fn few_bounces_equal_plain_loop() {
     let archive = Archive::open(&site.path).expect("an archive");
     let all = All::load(&archive);
     let (tables, bounces) = (&all.tables, &all.bounces);
-    let view = tile_view(&archive, 0).expect("a tile");
+    let view = TileView::read(&OpenSite::of(&archive).expect("a site"), 0).expect("a tile");
     let folder = tempfile::tempdir().expect("a folder");
-    let rho = |i: usize| tables.reflectors[usize::from(bounces.keys[i].material)].diffuse;
-    let (probe, coarse) = (tables.shape.probe, tables.shape.bounce_sky);
+    let rho = |i: usize| tables.mirrors.reflectors[usize::from(bounces.keys[i].material)].diffuse;
+    let (probe, coarse) = (tables.settings.probe, tables.settings.bounce_sky);
     let fine = texel_centres(probe);
     let mut before = vec![0.0; 200];
     for count in 1..=3 {
@@ -304,10 +307,11 @@ fn sums_are_the_sums_of_hours() {
     let weight = |i: usize| 0.5 + 0.01 * i as f64;
     let bins = Bins { count: 5, of_condition: (0..200).map(|i| (i * 7 % 5, weight(i))).collect() };
     let run = |replay: Replay| replay.run(0..1).expect("a tile").remove(0).1;
-    let hours = run(Replay::new(&archive, &conditions, settings).expect("a replay"));
-    let sums = run(Replay::summed(&archive, &conditions, settings, &bins).expect("a replay"));
+    let hours = run(Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay"));
+    let sums =
+        run(Replay::summed(&OpenSite::of(&archive).expect("a site"), &conditions, settings, &bins).expect("a replay"));
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
-    for component in 0..7 {
+    for component in Component::ALL {
         for receiver in 0..20 {
             let mut plain = [0.0_f64; 5];
             for (i, mean) in hours.row(component, receiver).iter().enumerate() {

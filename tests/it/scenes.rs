@@ -15,7 +15,8 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::memory::MemoryBudget;
-use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Glass, Material};
 use heliotile_core::site::receiver::Receiver;
@@ -257,17 +258,17 @@ pub fn replay(
 ) -> BTreeMap<String, Vec<Row>> {
     let archive = Archive::open(path).expect("an archive");
     let settings = ReplaySettings { sky, patches, depth, components: ComponentSet::ALL, memory_bytes: 1 << 30 };
-    let replay = Replay::new(&archive, conditions, settings).expect("a replay");
+    let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), conditions, settings).expect("a replay");
     let mut rows = BTreeMap::new();
     for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
         for (r, id) in ids.into_iter().enumerate() {
-            let at = |component: usize, c: usize| f64::from(values.row(component, r)[c]);
+            let at = |component: Component, c: usize| f64::from(values.row(component, r)[c]);
             let row = |c: usize| Row {
-                sun_direct: at(0, c),
-                sky_direct: at(1, c),
-                sun_diffuse: at(2, c),
-                sky_diffuse: at(3, c),
-                total: at(6, c),
+                sun_direct: at(Component::SunDirect, c),
+                sky_direct: at(Component::SkyDirect, c),
+                sun_diffuse: at(Component::SunDiffuse, c),
+                sky_diffuse: at(Component::SkyDiffuse, c),
+                total: at(Component::Total, c),
             };
             rows.insert(id, (0..conditions.len()).map(row).collect());
         }

@@ -13,7 +13,7 @@ use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, en
 use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::response::Response;
 use heliotile_core::light::bounces::Depth;
-use heliotile_core::light::load::cached_responses;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::sky::SkyModel;
 use serde_json::json;
@@ -275,7 +275,9 @@ fn diff_names_what_changed() {
     // The same told another way: 15 receivers see sky or far ground only, and keep their light.
     let responses = |name: &str| -> Vec<Response> {
         let archive = Archive::open(&folder.path(name)).expect("an archive");
-        (0..archive.tiles()).flat_map(|tile| cached_responses(&archive, tile).expect("responses")).collect()
+        (0..archive.tiles())
+            .flat_map(|tile| OpenSite::of(&archive).expect("a site").tile_responses(tile).expect("responses"))
+            .collect()
     };
     let (before, after) = (responses("a.helio"), responses("b.helio"));
     let changed = before.iter().zip(&after).filter(|(a, b)| a != b).count();

@@ -14,6 +14,7 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::memory::Use;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
@@ -91,23 +92,24 @@ impl Bench<'_> {
             memory_bytes: self.workspace.memory.total(),
             ..ReplaySettings::default()
         };
-        let all = Replay::new(&archive, conditions, settings(Depth::All))?;
+        let site = OpenSite::of(&archive)?;
+        let all = Replay::new(&site, conditions, settings(Depth::All))?;
         for tile in all.results(0..all.tiles()) {
             let (ids, values) = tile?;
             for receiver in 0..ids.len() {
-                let six: [&[f32]; 6] = std::array::from_fn(|component| values.row(component, receiver));
+                let six: [&[f32]; 6] = std::array::from_fn(|c| values.row(Component::ALL[c], receiver));
                 rows.extend((0..conditions.len()).map(|i| {
                     let [a, b, c, d, e, f] = six.map(|of| of[i]);
                     [a, b, c, d, e, f, 0.0, 0.0]
                 }));
             }
         }
-        let once = Replay::new(&archive, conditions, settings(Depth::Count(1)))?;
+        let once = Replay::new(&site, conditions, settings(Depth::Count(1)))?;
         let mut next = 0;
         for tile in once.results(0..once.tiles()) {
             let (ids, values) = tile?;
             for receiver in 0..ids.len() {
-                let [sun, sky] = diffuse.map(|component| values.row(component as usize, receiver));
+                let [sun, sky] = diffuse.map(|component| values.row(component, receiver));
                 for (sun, sky) in sun.iter().zip(sky) {
                     rows[next][6] = *sun;
                     rows[next][7] = *sky;

@@ -2,6 +2,8 @@
 //! Nothing but their keys stays in memory.
 
 use std::borrow::Cow;
+use std::io;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -18,10 +20,10 @@ use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
 use crate::trace::surroundings::{Seen, SurroundingSettings, Surroundings, surroundings};
 use crate::writing::Writer;
 use heliotile_core::archive::{Blocks, format, tables};
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::{Cell, Cells};
-use heliotile_core::light::load::cells_of;
 use heliotile_core::memory::Use;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::site::cells::{CellKey, CellSet, level_of};
 
 /// Bounce cells traced at a time.
@@ -100,8 +102,8 @@ impl SiteTracer<'_> {
         let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen);
         let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
         let normal = probe.normal.as_vec3().to_array();
-        let extras = [mirrors.to_bytes(probe.bits.len()), canopy_of_cell(&crossings, texture.n, seen.seen.len())];
-        (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), extras }, cast)
+        let canopy = canopy_of_cell(&crossings, texture.n, seen.seen.len());
+        (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), mirrors, canopy }, cast)
     }
 
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
@@ -142,11 +144,13 @@ impl SiteTracer<'_> {
         drop(progress);
         drop(met);
         let mut chunks = Chunks::bounces(s.bounce_hits);
-        let bytes = (s.bounce_sky * s.bounce_sky).div_ceil(8);
         let mut sorted = sorter.finish()?.peekable();
         while sorted.peek().is_some() {
-            let cell =
-                |record: Result<(Vec<u8>, Vec<u8>)>| record.map(|(key, cell)| Cell::from_bytes(&key, &cell, bytes));
+            let cell = |record: Result<(Vec<u8>, Vec<u8>)>| {
+                let (key, cell) = record?;
+                let damage = || Error::io(&self.folder, "read a temporary file in")(io::ErrorKind::InvalidData.into());
+                Cell::from_bytes(&key, &cell, s.bounce_sky * s.bounce_sky).ok_or_else(damage)
+            };
             let batch: Vec<Cell> = sorted.by_ref().take(chunks.batch()).map(cell).collect::<Result<_>>()?;
             let keys: Vec<CellKey> = batch.iter().map(|c| c.key).collect();
             let traced = |keys: &[CellKey]| {
@@ -171,13 +175,14 @@ impl SiteTracer<'_> {
         mut see: impl FnMut(&Cells),
     ) -> Result<Cast> {
         let first = chunks.next();
+        let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
         let done: Vec<Result<_>> = keys
             .par_chunks(chunks.size())
             .enumerate()
             .map(|(i, keys)| {
                 let number = first + i as u32;
                 if writer.has(chunks.kind(), number) {
-                    return Ok((cells_of(writer, &writer.block(chunks.kind(), number)?)?, Vec::new(), Cast::default()));
+                    return Ok((site.cells(chunks.kind(), number)?, Vec::new(), Cast::default()));
                 }
                 let (traced, cast) = trace(keys);
                 let chunk = Cells::new(&traced);

@@ -13,7 +13,7 @@ use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{Effect, EffectChoice, Effects};
 use heliotile_core::error::Result;
 use heliotile_core::light::fresnel::specular;
-use heliotile_core::light::response::Reflector;
+use heliotile_core::light::reflector::Reflector;
 use heliotile_core::site::chain::MOST_MIRRORS;
 
 /// Light that bounds are stated for, W/m2: of the sun at normal incidence and of a uniform sky on open ground.

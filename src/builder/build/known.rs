@@ -1,16 +1,18 @@
 //! What earlier builds of the same scene with the same settings have traced. In: their archives, whole or damaged. Out: layers of
-//! receivers and cells, so that nothing is traced twice. Every block is checked before it is used; what is damaged is not there.
+//! receivers and cells, so that nothing is traced twice. Every block is checked before it is used; what is damaged is not there: errors
+//! are passed over on purpose.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::archive::{Archive, format};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::Cell;
-use heliotile_core::layers::extras::Extras;
+use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::sky::SkyTexture;
-use heliotile_core::light::load::{CellSource, hits_of, settings, tile_extras, tile_sky};
+use heliotile_core::opened::{CellSource, OpenSite, SiteFacts};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
 
@@ -20,7 +22,7 @@ pub(super) struct KnownReceiver {
     /// The bits that `sky` describes.
     pub dense: BitSquare,
     pub hits: Vec<Option<CellKey>>,
-    pub extras: Extras,
+    pub extras: ReceiverExtras,
 }
 
 /// Archives to look things up in.
@@ -30,9 +32,8 @@ pub(super) struct Known<'a> {
 }
 
 struct Earlier<'a> {
-    archive: &'a Archive,
-    /// Side of the hit texture.
-    hit: usize,
+    /// The scene's materials and mirrors: the archive's own tables may be damaged.
+    site: OpenSite<'a>,
     /// Tile and row by [`place_hash`].
     receivers: HashMap<u128, (u32, u32)>,
     probes: Option<CellSource<'a>>,
@@ -40,28 +41,30 @@ struct Earlier<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// All archives must be of one scene, with a number of materials and with or without mirrors, and have the same settings.
-    pub fn new(archives: &'a [Archive], materials: usize, mirrors: bool) -> Self {
+    /// All archives must be of the scene of some facts, and have the same settings. A table, a block or a whole archive that is damaged is
+    /// passed over: what it held is traced again.
+    pub fn new(archives: &'a [Archive], scene: &SiteFacts) -> Self {
         let earlier = |archive: &'a Archive| {
             // A release that did not follow mirrors wrote no table of them.
-            if archive.has(format::MIRRORS, 0) != mirrors {
+            if archive.has(format::MIRRORS, 0) == scene.orientations().is_empty() {
                 return None;
             }
-            let settings = settings(archive).ok()?;
+            let manifest = archive.manifest();
+            let stated = (&manifest.settings, manifest.scene.origin_m.into(), &manifest.receivers);
+            let (materials, orientations) = (scene.materials().to_vec(), scene.orientations().to_vec());
+            let facts = SiteFacts::given(archive.path(), stated, materials, orientations).ok()?;
+            let site = OpenSite::over(archive, Arc::new(facts));
             let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
-                let block = archive.block(format::RECEIVERS, tile);
-                let Ok(table) = block.and_then(|block| tables::Receivers::from_block(&block)) else {
-                    return Vec::new();
-                };
+                // A damaged tile is no known one.
+                let Ok(table) = site.tile_receivers(tile) else { return Vec::new() };
                 let hashes = table.position.iter().zip(&table.normal).map(|(p, n)| place_hash(p, n));
                 hashes.zip(0..).map(|(hash, row)| (hash, (tile, row))).collect()
             };
             Some(Earlier {
-                archive,
-                hit: settings.hit as usize,
                 receivers: (0..archive.tiles()).into_par_iter().flat_map_iter(places).collect(),
-                probes: CellSource::probes(archive, settings, materials).ok(),
-                bounces: CellSource::bounces(archive, settings, materials).ok(),
+                probes: CellSource::probes(&site).ok(),
+                bounces: CellSource::bounces(&site).ok(),
+                site,
             })
         };
         Known { earlier: archives.iter().filter_map(earlier).collect() }
@@ -107,7 +110,7 @@ impl<'a> Known<'a> {
         let mut found: Vec<Cell> = Vec::new();
         let mut missing = keys.to_vec();
         for source in self.earlier.iter().filter_map(source) {
-            found.extend(source.find(&missing));
+            found.extend(whole_cells(source, &missing));
             found.sort_unstable_by_key(|cell| cell.key);
             missing.retain(|key| found.binary_search_by_key(key, |cell| cell.key).is_err());
         }
@@ -118,14 +121,25 @@ impl<'a> Known<'a> {
 impl Earlier<'_> {
     /// Layers of a tile; `None` if they are damaged.
     fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
-        let hit = self.archive.block(format::HIT, tile).ok()?;
-        let count = hit.items() as usize;
-        let hits = hits_of(&hit, count, self.hit).ok()?;
-        let textures = tile_sky(self.archive, tile, count).ok()?;
-        let extras = tile_extras(self.archive, tile, count).ok()?;
+        let count = self.site.block(format::HIT, tile).ok()?.items() as usize;
+        let hits = self.site.tile_hits(tile, count).ok()?;
+        let textures = self.site.tile_sky_textures(tile, count).ok()?;
+        let extras = self.site.tile_extras(tile, count).ok()?;
         let layers = textures.into_iter().zip(hits.split(count)).zip(extras);
         Some(layers.map(|(((sky, dense), hits), extras)| Some(KnownReceiver { sky, dense, hits, extras })).collect())
     }
+}
+
+/// Those of some cells, sorted by key, whose chunks are whole; damaged ones are passed over.
+fn whole_cells(source: &CellSource, keys: &[CellKey]) -> Vec<Cell> {
+    let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| source.chunk_of(a) == source.chunk_of(b)).collect();
+    let found = |part: &[CellKey]| -> Vec<Cell> {
+        let Some(Ok(cells)) = part.first().and_then(|key| source.chunk_of(key)).map(|chunk| source.chunk(chunk)) else {
+            return Vec::new();
+        };
+        part.iter().filter_map(|key| cells.keys.binary_search(key).ok()).map(|row| cells.cell(row)).collect()
+    };
+    parts.into_par_iter().flat_map_iter(found).collect()
 }
 
 /// What a receiver's layers depend on besides scene and settings: its place and normal, bit by bit.

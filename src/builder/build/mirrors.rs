@@ -49,7 +49,7 @@ impl SiteTracer<'_> {
         let origin = lifted(view.position, view.normal, self.tracer);
         let mut windows = Vec::new();
         for (chain, texels) in reflections.reached(&around, base, rays) {
-            let Some(map) = chain.seen_from(reflections.orientations()) else { continue };
+            let map = reflections.seen_from(&chain);
             let low = |axis: fn(&(u32, u32)) -> u32| texels.iter().map(axis).min().unwrap_or(0);
             let high = |axis: fn(&(u32, u32)) -> u32| texels.iter().map(axis).max().unwrap_or(0);
             let (column, row) = (low(|t| t.0), low(|t| t.1));
@@ -134,7 +134,7 @@ fn cell_windows(
     });
     let (mut chains, mut looks, mut places) = (Vec::new(), Vec::new(), Vec::new());
     for (chain, texels) in reflections.reached(&around, n, rays) {
-        let Some(map) = chain.seen_from(reflections.orientations()) else { continue };
+        let map = reflections.seen_from(&chain);
         for texel in texels.into_iter().map(|(column, row)| row as usize * n + column as usize) {
             let point = probe.points[usize::from(probe.owner[texel])].0;
             let origin = reflections.origin(point.position, point.normal);

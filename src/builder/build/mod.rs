@@ -15,7 +15,7 @@ mod sample;
 mod site_tracer;
 mod tiles;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use crate::observer::Observer;
@@ -23,9 +23,11 @@ use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{BuildSettings, EffectChoice};
 use crate::trace::Tracer;
 use crate::writing::{Job, Writer};
+use heliotile_core::archive::manifest::ReceiverSummary;
 use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::SiteFacts;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
 use known::Known;
@@ -57,9 +59,23 @@ pub struct Build<'a> {
 }
 
 impl Build<'_> {
+    /// What is known of the archive before it is one.
+    fn facts(&self, settings: &BuildSettings, path: &Path) -> Result<SiteFacts> {
+        let (scene, mirrors) = (self.scene.scene, &self.scene.mirrors);
+        let receivers = ReceiverSummary {
+            count: self.receivers.count() as u64,
+            tiles: self.receivers.tile_count() as u32,
+            ..ReceiverSummary::default()
+        };
+        let orientations = if self.scene.reflects(settings) { mirrors.orientations.clone() } else { Vec::new() };
+        let stated = (&settings.stated(), scene.mesh.origin, &receivers);
+        SiteFacts::given(path, stated, scene.materials.clone(), orientations)
+    }
+
     /// What a build with some settings would trace.
     pub fn forecast(&mut self, settings: &BuildSettings, effects: EffectChoice) -> Result<Forecast> {
-        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, Known::default());
+        let known = (self.facts(settings, &self.workspace.folder)?, Known::default());
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, known);
         tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), effects)
     }
 
@@ -82,8 +98,10 @@ impl Build<'_> {
             (Start::Resume, None) => self.observer.warn("there is no checkpoint to go on from: starting anew"),
             _ => {}
         }
-        let known = Known::new(earlier, scene.materials.len(), self.scene.reflects(settings));
-        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, known).starting(output.start);
+        let facts = self.facts(settings, &output.path)?;
+        let known = Known::new(earlier, &facts);
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, (facts, known));
+        let tracer = tracer.starting(output.start);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
         if matches!(traced, Err(Error::Io { .. })) {
             // Where another file failed, such as a temporary one, what was written can be kept.

@@ -15,7 +15,6 @@ use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{Centres, jitter, texel_direction};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::{Cell, Cells};
-use heliotile_core::layers::extras::MIRROR;
 use heliotile_core::layers::mirror::CellPath;
 use heliotile_core::light::bounces::{centres_f32, each_ray, surround};
 use heliotile_core::light::mirrors::left;
@@ -175,9 +174,8 @@ impl SiteTracer<'_> {
             let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
             let direct: f64 =
                 cell.seen.iter().filter_map(|(up, key)| Some(each[usize::from(*up)] * rho(key.as_ref()?))).sum();
-            let paths = cells.mirrors(0).paths;
             let path = |p: &CellPath| each[usize::from(p.up)] * left(&p.steps, reflectors) * rho(&p.cell);
-            direct + paths.iter().map(path).sum::<f64>()
+            direct + cell.mirrors.paths.iter().map(path).sum::<f64>()
         };
         let reflecting = traced.iter().map(share).fold(0.0, f64::max);
         let next: BTreeSet<CellKey> = traced.iter().flat_map(|(cell, _)| cell.reached()).collect();
@@ -202,7 +200,7 @@ impl SiteTracer<'_> {
             mirror_rays: traced.iter().map(|t| t.1.mirror as f64).sum::<f64>() / count,
             seconds: [probe_s, bounce_s],
             reflecting,
-            see_mirrors: traced.iter().any(|(cell, _)| !cell.extras[MIRROR].is_empty()),
+            see_mirrors: traced.iter().any(|(cell, _)| !cell.mirrors.is_empty()),
         }
     }
 }

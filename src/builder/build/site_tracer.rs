@@ -1,6 +1,7 @@
 //! A scene with settings, ready to trace receivers and cells: what every stage of a build works on.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use super::Workspace;
@@ -14,8 +15,9 @@ use crate::trace::canopy::Canopies;
 use crate::trace::mirror::Reflections;
 use crate::writing::Writer;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::response::Reflector;
+use heliotile_core::light::reflector::Reflector;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::SiteFacts;
 use heliotile_scene::Scene;
 
 /// What every part of a build works on.
@@ -30,6 +32,8 @@ pub(super) struct SiteTracer<'a> {
     /// Where temporary files go.
     pub folder: PathBuf,
     pub memory: MemoryBudget,
+    /// What is known of the archive before it is one.
+    pub facts: Arc<SiteFacts>,
     pub known: Known<'a>,
     /// Only where there are mirrors.
     pub reflections: Option<Reflections<'a>>,
@@ -45,7 +49,7 @@ impl<'a> SiteTracer<'a> {
         settings: &'a BuildSettings,
         workspace: &Workspace,
         observer: &'a dyn Observer,
-        known: Known<'a>,
+        (facts, known): (SiteFacts, Known<'a>),
     ) -> Self {
         let scene = ready.scene;
         let reflections =
@@ -58,6 +62,7 @@ impl<'a> SiteTracer<'a> {
             settings,
             folder: workspace.folder.clone(),
             memory: workspace.memory,
+            facts: Arc::new(facts),
             known,
             reflections,
             lost: Default::default(),

@@ -1,5 +1,7 @@
 //! One tile of a build: 64 receivers traced, packed and compressed.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::report::{Clock, RayCounts};
@@ -12,20 +14,22 @@ use crate::settings::Effect;
 use crate::spill::Sorter;
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::writing::Writer;
-use heliotile_core::archive::{Blocks, EncodedBlock, format, tables};
+use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::Centres;
 use heliotile_core::layers::bits::BitSquare;
-use heliotile_core::layers::extras::{Extras, MIRROR};
+use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::mirror::ReceiverMirrors;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::light::bounces::Depth;
-use heliotile_core::light::load::{Tables, TileView, hits_of, receiver_mirrors};
 use heliotile_core::light::responder::Responder;
 use heliotile_core::light::response::{Viewer, view_factors};
+use heliotile_core::light::tables::Tables;
+use heliotile_core::light::tile_view::TileView;
 use heliotile_core::memory::Use;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::tile::sky_view_factor;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
@@ -96,7 +100,7 @@ struct Traced {
     sky: SkyTexture,
     hits: HitTrace,
     viewer: Viewer,
-    extras: Extras,
+    extras: ReceiverExtras,
     rays: RayCounts,
 }
 
@@ -148,12 +152,12 @@ impl SiteTracer<'_> {
     /// A tile that the file holds already, or a traced one.
     fn tile(&self, number: u32, receivers: &[Receiver], centres: &Centres, writer: &Writer) -> Result<TracedTile> {
         if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, number)) {
-            let hits = hits_of(&writer.block(format::HIT, number)?, receivers.len(), self.settings.hit)?;
-            let table = tables::Receivers::from_block(&writer.block(format::RECEIVERS, number)?)?;
+            let site = OpenSite::over(writer, Arc::clone(&self.facts));
+            let (hits, table) = (site.tile_hits(number, receivers.len())?, site.tile_receivers(number)?);
             let inside = receivers.iter().zip(&table.sky_view).filter(|(r, view)| self.inside(r, f64::from(**view)));
             let misplaced = inside.map(|(receiver, _)| Misplaced::Inside(receiver.id.clone())).collect();
-            let mirrors = receiver_mirrors(writer, number, receivers.len(), &self.settings.stated())?;
-            let cells = hits.palette.into_iter().chain(cells_in(&mirrors)).collect();
+            let mirrors = site.tile_mirrors(number, receivers.len())?;
+            let cells = hits.palette.into_iter().chain(mirrors.iter().flat_map(ReceiverMirrors::cells)).collect();
             return Ok(TracedTile { cells, misplaced, ..TracedTile::default() });
         }
         self.trace_tile(number, receivers, centres)
@@ -165,15 +169,15 @@ impl SiteTracer<'_> {
         if missing.is_empty() {
             return Ok(());
         }
-        let settings = self.settings.stated();
-        let tables = Tables::of(writer, settings.clone())?;
+        let tables = Tables::of(&OpenSite::over(&*writer, Arc::clone(&self.facts)))?;
         let responder = Responder::new(&tables, Depth::All, self.memory.total() / 2, &self.folder)?;
         clock.lap("solve");
         let progress = Stage::begin(self.observer, "responses", Some(u64::from(tiles)));
         for group in missing.chunks(GROUP) {
-            let view = |&tile: &u32| TileView::of(writer, tile, self.scene.mesh.origin, &settings);
+            let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
+            let view = |&tile: &u32| TileView::read(&site, tile);
             let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
-            let responses = responder.derive(&Tables::of(writer, settings.clone())?, &views)?;
+            let responses = responder.derive(&Tables::of(&site)?, &views)?;
             // The stored reflectances are the only state.
             let encode = |(&tile, states): (&u32, &Vec<Vec<Response>>)| pack::responses(tile, &states[0]);
             let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
@@ -217,10 +221,8 @@ impl SiteTracer<'_> {
             hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
         }
         let blocks = pack::tile(number, &table, &sky, &hits, &extras)?;
-        let (base, side) = (self.settings.sky_base, self.settings.hit);
-        let mirrors: Vec<ReceiverMirrors> =
-            extras.iter().filter_map(|of| ReceiverMirrors::from_bytes(&of[MIRROR], base, side)).collect();
-        let cells = hits.palette.into_iter().chain(cells_in(&mirrors)).collect();
+        let in_mirrors = extras.iter().flat_map(|of| of.mirrors.cells());
+        let cells = hits.palette.into_iter().chain(in_mirrors).collect();
         Ok(TracedTile { blocks, cells, rays, misplaced })
     }
 
@@ -248,7 +250,7 @@ impl SiteTracer<'_> {
         let mirrors = ReceiverMirrors { windows, paths };
         let (canopy, cast) = self.canopy_of_receiver(&view, &dense, &hits);
         rays.canopy = cast;
-        Traced { sky, hits, viewer, extras: [mirrors.to_bytes(), canopy], rays }
+        Traced { sky, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
     }
 
     /// A receiver's sky, the bits that it describes, and the rays that were cast for it.
@@ -292,11 +294,6 @@ impl SiteTracer<'_> {
         });
         tables::Receivers::new(receivers.iter().zip(views))
     }
-}
-
-/// The cells that receivers see in mirrors.
-fn cells_in(mirrors: &[ReceiverMirrors]) -> impl Iterator<Item = CellKey> + '_ {
-    mirrors.iter().flat_map(|of| &of.paths).map(|path| path.cell)
 }
 
 /// What is needed of a receiver with these sky bits besides its hits.

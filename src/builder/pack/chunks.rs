@@ -1,9 +1,10 @@
 //! Chunks of one kind of cells on their way into an archive, and the index that finds them.
 
-use crate::pack::{COMPRESSION, extras};
+use crate::pack::{COMPRESSION, extra};
 use crate::writing::Writer;
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
+use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::cells::{Cells, cells_per_chunk};
 use heliotile_core::site::cells::CellKey;
 
@@ -53,10 +54,10 @@ impl Chunks {
     /// The blocks of a chunk.
     pub fn encode(&self, number: u32, chunk: &Cells) -> Result<Vec<EncodedBlock>> {
         let mut blocks = vec![tables::Cells::new(chunk).encode(self.kind, number, COMPRESSION)?];
-        let rows = |layer| (0..chunk.rows()).map(move |row| chunk.extra(layer, row));
-        for (layer, kind) in format::cell_extras(self.kind).into_iter().enumerate() {
-            blocks.extend(extras(kind, number, rows(layer))?);
-        }
+        let [mirror, canopy] = format::cell_extras(self.kind);
+        let mirrors = chunk.mirrors.iter().enumerate().map(|(i, mirrors)| mirrors.to_bytes(chunk.bits_of(i).len()));
+        blocks.extend(extra(mirror, number, mirrors.collect())?);
+        blocks.extend(extra(canopy, number, chunk.canopies.iter().map(Canopy::to_bytes).collect())?);
         Ok(blocks)
     }
 

@@ -5,7 +5,7 @@ mod chunks;
 mod tile;
 
 pub use chunks::Chunks;
-use tile::extras;
+use tile::extra;
 pub use tile::{responses, tile};
 
 /// Level of the block compressor: textures are written once and read for years.

@@ -4,7 +4,7 @@ use crate::pack::COMPRESSION;
 use heliotile_core::archive::{EncodedBlock, encode, format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::extras;
-use heliotile_core::layers::extras::Extras;
+use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::response;
 use heliotile_core::layers::response::Response;
@@ -16,27 +16,23 @@ pub fn tile(
     receivers: &tables::Receivers,
     sky: &[SkyTexture],
     hits: &HitTile,
-    extras: &[Extras],
+    extras: &[ReceiverExtras],
 ) -> Result<Vec<EncodedBlock>> {
     let mut blocks = vec![
         receivers.encode(format::RECEIVERS, number, COMPRESSION)?,
         layer(format::SKY, number, receivers.rows(), &SkyTexture::pack(sky))?,
         layer(format::HIT, number, receivers.rows(), &hits.pack())?,
     ];
-    for (i, kind) in format::RECEIVER_EXTRAS.into_iter().enumerate() {
-        blocks.extend(crate::pack::tile::extras(kind, number, extras.iter().map(|of| of[i].as_slice()))?);
-    }
+    let (mirrors, canopies) = extras.iter().map(|of| (of.mirrors.to_bytes(), of.canopy.to_bytes())).unzip();
+    blocks.extend(extra(format::MIRROR, number, mirrors)?);
+    blocks.extend(extra(format::CANOPY, number, canopies)?);
     Ok(blocks)
 }
 
 /// The block of a layer that only some scenes call for, if anything is in it.
-pub fn extras<'a>(
-    kind: u32,
-    number: u32,
-    rows: impl ExactSizeIterator<Item = &'a [u8]> + Clone,
-) -> Result<Option<EncodedBlock>> {
-    let items = rows.len();
-    extras::pack(rows).map(|raw| layer(kind, number, items, &raw)).transpose()
+pub fn extra(kind: u32, number: u32, rows: Vec<Vec<u8>>) -> Result<Option<EncodedBlock>> {
+    let raw = extras::pack(rows.iter().map(Vec::as_slice));
+    raw.map(|raw| layer(kind, number, rows.len(), &raw)).transpose()
 }
 
 /// The responses of a tile.

@@ -106,7 +106,7 @@ impl Default for BuildSettings {
 
 /// A wrong value of a setting.
 fn wrong(what: String, hint: impl Into<String>) -> Error {
-    Error::input(std::path::Path::new("--set"), None, what, hint)
+    Error::argument("--set", what, hint)
 }
 
 impl BuildSettings {

@@ -202,6 +202,11 @@ impl<'a> Reflections<'a> {
         lit
     }
 
+    /// [`Chain::seen_from`] of a chain that was followed, whose orientations exist.
+    pub fn seen_from(&self, chain: &Chain) -> DMat3 {
+        chain.numbers().fold(DMat3::IDENTITY, |map, number| map * self.mirrors.orientations[usize::from(number)].map())
+    }
+
     /// The chains by which some rays reach the sky, and the texels of an n x n sky that they reach, with those around them.
     pub fn reached(&self, rays: &[(DVec3, Ray)], n: usize, count: &mut u64) -> BTreeMap<Chain, Vec<(u32, u32)>> {
         *count += rays.len() as u64;

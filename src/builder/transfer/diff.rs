@@ -11,8 +11,8 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::response::Response;
-use heliotile_core::light::load::{CellSource, Tables};
 use heliotile_core::memory::Use;
+use heliotile_core::opened::{CellSource, OpenSite};
 
 /// Names of one line.
 const NAMED: usize = 20;
@@ -86,16 +86,16 @@ impl Names {
 pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differences> {
     let mut found =
         Differences { statements: differences(a, b)?, same_root: a.root() == b.root(), ..Differences::default() };
-    for side in union(by_id(a, workspace)?, by_id(b, workspace)?, |a, b| a.0.cmp(&b.0)) {
+    let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
+    for side in union(by_id(&of_a, workspace)?, by_id(&of_b, workspace)?, |a, b| a.0.cmp(&b.0)) {
         let name = |record: &(Vec<u8>, Vec<u8>)| String::from_utf8_lossy(&record.0).into_owned();
         found.receivers.add(&side?, name, |a, b| {
             let parts = Digests::from_bytes(&a.1).differences(&Digests::from_bytes(&b.1));
             (!parts.is_empty()).then(|| format!(" ({})", parts.join(", ")))
         });
     }
-    let (of_a, of_b) = (Tables::load(a)?, Tables::load(b)?);
-    diff_cells(&of_a.probes, &of_b.probes, &mut found.probes)?;
-    diff_cells(&of_a.bounces, &of_b.bounces, &mut found.bounces)?;
+    diff_cells(&CellSource::probes(&of_a)?, &CellSource::probes(&of_b)?, &mut found.probes)?;
+    diff_cells(&CellSource::bounces(&of_a)?, &CellSource::bounces(&of_b)?, &mut found.bounces)?;
     let order = |a: &&format::Entry, b: &&format::Entry| a.key().cmp(&b.key());
     for side in union(unknown(a).map(Ok), unknown(b).map(Ok), order) {
         let content = |entry: &format::Entry| (entry.schema, entry.items, entry.content);
@@ -105,9 +105,9 @@ pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differenc
 }
 
 /// The receivers' hashes by id.
-fn by_id(archive: &Archive, workspace: &Workspace) -> Result<Sorted> {
+fn by_id(site: &OpenSite, workspace: &Workspace) -> Result<Sorted> {
     let mut sorter = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
-    for row in Rows::<(Traced, Response)>::new(archive) {
+    for row in Rows::<(Traced, Response)>::new(site) {
         let row = row?;
         sorter.push(row.receiver.id.as_bytes(), &Digests::of(&row).to_bytes())?;
     }

@@ -28,7 +28,7 @@ impl Digests {
         let hits: Vec<u8> = traced.hits.iter().flat_map(key).collect();
         let sky = SkyTexture::pack(std::slice::from_ref(&traced.sky));
         let response = response::pack(std::slice::from_ref(response));
-        let [mirror, canopy] = traced.extras.clone();
+        let (mirror, canopy) = (traced.extras.mirrors.to_bytes(), traced.extras.canopy.to_bytes());
         Digests([place, columns, sky, hits, response, mirror, canopy].map(|bytes| *blake3::hash(&bytes).as_bytes()))
     }
 
@@ -61,7 +61,7 @@ pub fn same_cell(a: &Cell, b: &Cell) -> bool {
         seen
     };
     let bits = |cell: &Cell| cell.normal.map(f32::to_bits);
-    bits(a) == bits(b) && a.bits == b.bits && a.extras == b.extras && rays(a) == rays(b)
+    bits(a) == bits(b) && a.bits == b.bits && a.mirrors == b.mirrors && a.canopy == b.canopy && rays(a) == rays(b)
 }
 
 /// A cell as people read it: level/facing/material/voxel.

@@ -12,8 +12,8 @@ use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, Manifest};
 use heliotile_core::error::Result;
 use heliotile_core::layers::response::Response;
-use heliotile_core::light::load::Tables;
 use heliotile_core::memory::Use;
+use heliotile_core::opened::{CellSource, OpenSite};
 
 /// What an extract did.
 #[derive(Clone, Debug)]
@@ -39,29 +39,31 @@ pub fn extract(
     observer: &dyn Observer,
 ) -> Result<Extracted> {
     let Workspace { folder, memory } = workspace;
-    let kept = selection.resolve(archive, folder, memory.length(Use::ReceiverList))?;
+    let site = OpenSite::of(archive)?;
+    let kept = selection.resolve(&site, folder, memory.length(Use::ReceiverList))?;
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);
 
     let mut output = Output::create(path, &[archive], observer)?;
     let mut hits = keys();
-    output.tiles(Rows::<Traced>::chosen(archive, &kept).map(|row| {
+    output.tiles(Rows::<Traced>::chosen(&site, archive, &kept).map(|row| {
         let row = row?;
-        let mut seen: Vec<_> = row.layers.reached(&archive.manifest().settings).collect();
+        let mut seen: Vec<_> = row.layers.reached().collect();
         seen.sort_unstable();
         seen.dedup();
         seen.into_iter().try_for_each(|key| hits.push(key))?;
         Ok(row)
     }))?;
-    let (tables, manifest) = (Tables::load(archive)?, archive.manifest());
+    let (of_probes, of_bounces) = (CellSource::probes(&site)?, CellSource::bounces(&site)?);
+    let manifest = archive.manifest();
     let (mut probes, mut bounces, mut seen) = (Marks::default(), Marks::default(), keys());
-    probes.add(&tables.probes, hits, |key| seen.push(key))?;
-    bounces.add_reachable(&tables.bounces, seen, keys)?;
+    probes.add(&of_probes, ("hit", hits), |key| seen.push(key))?;
+    bounces.add_reachable(&of_bounces, ("probes", seen), keys)?;
     let settings = &manifest.settings;
-    output.probes(settings.probe_hits, cells(&tables.probes, |chunk, row| probes.contains(chunk, row)))?;
-    output.bounces(settings.bounce_hits, cells(&tables.bounces, |chunk, row| bounces.contains(chunk, row)))?;
+    output.probes(settings.probe_hits, cells(&of_probes, |chunk, row| probes.contains(chunk, row)))?;
+    output.bounces(settings.bounce_hits, cells(&of_bounces, |chunk, row| bounces.contains(chunk, row)))?;
     output.materials(archive)?;
-    output.responses(Rows::<Response>::chosen(archive, &kept))?;
+    output.responses(Rows::<Response>::chosen(&site, archive, &kept))?;
     output.copy_unknown(&[archive])?;
     let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
     let written = output.finish(Manifest { accuracy, ..manifest.clone() })?;

@@ -16,8 +16,8 @@ use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::response::Response;
-use heliotile_core::light::load::{CellSource, Tables};
 use heliotile_core::memory::Use;
+use heliotile_core::opened::{CellSource, OpenSite};
 
 /// What may differ between archives that fit: counted or estimated by each build for itself.
 const MAY_DIFFER: [&str; 2] = ["scene.degenerate_dropped", "accuracy"];
@@ -38,14 +38,17 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     unknown_conflicts(a, b, &mut conflicts);
     let mut output = Output::create(path, &[a, b], observer)?;
     let ids = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
-    let shared = merge_receivers(a, b, ids, &mut output, &mut conflicts)?;
+    let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
+    let shared = merge_receivers(&of_a, &of_b, ids, &mut output, &mut conflicts)?;
 
-    let (of_a, of_b, settings) = (Tables::load(a)?, Tables::load(b)?, &a.manifest().settings);
-    output.probes(settings.probe_hits, merge_cells("probe", &of_a.probes, &of_b.probes, &mut conflicts))?;
-    output.bounces(settings.bounce_hits, merge_cells("bounce cell", &of_a.bounces, &of_b.bounces, &mut conflicts))?;
+    let settings = &a.manifest().settings;
+    let (from_a, from_b) = (CellSource::probes(&of_a)?, CellSource::probes(&of_b)?);
+    output.probes(settings.probe_hits, merge_cells("probe", &from_a, &from_b, &mut conflicts))?;
+    let (from_a, from_b) = (CellSource::bounces(&of_a)?, CellSource::bounces(&of_b)?);
+    output.bounces(settings.bounce_hits, merge_cells("bounce cell", &from_a, &from_b, &mut conflicts))?;
     conflicts.check(a.path(), b.path())?;
     output.materials(a)?;
-    output.responses(both::<Response>(a, b).map(|side| side.map(Side::first)))?;
+    output.responses(both::<Response>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
     output.copy_unknown(&[a, b])?;
     let written = output.finish(stated(a.manifest(), b.manifest()))?;
     Ok(Merged { written, of_each: [a, b].map(|archive| archive.manifest().receivers.count), shared })
@@ -66,14 +69,17 @@ fn check_fit(a: &Archive, b: &Archive) -> Result<()> {
     Err(Error::input(b.path(), None, what, "build both from one scene, with one materials file and equal settings"))
 }
 
-fn both<'a, L: Layers + 'a>(a: &'a Archive, b: &'a Archive) -> impl Iterator<Item = Result<Side<Row<L>>>> + 'a {
+fn both<'a, L: Layers + 'a>(
+    a: &OpenSite<'a>,
+    b: &OpenSite<'a>,
+) -> impl Iterator<Item = Result<Side<Row<L>>>> + use<'a, L> {
     union(Rows::<L>::new(a), Rows::<L>::new(b), Row::order)
 }
 
 /// Writes the tiles of both archives' receivers. Returns how many both hold.
 fn merge_receivers(
-    a: &Archive,
-    b: &Archive,
+    a: &OpenSite,
+    b: &OpenSite,
     mut ids: Sorter,
     output: &mut Output,
     conflicts: &mut Conflicts,

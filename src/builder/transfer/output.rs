@@ -13,7 +13,7 @@ use crate::writing::{Job, Summary, Writer};
 use heliotile_core::archive::{Archive, EncodedBlock, Manifest, format, manifest, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::{Cell, Cells};
-use heliotile_core::layers::extras::Extras;
+use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
@@ -68,7 +68,7 @@ impl<'a> Output<'a> {
             let hits: Vec<_> = rows.iter().map(|row| row.layers.hits.as_slice()).collect();
             let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
             let table = tables::Receivers::new(rows.iter().map(|row| (&row.receiver, row.views)));
-            let extras: Vec<Extras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
+            let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
             pack::tile(number, &table, &sky, &HitTile::new(&hits), &extras)
         })?;
         Ok(())

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::spill::{Sorted, Sorter};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::Cells;
-use heliotile_core::light::load::CellSource;
+use heliotile_core::opened::CellSource;
 use heliotile_core::site::cells::CellKey;
 
 /// Keys of cells, each once, sorted outside memory.
@@ -41,18 +41,24 @@ impl Marks {
         self.0.get(chunk).and_then(|rows| rows.get(row)).copied().unwrap_or(false)
     }
 
-    /// Marks the cells of some keys; `see` gets the keys that the new ones among them see. A key without a cell is damage.
-    pub fn add(&mut self, source: &CellSource, keys: Keys, mut see: impl FnMut(CellKey) -> Result<()>) -> Result<()> {
+    /// Marks the cells of some keys; `see` gets the keys that the new ones among them see. A key without a cell is damage of the layer
+    /// that the keys are from.
+    pub fn add(
+        &mut self,
+        source: &CellSource,
+        (from, keys): (&str, Keys),
+        mut see: impl FnMut(CellKey) -> Result<()>,
+    ) -> Result<()> {
         self.0.resize(source.chunks(), Vec::new());
         let mut open: Option<(usize, Cells)> = None;
         for key in keys.finish()? {
             let key = key?;
-            let number = source.chunk_of(&key).ok_or_else(|| source.missing(&key))?;
+            let number = source.chunk_of(&key).ok_or_else(|| source.missing(&key, from))?;
             let chunk = match open.take().filter(|(same, _)| *same == number) {
                 Some((_, chunk)) => chunk,
                 None => source.chunk(number)?,
             };
-            let row = chunk.keys.binary_search(&key).map_err(|_| source.missing(&key))?;
+            let row = chunk.keys.binary_search(&key).map_err(|_| source.missing(&key, from))?;
             if let Some(marks) = self.0.get_mut(number) {
                 marks.resize(chunk.keys.len(), false);
                 if !std::mem::replace(&mut marks[row], true) {
@@ -65,17 +71,22 @@ impl Marks {
     }
 
     /// Marks the cells of some keys and all that can be reached from them.
-    pub fn add_reachable(&mut self, source: &CellSource, mut keys: Keys, new: impl Fn() -> Keys) -> Result<()> {
+    pub fn add_reachable(
+        &mut self,
+        source: &CellSource,
+        (mut from, mut keys): (&'static str, Keys),
+        new: impl Fn() -> Keys,
+    ) -> Result<()> {
         loop {
             let (mut next, mut any) = (new(), false);
-            self.add(source, keys, |key| {
+            self.add(source, (from, keys), |key| {
                 any = true;
                 next.push(key)
             })?;
             if !any {
                 return Ok(());
             }
-            keys = next;
+            (from, keys) = ("bounce", next);
         }
     }
 }

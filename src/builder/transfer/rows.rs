@@ -5,15 +5,13 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
-use heliotile_core::archive::manifest::Settings;
-use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::Cell;
-use heliotile_core::layers::extras::{Extras, MIRROR};
-use heliotile_core::layers::mirror::ReceiverMirrors;
+use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
-use heliotile_core::light::load::{CellSource, cached_responses, hits_of, origin, settings, tile_extras, tile_sky};
+use heliotile_core::opened::{CellSource, OpenSite};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::morton::morton_key;
 use heliotile_core::site::receiver::Receiver;
@@ -42,7 +40,7 @@ impl<L> Row<L> {
 /// Layers that can be read a tile at a time.
 pub trait Layers: Send + Sized {
     /// One value for each of a tile's receivers.
-    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>>;
+    fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>>;
 }
 
 /// What the build knows of a receiver before it knows the cells.
@@ -50,53 +48,51 @@ pub struct Traced {
     pub sky: SkyTexture,
     /// One key a texel of the hit texture.
     pub hits: Vec<Option<CellKey>>,
-    pub extras: Extras,
+    pub extras: ReceiverExtras,
 }
 
 impl Traced {
     /// The cells that the receiver sees, some of them in mirrors.
-    pub fn reached(&self, settings: &Settings) -> impl Iterator<Item = CellKey> + '_ {
-        let (base, hit) = (settings.sky_base as usize, settings.hit as usize);
-        let mirrors = ReceiverMirrors::from_bytes(&self.extras[MIRROR], base, hit).unwrap_or_default();
-        self.hits.iter().flatten().copied().chain(mirrors.paths.into_iter().map(|path| path.cell))
+    pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
+        self.hits.iter().flatten().copied().chain(self.extras.mirrors.cells())
     }
 }
 
 impl Layers for () {
-    fn of_tile(_: &Archive, _: u32, receivers: usize) -> Result<Vec<Self>> {
+    fn of_tile(_: &OpenSite, _: u32, receivers: usize) -> Result<Vec<Self>> {
         Ok(vec![(); receivers])
     }
 }
 
 impl Layers for Traced {
-    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
-        let sky = tile_sky(archive, tile, receivers)?;
-        let hits = hits_of(&archive.block(format::HIT, tile)?, receivers, settings(archive)?.hit as usize)?;
-        let layers = sky.into_iter().zip(hits.split(receivers)).zip(tile_extras(archive, tile, receivers)?);
+    fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        let (sky, hits) = (site.tile_sky_textures(tile, receivers)?, site.tile_hits(tile, receivers)?);
+        let layers = sky.into_iter().zip(hits.split(receivers)).zip(site.tile_extras(tile, receivers)?);
         Ok(layers.map(|(((sky, _), hits), extras)| Traced { sky, hits, extras }).collect())
     }
 }
 
 impl Layers for Response {
-    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
-        let block = archive.block(format::RESPONSE, tile)?;
-        if block.items() as usize != receivers {
-            return Err(block.corrupt(format!("{} responses", block.items()), format!("{receivers}")));
+    fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        let responses = site.tile_responses(tile)?;
+        if responses.len() != receivers {
+            let block = site.block(format::RESPONSE, tile)?;
+            return Err(block.corrupt(format!("{} responses", responses.len()), format!("{receivers}")));
         }
-        cached_responses(archive, tile)
+        Ok(responses)
     }
 }
 
 impl<A: Layers, B: Layers> Layers for (A, B) {
-    fn of_tile(archive: &Archive, tile: u32, receivers: usize) -> Result<Vec<Self>> {
-        let (a, b) = (A::of_tile(archive, tile, receivers)?, B::of_tile(archive, tile, receivers)?);
+    fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        let (a, b) = (A::of_tile(site, tile, receivers)?, B::of_tile(site, tile, receivers)?);
         Ok(a.into_iter().zip(b).collect())
     }
 }
 
 /// Receivers of an archive; a few tiles are in memory at a time.
 pub struct Rows<'a, L> {
-    archive: &'a Archive,
+    site: OpenSite<'a>,
     /// Numbers of the tiles to read, and which of their receivers are wanted: all, without a choice.
     tiles: std::vec::IntoIter<(u32, Option<&'a [bool]>)>,
     ready: VecDeque<Row<L>>,
@@ -104,13 +100,13 @@ pub struct Rows<'a, L> {
 }
 
 impl<'a, L: Layers> Rows<'a, L> {
-    pub fn new(archive: &'a Archive) -> Self {
-        let tiles: Vec<_> = (0..archive.tiles()).map(|tile| (tile, None)).collect();
-        Rows { archive, tiles: tiles.into_iter(), ready: VecDeque::new(), last: Vec::new() }
+    pub fn new(site: &OpenSite<'a>) -> Self {
+        let tiles: Vec<_> = (0..site.tiles()).map(|tile| (tile, None)).collect();
+        Rows { site: site.clone(), tiles: tiles.into_iter(), ready: VecDeque::new(), last: Vec::new() }
     }
 
     /// Those receivers for which `kept` is true, in the archive's order; tiles without any are not read.
-    pub fn chosen(archive: &'a Archive, kept: &'a [bool]) -> Self {
+    pub fn chosen(site: &OpenSite<'a>, archive: &Archive, kept: &'a [bool]) -> Self {
         let mut rest = kept;
         let mut tiles = Vec::new();
         for entry in archive.entries_of(format::RECEIVERS) {
@@ -120,20 +116,20 @@ impl<'a, L: Layers> Rows<'a, L> {
                 tiles.push((entry.tile, Some(here)));
             }
         }
-        Rows { tiles: tiles.into_iter(), ..Rows::new(archive) }
+        Rows { tiles: tiles.into_iter(), ..Rows::new(site) }
     }
 
     /// Reads the next tiles.
     fn refill(&mut self) -> Result<()> {
         let numbers: Vec<_> = self.tiles.by_ref().take(rayon::current_num_threads()).collect();
-        let archive = self.archive;
+        let site = &self.site;
         let tiles: Vec<Vec<Row<L>>> =
-            numbers.par_iter().map(|&(tile, _)| read_tile(archive, tile)).collect::<Result<_>>()?;
+            numbers.par_iter().map(|&(tile, _)| read_tile(site, tile)).collect::<Result<_>>()?;
         for ((number, kept), tile) in numbers.into_iter().zip(tiles) {
             let wanted = |row: usize| kept.is_none_or(|kept| kept.get(row) == Some(&true));
             for row in tile.into_iter().enumerate().filter(|(i, _)| wanted(*i)).map(|(_, row)| row) {
                 if row.key <= self.last {
-                    let block = self.archive.block(format::RECEIVERS, number)?;
+                    let block = self.site.block(format::RECEIVERS, number)?;
                     let got = format!("receiver {} after one that belongs behind it", row.receiver.id);
                     return Err(block.corrupt(got, "receivers along the Morton curve"));
                 }
@@ -146,10 +142,9 @@ impl<'a, L: Layers> Rows<'a, L> {
 }
 
 /// The receivers of one tile.
-fn read_tile<L: Layers>(archive: &Archive, tile: u32) -> Result<Vec<Row<L>>> {
-    let table = tables::Receivers::from_block(&archive.block(format::RECEIVERS, tile)?)?;
-    let origin = origin(archive.manifest());
-    let layers = L::of_tile(archive, tile, table.rows())?;
+fn read_tile<L: Layers>(site: &OpenSite, tile: u32) -> Result<Vec<Row<L>>> {
+    let (table, origin) = (site.tile_receivers(tile)?, site.origin());
+    let layers = L::of_tile(site, tile, table.rows())?;
     let rows = table.receivers().into_iter().zip(table.views()).zip(layers);
     Ok(rows
         .map(|((receiver, views), layers)| Row { key: morton_key(&receiver, origin), receiver, views, layers })

@@ -9,8 +9,8 @@ use crate::spill::Sorter;
 use crate::transfer::conflicts::listed;
 use crate::transfer::rows::Rows;
 use crate::transfer::union::{Side, union};
-use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
 use heliotile_scene::receiver_ids::ReceiverIds;
 
 /// Names that a message holds.
@@ -37,10 +37,10 @@ pub enum Selection {
 impl Selection {
     /// For each receiver of an archive whether it is meant, in the archive's order, one byte each. Nobody, and names that do
     /// not exist, are errors.
-    pub fn resolve(&self, archive: &Archive, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
-        let rows = Rows::<()>::new(archive);
+    pub fn resolve(&self, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
+        let rows = Rows::<()>::new(site);
         let kept = match self {
-            Selection::Receivers(file) => listed_in(file, archive, folder, budget_bytes)?,
+            Selection::Receivers(file) => listed_in(file, site, folder, budget_bytes)?,
             Selection::Bounds(Bounds { low, high }) => {
                 let inside = |p: DVec3| p.cmpge(*low).all() && p.cmple(*high).all();
                 rows.map(|row| Ok(inside(row?.receiver.position))).collect::<Result<_>>()?
@@ -56,7 +56,7 @@ impl Selection {
                 let names: Vec<String> = missing.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
                 if !names.is_empty() {
                     let what = format!("holds no receivers of {}", listed(missing.len() as u64, "surfaces", &names));
-                    return Err(Error::input(archive.path(), None, what, "name surfaces as `receivers.csv` did"));
+                    return Err(Error::input(site.path(), None, what, "name surfaces as `receivers.csv` did"));
                 }
                 kept
             }
@@ -65,12 +65,12 @@ impl Selection {
             return Ok(kept);
         }
         let hint = "choose a larger part; positions are in the coordinates of the scene file";
-        Err(Error::input(archive.path(), None, "the selection holds none of the receivers", hint))
+        Err(Error::input(site.path(), None, "the selection holds none of the receivers", hint))
     }
 }
 
 /// The receivers whose ids stand in a file.
-fn listed_in(file: &Path, archive: &Archive, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
+fn listed_in(file: &Path, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
     let mut wanted = Sorter::new(folder, budget_bytes / 2).unique();
     for id in ReceiverIds::open(file)? {
         let (id, line) = id?;
@@ -78,7 +78,7 @@ fn listed_in(file: &Path, archive: &Archive, folder: &Path, budget_bytes: usize)
     }
     let mut held = Sorter::new(folder, budget_bytes / 2);
     let mut count = 0_u64;
-    for row in Rows::<()>::new(archive) {
+    for row in Rows::<()>::new(site) {
         held.push(row?.receiver.id.as_bytes(), &count.to_le_bytes())?;
         count += 1;
     }
@@ -104,6 +104,6 @@ fn listed_in(file: &Path, archive: &Archive, folder: &Path, budget_bytes: usize)
     if missing_count == 0 {
         return Ok(kept);
     }
-    let what = format!("{} does not hold {}", archive.path().display(), listed(missing_count, "receivers", &missing));
+    let what = format!("{} does not hold {}", site.path().display(), listed(missing_count, "receivers", &missing));
     Err(Error::input(file, None, what, "remove these rows, or name the archive that holds them"))
 }

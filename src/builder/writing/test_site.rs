@@ -54,7 +54,8 @@ pub fn cells(level: i8, facing: u8) -> cells::Cells {
         bits: vec![0xf0; 8],
         seen: vec![key(2, 58)],
         hits: vec![0, cells::MISS],
-        extras: Default::default(),
+        mirrors: Vec::new(),
+        canopies: Vec::new(),
     }
 }
 

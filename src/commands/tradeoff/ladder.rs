@@ -12,6 +12,7 @@ use heliotile_builder::settings::ladder::{PATCH_RUNGS, Rungs};
 use heliotile_builder::settings::{Effects, Quality};
 use heliotile_core::archive::{Access, Archive, codec};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::bins::Bins;
 
@@ -187,7 +188,7 @@ fn replay_s(bench: &Bench, trial: &Trial, suns: &Suns) -> Result<f64> {
         memory_bytes: bench.workspace.memory.total(),
         ..ReplaySettings::default()
     };
-    let replay = Replay::summed(&archive, &conditions, settings, &bins)?;
+    let replay = Replay::summed(&OpenSite::of(&archive)?, &conditions, settings, &bins)?;
     for tile in replay.results(0..replay.tiles()) {
         tile?;
     }

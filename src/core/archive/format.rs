@@ -55,10 +55,7 @@ pub const PROBE_CANOPY: u32 = 14;
 pub const BOUNCE_CANOPY: u32 = 15;
 pub const MIRRORS: u32 = 16;
 
-/// Kinds of the layers that only some scenes call for, in the order of [`crate::layers::extras`].
-pub const RECEIVER_EXTRAS: [u32; 2] = [MIRROR, CANOPY];
-
-/// The same for chunks of cells of a kind; their tile is the chunk's.
+/// Kinds of the layers of a chunk of cells of a kind that only some scenes call for: mirrors, canopies; their tile is the chunk's.
 pub fn cell_extras(kind: u32) -> [u32; 2] {
     if kind == PROBES { [PROBE_MIRROR, PROBE_CANOPY] } else { [BOUNCE_MIRROR, BOUNCE_CANOPY] }
 }

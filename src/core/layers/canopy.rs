@@ -29,9 +29,11 @@ pub fn sky_side(base: usize, fine: usize) -> usize {
     side
 }
 
-/// Crossings of one receiver or cell.
+/// Crossings of one receiver or cell; those that cross nothing are all equal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Canopy {
+    /// Rays of both lists; 0 where nothing is crossed.
+    rays: [usize; 2],
     /// Ascending, each with its counts along both lists of rays.
     materials: Vec<(u16, [Counts; 2])>,
 }
@@ -48,8 +50,11 @@ struct Counts {
 }
 
 impl Canopy {
-    /// From the crossings along both lists of rays, each sorted.
-    pub fn new(crossings: [&[Crossing]; 2]) -> Self {
+    /// From the crossings along both lists of so many rays, each sorted.
+    pub fn new(crossings: [&[Crossing]; 2], rays: [usize; 2]) -> Self {
+        if crossings.iter().all(|list| list.is_empty()) {
+            return Canopy::default();
+        }
         let mut of_material: BTreeMap<u16, [Vec<&Crossing>; 2]> = BTreeMap::new();
         for (list, crossings) in crossings.into_iter().enumerate() {
             for crossing in crossings {
@@ -57,17 +62,22 @@ impl Canopy {
             }
         }
         let counted = |(material, lists): (u16, [Vec<&Crossing>; 2])| (material, lists.map(|list| Counts::new(&list)));
-        Canopy { materials: of_material.into_iter().map(counted).collect() }
+        Canopy { rays, materials: of_material.into_iter().map(counted).collect() }
     }
 
-    /// Bytes for lists of so many rays; none where nothing is crossed.
-    pub fn to_bytes(&self, rays: [usize; 2]) -> Vec<u8> {
+    /// Whether nothing is crossed.
+    pub fn is_empty(&self) -> bool {
+        self.materials.is_empty()
+    }
+
+    /// Bytes of one row of a block; none where nothing is crossed.
+    pub fn to_bytes(&self) -> Vec<u8> {
         if self.materials.is_empty() {
             return Vec::new();
         }
         let mut bytes = (self.materials.len() as u16).to_le_bytes().to_vec();
         bytes.extend(self.materials.iter().flat_map(|(material, _)| material.to_le_bytes()));
-        for (counts, rays) in self.materials.iter().flat_map(|(_, lists)| lists.iter().zip(rays)) {
+        for (counts, rays) in self.materials.iter().flat_map(|(_, lists)| lists.iter().zip(self.rays)) {
             bytes.push(counts.bits as u8);
             if counts.bits > 0 {
                 let used = counts.used.iter().flat_map(|word| word.to_le_bytes()).chain(std::iter::repeat(0));
@@ -78,7 +88,7 @@ impl Canopy {
         bytes
     }
 
-    /// Inverse of [`Canopy::to_bytes`]; `None` if the bytes are not exactly that or name a material that is no canopy. What is
+    /// Inverse of [`Canopy::to_bytes`] for lists of so many rays; `None` if the bytes are not exactly that or name a material that is no canopy. What is
     /// allocated is no larger than the bytes.
     pub fn from_bytes(bytes: &[u8], rays: [usize; 2], is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
         if bytes.is_empty() {
@@ -96,15 +106,15 @@ impl Canopy {
             let lists = [Counts::take(&mut rest, rays[SKY])?, Counts::take(&mut rest, rays[SEEN])?];
             materials.push((name, lists));
         }
-        rest.is_empty().then_some(Canopy { materials })
+        rest.is_empty().then_some(Canopy { rays, materials })
     }
 
     /// Share of the light that comes through along each ray of a list; `None` where nothing is crossed.
-    pub fn through(&self, list: usize, rays: usize, powers: &Powers) -> Option<Vec<f32>> {
+    pub fn through(&self, list: usize, powers: &Powers) -> Option<Vec<f32>> {
         let mut shares: Option<Vec<f32>> = None;
         for (material, lists) in &self.materials {
             if let Some(powers) = powers.get(material).filter(|_| lists[list].bits > 0) {
-                let shares = shares.get_or_insert_with(|| vec![1.0; rays]);
+                let shares = shares.get_or_insert_with(|| vec![1.0; self.rays[list]]);
                 lists[list].for_each(|ray, count| shares[ray] *= powers[usize::from(count)]);
             }
         }
@@ -152,10 +162,14 @@ impl Counts {
         }
         let (mask, rest) = rest.split_at_checked(mask_bytes(rays))?;
         let word = |eight: &[u8]| eight.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
-        let used: Vec<u64> = mask.chunks(8).map(word).collect();
+        let mut used: Vec<u64> = mask.chunks(8).map(word).collect();
         let blocks: usize = used.iter().map(|word| word.count_ones() as usize).sum();
         let (planes, rest) = rest.split_at_checked(blocks.checked_mul(bits)?.checked_mul(8)?)?;
         *bytes = rest;
+        // As it was traced: nothing behind the last block that is used.
+        while used.last() == Some(&0) {
+            used.pop();
+        }
         let planes = planes.as_chunks().0.iter().map(|word| u64::from_le_bytes(*word)).collect();
         let counts = Counts { bits, used, planes };
         let mut last = 0;
@@ -207,25 +221,25 @@ mod tests {
             let of = |ray| [3, 700].map(|material| Crossing { ray, material, count: count(material, ray) });
             (0..rays[list] as u32).flat_map(of).filter(|crossing| crossing.count > 0).collect()
         };
-        let canopy = Canopy::new([&crossings(0), &crossings(1)]);
-        let bytes = canopy.to_bytes(rays);
+        let canopy = Canopy::new([&crossings(0), &crossings(1)], rays);
+        let bytes = canopy.to_bytes();
         let read = |bytes: &[u8]| Canopy::from_bytes(bytes, rays, |material| material == 3 || material == 700);
         assert_eq!(read(&bytes).as_ref(), Some(&canopy));
         let table = |tau: f64| std::array::from_fn(|k| tau.powi(k as i32) as f32);
         let powers = Powers::from([(3, table(0.9)), (700, table(0.99))]);
         for list in [SKY, SEEN] {
-            let through = canopy.through(list, rays[list], &powers).unwrap_or_default();
+            let through = canopy.through(list, &powers).unwrap_or_default();
             for (ray, share) in (0..rays[list] as u32).zip(through) {
                 let expected = 0.9_f64.powi(count(3, ray).into()) * 0.99_f64.powi(count(700, ray).into());
                 assert!((f64::from(share) - expected).abs() < 1e-6);
             }
         }
-        assert_eq!((canopy.most(), Canopy::new([&[], &[]]).to_bytes(rays)), (255, Vec::new()));
+        assert_eq!((canopy.most(), Canopy::new([&[], &[]], rays).to_bytes()), (255, Vec::new()));
         assert!((1..bytes.len()).all(|cut| read(&bytes[..cut]).is_none()));
         let longer = [&bytes[..], &[0]].concat();
         assert!(read(&longer).is_none() && Canopy::from_bytes(&bytes, rays, |material| material == 3).is_none());
         let few = Crossing { ray: 8, material: 3, count: 1 };
-        let few = Canopy::new([&[few], &[]]).to_bytes([9, 9]);
+        let few = Canopy::new([&[few], &[]], [9, 9]).to_bytes();
         assert_eq!((few.len(), Canopy::from_bytes(&few, [8, 9], |_| true)), (15, None));
         let mut ninth = few.clone();
         ninth[4] = 9;
@@ -249,7 +263,7 @@ mod tests {
             let Some(canopy) = Canopy::from_bytes(&row, rays, |material| material == 1) else { continue };
             taken += 1;
             for list in [SKY, SEEN] {
-                let shares = canopy.through(list, rays[list], &powers).unwrap_or_default();
+                let shares = canopy.through(list, &powers).unwrap_or_default();
                 assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
             }
         }

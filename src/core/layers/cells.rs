@@ -1,7 +1,7 @@
 //! Cells as plain tables, sorted by key: fine probes and the coarse cells of the bounce system alike. In: traced cells, or tables
 //! of an archive. Out: columns that recombination reads.
 
-use crate::layers::extras::{Extras, MIRROR};
+use crate::layers::canopy::Canopy;
 use crate::layers::mirror::CellMirrors;
 use crate::site::cells::{CellKey, CellMap};
 
@@ -18,8 +18,10 @@ pub struct Cells {
     pub seen: Vec<CellKey>,
     /// [cell][ray], equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the horizon; [`MISS`] for nothing.
     pub hits: Vec<u32>,
-    /// `[layer][cell]`, see [`crate::layers::extras`]; no rows for a layer that no cell has.
-    pub extras: [Vec<Vec<u8>>; 2],
+    /// `[cell]`: what it sees in mirrors; empty where no cell sees any.
+    pub mirrors: Vec<CellMirrors>,
+    /// `[cell]`: what its rays cross; empty where none does.
+    pub canopies: Vec<Canopy>,
 }
 
 /// Flag of a ray that goes below the horizon.
@@ -44,7 +46,9 @@ pub struct Cell {
     pub normal: [f32; 3],
     pub bits: Vec<u8>,
     pub seen: Vec<(bool, Option<CellKey>)>,
-    pub extras: Extras,
+    pub mirrors: CellMirrors,
+    /// What its rays to the texels of its sky, and to what it sees, cross.
+    pub canopy: Canopy,
 }
 
 /// Bytes of a ray of [`Cell::to_bytes`].
@@ -53,17 +57,17 @@ const RAY_BYTES: usize = 1 + size_of::<u128>();
 impl Cell {
     /// The cells that it sees, some of them in mirrors.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
-        let mirrors = CellMirrors::from_bytes(&self.extras[MIRROR], self.bits.len()).unwrap_or_default();
-        self.seen.iter().filter_map(|seen| seen.1).chain(mirrors.paths.into_iter().map(|path| path.cell))
+        self.seen.iter().filter_map(|seen| seen.1).chain(self.mirrors.cells())
     }
 
     /// All but the key, for sorting outside memory.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let extras: usize = self.extras.iter().map(|layer| 4 + layer.len()).sum();
-        let mut bytes = Vec::with_capacity(12 + self.bits.len() + extras + RAY_BYTES * self.seen.len());
+        let layers = [self.mirrors.to_bytes(self.bits.len()), self.canopy.to_bytes()];
+        let lengths: usize = layers.iter().map(|layer| 4 + layer.len()).sum();
+        let mut bytes = Vec::with_capacity(12 + self.bits.len() + lengths + RAY_BYTES * self.seen.len());
         bytes.extend(self.normal.iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend(&self.bits);
-        for layer in &self.extras {
+        for layer in &layers {
             bytes.extend((layer.len() as u32).to_le_bytes());
             bytes.extend(layer);
         }
@@ -74,28 +78,34 @@ impl Cell {
         bytes
     }
 
-    /// Inverse of [`CellKey::to_bytes`] and [`Cell::to_bytes`] for a number of bytes of sky bits.
-    pub fn from_bytes(key: &[u8], cell: &[u8], bits: usize) -> Self {
-        let (head, mut rest) = cell.split_at(12 + bits);
-        let extras = std::array::from_fn(|_| {
-            let (length, tail) = rest.split_at(4);
-            let length = [0, 1, 2, 3].map(|i| length[i]);
-            let (layer, tail) = tail.split_at(u32::from_le_bytes(length) as usize);
+    /// Inverse of [`CellKey::to_bytes`] and [`Cell::to_bytes`] for a number of texels of the sky; `None` for anything else.
+    pub fn from_bytes(key: &[u8], cell: &[u8], texels: usize) -> Option<Self> {
+        let bits = texels.div_ceil(8);
+        let (normal, rest) = cell.split_first_chunk::<12>()?;
+        let (bits, mut rest) = rest.split_at_checked(bits)?;
+        let mut layer = || {
+            let (length, tail) = rest.split_first_chunk()?;
+            let (layer, tail) = tail.split_at_checked(u32::from_le_bytes(*length) as usize)?;
             rest = tail;
-            layer.to_vec()
-        });
-        let float = |axis: usize| f32::from_le_bytes([0, 1, 2, 3].map(|i| head[4 * axis + i]));
-        let number = |bytes: &[u8]| u128::from_le_bytes(bytes.last_chunk().copied().unwrap_or_default());
-        let ray = |ray: &[u8]| (ray[0] & 1 == 1, (ray[0] & 2 == 2).then(|| CellKey::from_number(number(ray))));
-        let mut key_bytes = [0; CellKey::BYTES];
-        key_bytes.copy_from_slice(key);
-        Cell {
-            key: CellKey::from_bytes(&key_bytes),
-            normal: [float(0), float(1), float(2)],
-            bits: head[12..].to_vec(),
-            seen: rest.chunks_exact(RAY_BYTES).map(ray).collect(),
-            extras,
-        }
+            Some(layer)
+        };
+        let (mirrors, canopy) = (layer()?, layer()?);
+        let ray = |ray: &[u8; RAY_BYTES]| {
+            let [flags, number @ ..] = *ray;
+            let number = u128::from_le_bytes(number);
+            (flags & 1 == 1, (flags & 2 == 2).then(|| CellKey::from_number(number)))
+        };
+        let (rays, []) = rest.as_chunks() else { return None };
+        let (axes, _) = normal.as_chunks();
+        let [x, y, z] = *axes else { return None };
+        Some(Cell {
+            key: CellKey::from_bytes(key.try_into().ok()?),
+            normal: [x, y, z].map(f32::from_le_bytes),
+            bits: bits.to_vec(),
+            mirrors: CellMirrors::from_bytes(mirrors, bits.len())?,
+            canopy: Canopy::from_bytes(canopy, [texels, rays.len()], |_| true)?,
+            seen: rays.iter().map(ray).collect(),
+        })
     }
 }
 
@@ -121,7 +131,8 @@ impl Cells {
             bits: cells.iter().flat_map(|c| c.bits.iter().copied()).collect(),
             seen,
             hits,
-            extras: std::array::from_fn(|layer| gathered(cells.iter().map(|c| c.extras[layer].as_slice()))),
+            mirrors: gathered(cells.iter().map(|c| &c.mirrors), CellMirrors::is_empty),
+            canopies: gathered(cells.iter().map(|c| &c.canopy), Canopy::is_empty),
         }
     }
 
@@ -148,7 +159,8 @@ impl Cells {
             bits: rows.iter().flat_map(|&row| self.bits_of(row).iter().copied()).collect(),
             seen,
             hits: hits().map(|hit| renumber(hit, &numbers)).collect(),
-            extras: std::array::from_fn(|layer| gathered(rows.iter().map(|&row| self.extra(layer, row)))),
+            mirrors: gathered(rows.iter().filter_map(|&row| self.mirrors.get(row)), CellMirrors::is_empty),
+            canopies: gathered(rows.iter().filter_map(|&row| self.canopies.get(row)), Canopy::is_empty),
         }
     }
 
@@ -166,10 +178,8 @@ impl Cells {
             bits: parts.iter().flat_map(|p| p.bits.iter().copied()).collect(),
             hits: hits.collect(),
             seen,
-            extras: std::array::from_fn(|layer| {
-                let rows = |part| (0..Cells::rows(part)).map(move |row| part.extra(layer, row));
-                gathered(parts.iter().flat_map(rows))
-            }),
+            mirrors: joined(parts.iter().map(|p| (p.rows(), p.mirrors.as_slice()))),
+            canopies: joined(parts.iter().map(|p| (p.rows(), p.canopies.as_slice()))),
         }
     }
 
@@ -178,27 +188,29 @@ impl Cells {
         self.keys.len()
     }
 
-    /// What a cell has of a layer of [`crate::layers::extras`].
-    pub fn extra(&self, layer: usize, cell: usize) -> &[u8] {
-        self.extras[layer].get(cell).map_or(&[], Vec::as_slice)
+    /// What a cell sees in mirrors, if some cell sees any.
+    pub fn mirrors_of(&self, cell: usize) -> Option<&CellMirrors> {
+        self.mirrors.get(cell)
     }
 
-    /// What a cell sees in mirrors; nothing if its bytes are damaged.
-    pub fn mirrors(&self, cell: usize) -> CellMirrors {
-        CellMirrors::from_bytes(self.extra(MIRROR, cell), self.bits_of(cell).len()).unwrap_or_default()
-    }
-
-    /// Whether what cells see in mirrors can be read.
-    pub fn mirrors_are_whole(&self) -> bool {
-        let whole =
-            |(cell, bytes): (usize, &Vec<u8>)| CellMirrors::from_bytes(bytes, self.bits_of(cell).len()).is_some();
-        self.extras[MIRROR].iter().enumerate().all(whole)
+    /// What a cell's rays cross, if some cell's do.
+    pub fn canopy_of(&self, cell: usize) -> Option<&Canopy> {
+        self.canopies.get(cell)
     }
 
     /// All cells that are seen, some of them in mirrors; not sorted.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
-        let in_mirrors = (0..self.extras[MIRROR].len()).flat_map(|cell| self.mirrors(cell).paths);
-        self.seen.iter().copied().chain(in_mirrors.map(|path| path.cell))
+        self.seen.iter().copied().chain(self.mirrors.iter().flat_map(CellMirrors::cells))
+    }
+
+    /// The first of the cells that see some other cell.
+    pub fn observer_of(&self, seen: &CellKey) -> Option<CellKey> {
+        let sees = |&cell: &usize| {
+            let mut hits = self.hits_of(cell).iter().filter(|hit| **hit & !DOWN != MISS);
+            hits.any(|hit| self.seen[(hit & !DOWN) as usize] == *seen)
+                || self.mirrors_of(cell).is_some_and(|mirrors| mirrors.cells().any(|key| key == *seen))
+        };
+        (0..self.rows()).find(sees).map(|cell| self.keys[cell])
     }
 
     /// Sky bits of a cell.
@@ -221,14 +233,28 @@ impl Cells {
             normal: self.normals[cell],
             bits: self.bits_of(cell).to_vec(),
             seen: self.hits_of(cell).iter().map(seen).collect(),
-            extras: std::array::from_fn(|layer| self.extra(layer, cell).to_vec()),
+            mirrors: self.mirrors_of(cell).cloned().unwrap_or_default(),
+            canopy: self.canopy_of(cell).cloned().unwrap_or_default(),
         }
     }
 }
 
 /// Rows of a layer, none if all are empty.
-fn gathered<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Vec<Vec<u8>> {
-    if rows.clone().all(<[u8]>::is_empty) { Vec::new() } else { rows.map(<[u8]>::to_vec).collect() }
+fn gathered<'a, T: Clone + 'a>(rows: impl Iterator<Item = &'a T> + Clone, is_empty: impl Fn(&T) -> bool) -> Vec<T> {
+    if rows.clone().all(is_empty) { Vec::new() } else { rows.cloned().collect() }
+}
+
+/// Rows of a layer of tables of so many cells one after the other, none if all tables have none.
+fn joined<'a, T: Clone + Default + 'a>(parts: impl Iterator<Item = (usize, &'a [T])> + Clone) -> Vec<T> {
+    let mut all = Vec::new();
+    if parts.clone().any(|(_, rows)| !rows.is_empty()) {
+        for (cells, rows) in parts {
+            let end = all.len() + cells;
+            all.extend_from_slice(rows);
+            all.resize(end, T::default());
+        }
+    }
+    all
 }
 
 /// Keys sorted, each once, and the place of each.
@@ -252,6 +278,7 @@ fn renumber(hit: u32, numbers: &[u32]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layers::mirror::CellPath;
 
     /// Three cells with four rays come back as they were, and 15 bits suffice for a chunk of any number of rays.
     #[test]
@@ -263,23 +290,29 @@ mod tests {
                 normal: [0.0, 0.6, 0.8],
                 bits: vec![i as u8; 8],
                 seen: vec![(true, Some(key(7))), (true, Some(key(9 + i))), (true, None), (false, Some(key(7)))],
-                extras: [vec![i as u8; i as usize], Vec::new()],
+                mirrors: CellMirrors {
+                    windows: Vec::new(),
+                    paths: vec![CellPath { up: true, cell: key(i), steps: vec![(2, 99)] }; i as usize],
+                },
+                canopy: Canopy::default(),
             })
             .collect();
         let table = Cells::new(&cells);
         assert_eq!(table.seen.len(), 4);
         for (i, cell) in cells.iter().enumerate() {
-            assert_eq!(Cell::from_bytes(&cell.key.to_bytes(), &cell.to_bytes(), 8), *cell);
+            assert_eq!(Cell::from_bytes(&cell.key.to_bytes(), &cell.to_bytes(), 64).as_ref(), Some(cell));
             let (mut back, mut cell) = (table.cell(i), cell.clone());
             back.seen.sort_unstable();
             cell.seen.sort_unstable();
             assert_eq!(back, cell);
         }
         let parts = [table.select(&[0]), table.select(&[1, 2])];
-        assert_eq!(
-            (parts[0].extras.each_ref().map(Vec::len), parts[1].extras.each_ref().map(Vec::len)),
-            ([0, 0], [2, 0])
-        );
+        let layers = |part: &Cells| [part.mirrors.len(), part.canopies.len()];
+        assert_eq!((layers(&parts[0]), layers(&parts[1])), ([0, 0], [2, 0]));
+        assert_eq!((table.observer_of(&key(2)), table.observer_of(&key(3))), (Some(key(2)), None));
+        let bytes = cells[2].to_bytes();
+        assert!((0..bytes.len()).all(|cut| cut == bytes.len() - 17 * ((bytes.len() - cut) / 17)
+            || Cell::from_bytes(&key(2).to_bytes(), &bytes[..cut], 64).is_none()));
         assert_eq!((parts[0].seen.len(), Cells::join(&parts)), (2, table));
         for rays in 0..40_000 {
             assert!((1..=4096).contains(&cells_per_chunk(rays)) && cells_per_chunk(rays) * rays.min(32_767) <= 32_767);

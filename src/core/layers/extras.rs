@@ -1,12 +1,15 @@
-//! Layers that only some scenes call for: mirrors and canopies. In: bytes of each receiver or cell, empty where there is nothing.
+//! Layers that only some scenes call for: mirrors and canopies. In: rows of each receiver or cell, empty where there is nothing.
 //! Out: one raw block for all of a tile or a chunk, and back; none if all are empty.
 
-/// Places in [`Extras`].
-pub const MIRROR: usize = 0;
-pub const CANOPY: usize = 1;
+use crate::layers::canopy::Canopy;
+use crate::layers::mirror::ReceiverMirrors;
 
-/// What one receiver or cell has of each; the bytes mean something to [`crate::layers::mirror`] and [`crate::layers::canopy`] only.
-pub type Extras = [Vec<u8>; 2];
+/// What one receiver has of each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReceiverExtras {
+    pub mirrors: ReceiverMirrors,
+    pub canopy: Canopy,
+}
 
 /// Raw block of one of the layers: a length (u32) for each row, then all bytes. `None` if there are none.
 pub fn pack<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Option<Vec<u8>> {

@@ -55,10 +55,20 @@ pub struct CellPath {
 }
 
 impl ReceiverMirrors {
+    /// Whether nothing is seen.
+    pub fn is_empty(&self) -> bool {
+        self.windows.is_empty() && self.paths.is_empty()
+    }
+
+    /// The cells that are seen.
+    pub fn cells(&self) -> impl Iterator<Item = CellKey> + '_ {
+        self.paths.iter().map(|path| path.cell)
+    }
+
     /// Empty if nothing is seen.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Vec::new();
-        if self.windows.is_empty() && self.paths.is_empty() {
+        if self.is_empty() {
             return out;
         }
         out.extend((self.windows.len() as u32).to_le_bytes());
@@ -107,10 +117,15 @@ impl ReceiverMirrors {
 }
 
 impl CellMirrors {
+    /// Whether nothing is seen.
+    pub fn is_empty(&self) -> bool {
+        self.windows.is_empty() && self.paths.is_empty()
+    }
+
     /// For a number of bytes of sky bits; empty if nothing is seen.
     pub fn to_bytes(&self, bits: usize) -> Vec<u8> {
         let mut out = Vec::new();
-        if self.windows.is_empty() && self.paths.is_empty() {
+        if self.is_empty() {
             return out;
         }
         out.extend((self.windows.len() as u32).to_le_bytes());

@@ -9,4 +9,5 @@ pub mod hit;
 pub mod mirror;
 pub mod mosaic;
 pub mod response;
+pub mod sides;
 pub mod sky;

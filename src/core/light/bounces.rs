@@ -17,10 +17,10 @@ use crate::hemisphere::{bit, texel_centres};
 use crate::layers::canopy::Powers;
 use crate::layers::cells::{Cells, DOWN, MISS};
 use crate::light::canopies::{Leafages, Shade};
-use crate::light::load::Tables;
-use crate::light::mirrors::{Chains, left};
-use crate::light::response::Reflector;
+use crate::light::mirrors::{Chains, Lookout, left};
+use crate::light::reflector::{Reflectance, Reflector};
 use crate::light::scratch::Scratch;
+use crate::light::tables::Tables;
 use crate::site::cells::{CellKey, CellMap};
 
 /// How many times light may be reflected.
@@ -57,12 +57,9 @@ pub struct Rules {
     pub depth: Depth,
 }
 
-/// Diffuse reflectance by material.
-pub type Reflectance = Vec<f64>;
-
-/// Reflectance of a cell.
+/// Reflectance of a cell, whose material exists.
 pub fn rho(reflectance: &Reflectance, key: &CellKey) -> f32 {
-    reflectance.get(usize::from(key.material)).copied().unwrap_or(0.0) as f32
+    reflectance[usize::from(key.material)] as f32
 }
 
 impl Rules {
@@ -106,7 +103,7 @@ impl Rules {
         };
         let mut row: Weighted<CellKey> = scaled(above, around.up).chain(scaled(below, around.down)).collect();
         let each = each_ray(cells.hits_of(i), around);
-        let in_mirrors = cells.mirrors(i).paths.into_iter();
+        let in_mirrors = cells.mirrors_of(i).into_iter().flat_map(|mirrors| &mirrors.paths);
         row.extend(in_mirrors.map(|p| (p.cell, (each[usize::from(p.up)] * left(&p.steps, reflectors)) as f32)));
         row
     }
@@ -197,15 +194,16 @@ impl Closed {
             }
             Ok(solved)
         };
-        let mut values: Vec<Option<Values>> = states.iter().map(|_| None).collect();
+        let mut values: Vec<(usize, Values)> = Vec::with_capacity(states.len());
         for (leafage, powers) in leafages.powers.iter().enumerate() {
             let system = System::load(tables, rules, &keys, powers)?;
             for state in leafages.states(leafage) {
-                values[state] = Some(solve(&system, &states[state])?);
+                values.push((state, solve(&system, &states[state])?));
             }
         }
-        // Each state has a leafage.
-        Ok(Closed { keys, width, values: values.into_iter().flatten().collect() })
+        // Each state has one leafage.
+        values.sort_unstable_by_key(|of_state| of_state.0);
+        Ok(Closed { keys, width, values: values.into_iter().map(|of_state| of_state.1).collect() })
     }
 
     /// Place of a cell.
@@ -277,7 +275,7 @@ struct System<'a> {
 impl<'a> System<'a> {
     /// Reads the cells of `keys`, which are all closed cells in order, behind leaves of some transmittances.
     fn load(tables: &Tables, rules: &'a Rules, keys: &[CellKey], powers: &Powers) -> Result<Self> {
-        let (source, reflectors, centres) = (&tables.bounces, &tables.reflectors, centres_f32(rules.side));
+        let (source, centres) = (&tables.bounces, centres_f32(rules.side));
         let (shares, rows, lit) = (Vec::new(), Vec::new(), Vec::new());
         let mut system = System { rules, cells: Cells::default(), shares, starts: vec![0], rows, lit };
         if keys.is_empty() {
@@ -285,14 +283,14 @@ impl<'a> System<'a> {
         }
         for number in 0..source.chunks() {
             let chunk = source.chunk(number)?;
-            let chains = Chains::of_cells(&chunk, tables, &centres);
+            let chains = Chains::of_cells(&chunk, source, &tables.mirrors, &centres)?;
             // Cells of the closed system see cells of it only.
             let place: CellMap<u32> =
                 chunk.reached().filter_map(|key| Some((key, keys.binary_search(&key).ok()? as u32))).collect();
             for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
-                let shade = Shade::of(&chunk, i, rules.side, powers);
-                for (key, weight) in rules.row(&chunk, i, &shade, &centres, reflectors) {
-                    let cell = *place.get(&key).ok_or_else(|| source.missing(&key))?;
+                let shade = Shade::of(&chunk, i, powers);
+                for (key, weight) in rules.row(&chunk, i, &shade, &centres, &tables.mirrors.reflectors) {
+                    let cell = *place.get(&key).ok_or_else(|| source.missing(&key, source.block_of(&chunk.keys[i])))?;
                     system.rows.push((cell, weight));
                 }
                 system.lit.push(in_mirrors_lit(&chunk, i, &chains));
@@ -396,12 +394,10 @@ pub fn each_ray(hits: &[u32], around: Surround) -> [f64; 2] {
 
 /// What a bounce cell gets by mirrors per unit of reflectance: column and value.
 pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> Lit {
-    let mirrors = cells.mirrors(row);
     let mut lit: Lit = Vec::new();
-    for window in &mirrors.windows {
-        let Some((image, shares)) = chains.image(&window.chain, cells.normals[row]) else { continue };
-        for (t, share) in window.texels.iter().filter_map(|&t| Some((usize::from(t), shares.get(usize::from(t))?))) {
-            lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * share)));
+    for Lookout { image, shares, texels } in chains.lookouts(cells, row) {
+        for t in texels.iter().map(|t| usize::from(*t)) {
+            lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * shares[t])));
         }
     }
     // Stable: what comes in one column is always added in the same order.

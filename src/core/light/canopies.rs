@@ -1,16 +1,10 @@
 //! Canopies at replay. In: canopy layers of an archive, transmittances by material. Out: the share of light that comes through along
 //! each ray. What does not come through is absorbed: leaves reflect and scatter nothing.
 
-use crate::archive::manifest::Settings;
-use crate::archive::{Block, Blocks, format};
-use crate::error::Result;
-use crate::layers::canopy::{Canopy, Powers, SEEN, SKY, sky_side};
+use crate::layers::canopy::{Powers, SEEN, SKY};
 use crate::layers::cells::Cells;
-use crate::layers::extras;
-use crate::layers::extras::CANOPY;
-use crate::light::bounces::Reflectance;
-use crate::light::load::optics;
-use crate::light::response::Reflector;
+use crate::light::reflector::{Reflectance, Reflector};
+use crate::site::material::Material;
 use crate::weather::bins::Bins;
 
 /// The transmittances that some states have, each set of them once.
@@ -45,16 +39,17 @@ impl Leafages {
 
     /// How conditions add to the results with each leafage, of how they do in each state.
     pub fn ways(&self, states: &[Bins]) -> Vec<(Powers, Bins)> {
-        let way = |(leafage, powers): (usize, &Powers)| {
-            let mut of_leafage = self.states(leafage).filter_map(|state| states.get(state));
-            let mut sum = of_leafage.next()?.clone();
-            for bins in of_leafage {
-                let weights = sum.of_condition.iter_mut().zip(&bins.of_condition);
-                weights.for_each(|(sum, (_, weight))| sum.1 += weight);
-            }
-            Some((powers.clone(), sum))
+        let none = |bins: &Bins| Bins {
+            count: bins.count,
+            of_condition: bins.of_condition.iter().map(|b| (b.0, 0.0)).collect(),
         };
-        self.powers.iter().enumerate().filter_map(way).collect()
+        let mut ways: Vec<(Powers, Bins)> =
+            self.powers.iter().flat_map(|powers| states.first().map(|first| (powers.clone(), none(first)))).collect();
+        for (&leafage, bins) in self.of_state.iter().zip(states) {
+            let weights = ways[leafage].1.of_condition.iter_mut().zip(&bins.of_condition);
+            weights.for_each(|(sum, (_, weight))| sum.1 += weight);
+        }
+        ways
     }
 
     /// States of a leafage.
@@ -78,56 +73,15 @@ pub struct Shade {
 }
 
 impl Shade {
-    /// Of cell `i` of a table with so many texels a side.
-    pub fn of(cells: &Cells, i: usize, side: usize, powers: &Powers) -> Self {
-        let (bytes, rays) = (cells.extra(CANOPY, i), [side * side, cells.hits_of(i).len()]);
-        if bytes.is_empty() {
-            return Shade::default();
-        }
-        // They were checked when they were read.
-        let canopy = Canopy::from_bytes(bytes, rays, |_| true).unwrap_or_default();
-        Shade { sky: canopy.through(SKY, rays[SKY], powers), seen: canopy.through(SEEN, rays[SEEN], powers) }
+    /// Of cell `i` of a table.
+    pub fn of(cells: &Cells, i: usize, powers: &Powers) -> Self {
+        let through = |list| cells.canopy_of(i).and_then(|canopy| canopy.through(list, powers));
+        Shade { sky: through(SKY), seen: through(SEEN) }
     }
 }
 
-/// Refuses bytes of a chunk that are no crossings of cells with so many texels and rays, or are of unknown materials.
-pub fn check_cells(block: &Block, cells: &Cells, rays: [usize; 2], materials: usize) -> Result<()> {
-    let known = |material| usize::from(material) < materials;
-    match cells.extras[CANOPY].iter().all(|row| Canopy::from_bytes(row, rays, known).is_some()) {
-        true => Ok(()),
-        false => Err(block.corrupt("crossings of another shape", "those of the settings' textures and rays")),
-    }
-}
-
-/// What the rays of a tile's receivers cross; empty where none crosses anything.
-pub fn tile_canopies(blocks: &dyn Blocks, settings: &Settings, tile: u32, rows: usize) -> Result<Vec<Canopy>> {
-    if !blocks.has(format::CANOPY, tile) {
-        return Ok(Vec::new());
-    }
-    let block = blocks.block(format::CANOPY, tile)?;
-    let materials = blocks.block(format::MATERIALS, 0)?.items() as usize;
-    let canopies = optics(blocks, materials)?.map(|optics| optics.canopy).unwrap_or_default();
-    let is_canopy = |material: u16| canopies.get(usize::from(material)) == Some(&1);
-    let rays = receiver_rays(settings);
-    let row = |bytes: &Vec<u8>| Canopy::from_bytes(bytes, rays, is_canopy);
-    let found: Option<Vec<Canopy>> =
-        extras::unpack(block.bytes(), rows).and_then(|bytes| bytes.iter().map(row).collect());
-    found.ok_or_else(|| block.corrupt("crossings of another shape", "those of the settings' textures, of canopies"))
-}
-
-/// Shares that come through by the transmittances that an archive states; none if it has no canopies.
-pub fn stored(blocks: &dyn Blocks) -> Result<Powers> {
-    if !blocks.has(format::OPTICS, 0) {
-        return Ok(Powers::new());
-    }
-    let materials = blocks.block(format::MATERIALS, 0)?.items() as usize;
-    let Some(optics) = optics(blocks, materials)? else { return Ok(Powers::new()) };
-    let rows = (0..=u16::MAX).zip(optics.canopy.iter().zip(&optics.transmittance));
-    Ok(rows.filter(|(_, (canopy, _))| **canopy == 1).map(|(m, (_, tau))| (m, powers(*tau))).collect())
-}
-
-/// Rays of both lists of a receiver.
-pub fn receiver_rays(settings: &Settings) -> [usize; 2] {
-    let side = sky_side(settings.sky_base as usize, settings.sky_fine as usize);
-    [side * side, (settings.hit * settings.hit) as usize]
+/// Shares that come through by the transmittances that materials have; none if no one is a canopy.
+pub fn stored(materials: &[Material]) -> Powers {
+    let rows = (0..=u16::MAX).zip(materials);
+    rows.filter_map(|(m, material)| Some((m, powers(material.transmittance?)))).collect()
 }

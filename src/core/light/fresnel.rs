@@ -1,7 +1,8 @@
 //! Specular reflectance of mirrors and of clear glass. In: a material and the cosine of the angle of incidence. Out: the share of
 //! unpolarised light that is reflected.
 
-use crate::light::response::Reflector;
+use crate::light::reflector::Reflector;
+use crate::site::material::Material;
 
 /// Refractive index of window glass.
 pub const GLASS: f64 = 1.52;
@@ -30,6 +31,11 @@ pub fn panes_mean(count: u8) -> f64 {
     const STEPS: u32 = 1024;
     let at = |i: u32| panes(count, ((f64::from(i) + 0.5) / f64::from(STEPS)).sqrt());
     (0..STEPS).map(at).sum::<f64>() / f64::from(STEPS)
+}
+
+/// What a material reflects like a mirror of light that comes from everywhere alike.
+pub fn specular_mean(material: &Material) -> f64 {
+    material.glass.map_or(material.specular, |glass| panes_mean(glass.panes()))
 }
 
 /// Specular reflectance of a material; with its diffuse reflectance never more than arrives.

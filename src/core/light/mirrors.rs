@@ -5,12 +5,30 @@ use std::collections::HashMap;
 
 use glam::{DMat3, DVec3};
 
+use crate::error::Result;
 use crate::layers::cells::Cells;
-use crate::layers::extras::MIRROR;
 use crate::light::fresnel::specular;
-use crate::light::load::Tables;
-use crate::light::response::Reflector;
+use crate::light::reflector::Reflector;
+use crate::opened::{CellSource, OpenSite};
 use crate::site::chain::{Chain, Orientation, Step};
+
+/// The mirrors of an archive: their orientations, and what materials reflect.
+#[derive(Clone, Debug)]
+pub struct MirrorTable {
+    pub orientations: Vec<Orientation>,
+    /// By material.
+    pub reflectors: Vec<Reflector>,
+}
+
+impl MirrorTable {
+    /// The mirrors of a site.
+    pub fn of(site: &OpenSite) -> Self {
+        MirrorTable {
+            orientations: site.orientations().to_vec(),
+            reflectors: site.materials().iter().map(Reflector::of).collect(),
+        }
+    }
+}
 
 /// One chain.
 #[derive(Clone, Debug)]
@@ -23,13 +41,13 @@ pub struct Reflection {
 
 impl Reflection {
     /// `None` if the chain names an orientation or a material that does not exist.
-    pub fn new(chain: Chain, orientations: &[Orientation], reflectors: &[Reflector]) -> Option<Self> {
+    pub fn new(chain: Chain, table: &MirrorTable) -> Option<Self> {
         let mirror = |number: u16| {
-            let orientation = *orientations.get(usize::from(number))?;
-            Some((orientation, *reflectors.get(usize::from(orientation.material))?))
+            let orientation = *table.orientations.get(usize::from(number))?;
+            Some((orientation, *table.reflectors.get(usize::from(orientation.material))?))
         };
         let mirrors = chain.numbers().map(mirror).collect::<Option<_>>()?;
-        Some(Reflection { map: chain.seen_from(orientations)?, mirrors })
+        Some(Reflection { map: chain.seen_from(&table.orientations)?, mirrors })
     }
 
     /// The normal of the surface's image: light from direction s falls on the surface as if it came straight to the image.
@@ -48,18 +66,22 @@ impl Reflection {
     }
 }
 
-/// Share of the light that is left after some mirrors.
+/// Share of the light that is left after some mirrors, whose materials exist.
 pub fn left(steps: &[Step], reflectors: &[Reflector]) -> f64 {
-    let of = |&(material, cosine): &Step| {
-        reflectors.get(usize::from(material)).map_or(0.0, |r| specular(r, f64::from(cosine) / 255.0))
-    };
+    let of = |&(material, cosine): &Step| specular(&reflectors[usize::from(material)], f64::from(cosine) / 255.0);
     steps.iter().map(of).product()
 }
 
-/// Chains on the texels of the cells' sky.
+/// By which chains some cells see the sky.
 #[derive(Clone, Debug, Default)]
-pub struct Chains(HashMap<Chain, OnTexels>);
+pub struct Chains {
+    /// Each chain once.
+    all: Vec<OnTexels>,
+    /// `[cell][window]`: its chain; empty where no cell sees anything in mirrors.
+    of_cells: Vec<Vec<usize>>,
+}
 
+/// A chain on the texels of the cells' sky.
 #[derive(Clone, Debug)]
 struct OnTexels {
     reflection: Reflection,
@@ -67,24 +89,48 @@ struct OnTexels {
     shares: Vec<f32>,
 }
 
+/// What a cell sees of the sky by one chain.
+pub struct Lookout<'c> {
+    /// Normal of the cell's image.
+    pub image: [f32; 3],
+    /// `[texel]`: share that is left of light from there.
+    pub shares: &'c [f32],
+    /// The texels that are seen.
+    pub texels: &'c [u16],
+}
+
 impl Chains {
-    /// The chains by which some cells see the sky, on texels with these centres; chains that do not exist are left out.
-    pub fn of_cells(cells: &Cells, tables: &Tables, centres: &[[f32; 3]]) -> Self {
-        let mut found = HashMap::new();
-        for window in (0..cells.extras[MIRROR].len()).flat_map(|cell| cells.mirrors(cell).windows) {
-            found.entry(window.chain).or_insert_with(|| {
-                let reflection = Reflection::new(window.chain, &tables.orientations, &tables.reflectors)?;
-                let share = |c: &[f32; 3]| reflection.share(DVec3::from(c.map(f64::from))) as f32;
-                Some(OnTexels { shares: centres.iter().map(share).collect(), reflection })
-            });
+    /// The chains of some cells of a source, on texels with these centres.
+    pub fn of_cells(cells: &Cells, source: &CellSource, table: &MirrorTable, centres: &[[f32; 3]]) -> Result<Self> {
+        let mut numbers: HashMap<Chain, usize> = HashMap::new();
+        let mut chains = Chains::default();
+        for (mirrors, key) in cells.mirrors.iter().zip(&cells.keys) {
+            let mut of_cell = Vec::with_capacity(mirrors.windows.len());
+            for window in &mirrors.windows {
+                let next = chains.all.len();
+                let number = *numbers.entry(window.chain).or_insert(next);
+                if number == next {
+                    let no_mirror = || source.defect(key, "chains", "name a mirror that does not exist");
+                    let reflection = Reflection::new(window.chain, table).ok_or_else(no_mirror)?;
+                    let share = |c: &[f32; 3]| reflection.share(DVec3::from(c.map(f64::from))) as f32;
+                    chains.all.push(OnTexels { shares: centres.iter().map(share).collect(), reflection });
+                }
+                of_cell.push(number);
+            }
+            chains.of_cells.push(of_cell);
         }
-        Chains(found.into_iter().filter_map(|(chain, on)| Some((chain, on?))).collect())
+        Ok(chains)
     }
 
-    /// Normal of a surface's image by a chain, and the share that is left of light from each texel.
-    pub fn image(&self, chain: &Chain, normal: [f32; 3]) -> Option<([f32; 3], &[f32])> {
-        let on = self.0.get(chain)?;
-        let image = on.reflection.image(DVec3::from(normal.map(f64::from)));
-        Some((image.as_vec3().to_array(), &on.shares))
+    /// What cell `i` of those that the chains were made of sees by each of its chains.
+    pub fn lookouts<'c>(&'c self, cells: &'c Cells, i: usize) -> impl Iterator<Item = Lookout<'c>> {
+        let numbers = self.of_cells.get(i).map_or(&[][..], Vec::as_slice);
+        let windows = cells.mirrors_of(i).map_or(&[][..], |mirrors| &mirrors.windows);
+        let normal = DVec3::from(cells.normals[i].map(f64::from));
+        numbers.iter().zip(windows).map(move |(&number, window)| {
+            let OnTexels { reflection, shares } = &self.all[number];
+            let image = reflection.image(normal).as_vec3().to_array();
+            Lookout { image, shares, texels: &window.texels }
+        })
     }
 }

@@ -4,10 +4,12 @@
 pub mod bounces;
 pub mod canopies;
 pub mod fresnel;
-pub mod load;
 pub mod mirrors;
+pub mod reflector;
 pub mod responder;
 pub mod response;
 mod scratch;
 mod slots;
 pub mod states;
+pub mod tables;
+pub mod tile_view;

@@ -15,18 +15,20 @@ use crate::error::Result;
 use crate::hemisphere::{bilinear, bit, texel_centres};
 use crate::layers::canopy::SEEN;
 use crate::layers::cells::Cells;
-use crate::layers::extras::MIRROR;
 use crate::layers::mirror::CellMirrors;
 use crate::layers::response::{CLASSES, Response};
 use crate::light::bounces::{
-    BLOCK, Block, Closed, Depth, Lit, Reflectance, Rules, Surround, Weighted, add_block, centres_f32, each_ray,
-    in_mirrors_lit, rho, seen, surround,
+    BLOCK, Block, Closed, Depth, Lit, Rules, Surround, Weighted, add_block, centres_f32, each_ray, in_mirrors_lit, rho,
+    seen, surround,
 };
 use crate::light::canopies::{Leafages, Shade};
-use crate::light::load::{Tables, TileView};
-use crate::light::mirrors::{Chains, left};
-use crate::light::response::{Reflector, Shape, Viewer, class_index, hit_weights, texel_weights};
+use crate::light::mirrors::{Chains, Lookout, left};
+use crate::light::reflector::{Reflectance, Reflector};
+use crate::light::response::{Viewer, class_index, hit_weights, texel_weights};
 use crate::light::slots::Slots;
+use crate::light::tables::Tables;
+use crate::light::tile_view::TileView;
+use crate::opened::{CellSource, SiteSettings};
 use crate::site::cells::{CellKey, CellMap, CellSet};
 
 /// Most by which radiosity may differ from an interpolation with half of the nodes. The error with all of them is about its square.
@@ -35,7 +37,7 @@ const MOST_BENT: f64 = 5e-3;
 /// Derives responses from an archive's cells for some states of its reflectances. Only the closed system is solved as a whole; the
 /// cells near some tiles are read and solved when these tiles are asked for.
 pub struct Responder {
-    shape: Shape,
+    settings: SiteSettings,
     reflectors: Vec<Reflector>,
     states: Vec<Reflectance>,
     leafages: Leafages,
@@ -55,7 +57,7 @@ impl Responder {
     /// Solves the closed system with the tables' reflectances. At most about `memory` bytes are used; what does not fit goes to a
     /// temporary file in `folder`.
     pub fn new(tables: &Tables, depth: Depth, memory: u64, folder: &Path) -> Result<Self> {
-        let stored = tables.reflectors.iter().map(Reflector::variable).collect();
+        let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         Responder::with_states(tables, vec![stored], depth, memory, folder)
     }
 
@@ -67,8 +69,8 @@ impl Responder {
         memory: u64,
         folder: &Path,
     ) -> Result<Self> {
-        let (shape, reflectors) = (tables.shape, tables.reflectors.clone());
-        let rules = Rules { side: shape.bounce_sky, closed_level: shape.closed_level, depth };
+        let (settings, reflectors) = (tables.settings, tables.mirrors.reflectors.clone());
+        let rules = Rules { side: settings.bounce_sky, closed_level: settings.closed_level, depth };
         let memory = memory / 2;
         let leafages = Leafages::split(&reflectors, &mut states);
         let closed = Closed::solve(tables, &rules, &states, &leafages, memory, folder)?;
@@ -77,10 +79,10 @@ impl Responder {
             slots: Slots::new(&states),
             states,
             leafages,
-            centres: centres_f32(shape.probe),
-            bounce_centres: centres_f32(shape.bounce_sky),
-            upsample: texel_centres(shape.probe).into_iter().map(|d| bilinear(d, shape.bounce_sky)).collect(),
-            shape,
+            centres: centres_f32(settings.probe),
+            bounce_centres: centres_f32(settings.bounce_sky),
+            upsample: texel_centres(settings.probe).into_iter().map(|d| bilinear(d, settings.bounce_sky)).collect(),
+            settings,
             reflectors,
             rules,
             memory,
@@ -109,11 +111,11 @@ impl Responder {
             tiles.iter().map(|_| vec![Vec::new(); self.states.len()]).collect();
         for leafage in 0..self.leafages.powers.len() {
             let rows = group.rows(tables, leafage)?;
-            let lights = |tile: &TileView| -> Vec<Light> {
+            let lights = |tile: &TileView| -> Result<Vec<Light>> {
                 let viewers = tile.viewers.par_iter().enumerate();
-                viewers.map(|(index, viewer)| group.light(tile, index, viewer, leafage)).collect()
+                viewers.map(|(index, viewer)| group.light(tables, tile, (index, viewer), leafage)).collect()
             };
-            let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect();
+            let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect::<Result<_>>()?;
             for state in self.leafages.states(leafage) {
                 for (of_tile, responses) in group.responses(&rows, state, &lights)?.into_iter().zip(&mut responses) {
                     responses[state] = of_tile;
@@ -128,10 +130,14 @@ impl Responder {
         let mut keys: Vec<CellKey> = tiles.iter().flat_map(TileView::reached).collect();
         keys.sort_unstable();
         keys.dedup();
-        let probes = tables.probes.fetch(&keys)?;
+        let by_tiles = |key: &CellKey| {
+            let tile = tiles.iter().find(|tile| tile.reached().any(|reached| reached == *key));
+            tile.map_or_else(|| "hit".to_string(), |tile| tile.block_that_sees(key))
+        };
+        let probes = tables.probes.fetch(&keys, by_tiles)?;
         let first_only = self.rules.depth == Depth::Count(1);
         let mut known = CellSet::default();
-        let mut fine = Vec::new();
+        let mut fine: Vec<Cells> = Vec::new();
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.reached().collect() };
         while !wave.is_empty() {
             wave.retain(|key| known.insert(*key) && !self.rules.closes(key));
@@ -140,7 +146,11 @@ impl Responder {
             if tiles.len() > 1 && bytes > self.memory {
                 return Ok(None);
             }
-            let cells = tables.bounces.fetch(&wave)?;
+            let by_cells = |key: &CellKey| match fine.last() {
+                Some(cells) => tables.bounces.observer_of(cells, key),
+                None => tables.probes.observer_of(&probes, key),
+            };
+            let cells = tables.bounces.fetch(&wave, by_cells)?;
             wave = cells.reached().collect();
             fine.push(cells);
         }
@@ -151,17 +161,18 @@ impl Responder {
         let mut keys: Vec<CellKey> = known.into_iter().collect();
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
         let places = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
-        let find = |key: &CellKey| self.closed.find(key).ok_or_else(|| tables.bounces.missing(key));
+        let find = |key: &CellKey| {
+            let no_cell = || tables.bounces.missing(key, seen_by(&probes, &fine, tables, key));
+            self.closed.find(key).ok_or_else(no_cell)
+        };
         let closed = keys.iter().take_while(|key| self.rules.closes(key)).map(find).collect::<Result<_>>()?;
-        let chains = Chains::of_cells(&probes, tables, &self.centres);
-        let mirrors: Vec<CellMirrors> = (0..probes.extras[MIRROR].len()).map(|i| probes.mirrors(i)).collect();
+        let chains = Chains::of_cells(&probes, &tables.probes, &tables.mirrors, &self.centres)?;
         let mut group = Group {
             responder: self,
             probes,
             surrounds,
             seen: Vec::new(),
             mirrored: CellMap::default(),
-            mirrors,
             chains,
             keys,
             places,
@@ -171,10 +182,10 @@ impl Responder {
         let of_probe = |key: &CellKey| if first_only { Ok(0) } else { group.place(tables, key) };
         let mut seen: Vec<usize> = group.probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
         let mut mirrored: CellMap<usize> = group.probes.seen.iter().copied().zip(0..).collect();
-        if group.mirrors.is_empty() {
+        if group.probes.mirrors.is_empty() {
             mirrored.clear();
         }
-        for key in group.mirrors.iter().flat_map(CellMirrors::cells) {
+        for key in group.probes.mirrors.iter().flat_map(CellMirrors::cells) {
             if let Entry::Vacant(entry) = mirrored.entry(key) {
                 entry.insert(seen.len());
                 seen.push(of_probe(&key)?);
@@ -183,6 +194,14 @@ impl Responder {
         (group.seen, group.mirrored) = (seen, mirrored);
         Ok(Some(group))
     }
+}
+
+/// Name of the block of that one of some probes and bounce cells that sees a bounce cell.
+fn seen_by(probes: &Cells, fine: &[Cells], tables: &Tables, key: &CellKey) -> String {
+    let of_source =
+        |source: &CellSource, cells: &Cells| cells.observer_of(key).map(|observer| source.block_of(&observer));
+    let of_fine = || fine.iter().find_map(|cells| of_source(&tables.bounces, cells));
+    of_source(&tables.probes, probes).or_else(of_fine).unwrap_or_else(|| "probes".to_string())
 }
 
 /// Everything that some neighbouring tiles see.
@@ -194,8 +213,6 @@ struct Group<'r> {
     seen: Vec<usize>,
     /// Where in `seen` each cell stands that probes see in mirrors; empty where there are no mirrors.
     mirrored: CellMap<usize>,
-    /// `[probe]`: what it sees in mirrors; empty where none sees any.
-    mirrors: Vec<CellMirrors>,
     /// By which chains probes see the sky.
     chains: Chains,
     /// Bounce cells, coarser first: closed ones, then those of `fine`.
@@ -247,7 +264,10 @@ struct Worth {
 impl Group<'_> {
     /// Place of a bounce cell in `keys`.
     fn place(&self, tables: &Tables, key: &CellKey) -> Result<usize> {
-        self.places.get(key).map(|&place| place as usize).ok_or_else(|| tables.bounces.missing(key))
+        self.places
+            .get(key)
+            .map(|&place| place as usize)
+            .ok_or_else(|| tables.bounces.missing(key, seen_by(&self.probes, &self.fine, tables, key)))
     }
 
     /// The fine bounce cells behind the leaves of a leafage, by place.
@@ -255,9 +275,9 @@ impl Group<'_> {
         let Responder { rules, leafages, bounce_centres, reflectors, .. } = self.responder;
         let mut rows: Vec<Row> = Vec::with_capacity(self.keys.len() - self.closed.len());
         for (part, cells) in self.fine.iter().enumerate() {
-            let chains = Chains::of_cells(cells, tables, bounce_centres);
+            let chains = Chains::of_cells(cells, &tables.bounces, &tables.mirrors, bounce_centres)?;
             let of_cell = |row: usize| {
-                let shade = Shade::of(cells, row, rules.side, &leafages.powers[leafage]);
+                let shade = Shade::of(cells, row, &leafages.powers[leafage]);
                 let weighted = rules.row(cells, row, &shade, bounce_centres, reflectors).into_iter();
                 let seen = weighted.map(|(cell, w)| Ok((self.place(tables, &cell)? as u32, w)));
                 let (place, seen) = (self.place(tables, &cells.keys[row])?, seen.collect::<Result<_>>()?);
@@ -270,7 +290,12 @@ impl Group<'_> {
             // A cell sees coarser ones only, or this would never end.
             let first = level[0].place;
             if let Some(row) = level.iter().find(|row| row.seen.iter().any(|seen| seen.0 as usize >= first)) {
-                return Err(tables.bounces.missing(&self.keys[row.place]));
+                let key = &self.keys[row.place];
+                return Err(tables.bounces.defect(
+                    key,
+                    "cells that are seen",
+                    "are no coarser than the one that sees them",
+                ));
             }
         }
         Ok(rows)
@@ -291,35 +316,42 @@ impl Group<'_> {
     }
 
     /// What receiver `index` of a tile of the group sees through the leaves of a leafage.
-    fn light(&self, tile: &TileView, index: usize, viewer: &Viewer, leafage: usize) -> Light {
-        let Responder { shape, slots, reflectors, rules, leafages, .. } = self.responder;
+    fn light(
+        &self,
+        tables: &Tables,
+        tile: &TileView,
+        (index, viewer): (usize, &Viewer),
+        leafage: usize,
+    ) -> Result<Light> {
+        let Responder { settings, slots, reflectors, rules, leafages, .. } = self.responder;
         let powers = &leafages.powers[leafage];
-        let per_receiver = shape.hit * shape.hit;
-        let texels = shape.probe * shape.probe;
-        let shares = tile.canopies.get(index).and_then(|canopy| canopy.through(SEEN, per_receiver, powers));
+        let per_receiver = settings.hit * settings.hit;
+        let texels = settings.probe * settings.probe;
+        let shares = tile.canopies.get(index).and_then(|canopy| canopy.through(SEEN, powers));
         let texels_of = &tile.hits.texels[index * per_receiver..(index + 1) * per_receiver];
-        let mut first = vec![vec![0.0_f32; Response::len(shape.probe)]; slots.len()];
+        let mut first = vec![vec![0.0_f32; Response::len(settings.probe)]; slots.len()];
         let mut indirect: Vec<Indirect> = Vec::new();
         let direct = hit_weights(texels_of, viewer, shares.as_deref()).cells.into_iter().map(|(cell, weight)| {
             let key = tile.hits.palette[cell];
             (key, key.material, weight)
         });
-        let paths = tile.mirrored.get(index).map_or(&[][..], Vec::as_slice);
+        let paths = tile.mirrors.get(index).map_or(&[][..], |mirrors| &mirrors.paths);
         let on_texels = if paths.is_empty() { Vec::new() } else { texel_weights(texels_of, viewer) };
         // The class is that of what is seen first: the mirror.
-        let in_mirrors = paths.iter().filter_map(|path| {
-            let weight = on_texels.get(path.texel as usize)? * left(&path.steps, reflectors);
-            Some((path.cell, path.steps.first()?.0, weight))
+        let in_mirrors = paths.iter().map(|path| {
+            // Texels and materials were checked when the tile was read, and a way has at least one mirror.
+            let weight = on_texels[path.texel as usize] * left(&path.steps, reflectors);
+            (path.cell, path.steps[0].0, weight)
         });
         let mut lights: Vec<(CellKey, u16, f64)> = direct.chain(in_mirrors).collect();
         lights.sort_by_key(|light| (light.0, light.1));
         let same = |a: &(CellKey, u16, f64), b: &(CellKey, u16, f64)| (a.0, a.1) == (b.0, b.1);
         for lights in lights.chunk_by(same) {
             let (key, seen_first, weight) = (lights[0].0, lights[0].1, lights.iter().map(|light| light.2).sum::<f64>());
-            let Some(reflector) = reflectors.get(usize::from(seen_first)) else { continue };
-            // The group holds all keys of its tiles' palettes.
-            let Ok(probe) = self.probes.keys.binary_search(&key) else { continue };
-            let class = class_index(reflector.class);
+            // The group holds all cells that its tiles see.
+            let no_probe = |_| tables.probes.missing(&key, tile.block_that_sees(&key));
+            let probe = self.probes.keys.binary_search(&key).map_err(no_probe)?;
+            let class = class_index(reflectors[usize::from(seen_first)].class);
             let (slot, fixed) = slots.of(key.material);
             let worth = weight * fixed;
             if worth == 0.0 {
@@ -327,16 +359,13 @@ impl Group<'_> {
             }
             let scaled = |normal: [f32; 3]| normal.map(|c| c * worth as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
-            let shade = Shade::of(&self.probes, probe, shape.probe, powers);
+            let shade = Shade::of(&self.probes, probe, powers);
             match &shade.sky {
                 None => add_bits(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), texels),
                 Some(shares) => add_shares(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), shares),
             }
-            let (windows, paths) = self.mirrors.get(probe).map_or((&[][..], &[][..]), |m| (&m.windows, &m.paths));
-            for window in windows {
-                if let Some((image, shares)) = self.chains.image(&window.chain, self.probes.normals[probe]) {
-                    add_texels(out, &window.texels, scaled(image), shares);
-                }
+            for Lookout { image, shares, texels } in self.chains.lookouts(&self.probes, probe) {
+                add_texels(out, texels, scaled(image), shares);
             }
             if rules.depth != Depth::Count(1) {
                 let around = self.surrounds[probe];
@@ -347,10 +376,11 @@ impl Group<'_> {
                     indirect.extend(list.into_iter().map(entry));
                 }
                 let each = each_ray(self.probes.hits_of(probe), around);
-                for path in paths {
+                for path in self.probes.mirrors_of(probe).into_iter().flat_map(|mirrors| &mirrors.paths) {
                     let share = each[usize::from(path.up)] * left(&path.steps, reflectors) * worth;
                     // The group holds all that its probes see.
-                    let Some(&cell) = self.mirrored.get(&path.cell) else { continue };
+                    let no_cell = || tables.bounces.missing(&path.cell, tables.probes.block_of(&key));
+                    let cell = *self.mirrored.get(&path.cell).ok_or_else(no_cell)?;
                     indirect.push(Indirect { cell, class, slot, worth: share as f32 });
                 }
             }
@@ -358,7 +388,7 @@ impl Group<'_> {
         indirect.sort_by_key(|w| (w.cell, w.class, w.slot));
         let merge = |same: &[Indirect]| Indirect { worth: same.iter().map(|w| w.worth).sum(), ..same[0] };
         let same = |a: &Indirect, b: &Indirect| (a.cell, a.class, a.slot) == (b.cell, b.class, b.slot);
-        Light { first, indirect: indirect.chunk_by(same).map(merge).collect() }
+        Ok(Light { first, indirect: indirect.chunk_by(same).map(merge).collect() })
     }
 
     /// Responses in a state: [tile][receiver]. A block of columns is solved at a time, so that the cells' values stay in a core's cache.
@@ -460,9 +490,7 @@ impl WithSimd for Gather<'_> {
 fn add_texels(out: &mut [f32], texels: &[u16], normal: [f32; 3], shares: &[f32]) {
     for (plane, n) in out.chunks_mut(shares.len().max(1)).zip(normal) {
         for t in texels.iter().map(|t| usize::from(*t)) {
-            if let (Some(value), Some(share)) = (plane.get_mut(t), shares.get(t)) {
-                *value += n * share;
-            }
+            plane[t] += n * shares[t];
         }
     }
 }

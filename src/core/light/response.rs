@@ -3,72 +3,11 @@
 
 use glam::DVec3;
 
-use crate::archive::tables::{Materials, Optics};
 use crate::hemisphere::{Frame, jitter, texel_direction};
 use crate::layers::hit::HitTile;
 use crate::layers::response::CLASSES;
-use crate::site::material::{Class, Glass, Material};
-
-/// Sizes that give the tables their shape.
-#[derive(Clone, Copy, Debug)]
-pub struct Shape {
-    /// Side of the hit texture.
-    pub hit: usize,
-    /// Side of the probes' sky texture, and of G.
-    pub probe: usize,
-    /// Side of the bounce cells' sky texture.
-    pub bounce_sky: usize,
-    /// Level of the bounce cells at middle distance: from here up cells see each other in circles.
-    pub closed_level: i8,
-}
-
-/// Optical properties of a material that recombination needs.
-#[derive(Clone, Copy, Debug)]
-pub struct Reflector {
-    pub diffuse: f64,
-    pub class: Class,
-    /// Specular reflectance at any angle; 0 for glass.
-    pub specular: f64,
-    /// Panes of clear glass.
-    pub panes: u8,
-    /// Of a canopy; `None` is opaque.
-    pub transmittance: Option<f64>,
-}
-
-impl Reflector {
-    /// What a replay may change: of a canopy its transmittance, else the diffuse reflectance.
-    pub fn variable(&self) -> f64 {
-        self.transmittance.unwrap_or(self.diffuse)
-    }
-
-    /// The properties of a material of the scene.
-    pub fn of(material: &Material) -> Self {
-        Reflector {
-            diffuse: material.diffuse,
-            class: material.class,
-            specular: material.specular,
-            panes: material.glass.map_or(0, Glass::panes),
-            transmittance: material.transmittance,
-        }
-    }
-
-    /// Whether it reflects like a mirror.
-    pub fn mirrors(&self) -> bool {
-        self.specular > 0.0 || self.panes > 0
-    }
-
-    /// The rows of an archive's tables; without a table of optics all are opaque and no glass.
-    pub fn of_tables(materials: &Materials, optics: Option<&Optics>) -> Vec<Self> {
-        let reflector = |row: usize| Reflector {
-            diffuse: materials.diffuse[row],
-            class: if materials.class[row] == 1 { Class::Ground } else { Class::Obstruction },
-            specular: materials.specular[row],
-            panes: optics.map_or(0, |o| o.panes[row]),
-            transmittance: optics.and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
-        };
-        (0..materials.rows()).map(reflector).collect()
-    }
-}
+use crate::light::reflector::Reflector;
+use crate::site::material::Class;
 
 /// What is needed of a receiver besides its hits.
 #[derive(Clone, Copy, Debug)]
@@ -143,9 +82,8 @@ pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
 pub fn view_factors(texels: &[u32], tile: &HitTile, reflectors: &[Reflector], viewer: &Viewer) -> [f64; CLASSES] {
     let mut shares = [0.0; CLASSES];
     for (cell, weight) in hit_weights(texels, viewer, None).cells {
-        if let Some(reflector) = reflectors.get(usize::from(tile.palette[cell].material)) {
-            shares[class_index(reflector.class)] += weight;
-        }
+        // The palette's materials were checked when it was read, or met when it was traced.
+        shares[class_index(reflectors[usize::from(tile.palette[cell].material)].class)] += weight;
     }
     shares
 }

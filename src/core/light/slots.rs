@@ -1,7 +1,7 @@
 //! Materials grouped by how their reflectances change. In: the reflectances of some states. Out: for each material a slot; light
 //! by way of a slot is linear in one factor a state.
 
-use crate::light::bounces::Reflectance;
+use crate::light::reflector::Reflectance;
 
 /// Slot 0 holds all materials that never change, with factor 1; every other slot those that change alike.
 #[derive(Clone, Debug)]
@@ -39,14 +39,14 @@ impl Slots {
         self.factors.first().map_or(1, Vec::len)
     }
 
-    /// Slot of a material and its unchanging reflectance; one that does not exist reflects nothing.
+    /// Slot of a material, which exists, and its unchanging reflectance.
     pub fn of(&self, material: u16) -> (usize, f64) {
-        self.of_material.get(usize::from(material)).copied().unwrap_or((0, 0.0))
+        self.of_material[usize::from(material)]
     }
 
     /// Factor of each slot in a state.
     pub fn factors(&self, state: usize) -> &[f32] {
-        self.factors.get(state).map_or(&[], Vec::as_slice)
+        &self.factors[state]
     }
 }
 
@@ -68,6 +68,5 @@ mod tests {
             }
         }
         assert_eq!(Slots::new(&states[..1]).len(), 1);
-        assert_eq!(slots.of(9), (0, 0.0));
     }
 }

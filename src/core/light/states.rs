@@ -6,7 +6,7 @@
 //! "Approximation Theory and Approximation Practice", 2013, theorem 8.2: the error falls with the power of the number of nodes).
 
 use crate::error::{Error, Result};
-use crate::light::bounces::Reflectance;
+use crate::light::reflector::Reflectance;
 use crate::weather::bins::Bins;
 
 /// Nodes of an interpolation, and of a finer one; the former are among the latter.

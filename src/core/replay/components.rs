@@ -35,6 +35,9 @@ impl Component {
     /// Columns beyond them, for results that name them.
     pub const FURTHER: [Component; 1] = [Component::Longwave];
 
+    /// Number of both; components are numbered from 0 in this order.
+    pub const COUNT: usize = Component::ALL.len() + Component::FURTHER.len();
+
     pub fn name(self) -> &'static str {
         match self {
             Component::SunDirect => "sun_direct",
@@ -70,7 +73,7 @@ impl ComponentSet {
         self.contains(component) || self.contains(Component::Total) && !Component::FURTHER.contains(&component)
     }
 
-    /// Number of places for components, in the order of their numbers, that values need to hold the set.
+    /// Number of components that values of the set are written for at most.
     pub fn places(self) -> usize {
         let further = Component::FURTHER.iter().filter(|component| self.contains(**component)).count();
         Component::ALL.len() + further

@@ -9,25 +9,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
-
-/// Stefan-Boltzmann constant, W/m2 K4 (CODATA 2018).
-const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
-
-/// 0 degrees Celsius, K.
-pub const ZERO_CELSIUS_K: f64 = 273.15;
-
-/// What a black surface of a temperature sends (Stefan 1879, Boltzmann 1884): sigma T^4.
-pub fn black_body_w_m2(celsius: f64) -> f64 {
-    STEFAN_BOLTZMANN * (celsius + ZERO_CELSIUS_K).powi(4)
-}
-
-/// What a receiver gets that sees nothing but sky, ground or obstructions, W/m2.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emission {
-    pub sky_w_m2: f64,
-    pub ground_w_m2: f64,
-    pub obstruction_w_m2: f64,
-}
+use crate::weather::emission::Emission;
 
 /// Emissions of the results of a replay.
 pub struct Longwave {
@@ -74,15 +56,6 @@ mod tests {
             |[sky_w_m2, ground_w_m2, obstruction_w_m2]: [f64; 3]| Emission { sky_w_m2, ground_w_m2, obstruction_w_m2 };
         let dark = Condition::new("midnight".into(), &[], DVec3::NEG_Z, 0.0, 0.0);
         Condition { emission: emission.map(of), ..dark }
-    }
-
-    /// A black surface sends 315.66 W/m2 at 0 degrees Celsius, 418.77 at 20 and nothing at absolute zero (sigma 273.15^4 and 293.15^4
-    /// by hand, to 0.01).
-    #[test]
-    fn black_bodies() {
-        for (celsius, expected) in [(0.0, 315.66), (20.0, 418.77), (-273.15, 0.0)] {
-            assert!((black_body_w_m2(celsius) - expected).abs() < 0.01, "{celsius}: {}", black_body_w_m2(celsius));
-        }
     }
 
     /// Shares of 0.5, 0.2 and 0.2 get 0.5 x 300 + 0.3 x 400 + 0.2 x 500 = 370 W/m2: the tenth that meets nothing is ground; two hours of 300

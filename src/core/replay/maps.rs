@@ -10,20 +10,22 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::archive::Archive;
 use crate::error::Result;
 use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, bilinear, direction_of, texel_direction};
-use crate::layers::canopy::{SEEN, SKY, sky_side};
+use crate::layers::canopy::{SEEN, SKY};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
+use crate::layers::sides::TextureSides;
 use crate::light::bounces::Depth;
-use crate::light::load::{Tables, TileView, sides};
 use crate::light::mirrors::left;
+use crate::light::reflector::Reflector;
 use crate::light::responder::Responder;
-use crate::light::response::{Reflector, Viewer, class_index, texel_weights};
+use crate::light::response::{Viewer, class_index, texel_weights};
+use crate::light::tables::Tables;
+use crate::light::tile_view::TileView;
+use crate::opened::OpenSite;
 use crate::replay::receiver_view::ReceiverView;
-use crate::replay::shaded::Veil;
-use crate::replay::tile::TextureSides;
+use crate::replay::veil::Veil;
 use crate::site::cells::CellKey;
 use crate::sky::disc::disc_texels;
 use crate::sky::patches::Patches;
@@ -78,8 +80,8 @@ pub struct Light {
 }
 
 impl Light {
-    pub fn new(archive: &Archive, condition: Condition, model: SkyModel, patches: usize, depth: Depth) -> Result<Self> {
-        let sides = sides(archive)?;
+    pub fn new(site: &OpenSite, condition: Condition, model: SkyModel, patches: usize, depth: Depth) -> Result<Self> {
+        let sides = site.settings().sides();
         let patches = Patches::new(patches)?;
         let open = Projection::new(&patches, sides.sky_base, SAMPLES).open_horizontal_sr;
         let radiances = patches.radiances(model, &condition, &open);
@@ -105,7 +107,7 @@ impl Light {
 
 /// All maps of a receiver; those of `light` only where there is one.
 pub fn maps(
-    archive: &Archive,
+    site: &OpenSite,
     view: &ReceiverView,
     light: Option<&Light>,
     memory: u64,
@@ -114,7 +116,7 @@ pub fn maps(
     let mut hit = hit_map(view);
     let mut response = None;
     if let Some(light) = light {
-        let lit = lit_cells(archive, view, light, memory, folder)?;
+        let lit = lit_cells(site, view, light, memory, folder)?;
         let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
@@ -124,10 +126,10 @@ pub fn maps(
     }
     let response = match response {
         Some(derived) => derived,
-        None => view.response(archive)?,
+        None => view.response(site)?,
     };
     let sky = SkyTexels::new(view, light);
-    let mut maps = vec![sky_map(view, &sky, light, sides(archive)?), hit, response_map(&response, light)];
+    let mut maps = vec![sky_map(view, &sky, light, site.settings().sides()), hit, response_map(&response, light)];
     if !view.mirrors.is_empty() {
         maps.push(mirror_map(view, &sky, light));
     }
@@ -172,8 +174,7 @@ fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>, sides: T
     let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
     map.add("visible", "1 where sky is seen, else 0", visible.iter().map(|v| f32::from(u8::from(*v))).collect());
     map.add("weight_sr", "sr", texels.iter().map(|t| (f64::from(t.cos) * texel_sr) as f32).collect());
-    let rays = sky_side(sides.sky_base, sides.sky_fine).pow(2);
-    let veil = view.canopy.through(SKY, rays, &view.powers).map(|shares| Veil::new(shares, sides));
+    let veil = view.canopy.through(SKY, &view.powers).map(|shares| Veil::new(shares, sides));
     let through = |t: usize| veil.as_ref().map_or(1.0, |veil| veil.at_fine((t % side, t / side)));
     if veil.is_some() {
         map.add("through", "share of the light that canopies let through", (0..side * side).map(through).collect());
@@ -329,27 +330,28 @@ struct Shown {
 /// Cells that responses are derived for at a time: some 25 MB.
 const CELLS_AT_ONCE: usize = 1024;
 
-fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64, folder: &Path) -> Result<Lit> {
-    let mut tables = Tables::load(archive)?;
+fn lit_cells(site: &OpenSite, view: &ReceiverView, light: &Light, memory: u64, folder: &Path) -> Result<Lit> {
+    let mut tables = Tables::of(site)?;
     // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
-    tables.shape.hit = 1;
+    tables.settings.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
     let responder = Responder::new(&tables, light.depth, memory, folder)?;
-    let shown = shown(view, &tables.reflectors);
+    let shown = shown(view, &tables.mirrors.reflectors);
     let weights = texel_weights(&view.texels, &view.viewer);
     let mut lit = Lit {
         texels: vec![[0.0; 2]; view.texels.len()],
-        response: Response { values: vec![0.0; Response::len(tables.shape.probe)] },
+        response: Response { values: vec![0.0; Response::len(tables.settings.probe)] },
     };
     let cells: Vec<&[Shown]> = shown.chunk_by(|a, b| a.cell == b.cell).collect();
     for part in cells.chunks(CELLS_AT_ONCE) {
         let palette: Vec<CellKey> = part.iter().map(|places| places[0].cell).collect();
         let hits = HitTile { palette, texels: (1..=part.len() as u32).collect() };
         let tile = TileView {
-            ids: Vec::new(),
+            number: 0,
+            receivers: Default::default(),
             viewers: vec![viewer; part.len()],
             hits,
-            mirrored: Vec::new(),
+            mirrors: Vec::new(),
             canopies: Vec::new(),
         };
         let responses = responder.derive(&tables, &[tile])?;
@@ -377,16 +379,17 @@ fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64,
 
 /// All cells that texels show, by cell.
 fn shown(view: &ReceiverView, reflectors: &[Reflector]) -> Vec<Shown> {
-    let class_of = |material: u16| reflectors.get(usize::from(material)).map_or(0, |r| class_index(r.class));
-    let through = view.canopy.through(SEEN, view.texels.len(), &view.powers);
+    let class_of = |material: u16| class_index(reflectors[usize::from(material)].class);
+    let through = view.canopy.through(SEEN, &view.powers);
     let direct = (0..view.texels.len()).filter_map(|texel| {
         let cell = *view.cell(texel)?;
         let left = through.as_ref().map_or(1.0, |shares| f64::from(shares[texel]));
         Some(Shown { cell, texel, left, class: class_of(cell.material) })
     });
-    let in_mirrors = view.paths.iter().filter_map(|path| {
-        let class = class_of(path.steps.first()?.0);
-        Some(Shown { cell: path.cell, texel: path.texel as usize, left: left(&path.steps, reflectors), class })
+    // A way has at least one mirror: what is seen first.
+    let in_mirrors = view.paths.iter().map(|path| {
+        let (class, left) = (class_of(path.steps[0].0), left(&path.steps, reflectors));
+        Shown { cell: path.cell, texel: path.texel as usize, left, class }
     });
     let mut all: Vec<Shown> = direct.chain(in_mirrors).collect();
     all.sort_by_key(|shown| (shown.cell, shown.texel));

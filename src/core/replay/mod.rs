@@ -14,4 +14,6 @@ pub mod sources;
 pub mod specular;
 pub mod suns;
 pub mod tile;
+pub mod tile_layers;
 pub mod values;
+pub mod veil;

@@ -1,18 +1,21 @@
 //! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver sees, decoded.
 
-use crate::archive::tables::{Materials, Receivers};
-use crate::archive::{Archive, format};
+use crate::archive::format::{RECEIVERS, block_name};
+use crate::archive::tables::Receivers;
 use crate::error::{Error, Result};
 use crate::layers::canopy::{Canopy, Powers};
 use crate::layers::mirror::Path;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::light::canopies::stored;
-use crate::light::load::{cached_responses, mirror_table, tile_layers, tile_view};
-use crate::light::response::{Reflector, Viewer};
+use crate::light::mirrors::MirrorTable;
+use crate::light::response::Viewer;
+use crate::light::tile_view::TileView;
+use crate::opened::OpenSite;
 use crate::replay::specular::MirrorView;
+use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::site::cells::CellKey;
-use crate::site::material::Class;
+use crate::site::material::{Class, Material};
 use crate::site::receiver::Receiver;
 
 /// Names that an error suggests.
@@ -36,46 +39,53 @@ pub struct ReceiverView {
     pub paths: Vec<Path>,
     /// The sky that it sees in mirrors.
     pub mirrors: Vec<MirrorView>,
-    pub materials: Materials,
-    /// `[material]`: whether it is a mirror or glass; empty in a scene without any.
-    mirroring: Vec<bool>,
+    pub materials: Vec<Material>,
+    /// Whether mirrors of the scene were traced.
+    has_mirrors: bool,
     tile: u32,
     row: usize,
 }
 
 impl ReceiverView {
     /// Reads the receiver of a name; an unknown one is an error that names those like it.
-    pub fn load(archive: &Archive, id: &str) -> Result<Self> {
-        let (tile, row, table) = find(archive, id)?;
-        let mut view = tile_view(archive, tile)?;
-        let mirrors = mirror_table(archive)?;
-        let (_, layers) = tile_layers(archive, tile, (true, mirrors.as_ref()), Vec::new())?;
-        let per_receiver = view.hits.texels.len() / table.rows().max(1);
+    pub fn load(site: &OpenSite, id: &str) -> Result<Self> {
+        let (tile, row, table) = find(site, id)?;
+        let cut_off =
+            |field| Error::defect(site.path(), block_name(RECEIVERS, tile), field, format!("has no row {row}"));
+        let (receiver, views) = (table.receivers().into_iter().nth(row), table.views().nth(row));
+        let mut view = TileView::of(site, tile, table)?;
+        let per_receiver = site.settings().hit * site.settings().hit;
         let texels = view.hits.texels.iter().skip(row * per_receiver).take(per_receiver).copied().collect();
-        let defect = || Error::input(archive.path(), None, format!("receiver `{id}` is cut off"), "report this defect");
+        let (viewer, palette) = (view.viewers.get(row).copied(), std::mem::take(&mut view.hits.palette));
+        let paths = view.mirrors.get(row).map(|mirrors| mirrors.paths.clone());
+        let mirrors = MirrorTable::of(site);
+        let has_mirrors = !mirrors.orientations.is_empty();
+        let reads = Reads { sky: true, mirrors: Some(&mirrors).filter(|_| has_mirrors) };
+        let (_, layers) = TileLayers::of_view(site, view, reads, Vec::new())?;
         Ok(ReceiverView {
-            receiver: table.receivers().into_iter().nth(row).ok_or_else(defect)?,
-            views: table.views().nth(row).ok_or_else(defect)?,
-            sky: layers.sky.into_iter().nth(row).ok_or_else(defect)?,
+            receiver: receiver.ok_or_else(|| cut_off("position"))?,
+            views: views.ok_or_else(|| cut_off("views"))?,
+            sky: layers.sky.into_iter().nth(row).ok_or_else(|| cut_off("sky"))?,
+            // Layers that a tile does not have are empty.
             canopy: layers.canopies.into_iter().nth(row).unwrap_or_default(),
-            powers: stored(archive)?,
-            viewer: view.viewers.get(row).copied().ok_or_else(defect)?,
-            palette: view.hits.palette,
+            powers: stored(site.materials()),
+            viewer: viewer.ok_or_else(|| cut_off("normal"))?,
+            palette,
             texels,
-            paths: view.mirrored.get_mut(row).map(std::mem::take).unwrap_or_default(),
+            paths: paths.unwrap_or_default(),
             mirrors: layers.mirrors.into_iter().nth(row).unwrap_or_default(),
-            materials: Materials::from_block(&archive.block(format::MATERIALS, 0)?)?,
-            mirroring: mirrors.map_or(Vec::new(), |table| table.reflectors.iter().map(Reflector::mirrors).collect()),
+            materials: site.materials().to_vec(),
+            has_mirrors,
             tile,
             row,
         })
     }
 
     /// The response that the build derived.
-    pub fn response(&self, archive: &Archive) -> Result<Response> {
-        let found = cached_responses(archive, self.tile)?.into_iter().nth(self.row);
+    pub fn response(&self, site: &OpenSite) -> Result<Response> {
+        let found = site.tile_responses(self.tile)?.into_iter().nth(self.row);
         let what = || format!("receiver `{}` has no response", self.receiver.id);
-        found.ok_or_else(|| Error::input(archive.path(), None, what(), "build the archive again"))
+        found.ok_or_else(|| Error::input(site.path(), None, what(), "build the archive again"))
     }
 
     /// The cell that a texel of the hit texture meets.
@@ -85,30 +95,32 @@ impl ReceiverView {
 
     /// Whether there are mirrors in the scene.
     pub fn has_mirrors(&self) -> bool {
-        !self.mirroring.is_empty()
+        self.has_mirrors
+    }
+
+    /// What it meets is made of.
+    fn material(&self, texel: usize) -> Option<&Material> {
+        self.materials.get(usize::from(self.cell(texel)?.material))
     }
 
     /// Whether what it meets is a mirror or glass.
     pub fn is_mirror(&self, texel: usize) -> bool {
-        let material = self.cell(texel).map(|cell| usize::from(cell.material));
-        material.and_then(|material| self.mirroring.get(material).copied()).unwrap_or(false)
+        self.has_mirrors && self.material(texel).is_some_and(Material::mirrors)
     }
 
     /// The class of what it meets.
     pub fn class(&self, texel: usize) -> Option<Class> {
-        let class = self.materials.class.get(usize::from(self.cell(texel)?.material))?;
-        Some(if *class == 1 { Class::Ground } else { Class::Obstruction })
+        self.material(texel).map(|material| material.class)
     }
 }
 
 /// Tile and row of a receiver, and the table that it stands in.
-fn find(archive: &Archive, id: &str) -> Result<(u32, usize, Receivers)> {
+fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, Receivers)> {
     let mut near: Vec<(usize, String)> = Vec::new();
-    for block in archive.scan(format::RECEIVERS) {
-        let block = block?;
-        let table = Receivers::from_block(&block)?;
+    for tile in 0..site.tiles() {
+        let table = site.tile_receivers(tile)?;
         if let Some(row) = table.ids.iter().position(|other| other == id) {
-            return Ok((block.entry().tile, row, table));
+            return Ok((tile, row, table));
         }
         let wanted = id.to_lowercase();
         near.extend(table.ids.into_iter().map(|other| (strsim::osa_distance(&wanted, &other.to_lowercase()), other)));
@@ -117,5 +129,5 @@ fn find(archive: &Archive, id: &str) -> Result<(u32, usize, Receivers)> {
     }
     let names: Vec<&str> = near.iter().map(|(_, name)| name.as_str()).collect();
     let hint = format!("name a receiver of the archive, such as {}", names.join(", "));
-    Err(Error::input(archive.path(), None, format!("holds no receiver `{id}`"), hint))
+    Err(Error::input(site.path(), None, format!("holds no receiver `{id}`"), hint))
 }

@@ -4,12 +4,13 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::archive::tables::Materials;
 use crate::error::{Error, Result};
+use crate::light::fresnel::specular_mean;
 use crate::light::states::Schedule;
+use crate::site::material::{Class, Material};
 use crate::weather::calendar::Date;
 use crate::weather::formats::schedule_csv::{Column, read_schedule};
-use crate::weather::weather::Row;
+use crate::weather::row::Row;
 
 /// What the ground reflects under snow, from the weather file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,13 +48,11 @@ impl FromStr for Follow {
     }
 }
 
-/// The materials of an archive, and which of them are canopies.
+/// The materials of an archive.
 pub struct Changeable<'a> {
     /// The archive, for messages.
     pub site: &'a Path,
-    pub materials: &'a Materials,
-    /// By material; empty where none is.
-    pub lets_through: &'a [bool],
+    pub materials: &'a [Material],
 }
 
 /// What is changed. Later entries win over earlier ones, schedules over constants, snow over both.
@@ -126,10 +125,10 @@ impl Changes {
                 });
             }
             let before = schedules.clone();
-            let snowy = |&m: &usize| materials.class.get(m) == Some(&GROUND) && !changeable.is_canopy(m);
-            for material in (0..materials.rows()).filter(snowy) {
+            let snowy = |&m: &usize| materials[m].class == Class::Ground && !changeable.is_canopy(m);
+            for material in (0..materials.len()).filter(snowy) {
                 let scheduled = before.iter().rev().find(|schedule| schedule.materials.contains(&material));
-                let bare = |row: usize| scheduled.map_or(materials.diffuse[material], |s| s.values[row]);
+                let bare = |row: usize| scheduled.map_or(materials[material].diffuse, |s| s.values[row]);
                 let values = covers.iter().enumerate().map(|(row, cover)| cover.unwrap_or_else(|| bare(row)));
                 schedules.push(schedule(changeable, vec![material], values.collect())?);
             }
@@ -141,7 +140,7 @@ impl Changes {
 
 impl Changeable<'_> {
     fn is_canopy(&self, material: usize) -> bool {
-        self.lets_through.get(material) == Some(&true)
+        self.materials[material].transmittance.is_some()
     }
 
     /// Those of the materials of a name that reflect.
@@ -155,9 +154,11 @@ impl Changeable<'_> {
     fn canopies(&self, name: &str) -> Result<Vec<usize>> {
         let mut members = members(self.site, self.materials, name)?;
         members.retain(|&material| self.is_canopy(material));
-        let canopies: Vec<&str> = (0..self.materials.rows())
-            .filter(|&material| self.is_canopy(material))
-            .map(|material| self.materials.name[material].as_str())
+        let canopies: Vec<&str> = self
+            .materials
+            .iter()
+            .filter(|material| material.transmittance.is_some())
+            .map(|material| material.name.as_str())
             .collect();
         let hint = match canopies.is_empty() {
             true => "give a material a `transmittance` in materials.toml and build the archive again".to_string(),
@@ -174,23 +175,20 @@ impl Changeable<'_> {
     }
 }
 
-/// Classes in the table of materials.
-const GROUND: u8 = 1;
-const OBSTRUCTION: u8 = 0;
-
 /// Materials of a group; where there is no such group, the material of that name, or else those of that class.
-fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>> {
-    let all = |names: &[String]| (0..names.len()).filter(|&i| names[i] == name).collect::<Vec<_>>();
-    let of_class = |class| (0..materials.rows()).filter(|&m| materials.class.get(m) == Some(&class)).collect();
-    let found = [all(&materials.group), all(&materials.name)].into_iter().find(|members| !members.is_empty());
+fn members(site: &Path, materials: &[Material], name: &str) -> Result<Vec<usize>> {
+    let all = |named: &dyn Fn(&Material) -> bool| (0..materials.len()).filter(|&m| named(&materials[m])).collect();
+    let of_class = |class| all(&|material| material.class == class);
+    let found: [Vec<usize>; 2] = [all(&|m| m.group.as_deref() == Some(name)), all(&|m| m.name == name)];
+    let found = found.into_iter().find(|members| !members.is_empty());
     let found: Vec<usize> = match (found, name) {
         (Some(found), _) if !name.is_empty() => found,
-        (_, "ground") => of_class(GROUND),
-        (_, "obstruction") => of_class(OBSTRUCTION),
+        (_, "ground") => of_class(Class::Ground),
+        (_, "obstruction") => of_class(Class::Obstruction),
         _ => Vec::new(),
     };
     if found.is_empty() {
-        let mut groups: Vec<&str> = materials.group.iter().map(String::as_str).filter(|g| !g.is_empty()).collect();
+        let mut groups: Vec<&str> = materials.iter().filter_map(|m| m.group.as_deref()).collect();
         groups.sort_unstable();
         groups.dedup();
         let listed = |names: &[&str]| match names {
@@ -198,7 +196,7 @@ fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>>
             names if names.len() > 20 => format!("{}, ...", names[..20].join(", ")),
             names => names.join(", "),
         };
-        let names: Vec<&str> = materials.name.iter().map(String::as_str).collect();
+        let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
         let what = format!("there is no group and no material `{name}`");
         let hint =
             format!("name a group ({}), a material ({}), `ground` or `obstruction`", listed(&groups), listed(&names));
@@ -212,13 +210,13 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
     let materials = changeable.materials;
     let largest = values.iter().copied().fold(0.0, f64::max);
     for &material in &members {
-        let specular = materials.specular[material];
+        let specular = specular_mean(&materials[material]);
         if largest + specular > 1.0 + 1e-9 {
             // What glass reflects has many digits.
             let shown = (specular * 1e4 - 1e-6).ceil() / 1e4;
             let what = format!(
                 "material `{}` would reflect {largest} diffusely and {shown} like a mirror, more than arrives",
-                materials.name[material]
+                materials[material].name
             );
             let hint = format!("its diffuse reflectance can be at most {:.4}", 1.0 - shown);
             return Err(Error::input(changeable.site, None, what, hint));
@@ -233,18 +231,18 @@ mod tests {
     use crate::weather::sun::Interval;
     use glam::DVec3;
 
-    fn materials() -> Materials {
-        Materials {
-            name: ["lawn", "street", "wall", "glass"].map(String::from).to_vec(),
-            diffuse: vec![0.2, 0.1, 0.4, 0.1],
-            specular: vec![0.0, 0.0, 0.0, 0.5],
-            class: vec![1, 1, 0, 0],
-            group: ["", "ground", "facade", "facade"].map(String::from).to_vec(),
-        }
+    fn materials() -> Vec<Material> {
+        let group = |name: &str| Some(name.to_string());
+        vec![
+            Material::matt("lawn", 0.2, Class::Ground),
+            Material { group: group("ground"), ..Material::matt("street", 0.1, Class::Ground) },
+            Material { group: group("facade"), ..Material::matt("wall", 0.4, Class::Obstruction) },
+            Material { specular: 0.5, group: group("facade"), ..Material::matt("glass", 0.1, Class::Obstruction) },
+        ]
     }
 
-    fn changeable(materials: &Materials) -> Changeable<'_> {
-        Changeable { site: Path::new("a.helio"), materials, lets_through: &[] }
+    fn changeable(materials: &[Material]) -> Changeable<'_> {
+        Changeable { site: Path::new("a.helio"), materials }
     }
 
     fn rows() -> Vec<Row> {

@@ -2,20 +2,22 @@
 
 use rayon::prelude::*;
 
-use crate::archive::Archive;
 use crate::error::{Error, Result};
 use crate::layers::response::Response;
 use crate::light::bounces::Depth;
 use crate::light::canopies;
 use crate::light::canopies::Leafages;
-use crate::light::load::{Tables, cached_responses, mirror_table, sides, tile_layers, tile_view};
+use crate::light::mirrors::MirrorTable;
+use crate::light::reflector::Reflector;
 use crate::light::responder::Responder;
-use crate::light::response::Reflector;
 use crate::light::states::{Schedule, States};
+use crate::light::tables::Tables;
+use crate::light::tile_view::TileView;
+use crate::opened::OpenSite;
 use crate::replay::components::{Component, ComponentSet};
 use crate::replay::longwave::Longwave;
-use crate::replay::specular::MirrorTable;
 use crate::replay::tile::Forcing;
+use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::replay::values::TileValues;
 use crate::sky::patches::Patches;
 use crate::sky::sky::SkyModel;
@@ -68,12 +70,12 @@ impl Default for ReplaySettings {
 /// # fn main() -> heliotile_core::error::Result<()> {
 /// let archive = Archive::open(Path::new("site.helio"))?;
 /// let conditions = read_epw(Path::new("x.epw"))?.conditions(1);
-/// let replay = Replay::new(&archive, &conditions, ReplaySettings::default())?;
+/// let replay = Replay::new(&OpenSite::of(&archive)?, &conditions, ReplaySettings::default())?;
 /// for tile in replay.results(0..replay.tiles()) {
 ///     let (ids, values) = tile?;
 ///     for (receiver, id) in ids.iter().enumerate() {
 ///         // [condition], W/m2.
-///         let total = values.row(Component::Total as usize, receiver);
+///         let total = values.row(Component::Total, receiver);
 ///         println!("{id}: {:.0} W/m2 at most", total.iter().copied().fold(0.0, f32::max));
 ///     }
 /// }
@@ -81,7 +83,7 @@ impl Default for ReplaySettings {
 /// # }
 /// ```
 pub struct Replay<'a> {
-    archive: &'a Archive,
+    site: OpenSite<'a>,
     forcing: Forcing,
     /// Only where there are mirrors, and they are asked for.
     mirrors: Option<MirrorTable>,
@@ -89,33 +91,28 @@ pub struct Replay<'a> {
     responder: Option<(Tables<'a>, Responder)>,
 }
 
-/// Whether diffuse reflections were traced, or there are none.
-fn holds_diffuse(archive: &Archive) -> bool {
-    !archive.manifest().settings.left_out.iter().any(|effect| effect == "diffuse")
-}
-
 /// Receiver ids and irradiance of one tile: [component][receiver][result].
 pub type TileResult = (Vec<String>, TileValues);
 
 impl<'a> Replay<'a> {
     /// One result for every condition: means in W/m2.
-    pub fn new(archive: &'a Archive, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
-        Replay::summed(archive, conditions, settings, &Bins::each(conditions.len()))
+    pub fn new(site: &OpenSite<'a>, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
+        Replay::summed(site, conditions, settings, &Bins::each(conditions.len()))
     }
 
     /// Results that conditions add up to.
     pub fn summed(
-        archive: &'a Archive,
+        site: &OpenSite<'a>,
         conditions: &[Condition],
         settings: ReplaySettings,
         bins: &Bins,
     ) -> Result<Self> {
-        Replay::scheduled(archive, conditions, settings, bins, &[])
+        Replay::scheduled(site, conditions, settings, bins, &[])
     }
 
     /// The same with reflectances and transmittances that follow schedules.
     pub fn scheduled(
-        archive: &'a Archive,
+        site: &OpenSite<'a>,
         conditions: &[Condition],
         settings: ReplaySettings,
         bins: &Bins,
@@ -124,18 +121,18 @@ impl<'a> Replay<'a> {
         let patches = Patches::new(settings.patches)?;
         let asked = (settings.sky, settings.components);
         let forced = |ways: &[Bins]| -> Result<Forcing> {
-            let forcing = Forcing::new(conditions, bins, ways, asked, &patches, sides(archive)?);
+            let forcing = Forcing::new(conditions, bins, ways, asked, &patches, site.settings().sides());
             if !settings.components.contains(Component::Longwave) {
                 return Ok(forcing);
             }
-            Ok(forcing.with_longwave(Longwave::new(conditions, bins, archive.path())?))
+            Ok(forcing.with_longwave(Longwave::new(conditions, bins, site.path())?))
         };
-        let reflects = holds_diffuse(archive)
+        let reflects = site.settings().diffuse
             && [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
-        let leaves = canopies::stored(archive)?;
-        if !schedules.is_empty() && !holds_diffuse(archive) && leaves.is_empty() {
+        let leaves = canopies::stored(site.materials());
+        if !schedules.is_empty() && !site.settings().diffuse && leaves.is_empty() {
             let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
-            return Err(Error::input(archive.path(), None, what, "build it with `--effects all`"));
+            return Err(Error::input(site.path(), None, what, "build it with `--effects all`"));
         }
         let behind = |forcing: Forcing, ways| match leaves.is_empty() {
             true => forcing,
@@ -144,20 +141,20 @@ impl<'a> Replay<'a> {
         let derives = reflects && (settings.depth != Depth::All || !schedules.is_empty());
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
-            return Replay::with(archive, forcing, None);
+            return Replay::with(site, forcing, None);
         }
-        let tables = Tables::load(archive)?;
-        let stored = tables.reflectors.iter().map(Reflector::variable).collect();
-        let lets_through: Vec<bool> = tables.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
+        let tables = Tables::of(site)?;
+        let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
+        let lets_through: Vec<bool> = tables.mirrors.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
         let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
         let states_of = |finer| States::new(&stored, &lets_through, schedules, conditions.len(), finer);
         let ways = |states: &States| {
-            let leafages = Leafages::split(&tables.reflectors, &mut states.reflectances.clone());
+            let leafages = Leafages::split(&tables.mirrors.reflectors, &mut states.reflectances.clone());
             leafages.ways(&states.ways(bins))
         };
         if !derives {
             let states = states_of(true)?;
-            return Replay::with(archive, behind(forced(&[])?, ways(&states)), None);
+            return Replay::with(site, behind(forced(&[])?, ways(&states)), None);
         }
         let solved = |finer| -> Result<(States, Responder)> {
             let states = states_of(finer)?;
@@ -171,17 +168,18 @@ impl<'a> Replay<'a> {
         }
         let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
         let forcing = behind(forcing, ways(&states));
-        Replay::with(archive, forcing, Some((tables, responder)))
+        Replay::with(site, forcing, Some((tables, responder)))
     }
 
-    fn with(archive: &'a Archive, forcing: Forcing, responder: Option<(Tables<'a>, Responder)>) -> Result<Self> {
-        let mirrors = if forcing.reads_mirrors() { mirror_table(archive)? } else { None };
-        Ok(Replay { archive, forcing, mirrors, responder })
+    fn with(site: &OpenSite<'a>, forcing: Forcing, responder: Option<(Tables<'a>, Responder)>) -> Result<Self> {
+        let reflects = forcing.reads_mirrors() && !site.orientations().is_empty();
+        let mirrors = reflects.then(|| MirrorTable::of(site));
+        Ok(Replay { site: site.clone(), forcing, mirrors, responder })
     }
 
     /// Number of tiles.
     pub fn tiles(&self) -> u32 {
-        self.archive.tiles()
+        self.site.tiles()
     }
 
     /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, and
@@ -201,22 +199,20 @@ impl<'a> Replay<'a> {
     /// Results of some tiles, all in memory at once.
     pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
-        let responses: Vec<Vec<Vec<Response>>> = match &self.responder {
-            _ if !self.forcing.reads_responses() || !holds_diffuse(self.archive) => vec![Vec::new(); tiles.len()],
-            None => {
-                let cached = |tile| Ok(vec![cached_responses(self.archive, tile)?]);
-                tiles.par_iter().copied().map(cached).collect::<Result<_>>()?
-            }
-            Some((tables, responder)) => {
-                let view = |tile| tile_view(self.archive, tile);
-                responder.derive(tables, &tiles.par_iter().copied().map(view).collect::<Result<Vec<_>>>()?)?
-            }
+        let reads = Reads { sky: self.forcing.reads_sky(), mirrors: self.mirrors.as_ref() };
+        let replayed = |(ids, layers): (Vec<String>, TileLayers)| (ids, self.forcing.replay(&layers));
+        let reflects = self.forcing.reads_responses() && self.site.settings().diffuse;
+        let Some((tables, responder)) = self.responder.as_ref().filter(|_| reflects) else {
+            let read = |tile: u32| {
+                let responses = if reflects { vec![self.site.tile_responses(tile)?] } else { Vec::new() };
+                Ok(replayed(TileLayers::read(&self.site, tile, reads, responses)?))
+            };
+            return tiles.into_par_iter().map(read).collect();
         };
-        let result = |(tile, responses): (u32, Vec<Vec<Response>>)| {
-            let reads = (self.forcing.reads_sky(), self.mirrors.as_ref());
-            let (ids, layers) = tile_layers(self.archive, tile, reads, responses)?;
-            Ok((ids, self.forcing.replay(&layers)))
-        };
-        tiles.into_par_iter().zip(responses).map(result).collect()
+        let view = |tile: &u32| TileView::read(&self.site, *tile);
+        let views = tiles.par_iter().map(view).collect::<Result<Vec<_>>>()?;
+        let responses: Vec<Vec<Vec<Response>>> = responder.derive(tables, &views)?;
+        let derived = |(view, responses)| Ok(replayed(TileLayers::of_view(&self.site, view, reads, responses)?));
+        views.into_par_iter().zip(responses).map(derived).collect()
     }
 }

@@ -4,17 +4,8 @@ use glam::DVec3;
 
 use crate::layers::mirror::Window;
 use crate::layers::mosaic::{Mosaic, Texel};
-use crate::light::mirrors::Reflection;
-use crate::light::response::Reflector;
-use crate::site::chain::Orientation;
+use crate::light::mirrors::{MirrorTable, Reflection};
 use crate::sky::projection::Projection;
-
-/// The mirrors of an archive.
-#[derive(Clone, Debug)]
-pub struct MirrorTable {
-    pub orientations: Vec<Orientation>,
-    pub reflectors: Vec<Reflector>,
-}
 
 /// The part of the sky that is seen by one chain of mirrors: a window through which the receiver's image looks.
 #[derive(Clone, Debug)]
@@ -32,7 +23,7 @@ impl MirrorView {
         let side = usize::from(window.side);
         let mut sky = Mosaic::unpack(&window.texture, 1, side, side * block)?;
         Some(MirrorView {
-            reflection: Reflection::new(window.chain, &table.orientations, &table.reflectors)?,
+            reflection: Reflection::new(window.chain, table)?,
             column: usize::from(window.column),
             row: usize::from(window.row),
             sky: sky.pop()?,

@@ -7,9 +7,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::layers::mosaic::{Mosaic, Texel};
-use crate::replay::shaded::Veil;
+use crate::layers::sides::TextureSides;
 use crate::replay::specular::MirrorView;
-use crate::replay::tile::TextureSides;
+use crate::replay::veil::Veil;
 use crate::sky::disc::disc_texels;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;

@@ -4,9 +4,9 @@
 use glam::DVec3;
 
 use crate::layers::bits::BitSquare;
-use crate::layers::canopy::{Canopy, Powers};
-use crate::layers::mosaic::Mosaic;
+use crate::layers::canopy::Powers;
 use crate::layers::response::Response;
+use crate::layers::sides::TextureSides;
 use crate::layers::sky::half_texel;
 use crate::replay::components::Component;
 use crate::replay::components::Component::{
@@ -16,9 +16,9 @@ use crate::replay::components::ComponentSet;
 use crate::replay::longwave::Longwave;
 use crate::replay::shaded::Shaded;
 use crate::replay::sources::Sources;
-use crate::replay::specular::MirrorView;
 use crate::replay::suns::Suns;
-use crate::replay::values::TileValues;
+use crate::replay::tile_layers::TileLayers;
+use crate::replay::values::{TileValues, put};
 use crate::site::receiver::TILE;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
@@ -29,29 +29,6 @@ use crate::weather::conditions::Condition;
 
 /// Points per texel side when textures are projected on patches.
 const PROJECTION_SAMPLES: usize = 8;
-
-/// Sides of the textures that forcing is looked up in.
-#[derive(Clone, Copy, Debug)]
-pub struct TextureSides {
-    pub sky_base: usize,
-    pub sky_fine: usize,
-    pub response: usize,
-}
-
-/// Decoded layers of one tile.
-pub struct TileLayers {
-    pub normals: Vec<DVec3>,
-    /// Shares of each hemisphere: sky, ground, obstructions.
-    pub views: Vec<[f32; 3]>,
-    /// Empty where a [`Forcing`] does not read them.
-    pub sky: Vec<Mosaic>,
-    /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
-    pub mirrors: Vec<Vec<MirrorView>>,
-    /// What rays to the sky cross; empty where none of the tile's does, likewise.
-    pub canopies: Vec<Canopy>,
-    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`] was made with; likewise.
-    pub responses: Vec<Vec<Response>>,
-}
 
 /// Weather made ready once for all tiles.
 pub struct Forcing {
@@ -158,7 +135,7 @@ impl Forcing {
 
     /// Irradiance of every receiver of a tile.
     pub fn replay(&self, tile: &TileLayers) -> TileValues {
-        let mut out = TileValues::of(self.components, tile.normals.len(), self.bins);
+        let mut out = TileValues::new(tile.normals.len(), self.bins);
         self.add_direct(tile, &mut out);
         self.add_specular(tile, &mut out);
         self.add_diffuse(tile, &mut out);
@@ -167,14 +144,14 @@ impl Forcing {
             for receiver in 0..tile.normals.len() {
                 total.fill(0.0);
                 for part in Component::ALL.into_iter().filter(|part| *part != Total) {
-                    total.iter_mut().zip(out.row(part as usize, receiver)).for_each(|(total, v)| *total += v);
+                    total.iter_mut().zip(out.row(part, receiver)).for_each(|(total, v)| *total += v);
                 }
-                out.row_mut(Total as usize, receiver).copy_from_slice(&total);
+                out.row_mut(Total, receiver).copy_from_slice(&total);
             }
         }
         if let Some(longwave) = &self.longwave {
             for (receiver, views) in tile.views.iter().enumerate() {
-                longwave.irradiance(*views, out.row_mut(Component::Longwave as usize, receiver));
+                longwave.irradiance(*views, out.row_mut(Component::Longwave, receiver));
             }
         }
         out
@@ -189,13 +166,13 @@ impl Forcing {
             if sun_direct {
                 sums.fill(0.0);
                 self.suns.direct(normal, sky, &mut sums);
-                put(&sums, out.row_mut(SunDirect as usize, receiver));
+                put(&sums, out.row_mut(SunDirect, receiver));
             }
             if sky_direct {
                 sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
             }
         }
-        let each = |receiver, bin, v: f32| out.row_mut(SkyDirect as usize, receiver)[bin] = v.max(0.0);
+        let each = |receiver, bin, v: f32| out.row_mut(SkyDirect, receiver)[bin] = v.max(0.0);
         self.skies.irradiance(&coefficients, each);
         if let Some(shaded) = &self.shaded {
             shaded.replace(tile, &self.sky_projection, out);
@@ -212,7 +189,7 @@ impl Forcing {
             if sun && !views.is_empty() {
                 sums.fill(0.0);
                 views.iter().for_each(|view| self.suns.by_mirrors(normal, view, &mut sums));
-                put(&sums, out.row_mut(SunSpecular as usize, receiver));
+                put(&sums, out.row_mut(SunSpecular, receiver));
             }
             if sky {
                 let mut patches = vec![0.0_f64; projection.patches()];
@@ -220,7 +197,7 @@ impl Forcing {
                 coefficients.extend(patches.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
             }
         }
-        let each = |receiver, bin, v: f32| out.row_mut(SkySpecular as usize, receiver)[bin] = v.max(0.0);
+        let each = |receiver, bin, v: f32| out.row_mut(SkySpecular, receiver)[bin] = v.max(0.0);
         self.skies.irradiance(&coefficients, each);
     }
 
@@ -243,16 +220,11 @@ impl Forcing {
         }
         for receiver in 0..receivers {
             let range = receiver * self.bins..(receiver + 1) * self.bins;
-            put(&suns[range.clone()], out.row_mut(SunDiffuse as usize, receiver));
-            let row = out.row_mut(SkyDiffuse as usize, receiver);
+            put(&suns[range.clone()], out.row_mut(SunDiffuse, receiver));
+            let row = out.row_mut(SkyDiffuse, receiver);
             row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
         }
     }
-}
-
-/// Rounds sums; what is below 0 by the error of a texture is 0.
-pub(super) fn put(sums: &[f64], out: &mut [f32]) {
-    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0) as f32);
 }
 
 /// Per base texel: visible share x mean cosine of the part in front of the surface. `directions` of the base texels.

@@ -21,6 +21,12 @@ impl Orientation {
     pub fn reflect(&self, direction: DVec3) -> DVec3 {
         direction - self.normal * (2.0 * self.normal.dot(direction))
     }
+
+    /// The same as a linear map.
+    pub fn map(&self) -> DMat3 {
+        let n = self.normal;
+        DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z) * 2.0
+    }
 }
 
 /// A mirror on the way to a surface: the number of its material, and the cosine of the angle of incidence in 255ths.
@@ -62,10 +68,7 @@ impl Chain {
     /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the looker
     /// sees it; `None` if an orientation does not exist.
     pub fn seen_from(&self, orientations: &[Orientation]) -> Option<DMat3> {
-        self.numbers().try_fold(DMat3::IDENTITY, |map, number| {
-            let n = orientations.get(usize::from(number))?.normal;
-            Some(map * (DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z) * 2.0))
-        })
+        self.numbers().try_fold(DMat3::IDENTITY, |map, number| Some(map * orientations.get(usize::from(number))?.map()))
     }
 }
 

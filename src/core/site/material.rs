@@ -15,6 +15,15 @@ pub enum Glass {
 }
 
 impl Glass {
+    /// Of a number of panes; `None` for no glass.
+    pub fn of_panes(panes: u8) -> Option<Self> {
+        match panes {
+            1 => Some(Glass::Single),
+            2 => Some(Glass::Double),
+            _ => None,
+        }
+    }
+
     /// Number of panes.
     pub fn panes(self) -> u8 {
         match self {

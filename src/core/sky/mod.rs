@@ -2,6 +2,7 @@
 //! Never: obstructions, receivers, files.
 
 pub mod disc;
+pub mod distribution;
 pub mod patches;
 pub mod perez;
 pub mod projection;

@@ -11,7 +11,8 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use crate::error::Error;
-use crate::sky::sky::{Distribution, SkyModel};
+use crate::sky::distribution::Distribution;
+use crate::sky::sky::SkyModel;
 use crate::weather::conditions::Condition;
 
 /// Patches of Tregenza's rows, from the horizon up; the cap makes 145.

@@ -6,7 +6,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::sky::sky::Distribution;
+use crate::sky::distribution::Distribution;
 
 /// Upper ends of the first seven clearness bins (1990 paper, table 1); the eighth is open.
 const BIN_ENDS: [f64; 7] = [1.065, 1.23, 1.5, 1.95, 2.8, 4.5, 6.2];

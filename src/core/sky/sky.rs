@@ -7,6 +7,7 @@ use std::str::FromStr;
 use glam::DVec3;
 
 use crate::error::Error;
+use crate::sky::distribution::Distribution;
 use crate::sky::perez;
 use crate::weather::conditions::Condition;
 
@@ -58,45 +59,6 @@ const CIE: [[f64; 5]; 15] = [
     [-1.0, -0.15, 16.0, -3.0, 0.30],
     [-1.0, -0.15, 24.0, -2.8, 0.15],
 ];
-
-/// Relative radiance: gradation(zenith angle) x indicatrix(angle from the sun), each clipped at 0. With offset 0 it is Perez,
-/// Seals and Michalsky (1993) equation 1; with offset exp(d pi/2) it is ISO 15469:2004.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Distribution {
-    pub a: f64,
-    pub b: f64,
-    pub c: f64,
-    pub d: f64,
-    pub e: f64,
-    pub offset: f64,
-}
-
-/// Floor of cos(zenith angle) in the gradation, as in gendaylit: b / cos stays finite at the horizon.
-const SMALLEST_COSINE: f64 = 0.01;
-
-/// The same where b > 0, which Perez' fits give for low suns: the sky then brightens towards the horizon as exp(b / cos), up to
-/// e^30 at the other floor, and all light would come from the lowest patches. The scans behind the fits end near 6 degrees.
-const SMALLEST_COSINE_RISING: f64 = 0.1;
-
-impl Distribution {
-    /// 1 + a exp(b / cos zeta), not below 0.
-    pub fn gradation(&self, cos_zenith: f64) -> f64 {
-        let floor = if self.b > 0.0 { SMALLEST_COSINE_RISING } else { SMALLEST_COSINE };
-        (1.0 + self.a * (self.b / cos_zenith.max(floor)).exp()).max(0.0)
-    }
-
-    /// 1 + c (exp(d gamma) - offset) + e cos^2 gamma, not below 0.
-    pub fn indicatrix(&self, gamma_rad: f64, cos_gamma: f64) -> f64 {
-        let glow = self.c * ((self.d * gamma_rad).exp() - self.offset);
-        (1.0 + glow + self.e * cos_gamma * cos_gamma).max(0.0)
-    }
-
-    /// Relative radiance in a direction (unit, z >= 0) for a sun direction (unit).
-    pub fn relative_radiance(&self, direction: DVec3, sun: DVec3) -> f64 {
-        let cos_gamma = direction.dot(sun).clamp(-1.0, 1.0);
-        self.gradation(direction.z) * self.indicatrix(cos_gamma.acos(), cos_gamma)
-    }
-}
 
 impl SkyModel {
     /// The distribution of a condition's sky.

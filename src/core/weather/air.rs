@@ -1,7 +1,7 @@
 //! Air and sky of a weather file's row, as far as heat goes. In: what the row says. Out: the longwave irradiance of the open sky,
 //! as given or computed.
 
-use crate::replay::longwave::{ZERO_CELSIUS_K, black_body_w_m2};
+use crate::weather::emission::{ZERO_CELSIUS_K, black_body_w_m2};
 
 /// What a row says; `None` where it is missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
+use crate::weather::row::Row;
 use crate::weather::sun::Site;
-use crate::weather::weather::Row;
 
 /// Shifts tried: half a day each way, first coarsely (the residual changes over hours), then by the minute.
 const HALF_DAY_MIN: i32 = 720;

@@ -9,9 +9,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::replay::longwave::Emission;
 use crate::units::direction_from_degrees;
 use crate::weather::calendar::Date;
+use crate::weather::emission::Emission;
 use crate::weather::sun::SOLAR_CONSTANT_W_M2;
 
 /// One position of the sun in a condition.

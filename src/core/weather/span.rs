@@ -6,8 +6,9 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 use crate::weather::calendar::Date;
+use crate::weather::row::Row;
 use crate::weather::sun::Interval;
-use crate::weather::weather::{Row, Weather};
+use crate::weather::weather::Weather;
 use crate::weather::years::Years;
 
 /// A day or a time of one, `2019-03-01`, `03-01`, `2019-03-01T06:30`, in the local standard time of the file.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::replay::longwave::{Emission, black_body_w_m2};
 use crate::site::material::Class;
+use crate::weather::emission::{Emission, black_body_w_m2};
 use crate::weather::formats::schedule_csv::{Column, read_schedule};
 use crate::weather::weather::Weather;
 

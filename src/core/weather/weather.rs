@@ -8,31 +8,12 @@
 
 use rayon::prelude::*;
 
-use glam::DVec3;
-
 use crate::weather::air::Air;
 use crate::weather::closure::Closure;
 use crate::weather::conditions::{Condition, Stamp};
 use crate::weather::findings::Findings;
-use crate::weather::sun::{Interval, Site, extraterrestrial_w_m2};
-
-/// One interval of a weather file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
-    /// Line of the file, 1-based.
-    pub line: usize,
-    pub interval: Interval,
-    /// Unit, towards the sun at mid-interval; below the horizon at night.
-    pub sun: DVec3,
-    /// Interval means; `None` where the file has none.
-    pub ghi_w_m2: Option<f64>,
-    pub dni_w_m2: f64,
-    pub dhi_w_m2: f64,
-    /// Of the ground around the station, above 0 and at most 1; `None` where missing.
-    pub albedo: Option<f64>,
-    /// 0 where the ground is bare, `None` where missing.
-    pub snow_depth_cm: Option<f64>,
-}
+use crate::weather::row::Row;
+use crate::weather::sun::{Site, extraterrestrial_w_m2};
 
 /// What the reader found, for the user.
 #[derive(Clone, Debug, Default)]
@@ -87,6 +68,7 @@ impl Weather {
 mod tests {
     use super::*;
     use crate::weather::calendar::Date;
+    use crate::weather::sun::Interval;
 
     fn weather(site: Site, rows: &[(f64, f64, f64)]) -> Weather {
         let date = Date::new(2021, 3, 21).expect("a date");

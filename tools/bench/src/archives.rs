@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use heliotile_core::opened::OpenSite;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::kind_name;
 use heliotile_core::archive::{Access, Archive, Manifest, encode};
@@ -58,7 +59,7 @@ pub fn query(archive: &Path, conditions: &Path) {
         memory_bytes: 1 << 30,
     };
     let whole = median_ms(|| {
-        let replay = Replay::new(&archive, &conditions, settings).expect("a replay");
+        let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay");
         replay.run(0..replay.tiles()).expect("results");
     });
     let stored: Vec<Vec<u8>> = [format::RECEIVERS, format::SKY, format::RESPONSE]

@@ -4,6 +4,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use heliotile_core::opened::OpenSite;
 use heliotile_core::archive::Archive;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -68,7 +69,7 @@ pub fn run(path: &Path, weather: &Path) {
         ("yearly sums, responses anew", &year, all, &anew),
     ] {
         let settings = ReplaySettings { components, ..ReplaySettings::default() };
-        let make = || Replay::scheduled(&archive, &conditions, settings, bins, schedules).expect("a replay");
+        let make = || Replay::scheduled(&OpenSite::of(&archive).expect("a site"), &conditions, settings, bins, schedules).expect("a replay");
         // Deriving takes long: once is enough.
         let start = Instant::now();
         let mut replay = make();

@@ -6,6 +6,14 @@ use std::path::Path;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE};
 use heliotile_core::archive::{Access, Archive};
+use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::canopy::Canopy;
+use heliotile_core::layers::extras;
+use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, Path as MirrorPath, ReceiverMirrors, Window};
+use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::chain::Chain;
+use heliotile_core::site::crossing::Crossing;
 use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Workspace};
 use heliotile_builder::observer::Silent;
 use heliotile_core::memory::MemoryBudget;
@@ -157,6 +165,7 @@ pub fn write() {
     {
         seed(target, &[&[count, sides], raw(kind).bytes()].concat());
     }
+    layers_of_some_scenes();
     for entry in archive.entries() {
         let stored = &bytes[entry.offset as usize..][..entry.stored as usize];
         let head = [&[u8::from(entry.codec == format::CODEC_RAW)], &entry.raw.to_le_bytes()[..]].concat();
@@ -191,6 +200,33 @@ pub fn write() {
     let day = day.join("\r\n");
     seed("epw", day.as_bytes());
     seed("weather", day.as_bytes());
+}
+
+/// Rows of mirrors and canopies, which the tiny site does not have all of.
+fn layers_of_some_scenes() {
+    let front = BitSquare::from_fn(4, |_, _| true);
+    let visible = |_: usize, texels: &[(u32, u32)]| texels.iter().map(|t| (t.0 + t.1) % 3 > 0).collect();
+    let texture = SkyTexture::pack(&[SkyTexture::trace_within(front, 8, visible).0]);
+    let chain = Chain::new(&[0, 1]);
+    let cell = CellKey { level: 1, facing: 5, material: 2, voxel: [3, 0, -1] };
+    let steps = vec![(1, 200), (0, 90)];
+    let of_receiver = ReceiverMirrors {
+        windows: vec![Window { chain, column: 1, row: 2, side: 4, texture }],
+        paths: vec![MirrorPath { texel: 3, cell, steps: steps.clone() }],
+    };
+    seed("mirror", &[&[4, 8 | 1 << 6][..], &of_receiver.to_bytes()].concat());
+    let windows = vec![
+        CellWindow { chain, texels: vec![1, 5, 63] },
+        CellWindow { chain: Chain::new(&[2]), texels: (0..64).step_by(2).collect() },
+    ];
+    let of_cell = CellMirrors { windows, paths: vec![CellPath { up: true, cell, steps }] };
+    seed("cell_mirror", &[&[8][..], &of_cell.to_bytes(8)].concat());
+    let crossing = |ray: u32| Crossing { ray, material: (ray % 2) as u16, count: 1 + (ray * 7) as u8 };
+    let [sky, seen] = [0..64, 3..9].map(|rays| rays.map(crossing).collect::<Vec<_>>());
+    let canopy = Canopy::new([&sky, &seen], [64, 16]);
+    seed("canopy", &[&[4, 1][..], &canopy.to_bytes()].concat());
+    let rows = [of_receiver.to_bytes(), Vec::new(), canopy.to_bytes()];
+    seed("extras", &[&[3][..], &extras::pack(rows.iter().map(Vec::as_slice)).expect("rows")].concat());
 }
 
 fn seed(target: &str, bytes: &[u8]) {

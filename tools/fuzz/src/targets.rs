@@ -10,16 +10,20 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::{CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
 use heliotile_core::archive::tables::{Cells, Index, Materials, Receivers};
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
+use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
+use heliotile_core::layers::extras;
 use heliotile_core::layers::hit::HitTile;
+use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile_core::layers::mosaic::Mosaic;
 use heliotile_core::layers::response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
-use heliotile_core::replay::longwave::Emission;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
 use heliotile_core::weather::conditions::read_conditions;
+use heliotile_core::weather::emission::Emission;
 use heliotile_core::weather::formats::epw::{read_epw, read_epw_with_air};
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_scene::Scene;
@@ -30,7 +34,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 28] = [
+pub const TARGETS: [(&str, Target); 32] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -41,6 +45,10 @@ pub const TARGETS: [(&str, Target); 28] = [
     ("sky", sky),
     ("hit", hit),
     ("response", response),
+    ("extras", extras),
+    ("mirror", mirror),
+    ("cell_mirror", cell_mirror),
+    ("canopy", canopy),
     ("obj", obj),
     ("mtl", mtl),
     ("cityjson", cityjson),
@@ -130,6 +138,7 @@ fn read_all(path: &Path) {
     }
     let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
     let conditions = read_conditions(&file("conditions.csv", sunny)).expect("a condition").conditions;
+    let Ok(site) = OpenSite::of(&archive) else { return };
     for depth in [Depth::All, Depth::Count(1)] {
         let settings = ReplaySettings {
             sky: SkyModel::Perez,
@@ -138,7 +147,7 @@ fn read_all(path: &Path) {
             components: ComponentSet::ALL,
             memory_bytes: 1 << 27,
         };
-        let Ok(replay) = Replay::new(&archive, &conditions, settings) else { continue };
+        let Ok(replay) = Replay::new(&site, &conditions, settings) else { continue };
         let _ = replay.run(0..replay.tiles().min(2));
     }
 }
@@ -253,6 +262,54 @@ fn response(data: &[u8]) {
     let Some((count, side, _, raw)) = shape(data) else { return };
     let tile = response::unpack(raw, count, side);
     assert!(tile.is_none_or(|tile| tile.iter().all(|r| r.values.iter().all(|v| v.is_finite()))));
+}
+
+/// Rows of a layer that only some scenes call for, behind their number.
+fn extras(data: &[u8]) {
+    let Some((&count, raw)) = data.split_first() else { return };
+    if let Some(rows) = extras::unpack(raw, usize::from(count)) {
+        assert_eq!(rows.len(), usize::from(count));
+        assert!(extras::pack(rows.iter().map(Vec::as_slice)).is_none_or(|again| again == raw));
+    }
+}
+
+/// What a receiver sees in mirrors, behind a byte that is nothing and one for the sides: what is read can be written and read again, and
+/// lies within its textures.
+fn mirror(data: &[u8]) {
+    let Some((hit, base, fine, row)) = shape(data) else { return };
+    let Some(found) = ReceiverMirrors::from_bytes(row, base, hit) else { return };
+    assert_eq!(ReceiverMirrors::from_bytes(&found.to_bytes(), base, hit).as_ref(), Some(&found));
+    assert!(found.paths.iter().all(|path| (path.texel as usize) < hit * hit && !path.steps.is_empty()));
+    for window in &found.windows {
+        let side = usize::from(window.side);
+        assert!(usize::from(window.column.max(window.row)) + side <= base && !window.chain.is_empty());
+        let sky = Mosaic::unpack(&window.texture, 1, side, side * fine / base.max(1));
+        assert!(sky.is_none_or(|sky| sky.len() == 1));
+    }
+}
+
+/// What a cell sees in mirrors, behind the number of bytes of its sky.
+fn cell_mirror(data: &[u8]) {
+    let Some((&bits, row)) = data.split_first() else { return };
+    let bits = usize::from(bits);
+    let Some(found) = CellMirrors::from_bytes(row, bits) else { return };
+    assert_eq!(CellMirrors::from_bytes(&found.to_bytes(bits), bits).as_ref(), Some(&found));
+    assert!(found.windows.iter().flat_map(|window| &window.texels).all(|&texel| usize::from(texel) < 8 * bits));
+    assert!(found.paths.iter().all(|path| !path.steps.is_empty()));
+}
+
+/// What rays cross, behind two bytes for their numbers in both lists, times 16: shares are from 0 to 1 along each of them.
+fn canopy(data: &[u8]) {
+    let Some((&rays, row)) = data.split_first_chunk::<2>() else { return };
+    let rays = rays.map(|rays| 16 * usize::from(rays));
+    let is_canopy = |material: u16| material < 4;
+    let Some(found) = Canopy::from_bytes(row, rays, is_canopy) else { return };
+    assert_eq!(Canopy::from_bytes(&found.to_bytes(), rays, is_canopy).as_ref(), Some(&found));
+    let powers: Powers = (0..4).map(|material| (material, std::array::from_fn(|k| 0.5_f32.powi(k as i32)))).collect();
+    for (list, rays) in [SKY, SEEN].into_iter().zip(rays) {
+        let shares = found.through(list, &powers);
+        assert!(shares.is_none_or(|s| s.len() == rays && s.iter().all(|share| (0.0..=1.0).contains(share))));
+    }
 }
 
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nusemtl wall\nf 1 2 3\nusemtl roof\nf 1 2 4\n";

@@ -81,7 +81,8 @@ impl Cells {
             hits: self.hits.iter().map(widen).collect(),
             normals: self.normal,
             bits: self.bits,
-            extras: Default::default(),
+            mirrors: Vec::new(),
+            canopies: Vec::new(),
         }
     }
 

@@ -209,9 +209,8 @@ mod tests {
         assert_eq!((two.rows.len(), one.rows.len(), two.place.as_str()), (8760, 8760, "GOLDEN, NREL, CO"));
         assert_eq!(one.site.zone_hours, two.site.zone_hours);
         for (a, b) in one.rows.iter().zip(&two.rows) {
-            let light = |row: &crate::weather::weather::Row| {
-                (row.interval, row.ghi_w_m2, row.dni_w_m2, row.dhi_w_m2, row.albedo)
-            };
+            let light =
+                |row: &crate::weather::row::Row| (row.interval, row.ghi_w_m2, row.dni_w_m2, row.dhi_w_m2, row.albedo);
             assert_eq!(light(a), light(b), "line {}", a.line);
             assert!((a.sun - b.sun).length() < 1e-9);
         }

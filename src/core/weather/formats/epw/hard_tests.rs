@@ -23,7 +23,7 @@ fn golden(from: &str, to: &str, columns: &[(usize, &str)]) -> Result<Weather> {
     file(&lines.collect::<String>())
 }
 
-fn sum(weather: &Weather, value: impl Fn(&crate::weather::weather::Row) -> f64) -> f64 {
+fn sum(weather: &Weather, value: impl Fn(&crate::weather::row::Row) -> f64) -> f64 {
     weather.rows.iter().map(value).sum::<f64>() / 1000.0
 }
 

@@ -1,0 +1,42 @@
+//! What materials do with light. In: the materials of a scene or of an archive. Out: the numbers that light is computed with.
+
+use crate::site::material::{Class, Glass, Material};
+
+/// Diffuse reflectance by material.
+pub type Reflectance = Vec<f64>;
+
+/// Optical properties of a material that recombination needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflector {
+    pub diffuse: f64,
+    pub class: Class,
+    /// Specular reflectance at any angle; 0 for glass.
+    pub specular: f64,
+    /// Panes of clear glass.
+    pub panes: u8,
+    /// Of a canopy; `None` is opaque.
+    pub transmittance: Option<f64>,
+}
+
+impl Reflector {
+    /// What a replay may change: of a canopy its transmittance, else the diffuse reflectance.
+    pub fn variable(&self) -> f64 {
+        self.transmittance.unwrap_or(self.diffuse)
+    }
+
+    /// The properties of a material of the scene.
+    pub fn of(material: &Material) -> Self {
+        Reflector {
+            diffuse: material.diffuse,
+            class: material.class,
+            specular: material.specular,
+            panes: material.glass.map_or(0, Glass::panes),
+            transmittance: material.transmittance,
+        }
+    }
+
+    /// Whether it reflects like a mirror.
+    pub fn mirrors(&self) -> bool {
+        self.specular > 0.0 || self.panes > 0
+    }
+}

@@ -1,0 +1,26 @@
+//! All that responses are derived from. In: a site that was opened. Out: its settings, what its materials and mirrors do, and its cells,
+//! which stay in their blocks until they are asked for.
+
+use crate::error::Result;
+use crate::light::mirrors::MirrorTable;
+use crate::opened::{CellSource, OpenSite, SiteSettings};
+
+/// Settings, materials, mirrors and cells of a site.
+pub struct Tables<'a> {
+    pub settings: SiteSettings,
+    pub mirrors: MirrorTable,
+    pub probes: CellSource<'a>,
+    pub bounces: CellSource<'a>,
+}
+
+impl<'a> Tables<'a> {
+    /// The tables of a site; reads the indices of its cells.
+    pub fn of(site: &OpenSite<'a>) -> Result<Self> {
+        Ok(Tables {
+            settings: *site.settings(),
+            mirrors: MirrorTable::of(site),
+            probes: CellSource::probes(site)?,
+            bounces: CellSource::bounces(site)?,
+        })
+    }
+}

@@ -1,0 +1,61 @@
+//! Receivers of one tile and what they see: enough to derive their response. In: a site that was opened. Out: its layers, each read once.
+
+use glam::DVec3;
+
+use crate::archive::{format, tables};
+use crate::error::Result;
+use crate::layers::canopy::Canopy;
+use crate::layers::hit::HitTile;
+use crate::layers::mirror::ReceiverMirrors;
+use crate::light::response::Viewer;
+use crate::opened::OpenSite;
+use crate::site::cells::{CellKey, receiver_seed};
+
+/// A tile of receivers.
+#[derive(Clone, Debug)]
+pub struct TileView {
+    pub number: u32,
+    pub receivers: tables::Receivers,
+    pub viewers: Vec<Viewer>,
+    pub hits: HitTile,
+    /// `[receiver]`: what is seen in mirrors; empty where no receiver sees anything.
+    pub mirrors: Vec<ReceiverMirrors>,
+    /// `[receiver]`: what its rays cross; empty where none of the tile's does.
+    pub canopies: Vec<Canopy>,
+}
+
+impl TileView {
+    /// Reads a tile.
+    pub fn read(site: &OpenSite, number: u32) -> Result<Self> {
+        TileView::of(site, number, site.tile_receivers(number)?)
+    }
+
+    /// The view of a tile whose receivers are read.
+    pub fn of(site: &OpenSite, number: u32, receivers: tables::Receivers) -> Result<Self> {
+        let rows = receivers.rows();
+        let viewer = |i: usize| {
+            let (position, normal) = (DVec3::from(receivers.position[i]), DVec3::from(receivers.normal[i]));
+            let sky_view = f64::from(receivers.sky_view[i]);
+            Viewer { normal, seed: receiver_seed(position - site.origin(), normal), sky_view }
+        };
+        Ok(TileView {
+            number,
+            viewers: (0..rows).map(viewer).collect(),
+            hits: site.tile_hits(number, rows)?,
+            mirrors: site.tile_mirrors(number, rows)?,
+            canopies: site.tile_canopies(number, rows)?,
+            receivers,
+        })
+    }
+
+    /// All cells that its receivers see.
+    pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
+        self.hits.palette.iter().copied().chain(self.mirrors.iter().flat_map(ReceiverMirrors::cells))
+    }
+
+    /// Name of the block by which its receivers see a cell.
+    pub fn block_that_sees(&self, key: &CellKey) -> String {
+        let kind = if self.hits.palette.contains(key) { format::HIT } else { format::MIRROR };
+        format::block_name(kind, self.number)
+    }
+}

@@ -1,0 +1,164 @@
+//! Cells of a site, read chunk by chunk. In: a site that was opened. Out: cells whose shape is that of the settings, and whose materials
+//! and mirrors exist; and errors of references to cells that do not.
+
+use rayon::prelude::*;
+
+use crate::archive::{Block, format, tables};
+use crate::error::{Error, Result};
+use crate::layers::canopy::Canopy;
+use crate::layers::cells::Cells;
+use crate::layers::extras;
+use crate::layers::mirror::CellMirrors;
+use crate::opened::open_site::OpenSite;
+use crate::site::cells::CellKey;
+
+impl OpenSite<'_> {
+    /// Texels of the sky, and rays, of a cell of a kind.
+    fn rays_of(&self, kind: u32) -> [usize; 2] {
+        let settings = self.settings();
+        match kind {
+            format::PROBES => [settings.probe * settings.probe, settings.probe_hits],
+            _ => [settings.bounce_sky * settings.bounce_sky, settings.bounce_hits],
+        }
+    }
+
+    /// The cells of a chunk with all their layers; their place among the chunks is for [`CellSource::chunk`] to check.
+    pub fn cells(&self, kind: u32, chunk: u32) -> Result<Cells> {
+        self.cells_in(&self.block(kind, chunk)?)
+    }
+
+    fn cells_in(&self, block: &Block) -> Result<Cells> {
+        let mut cells = tables::Cells::from_block(block)?.into_cells();
+        let (rows, [texels, rays]) = (cells.rows(), self.rays_of(block.entry().kind));
+        if cells.bits.len() != rows * texels.div_ceil(8) || cells.hits.len() != rows * rays {
+            return Err(block.corrupt("cells of another shape", "textures and rays as in the manifest"));
+        }
+        self.check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material))?;
+        let [mirror, canopy] = format::cell_extras(block.entry().kind);
+        let chunk = block.entry().tile;
+        if self.has(mirror, chunk) {
+            cells.mirrors = self.cell_mirrors(&self.block(mirror, chunk)?, rows, texels)?;
+        }
+        if self.has(canopy, chunk) {
+            cells.canopies = self.cell_canopies(&self.block(canopy, chunk)?, rows, [texels, rays])?;
+        }
+        Ok(cells)
+    }
+
+    /// What so many cells with so many texels see in mirrors.
+    fn cell_mirrors(&self, block: &Block, rows: usize, texels: usize) -> Result<Vec<CellMirrors>> {
+        let row = |row: &Vec<u8>| CellMirrors::from_bytes(row, texels.div_ceil(8));
+        let found: Vec<CellMirrors> = extras::unpack(block.bytes(), rows)
+            .and_then(|rows| rows.iter().map(row).collect())
+            .ok_or_else(|| block.corrupt("mirrors of another shape", format!("those of {rows} cells")))?;
+        for mirrors in &found {
+            self.check_chains(block, mirrors.windows.iter().map(|window| window.chain))?;
+            self.check_steps(block, mirrors.paths.iter().map(|path| path.steps.as_slice()))?;
+            self.check_materials(block, mirrors.cells().map(|key| key.material))?;
+            let mut seen = mirrors.windows.iter().flat_map(|window| &window.texels);
+            if let Some(texel) = seen.find(|texel| usize::from(**texel) >= texels) {
+                return Err(block.corrupt(format!("texel {texel}"), format!("below {texels}")));
+            }
+        }
+        Ok(found)
+    }
+
+    /// What the rays of so many cells cross.
+    fn cell_canopies(&self, block: &Block, rows: usize, rays: [usize; 2]) -> Result<Vec<Canopy>> {
+        let row = |row: &Vec<u8>| Canopy::from_bytes(row, rays, |material| self.is_canopy(material));
+        let found = extras::unpack(block.bytes(), rows).and_then(|rows| rows.iter().map(row).collect());
+        let expected = "those of the settings' textures and rays, of canopies";
+        found.ok_or_else(|| block.corrupt("crossings of another shape", expected))
+    }
+}
+
+/// Cells of one kind by the index of their chunks.
+#[derive(Clone)]
+pub struct CellSource<'a> {
+    site: OpenSite<'a>,
+    kind: u32,
+    /// First key of every chunk.
+    firsts: Vec<CellKey>,
+}
+
+impl<'a> CellSource<'a> {
+    /// The probes of a site.
+    pub fn probes(site: &OpenSite<'a>) -> Result<Self> {
+        CellSource::open(site, format::PROBES, tables::Index::PROBES)
+    }
+
+    /// The bounce cells of a site.
+    pub fn bounces(site: &OpenSite<'a>) -> Result<Self> {
+        CellSource::open(site, format::BOUNCE, tables::Index::BOUNCE)
+    }
+
+    fn open(site: &OpenSite<'a>, kind: u32, index: u32) -> Result<Self> {
+        // A site where no ray meets anything has no cells and no index.
+        let firsts = match site.has(format::INDEX, index) {
+            true => tables::Index::from_block(&site.block(format::INDEX, index)?)?.firsts(),
+            false => Vec::new(),
+        };
+        Ok(CellSource { site: site.clone(), kind, firsts })
+    }
+
+    /// Number of chunks.
+    pub fn chunks(&self) -> usize {
+        self.firsts.len()
+    }
+
+    /// The only chunk that can hold a cell.
+    pub fn chunk_of(&self, key: &CellKey) -> Option<usize> {
+        self.firsts.partition_point(|first| first <= key).checked_sub(1)
+    }
+
+    /// All cells of a chunk.
+    pub fn chunk(&self, chunk: usize) -> Result<Cells> {
+        let block = self.site.block(self.kind, chunk as u32)?;
+        let cells = self.site.cells_in(&block)?;
+        if cells.keys.first() != self.firsts.get(chunk) {
+            return Err(block.corrupt("another first cell", "the one of the index"));
+        }
+        if cells.keys.last().zip(self.firsts.get(chunk + 1)).is_some_and(|(last, next)| last >= next) {
+            return Err(block.corrupt("cells of the chunk after it", "keys that rise from chunk to chunk"));
+        }
+        Ok(cells)
+    }
+
+    /// The cells of these keys, which are sorted; one that does not exist is an error, in which `referring` names the block that asks
+    /// for it.
+    pub fn fetch(&self, keys: &[CellKey], referring: impl Fn(&CellKey) -> String + Sync) -> Result<Cells> {
+        let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| self.chunk_of(a) == self.chunk_of(b)).collect();
+        let missing = |key: &CellKey| self.missing(key, referring(key));
+        let found: Vec<Cells> = parts
+            .into_par_iter()
+            .map(|part| {
+                let cells = self.chunk(self.chunk_of(&part[0]).ok_or_else(|| missing(&part[0]))?)?;
+                let row = |key: &CellKey| cells.keys.binary_search(key).map_err(|_| missing(key));
+                Ok(cells.select(&part.iter().map(row).collect::<Result<Vec<usize>>>()?))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Cells::join(&found))
+    }
+
+    /// Name of the block that holds a cell.
+    pub fn block_of(&self, key: &CellKey) -> String {
+        self.chunk_of(key)
+            .map_or_else(|| format::kind_name(self.kind), |chunk| format::block_name(self.kind, chunk as u32))
+    }
+
+    /// Name of the block of that one of some cells of this source that sees another cell.
+    pub fn observer_of(&self, cells: &Cells, seen: &CellKey) -> String {
+        cells.observer_of(seen).map_or_else(|| format::kind_name(self.kind), |key| self.block_of(&key))
+    }
+
+    /// The error of a reference of some block to a cell that does not exist.
+    pub fn missing(&self, key: &CellKey, referring: impl Into<String>) -> Error {
+        let what = format!("names {key:?}, which block {} does not hold", self.block_of(key));
+        Error::defect(self.site.path(), referring, "cells that are seen", what)
+    }
+
+    /// The error of cells of this source that do not fit together.
+    pub fn defect(&self, key: &CellKey, field: &'static str, what: impl Into<String>) -> Error {
+        Error::defect(self.site.path(), self.block_of(key), field, what)
+    }
+}

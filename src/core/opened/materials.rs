@@ -1,0 +1,64 @@
+//! Materials and mirrors of a site. In: the tables of an archive. Out: the nouns of the scene, checked against each other.
+
+use glam::DVec3;
+
+use crate::archive::{Blocks, format, tables};
+use crate::error::Result;
+use crate::site::chain::Orientation;
+use crate::site::material::{Class, Glass, Material};
+
+/// The class of a code in the table of materials, which holds 0 and 1 only.
+fn class_of(code: u8) -> Class {
+    if code == 1 { Class::Ground } else { Class::Obstruction }
+}
+
+/// The materials in the rows of their table; without a table of optics all are opaque and no glass.
+pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
+    let block = blocks.block(format::MATERIALS, 0)?;
+    let table = tables::Materials::from_block(&block)?;
+    let optics = optics(blocks, table.rows())?;
+    let group = |row: usize| Some(table.group[row].clone()).filter(|group| !group.is_empty());
+    let material = |row: usize| {
+        let material = Material {
+            name: table.name[row].clone(),
+            diffuse: table.diffuse[row],
+            specular: table.specular[row],
+            glass: optics.as_ref().and_then(|optics| Glass::of_panes(optics.panes[row])),
+            transmittance: optics.as_ref().and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
+            class: class_of(table.class[row]),
+            group: group(row),
+        };
+        match material.check() {
+            Ok(()) => Ok(material),
+            Err(what) => Err(block.corrupt(format!("material `{}`: {what}", material.name), "a material that can be")),
+        }
+    };
+    (0..table.rows()).map(material).collect()
+}
+
+/// What so many materials do besides reflecting diffusely, if some do.
+fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics>> {
+    if !blocks.has(format::OPTICS, 0) {
+        return Ok(None);
+    }
+    let block = blocks.block(format::OPTICS, 0)?;
+    let optics = tables::Optics::from_block(&block)?;
+    if optics.rows() != materials {
+        return Err(block.corrupt(format!("{} rows", optics.rows()), format!("{materials}, one per material")));
+    }
+    Ok(Some(optics))
+}
+
+/// Orientations of the mirrors, of so many materials; none where nothing is a mirror.
+pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<Orientation>> {
+    if !blocks.has(format::MIRRORS, 0) {
+        return Ok(Vec::new());
+    }
+    let block = blocks.block(format::MIRRORS, 0)?;
+    let table = tables::Mirrors::from_block(&block)?;
+    if table.material.iter().any(|&material| usize::from(material) >= materials) {
+        return Err(block.corrupt("an unknown material", "rows of the materials table"));
+    }
+    let rows = table.normal.into_iter().zip(table.material);
+    Ok(rows.map(|(normal, material)| Orientation { normal: DVec3::from(normal), material }).collect())
+}

@@ -1,0 +1,13 @@
+//! Opened: a site whose archive was checked as a whole. In: blocks and a manifest. Out: settings, materials and mirrors as values in
+//! range, and layers of receivers and cells whose references exist. What comes from here is trusted and checked no more. Never: light,
+//! weather.
+
+pub mod cell_source;
+pub mod materials;
+pub mod open_site;
+pub mod receiver_layers;
+pub mod settings;
+
+pub use cell_source::CellSource;
+pub use open_site::{OpenSite, SiteFacts};
+pub use settings::SiteSettings;

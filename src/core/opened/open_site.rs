@@ -1,0 +1,141 @@
+//! A site that was opened. In: blocks and a manifest. Out: everything that all of its layers depend on, checked once.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::archive::manifest::{Manifest, ReceiverSummary, Settings};
+use crate::archive::{Archive, Block, Blocks, format};
+use crate::error::{Error, Result};
+use crate::opened::materials;
+use crate::opened::settings::SiteSettings;
+use crate::site::chain::Orientation;
+use crate::site::material::Material;
+
+/// What is known of a site besides its blocks, every number in range and every reference followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SiteFacts {
+    settings: SiteSettings,
+    materials: Vec<Material>,
+    orientations: Vec<Orientation>,
+    origin: DVec3,
+    receivers: u64,
+    tiles: u32,
+}
+
+impl SiteFacts {
+    /// Of a scene's own materials and mirrors: those of an archive that is being written, or whose tables may be damaged. `path` is
+    /// named where a number is out of range.
+    pub fn given(
+        path: &Path,
+        (stated, origin, receivers): (&Settings, DVec3, &ReceiverSummary),
+        materials: Vec<Material>,
+        orientations: Vec<Orientation>,
+    ) -> Result<Self> {
+        if !origin.is_finite() {
+            let what = format!("{}: origin of the scene in the manifest", path.display());
+            return Err(Error::Unsupported { what, found: origin.to_string(), supported: "finite metres".to_string() });
+        }
+        let settings = SiteSettings::of(stated, path)?;
+        Ok(SiteFacts { settings, materials, orientations, origin, receivers: receivers.count, tiles: receivers.tiles })
+    }
+
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    pub fn orientations(&self) -> &[Orientation] {
+        &self.orientations
+    }
+}
+
+/// Blocks whose common facts were checked. Cheap to copy; many threads may read from it.
+#[derive(Clone)]
+pub struct OpenSite<'a> {
+    blocks: &'a dyn Blocks,
+    facts: Arc<SiteFacts>,
+}
+
+impl<'a> OpenSite<'a> {
+    /// The site of an archive.
+    pub fn of(archive: &'a Archive) -> Result<Self> {
+        OpenSite::new(archive, archive.manifest())
+    }
+
+    /// The site of blocks that a manifest tells of.
+    pub fn new(blocks: &'a dyn Blocks, manifest: &Manifest) -> Result<Self> {
+        let (origin, path) = (DVec3::from(manifest.scene.origin_m), blocks.path());
+        // Before any block: what the manifest says is wrong in all of them.
+        SiteSettings::of(&manifest.settings, path)?;
+        let materials = materials::materials(blocks)?;
+        let orientations = materials::orientations(blocks, materials.len())?;
+        let kinds: BTreeSet<u32> = manifest.layers.iter().map(|layer| layer.kind).collect();
+        let in_mirrors = [format::MIRROR, format::PROBE_MIRROR, format::BOUNCE_MIRROR];
+        if let Some(kind) = in_mirrors.into_iter().find(|kind| orientations.is_empty() && kinds.contains(kind)) {
+            let (block, what) = (format::kind_name(kind), "there is no table of mirrors that its chains could name");
+            return Err(Error::defect(path, block, "chains", what));
+        }
+        let stated = (&manifest.settings, origin, &manifest.receivers);
+        let facts = SiteFacts::given(path, stated, materials, orientations)?;
+        Ok(OpenSite { blocks, facts: Arc::new(facts) })
+    }
+
+    /// A site whose facts are known: of blocks that have grown since, or whose tables may be damaged.
+    pub fn over(blocks: &'a dyn Blocks, facts: Arc<SiteFacts>) -> Self {
+        OpenSite { blocks, facts }
+    }
+
+    /// The file, for messages.
+    pub fn path(&self) -> &'a Path {
+        self.blocks.path()
+    }
+
+    pub fn settings(&self) -> &SiteSettings {
+        &self.facts.settings
+    }
+
+    /// By the numbers in cell keys.
+    pub fn materials(&self) -> &[Material] {
+        &self.facts.materials
+    }
+
+    /// By the numbers in chains of mirrors.
+    pub fn orientations(&self) -> &[Orientation] {
+        &self.facts.orientations
+    }
+
+    /// Input coordinates of the point that cell keys and rays are relative to.
+    pub fn origin(&self) -> DVec3 {
+        self.facts.origin
+    }
+
+    /// Number of receivers, and of their tiles, which are numbered from 0.
+    pub fn receivers(&self) -> u64 {
+        self.facts.receivers
+    }
+
+    pub fn tiles(&self) -> u32 {
+        self.facts.tiles
+    }
+
+    /// Whether a number is one of a material.
+    pub(super) fn has_material(&self, number: u16) -> bool {
+        usize::from(number) < self.facts.materials.len()
+    }
+
+    /// Whether a number is one of a material that lets light through.
+    pub(super) fn is_canopy(&self, number: u16) -> bool {
+        self.facts.materials.get(usize::from(number)).is_some_and(|material| material.transmittance.is_some())
+    }
+
+    pub(super) fn has(&self, kind: u32, tile: u32) -> bool {
+        self.blocks.has(kind, tile)
+    }
+
+    /// A block, checked and decoded.
+    pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+        self.blocks.block(kind, tile)
+    }
+}

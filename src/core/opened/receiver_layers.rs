@@ -1,0 +1,128 @@
+//! Layers of the receivers of a tile. In: a site that was opened. Out: the layers of one tile, one value a receiver, whose materials and
+//! mirrors exist.
+
+use crate::archive::{Block, format, tables};
+use crate::error::{Error, Result};
+use crate::layers::bits::BitSquare;
+use crate::layers::canopy::Canopy;
+use crate::layers::extras::{self, ReceiverExtras};
+use crate::layers::hit::HitTile;
+use crate::layers::mirror::ReceiverMirrors;
+use crate::layers::mosaic::Mosaic;
+use crate::layers::response::{self, Response};
+use crate::layers::sky::SkyTexture;
+use crate::opened::open_site::OpenSite;
+use crate::site::chain::{Chain, Step};
+
+/// Most bytes of a tile's sky once it is refined, and of what it sees in mirrors: a small block can stand for large textures.
+pub const MAX_SKY: usize = 256 << 20;
+
+impl OpenSite<'_> {
+    /// The receivers of a tile.
+    pub fn tile_receivers(&self, tile: u32) -> Result<tables::Receivers> {
+        tables::Receivers::from_block(&self.block(format::RECEIVERS, tile)?)
+    }
+
+    /// Sky textures of a tile of so many receivers, ready to be looked up.
+    pub fn tile_sky(&self, tile: u32, rows: usize) -> Result<Vec<Mosaic>> {
+        let (block, settings) = (self.sky_block(tile, rows)?, self.settings());
+        Mosaic::unpack(block.bytes(), rows, settings.sky_base, settings.sky_fine).ok_or_else(|| other_sky(&block))
+    }
+
+    /// The same as they are stored, each with the bits that it describes.
+    pub fn tile_sky_textures(&self, tile: u32, rows: usize) -> Result<Vec<(SkyTexture, BitSquare)>> {
+        let (block, settings) = (self.sky_block(tile, rows)?, self.settings());
+        SkyTexture::split(block.bytes(), rows, settings.sky_base, settings.sky_fine).ok_or_else(|| other_sky(&block))
+    }
+
+    /// The sky of a tile of so many receivers, not larger than can be decoded.
+    fn sky_block(&self, tile: u32, rows: usize) -> Result<Block> {
+        let (block, fine) = (self.block(format::SKY, tile)?, self.settings().sky_fine);
+        let bytes = rows.saturating_mul(fine * fine / 8);
+        if bytes > MAX_SKY {
+            return Err(block.corrupt(format!("sky of {bytes} bytes"), format!("at most {MAX_SKY}")));
+        }
+        Ok(block)
+    }
+
+    /// The hits of a tile of so many receivers.
+    pub fn tile_hits(&self, tile: u32, rows: usize) -> Result<HitTile> {
+        let (block, side) = (self.block(format::HIT, tile)?, self.settings().hit);
+        let hits = HitTile::unpack(block.bytes(), rows.saturating_mul(side * side))
+            .ok_or_else(|| block.corrupt("hits of another shape", "hits of the settings' shape"))?;
+        self.check_materials(&block, hits.palette.iter().map(|key| key.material))?;
+        Ok(hits)
+    }
+
+    /// What the receivers of a tile of so many rows see in mirrors; empty where none sees any.
+    pub fn tile_mirrors(&self, tile: u32, rows: usize) -> Result<Vec<ReceiverMirrors>> {
+        if !self.has(format::MIRROR, tile) {
+            return Ok(Vec::new());
+        }
+        let (block, settings) = (self.block(format::MIRROR, tile)?, self.settings());
+        let row = |row: &Vec<u8>| ReceiverMirrors::from_bytes(row, settings.sky_base, settings.hit);
+        let found: Vec<ReceiverMirrors> = extras::unpack(block.bytes(), rows)
+            .and_then(|rows| rows.iter().map(row).collect())
+            .ok_or_else(|| block.corrupt("mirrors of another shape", format!("those of {rows} receivers")))?;
+        for mirrors in &found {
+            self.check_chains(&block, mirrors.windows.iter().map(|window| window.chain))?;
+            self.check_steps(&block, mirrors.paths.iter().map(|path| path.steps.as_slice()))?;
+            self.check_materials(&block, mirrors.cells().map(|key| key.material))?;
+        }
+        Ok(found)
+    }
+
+    /// What the rays of a tile's receivers cross; empty where none crosses anything.
+    pub fn tile_canopies(&self, tile: u32, rows: usize) -> Result<Vec<Canopy>> {
+        if !self.has(format::CANOPY, tile) {
+            return Ok(Vec::new());
+        }
+        let (block, rays) = (self.block(format::CANOPY, tile)?, self.settings().receiver_rays());
+        let row = |bytes: &Vec<u8>| Canopy::from_bytes(bytes, rays, |material| self.is_canopy(material));
+        let found = extras::unpack(block.bytes(), rows).and_then(|bytes| bytes.iter().map(row).collect());
+        found.ok_or_else(|| block.corrupt("crossings of another shape", "those of the settings' textures, of canopies"))
+    }
+
+    /// Both for each receiver.
+    pub fn tile_extras(&self, tile: u32, rows: usize) -> Result<Vec<ReceiverExtras>> {
+        let (mut mirrors, mut canopies) = (self.tile_mirrors(tile, rows)?, self.tile_canopies(tile, rows)?);
+        // A layer that is not there is empty for every receiver.
+        mirrors.resize_with(rows, ReceiverMirrors::default);
+        canopies.resize_with(rows, Canopy::default);
+        Ok(mirrors.into_iter().zip(canopies).map(|(mirrors, canopy)| ReceiverExtras { mirrors, canopy }).collect())
+    }
+
+    /// The responses that the build derived: its reflectances, all bounces.
+    pub fn tile_responses(&self, tile: u32) -> Result<Vec<Response>> {
+        let block = self.block(format::RESPONSE, tile)?;
+        response::unpack(block.bytes(), block.items() as usize, self.settings().probe)
+            .ok_or_else(|| block.corrupt("responses of another shape", "responses of the manifest's shape"))
+    }
+
+    /// Refuses a block that names a material that does not exist.
+    pub(super) fn check_materials(&self, block: &Block, mut materials: impl Iterator<Item = u16>) -> Result<()> {
+        match materials.find(|&material| !self.has_material(material)) {
+            Some(material) => Err(block.corrupt(format!("material {material}"), "rows of the materials table")),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses chains of mirrors that do not exist.
+    pub(super) fn check_chains(&self, block: &Block, mut chains: impl Iterator<Item = Chain>) -> Result<()> {
+        let count = self.orientations().len();
+        let unknown = |number: &u16| usize::from(*number) >= count;
+        match chains.find_map(|chain| chain.numbers().find(unknown)) {
+            Some(number) => Err(block.corrupt(format!("mirror {number}"), format!("below {count}"))),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses ways by mirrors of materials that do not exist.
+    pub(super) fn check_steps<'s>(&self, block: &Block, steps: impl Iterator<Item = &'s [Step]>) -> Result<()> {
+        self.check_materials(block, steps.flatten().map(|step| step.0))
+    }
+}
+
+fn other_sky(block: &Block) -> Error {
+    block.corrupt("sky bits of another shape", "sky bits of the manifest's shape")
+}

@@ -1,0 +1,127 @@
+//! Settings of a site. In: what a manifest states. Out: numbers in range.
+
+use std::path::Path;
+
+use crate::archive::manifest::Settings;
+use crate::error::{Error, Result};
+use crate::layers::canopy::sky_side;
+use crate::layers::cells::CHUNK_SEEN;
+use crate::layers::sides::TextureSides;
+use crate::site::cells::level_of;
+
+/// Largest sides of textures: of a receiver's sky before refinement and its hits, of the refined sky, of cells' skies.
+const MAX_SIDES: [u32; 3] = [1024, 4096, 256];
+
+/// What gives the layers of a site their shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SiteSettings {
+    /// Side of the receivers' sky texture before it is refined, and of its finest level: the base doubled some times.
+    pub sky_base: usize,
+    pub sky_fine: usize,
+    /// Side of the hit texture.
+    pub hit: usize,
+    /// Side of the probes' sky texture, and of the response; rays of a probe to what is around it.
+    pub probe: usize,
+    pub probe_hits: usize,
+    /// The same of bounce cells.
+    pub bounce_sky: usize,
+    pub bounce_hits: usize,
+    /// Level of the bounce cells at middle distance: from here up cells see each other in circles.
+    pub closed_level: i8,
+    /// Whether diffuse reflections were traced, or there are none.
+    pub diffuse: bool,
+}
+
+impl SiteSettings {
+    /// Settings that textures and rays can have; `path` of the archive, for messages.
+    pub fn of(stated: &Settings, path: &Path) -> Result<Self> {
+        let refuse = |found: String, supported: String| {
+            let what = format!("{}: settings in the manifest", path.display());
+            Err(Error::Unsupported { what, found, supported })
+        };
+        let [plain, fine, cell] = MAX_SIDES;
+        for (name, number, most) in [
+            ("sky_base", stated.sky_base, plain),
+            ("sky_fine", stated.sky_fine, fine),
+            ("hit", stated.hit, plain),
+            ("probe", stated.probe, cell),
+            ("bounce_sky", stated.bounce_sky, cell),
+            ("probe_hits", stated.probe_hits, CHUNK_SEEN as u32),
+            ("bounce_hits", stated.bounce_hits, CHUNK_SEEN as u32),
+        ] {
+            if number == 0 || number > most {
+                return refuse(format!("{name} {number}"), format!("1 to {most}"));
+            }
+        }
+        let (base, fine) = (stated.sky_base, stated.sky_fine);
+        if fine % base != 0 || !(fine / base).is_power_of_two() {
+            return refuse(format!("sky_fine {fine}"), format!("sky_base {base} doubled some times"));
+        }
+        if !(stated.closed_m.is_finite() && stated.closed_m > 0.0) {
+            return refuse(format!("closed_m {}", stated.closed_m), "a size above 0 m".to_string());
+        }
+        Ok(SiteSettings {
+            sky_base: base as usize,
+            sky_fine: fine as usize,
+            hit: stated.hit as usize,
+            probe: stated.probe as usize,
+            probe_hits: stated.probe_hits as usize,
+            bounce_sky: stated.bounce_sky as usize,
+            bounce_hits: stated.bounce_hits as usize,
+            closed_level: level_of(stated.closed_m),
+            diffuse: !stated.left_out.iter().any(|effect| effect == "diffuse"),
+        })
+    }
+
+    /// Sides of the textures that weather is looked up in.
+    pub fn sides(&self) -> TextureSides {
+        TextureSides { sky_base: self.sky_base, sky_fine: self.sky_fine, response: self.probe }
+    }
+
+    /// Rays of a receiver that may cross canopies: to the texels of its sky, and to what it sees.
+    pub fn receiver_rays(&self) -> [usize; 2] {
+        let side = sky_side(self.sky_base, self.sky_fine);
+        [side * side, self.hit * self.hit]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The settings of `standard` are taken as they are, and 9 lies about numbers and sizes are refused by their names.
+    #[test]
+    fn range() {
+        let good = Settings {
+            sky_base: 128,
+            sky_fine: 1024,
+            hit: 32,
+            probe: 32,
+            probe_hits: 64,
+            closed_m: 8.0,
+            bounce_sky: 16,
+            bounce_hits: 64,
+            ..Settings::default()
+        };
+        let of = |settings: &Settings| SiteSettings::of(settings, Path::new("a.helio"));
+        let taken = of(&good).expect("settings");
+        assert_eq!((taken.sky_fine, taken.closed_level, taken.diffuse), (1024, level_of(8.0), true));
+        assert_eq!(taken.receiver_rays(), [256 * 256, 1024]);
+        let lies = [
+            ("sky_base 0", Settings { sky_base: 0, ..good.clone() }),
+            ("sky_base 1025", Settings { sky_base: 1025, ..good.clone() }),
+            ("sky_fine 384", Settings { sky_fine: 384, ..good.clone() }),
+            ("hit 0", Settings { hit: 0, ..good.clone() }),
+            ("probe 257", Settings { probe: 257, ..good.clone() }),
+            ("bounce_sky 4294967295", Settings { bounce_sky: u32::MAX, ..good.clone() }),
+            ("probe_hits 0", Settings { probe_hits: 0, ..good.clone() }),
+            ("bounce_hits 32768", Settings { bounce_hits: 32768, ..good.clone() }),
+            ("closed_m -1", Settings { closed_m: -1.0, ..good.clone() }),
+        ];
+        for (named, lie) in lies {
+            let text = of(&lie).expect_err(named).to_string();
+            assert!(text.contains(named) && text.starts_with("a.helio"), "{text}");
+        }
+        assert!(!of(&Settings { left_out: vec!["diffuse".into()], ..good }).expect("settings").diffuse);
+    }
+}

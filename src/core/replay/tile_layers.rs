@@ -1,0 +1,115 @@
+//! One tile as replay reads it: what its receivers are, and those of their layers that the weather needs.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::archive::{format, tables};
+use crate::error::Result;
+use crate::layers::canopy::Canopy;
+use crate::layers::mirror::{ReceiverMirrors, Window};
+use crate::layers::mosaic::Mosaic;
+use crate::layers::response::Response;
+use crate::light::mirrors::MirrorTable;
+use crate::light::tile_view::TileView;
+use crate::opened::OpenSite;
+use crate::opened::receiver_layers::MAX_SKY;
+use crate::replay::specular::MirrorView;
+
+/// Decoded layers of one tile.
+pub struct TileLayers {
+    pub normals: Vec<DVec3>,
+    /// Shares of each hemisphere: sky, ground, obstructions.
+    pub views: Vec<[f32; 3]>,
+    /// Empty where a [`Forcing`](crate::replay::tile::Forcing) does not read them.
+    pub sky: Vec<Mosaic>,
+    /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
+    pub mirrors: Vec<Vec<MirrorView>>,
+    /// What rays to the sky cross; empty where none of the tile's does, likewise.
+    pub canopies: Vec<Canopy>,
+    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`](crate::replay::tile::Forcing) was made with; likewise.
+    pub responses: Vec<Vec<Response>>,
+}
+
+/// Which layers are read.
+#[derive(Clone, Copy)]
+pub struct Reads<'m> {
+    pub sky: bool,
+    /// Only where there are mirrors.
+    pub mirrors: Option<&'m MirrorTable>,
+}
+
+impl TileLayers {
+    /// Reads a tile, with its receivers' names. `responses`: those to use, `[state][receiver]`.
+    pub fn read(
+        site: &OpenSite,
+        tile: u32,
+        reads: Reads,
+        responses: Vec<Vec<Response>>,
+    ) -> Result<(Vec<String>, TileLayers)> {
+        let receivers = site.tile_receivers(tile)?;
+        let rows = receivers.rows();
+        let mirrors = if reads.mirrors.is_some() { site.tile_mirrors(tile, rows)? } else { Vec::new() };
+        let canopies = if reads.sky { site.tile_canopies(tile, rows)? } else { Vec::new() };
+        TileLayers::of(site, tile, reads, (receivers, mirrors, canopies), responses)
+    }
+
+    /// The same of a tile that responses were derived for: what was read for them is not read again.
+    pub fn of_view(
+        site: &OpenSite,
+        view: TileView,
+        reads: Reads,
+        responses: Vec<Vec<Response>>,
+    ) -> Result<(Vec<String>, TileLayers)> {
+        let mirrors = if reads.mirrors.is_some() { view.mirrors } else { Vec::new() };
+        let canopies = if reads.sky { view.canopies } else { Vec::new() };
+        TileLayers::of(site, view.number, reads, (view.receivers, mirrors, canopies), responses)
+    }
+
+    fn of(
+        site: &OpenSite,
+        tile: u32,
+        reads: Reads,
+        (receivers, mirrors, canopies): (tables::Receivers, Vec<ReceiverMirrors>, Vec<Canopy>),
+        responses: Vec<Vec<Response>>,
+    ) -> Result<(Vec<String>, TileLayers)> {
+        let rows = receivers.rows();
+        if let Some(other) = responses.iter().find(|of_state| of_state.len() != rows) {
+            let block = site.block(format::RECEIVERS, tile)?;
+            return Err(block.corrupt(format!("{rows} receivers"), format!("{}, one per response", other.len())));
+        }
+        let layers = TileLayers {
+            normals: receivers.normal.iter().map(|&n| DVec3::from(n)).collect(),
+            views: receivers.views().collect(),
+            sky: if reads.sky { site.tile_sky(tile, rows)? } else { Vec::new() },
+            mirrors: reads.mirrors.map_or(Ok(Vec::new()), |table| mirror_views(site, tile, &mirrors, table))?,
+            canopies,
+            responses,
+        };
+        Ok((receivers.ids, layers))
+    }
+}
+
+/// What the receivers of a tile see of the sky in mirrors, ready to be looked up.
+fn mirror_views(
+    site: &OpenSite,
+    tile: u32,
+    mirrors: &[ReceiverMirrors],
+    table: &MirrorTable,
+) -> Result<Vec<Vec<MirrorView>>> {
+    let block = site.settings().sky_fine / site.settings().sky_base;
+    let taken = AtomicUsize::new(0);
+    let view = |window: &Window| {
+        let view = MirrorView::new(window, table, block)?;
+        let before = taken.fetch_add(view.bytes(), Ordering::Relaxed);
+        (before.saturating_add(view.bytes()) <= MAX_SKY).then_some(view)
+    };
+    let views = |of: &ReceiverMirrors| of.windows.iter().map(view).collect();
+    match mirrors.par_iter().map(views).collect::<Option<_>>() {
+        Some(found) => Ok(found),
+        None => Err(site
+            .block(format::MIRROR, tile)?
+            .corrupt("windows of another shape, or of too much", "the manifest's, and mirrors that exist")),
+    }
+}

@@ -1,0 +1,79 @@
+//! What canopies leave of the light from each direction of the sky. In: shares by texel of a square. Out: the share at any texel of a
+//! receiver's sky texture.
+
+use crate::layers::canopy::sky_side;
+use crate::layers::sides::TextureSides;
+
+/// Shares of the light that come through to a receiver, on a square over its sky texture.
+pub struct Veil {
+    /// Row-major.
+    shares: Vec<f32>,
+    side: usize,
+    /// Fine texels to a side of a texel of the square, and of a base texel.
+    wide: usize,
+    block: usize,
+}
+
+impl Veil {
+    /// Of shares by texel, for the sides of a sky texture.
+    pub fn new(shares: Vec<f32>, sides: TextureSides) -> Self {
+        let side = sky_side(sides.sky_base, sides.sky_fine);
+        Veil { shares, side, wide: sides.sky_fine / side, block: sides.sky_fine / sides.sky_base }
+    }
+
+    /// Nothing in the way.
+    pub fn clear(sides: TextureSides) -> Self {
+        let side = sky_side(sides.sky_base, sides.sky_fine);
+        Veil::new(vec![1.0; side * side], sides)
+    }
+
+    /// Share at a fine texel (column, row).
+    #[inline]
+    pub fn at_fine(&self, (column, row): (usize, usize)) -> f32 {
+        self.shares[row / self.wide * self.side + column / self.wide]
+    }
+
+    /// Share at fine texel `i` of the base texel (column, row).
+    #[inline]
+    pub fn at(&self, (column, row): (usize, usize), i: usize) -> f32 {
+        self.at_fine((column * self.block + i % self.block, row * self.block + i / self.block))
+    }
+
+    /// Sum of the shares at all fine texels of a base texel.
+    pub fn sum(&self, (column, row): (usize, usize)) -> f64 {
+        let step = self.wide.min(self.block);
+        let places = || (0..self.block).step_by(step);
+        let share = |(c, r): (usize, usize)| self.at_fine((column * self.block + c, row * self.block + r));
+        let sum: f64 = places().flat_map(|r| places().map(move |c| (c, r))).map(|p| f64::from(share(p))).sum();
+        sum * (step * step) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hemisphere::mix;
+
+    /// For 5 pairs of sides, with squares of 16, 4, 256, 66 and 150 texels a side, the sum over a base texel is that of its fine texels
+    /// (1e-9), and a fine texel has the share of the square's texel at the same place.
+    #[test]
+    fn places() {
+        for (base, fine, side) in [(8, 64, 16), (4, 4, 4), (512, 1024, 256), (33, 66, 66), (300, 600, 150)] {
+            let sides = TextureSides { sky_base: base, sky_fine: fine, response: 1 };
+            assert_eq!(sky_side(base, fine), side);
+            let share = |place: usize| (mix(7, place as u64) % 1000) as f32 / 1000.0;
+            let veil = Veil::new((0..side * side).map(share).collect(), sides);
+            let block = fine / base;
+            for texel in (0..base * base).step_by(base * base / 16) {
+                let place = (texel % base, texel / base);
+                let each = |i: usize| {
+                    let (c, r) = (place.0 * block + i % block, place.1 * block + i / block);
+                    assert_eq!(veil.at(place, i), share(r * side / fine * side + c * side / fine));
+                    f64::from(veil.at(place, i))
+                };
+                let sum: f64 = (0..block * block).map(each).sum();
+                assert!((veil.sum(place) - sum).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! What black surfaces and the sky send by their temperatures: what a condition needs for longwave irradiance.
+
+/// Stefan-Boltzmann constant, W/m2 K4 (CODATA 2018).
+const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
+
+/// 0 degrees Celsius, K.
+pub const ZERO_CELSIUS_K: f64 = 273.15;
+
+/// What a black surface of a temperature sends (Stefan 1879, Boltzmann 1884): sigma T^4.
+pub fn black_body_w_m2(celsius: f64) -> f64 {
+    STEFAN_BOLTZMANN * (celsius + ZERO_CELSIUS_K).powi(4)
+}
+
+/// What a receiver gets that sees nothing but sky, ground or obstructions, W/m2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    pub sky_w_m2: f64,
+    pub ground_w_m2: f64,
+    pub obstruction_w_m2: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A black surface sends 315.66 W/m2 at 0 degrees Celsius, 418.77 at 20 and nothing at absolute zero (sigma 273.15^4 and 293.15^4
+    /// by hand, to 0.01).
+    #[test]
+    fn black_bodies() {
+        for (celsius, expected) in [(0.0, 315.66), (20.0, 418.77), (-273.15, 0.0)] {
+            assert!((black_body_w_m2(celsius) - expected).abs() < 0.01, "{celsius}: {}", black_body_w_m2(celsius));
+        }
+    }
+}
