@@ -7,7 +7,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use heliotile_core::archive::source::{read_exact_at, write_all_at};
+use heliotile_core::archive::read_at::{read_exact_at, write_all_at};
 use heliotile_core::error::{Error, Result};
 
 /// Where files lie.

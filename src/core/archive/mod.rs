@@ -31,6 +31,9 @@ pub mod codec;
 pub mod format;
 pub mod header;
 pub mod manifest;
+#[cfg(all(feature = "mmap", any(unix, windows)))]
+mod mapping;
+pub mod read_at;
 pub mod reader;
 pub mod record;
 pub mod source;
@@ -40,6 +43,9 @@ pub mod verify;
 pub use blocks::Blocks;
 pub use codec::{Block, EncodedBlock, encode};
 pub use manifest::Manifest;
+pub use read_at::ReadAt;
 pub use reader::Archive;
 pub use source::Access;
-pub use verify::{Report, verify};
+#[cfg(any(unix, windows))]
+pub use verify::verify;
+pub use verify::{Report, verify_bytes};

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use crate::archive::source::{read_exact_at, write_all_at};
+use crate::archive::read_at::{read_exact_at, write_all_at};
 use crate::error::{Error, Result};
 
 /// Bytes by position. Many threads may use it at once.
