@@ -10,7 +10,7 @@ use crate::commands::build::BuildSettings;
 use crate::commands::build::ladder::{PATCHES, Rungs};
 use crate::commands::pack::COMPRESSION;
 use crate::commands::progress::bar;
-use heliotile_core::archive::{Access, Archive, codec};
+use heliotile_core::archive::{Access, Archive, encode};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::bins::Bins;
@@ -170,7 +170,7 @@ fn compression_s(trial: &Trial) -> Result<f64> {
     for entry in archive.entries() {
         let block = archive.block(entry.kind, entry.tile)?;
         let started = ProcessTime::now();
-        codec::encode(entry.kind, entry.tile, entry.schema, entry.items, block.bytes(), COMPRESSION)?;
+        encode(entry.kind, entry.tile, entry.schema, entry.items, block.bytes(), COMPRESSION)?;
         seconds += started.elapsed().as_secs_f64();
     }
     Ok(seconds)
