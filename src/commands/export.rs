@@ -12,6 +12,7 @@ use crate::outputs::exr::exr;
 use crate::outputs::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
 use crate::outputs::view_factors::ViewFactorTable;
+use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::maps::{Light, maps};
@@ -83,8 +84,8 @@ fn layers(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Result<V
             Some(Light::new(archive, condition, args.sky, patches, args.bounces)?)
         }
     };
-    let folder = temporary_folder(&args.output);
-    let maps = maps(archive, view, light.as_ref(), args.memory.0 / 2, folder)?;
+    let storage = TempFiles::new(temporary_folder(&args.output));
+    let maps = maps(archive, view, light.as_ref(), args.memory.0 / 2, &storage)?;
     exr(&maps, &about(args, archive, view))
 }
 

@@ -24,6 +24,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
 use crate::cli::{Command, SceneArgs};
+use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_scene::Scene;
@@ -112,6 +113,11 @@ fn starts_as_archive(path: &Path) -> Option<bool> {
     let mut head = [0; format::MAGIC.len()];
     File::open(path).and_then(|mut file| file.read_exact(&mut head)).ok()?;
     Some(head == format::MAGIC)
+}
+
+/// Temporary files of commands that only read: in the system's folder for them.
+fn temporary_files() -> TempFiles {
+    TempFiles::new(std::env::temp_dir())
 }
 
 /// Where temporary files of a command go: beside its output.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::chosen::Chosen;
 use super::progress::bar;
-use super::{Outcome, guard_output, warn};
+use super::{Outcome, guard_output, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
@@ -185,12 +185,14 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
             Some(SurfaceMeans::new(surfaces, layout.components(), labels.len(), args.memory.0 / 2)?)
         }
     };
+    let storage = temporary_files();
     let settings = ReplaySettings {
         sky: args.sky,
         patches: args.patches.unwrap_or_else(|| archive.manifest().settings.patches()),
         depth: args.bounces,
         components: layout.components.set(),
         memory_bytes: args.memory.0,
+        storage: &storage,
     };
     let schedules = schedules(archive, series)?;
     let replay = Replay::scheduled(archive, series.conditions, settings, series.bins, &schedules)?;

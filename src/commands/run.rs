@@ -12,7 +12,9 @@ use super::progress::bar;
 use super::receivers::{self, Covered, cover_site};
 use super::repair::other_receivers;
 use super::transfer::rows::Rows;
-use super::{Outcome, guard_archive, guard_output, guard_site, load_scene, say, temporary_folder, warn};
+use super::{
+    Outcome, guard_archive, guard_output, guard_site, load_scene, say, temporary_files, temporary_folder, warn,
+};
 use crate::cli::{Percent, RunArgs, Wanted};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
@@ -157,8 +159,9 @@ fn annual(archive: &Archive, weather: &Weather, memory_bytes: u64) -> Result<Vec
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let bins = Periods::new(Every::Total, years, &stamped).bins();
-    let settings =
-        ReplaySettings { patches: archive.manifest().settings.patches(), memory_bytes, ..ReplaySettings::default() };
+    let storage = temporary_files();
+    let patches = archive.manifest().settings.patches();
+    let settings = ReplaySettings { patches, memory_bytes, storage: &storage, ..ReplaySettings::default() };
     let replay = Replay::summed(archive, &conditions, settings, &bins)?;
     let progress = bar("receivers", Some(archive.manifest().receivers.count));
     let mut rows = Vec::new();

@@ -8,6 +8,7 @@ use heliotile_core::light::bounces::Depth;
 use heliotile_core::light::load::cached_responses;
 use heliotile_core::light::load::{Tables, tile_view};
 use heliotile_core::light::responder::Responder;
+use heliotile_core::light::scratch::InMemory;
 
 use crate::scenes::*;
 
@@ -43,7 +44,7 @@ fn cached_response_is_the_derived_one() {
     let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &fine());
     let archive = Archive::open(&site.path).expect("an archive");
     let tables = Tables::load(&archive).expect("tables");
-    let responder = Responder::new(&tables, Depth::All, 1 << 30, &std::env::temp_dir()).expect("a responder");
+    let responder = Responder::new(&tables, Depth::All, 1 << 30, &InMemory).expect("a responder");
     let views: Vec<_> = (0..archive.tiles()).map(|tile| tile_view(&archive, tile).expect("a tile")).collect();
     let mut compared = 0;
     for (tile, states) in responder.derive(&tables, &views).expect("responses").iter().enumerate() {

@@ -12,6 +12,7 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, encode, format};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::replay::maps::{Light, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
@@ -206,7 +207,7 @@ fn maps_add_up() {
     let mut dimmed = 0;
     for (id, row) in &rows {
         let view = ReceiverView::load(&archive, id).expect("a receiver");
-        let maps = maps(&archive, &view, Some(&light), 1 << 28, &std::env::temp_dir()).expect("maps");
+        let maps = maps(&archive, &view, Some(&light), 1 << 28, &InMemory).expect("maps");
         let channel = |part: &str, name: &str| {
             let map = maps.iter().find(|map| map.name == part)?;
             map.channels.iter().find(|channel| channel.name == name).map(|channel| &channel.values)

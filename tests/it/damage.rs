@@ -10,6 +10,7 @@ use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSE
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Error;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
@@ -50,6 +51,7 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
             depth,
             components: ComponentSet::ALL,
             memory_bytes: 1 << 26,
+            storage: &InMemory,
         };
         let replay = Replay::new(&archive, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
         for (ids, values) in replay.run(0..replay.tiles())? {

@@ -9,6 +9,7 @@ use glam::DVec3;
 use heliotile::outputs::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::maps::{Light, Map, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -38,7 +39,7 @@ fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, Depth, &[f64; 4])>) -
     let light = light.map(|(sky, depth, &[azimuth, altitude, dni, dhi])| {
         Light::new(&archive, sun(azimuth, altitude, dni, dhi), sky, 577, depth).expect("a light")
     });
-    maps(&archive, &view, light.as_ref(), 1 << 28, &std::env::temp_dir()).expect("maps")
+    maps(&archive, &view, light.as_ref(), 1 << 28, &InMemory).expect("maps")
 }
 
 /// Five receivers among twelve blocks, three suns, two skies, one and all bounces: each of the columns is the sum of its map times

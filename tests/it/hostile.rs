@@ -12,6 +12,7 @@ use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
@@ -154,6 +155,7 @@ fn lying_settings_are_refused() {
             depth,
             components: ComponentSet::ALL,
             memory_bytes: 1 << 28,
+            storage: &InMemory,
         };
         let replay = Replay::new(&copy, &[sun(90.0, 60.0, 800.0, 100.0)], settings);
         replay.and_then(|replay| replay.run(0..1).map(drop)).err().map_or(String::new(), |error| error.to_string())

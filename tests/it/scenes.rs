@@ -12,6 +12,7 @@ use heliotile::commands::build::{BuildPlan, BuildSettings, Start, build};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Glass, Material};
@@ -238,7 +239,14 @@ pub fn replay(
     patches: usize,
 ) -> BTreeMap<String, Vec<Row>> {
     let archive = Archive::open(path).expect("an archive");
-    let settings = ReplaySettings { sky, patches, depth, components: ComponentSet::ALL, memory_bytes: 1 << 30 };
+    let settings = ReplaySettings {
+        sky,
+        patches,
+        depth,
+        components: ComponentSet::ALL,
+        memory_bytes: 1 << 30,
+        storage: &InMemory,
+    };
     let replay = Replay::new(&archive, conditions, settings).expect("a replay");
     let mut rows = BTreeMap::new();
     for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {

@@ -7,6 +7,7 @@ use std::time::Duration;
 use cpu_time::ProcessTime;
 
 use crate::commands::build::{BuildPlan, BuildSettings, Rays, Ready, Start, build_ready};
+use crate::commands::temporary_files;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
@@ -78,8 +79,14 @@ impl Bench<'_> {
         let archive = Archive::open_with(archive, Access::Read)?;
         let (diffuse, conditions) = ([Component::SunDiffuse, Component::SkyDiffuse], self.conditions);
         let mut rows: Vec<[f32; 8]> = Vec::new();
-        let settings =
-            |depth| ReplaySettings { patches, depth, memory_bytes: self.memory_bytes, ..ReplaySettings::default() };
+        let storage = temporary_files();
+        let settings = |depth| ReplaySettings {
+            patches,
+            depth,
+            memory_bytes: self.memory_bytes,
+            storage: &storage,
+            ..ReplaySettings::default()
+        };
         let all = Replay::new(&archive, conditions, settings(Depth::All))?;
         for tile in all.results(0..all.tiles()) {
             let (ids, values) = tile?;

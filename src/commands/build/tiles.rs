@@ -8,7 +8,7 @@ use crate::cli::Effect;
 use crate::commands::progress::bar;
 use crate::commands::{counted, pack};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
-use heliotile_builder::spill::Sorter;
+use heliotile_builder::spill::{Sorter, TempFiles};
 use heliotile_builder::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use heliotile_builder::writing::Writer;
 use heliotile_core::archive::{Blocks, EncodedBlock, format, tables};
@@ -164,7 +164,8 @@ impl Job<'_> {
         }
         let settings = self.settings.stated();
         let tables = Tables::of(writer, settings.clone())?;
-        let responder = Responder::new(&tables, Depth::All, self.memory as u64 / 2, &self.folder)?;
+        let storage = TempFiles::new(&self.folder);
+        let responder = Responder::new(&tables, Depth::All, self.memory as u64 / 2, &storage)?;
         clock.lap("solve");
         let progress = bar("responses", Some(u64::from(tiles)));
         for group in missing.chunks(GROUP) {

@@ -10,6 +10,7 @@ use crate::commands::build::BuildSettings;
 use crate::commands::build::ladder::{PATCHES, Rungs};
 use crate::commands::pack::COMPRESSION;
 use crate::commands::progress::bar;
+use crate::commands::temporary_files;
 use heliotile_core::archive::{Access, Archive, encode};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -182,9 +183,11 @@ fn replay_s(bench: &Bench, trial: &Trial, suns: &Suns) -> Result<f64> {
     let started = ProcessTime::now();
     let archive = Archive::open_with(&trial.archive, Access::Read)?;
     let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
+    let storage = temporary_files();
     let settings = ReplaySettings {
         patches: trial.settings.patches,
         memory_bytes: bench.memory_bytes,
+        storage: &storage,
         ..ReplaySettings::default()
     };
     let replay = Replay::summed(&archive, &conditions, settings, &bins)?;

@@ -95,12 +95,6 @@ pub fn read_exact_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<(
     std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
 }
 
-/// Writes all `bytes` at a position of the file.
-#[cfg(unix)]
-pub fn write_all_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::write_all_at(file, bytes, offset)
-}
-
 /// Fills `bytes` from a position of the file.
 #[cfg(windows)]
 pub fn read_exact_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> io::Result<()> {
@@ -109,20 +103,6 @@ pub fn read_exact_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> io::
         match bytes.split_at_mut_checked(count) {
             Some((_, rest)) if count > 0 => bytes = rest,
             _ => return Err(io::ErrorKind::UnexpectedEof.into()),
-        }
-        offset = offset.saturating_add(count as u64);
-    }
-    Ok(())
-}
-
-/// Writes all `bytes` at a position of the file.
-#[cfg(windows)]
-pub fn write_all_at(file: &File, mut bytes: &[u8], mut offset: u64) -> io::Result<()> {
-    while !bytes.is_empty() {
-        let count = std::os::windows::fs::FileExt::seek_write(file, bytes, offset)?;
-        match bytes.split_at_checked(count) {
-            Some((_, rest)) if count > 0 => bytes = rest,
-            _ => return Err(io::ErrorKind::WriteZero.into()),
         }
         offset = offset.saturating_add(count as u64);
     }

@@ -8,6 +8,6 @@ pub mod load;
 pub mod mirrors;
 pub mod responder;
 pub mod response;
-mod scratch;
+pub mod scratch;
 mod slots;
 pub mod states;

@@ -6,7 +6,6 @@
 
 use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::path::Path;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -26,6 +25,7 @@ use crate::light::canopies::{Leafages, Shade};
 use crate::light::load::{Tables, TileView};
 use crate::light::mirrors::{Chains, left};
 use crate::light::response::{Reflector, Shape, Viewer, class_index, hit_weights, texel_weights};
+use crate::light::scratch::ScratchSpace;
 use crate::light::slots::Slots;
 use crate::site::cells::{CellKey, CellMap, CellSet};
 
@@ -52,11 +52,11 @@ pub struct Responder {
 }
 
 impl Responder {
-    /// Solves the closed system with the tables' reflectances. At most about `memory` bytes are used; what does not fit goes to a
-    /// temporary file in `folder`.
-    pub fn new(tables: &Tables, depth: Depth, memory: u64, folder: &Path) -> Result<Self> {
+    /// Solves the closed system with the tables' reflectances. At most about `memory` bytes are used; what does not fit goes to
+    /// `storage`.
+    pub fn new(tables: &Tables, depth: Depth, memory: u64, storage: &dyn ScratchSpace) -> Result<Self> {
         let stored = tables.reflectors.iter().map(Reflector::variable).collect();
-        Responder::with_states(tables, vec![stored], depth, memory, folder)
+        Responder::with_states(tables, vec![stored], depth, memory, storage)
     }
 
     /// Solves it for other values by material ([`Reflector::variable`]), one state after the other.
@@ -65,13 +65,13 @@ impl Responder {
         mut states: Vec<Vec<f64>>,
         depth: Depth,
         memory: u64,
-        folder: &Path,
+        storage: &dyn ScratchSpace,
     ) -> Result<Self> {
         let (shape, reflectors) = (tables.shape, tables.reflectors.clone());
         let rules = Rules { side: shape.bounce_sky, closed_level: shape.closed_level, depth };
         let memory = memory / 2;
         let leafages = Leafages::split(&reflectors, &mut states);
-        let closed = Closed::solve(tables, &rules, &states, &leafages, memory, folder)?;
+        let closed = Closed::solve(tables, &rules, &states, &leafages, memory, storage)?;
         Ok(Responder {
             closed,
             slots: Slots::new(&states),

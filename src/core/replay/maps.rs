@@ -5,7 +5,6 @@
 //! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth.
 
 use std::collections::HashSet;
-use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -21,6 +20,7 @@ use crate::light::load::{Tables, TileView, sides};
 use crate::light::mirrors::left;
 use crate::light::responder::Responder;
 use crate::light::response::{Reflector, Viewer, class_index, texel_weights};
+use crate::light::scratch::ScratchSpace;
 use crate::replay::receiver_view::ReceiverView;
 use crate::replay::shaded::Veil;
 use crate::replay::tile::TextureSides;
@@ -109,12 +109,12 @@ pub fn maps(
     view: &ReceiverView,
     light: Option<&Light>,
     memory: u64,
-    folder: &Path,
+    storage: &dyn ScratchSpace,
 ) -> Result<Vec<Map>> {
     let mut hit = hit_map(view);
     let mut response = None;
     if let Some(light) = light {
-        let lit = lit_cells(archive, view, light, memory, folder)?;
+        let lit = lit_cells(archive, view, light, memory, storage)?;
         let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
@@ -329,12 +329,18 @@ struct Shown {
 /// Cells that responses are derived for at a time: some 25 MB.
 const CELLS_AT_ONCE: usize = 1024;
 
-fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64, folder: &Path) -> Result<Lit> {
+fn lit_cells(
+    archive: &Archive,
+    view: &ReceiverView,
+    light: &Light,
+    memory: u64,
+    storage: &dyn ScratchSpace,
+) -> Result<Lit> {
     let mut tables = Tables::load(archive)?;
     // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
     tables.shape.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
-    let responder = Responder::new(&tables, light.depth, memory, folder)?;
+    let responder = Responder::new(&tables, light.depth, memory, storage)?;
     let shown = shown(view, &tables.reflectors);
     let weights = texel_weights(&view.texels, &view.viewer);
     let mut lit = Lit {

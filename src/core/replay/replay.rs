@@ -11,6 +11,7 @@ use crate::light::canopies::Leafages;
 use crate::light::load::{Tables, cached_responses, mirror_table, sides, tile_layers, tile_view};
 use crate::light::responder::Responder;
 use crate::light::response::Reflector;
+use crate::light::scratch::{InMemory, ScratchSpace};
 use crate::light::states::{Schedule, States};
 use crate::replay::components::{Component, ComponentSet};
 use crate::replay::longwave::Longwave;
@@ -27,7 +28,7 @@ const RESULT_BYTES: usize = 48 << 20;
 
 /// Choices of a replay that the weather does not make.
 #[derive(Clone, Copy, Debug)]
-pub struct ReplaySettings {
+pub struct ReplaySettings<'s> {
     pub sky: SkyModel,
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
@@ -36,10 +37,12 @@ pub struct ReplaySettings {
     pub components: ComponentSet,
     /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
     pub memory_bytes: u64,
+    /// Where radiosities go that do not fit.
+    pub storage: &'s dyn ScratchSpace,
 }
 
-impl Default for ReplaySettings {
-    /// Perez skies of 577 patches, all bounces, all components, 4 GiB.
+impl Default for ReplaySettings<'_> {
+    /// Perez skies of 577 patches, all bounces, all components, 4 GiB, and what does not fit stays in memory all the same.
     fn default() -> Self {
         ReplaySettings {
             sky: SkyModel::Perez,
@@ -47,6 +50,7 @@ impl Default for ReplaySettings {
             depth: Depth::All,
             components: ComponentSet::ALL,
             memory_bytes: 4 << 30,
+            storage: &InMemory,
         }
     }
 }
@@ -148,7 +152,7 @@ impl<'a> Replay<'a> {
         let tables = Tables::load(archive)?;
         let stored = tables.reflectors.iter().map(Reflector::variable).collect();
         let lets_through: Vec<bool> = tables.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
-        let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
+        let (memory, storage) = (settings.memory_bytes / 2, settings.storage);
         let states_of = |finer| States::new(&stored, &lets_through, schedules, conditions.len(), finer);
         let ways = |states: &States| {
             let leafages = Leafages::split(&tables.reflectors, &mut states.reflectances.clone());
@@ -161,7 +165,7 @@ impl<'a> Replay<'a> {
         let solved = |finer| -> Result<(States, Responder)> {
             let states = states_of(finer)?;
             let of_states = states.reflectances.clone();
-            let responder = Responder::with_states(&tables, of_states, settings.depth, memory, &folder)?;
+            let responder = Responder::with_states(&tables, of_states, settings.depth, memory, storage)?;
             Ok((states, responder))
         };
         let (mut states, mut responder) = solved(false)?;

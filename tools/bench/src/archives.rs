@@ -8,6 +8,7 @@ use heliotile_core::archive::format::kind_name;
 use heliotile_core::archive::{Access, Archive, Manifest, encode};
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::weather::conditions::read_conditions;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -56,6 +57,7 @@ pub fn query(archive: &Path, conditions: &Path) {
         depth: Depth::All,
         components: ComponentSet::ALL,
         memory_bytes: 1 << 30,
+        storage: &InMemory,
     };
     let whole = median_ms(|| {
         let replay = Replay::new(&archive, &conditions, settings).expect("a replay");

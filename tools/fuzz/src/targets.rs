@@ -15,6 +15,7 @@ use heliotile_core::layers::mosaic::Mosaic;
 use heliotile_core::layers::response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::longwave::Emission;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -137,6 +138,7 @@ fn read_all(path: &Path) {
             depth,
             components: ComponentSet::ALL,
             memory_bytes: 1 << 27,
+            storage: &InMemory,
         };
         let Ok(replay) = Replay::new(&archive, &conditions, settings) else { continue };
         let _ = replay.run(0..replay.tiles().min(2));
