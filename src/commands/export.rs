@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use super::transfer::rows::Rows;
 use super::{Outcome, guard_output, temporary_folder, warn};
 use crate::cli::ExportArgs;
+use crate::files::read_weather;
 use crate::outputs::exr::exr;
 use crate::outputs::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
@@ -18,7 +19,6 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::maps::{Light, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::formats::weather_file::read_weather;
 use heliotile_core::weather::sun::Site;
 use heliotile_core::weather::sun_path::SunPath;
 

@@ -16,6 +16,7 @@ use super::{
     Outcome, guard_archive, guard_output, guard_site, load_scene, say, temporary_files, temporary_folder, warn,
 };
 use crate::cli::{Percent, RunArgs, Wanted};
+use crate::files::read_weather;
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
@@ -25,7 +26,6 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::apart::far_apart;
-use heliotile_core::weather::formats::weather_file::read_weather;
 use heliotile_core::weather::weather::Weather;
 use heliotile_core::weather::years::Years;
 use heliotile_scene::Scene;

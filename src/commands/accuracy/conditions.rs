@@ -5,10 +5,10 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 
 use crate::commands::warn;
+use crate::files::read_weather;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::formats::weather_file::read_weather;
 use heliotile_core::weather::weather::Weather;
 
 /// Altitudes of the suns, degrees: below, hardly any energy comes; above, few places have the sun.

@@ -10,7 +10,7 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
-use heliotile_core::weather::conditions::read_conditions;
+use heliotile::files::read_conditions;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
 
