@@ -29,12 +29,12 @@ use heliotile_core::weather::temperatures::Temperature;
 use self::choice::choice;
 
 pub use self::build::{BuildArgs, PlanArgs};
-pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
-pub use self::export::{ExportArgs, SunPosition};
+pub use self::cover::{CoverArgs, ReceiversArgs};
+pub use self::export::ExportArgs;
 pub use self::quality::{AccuracyArgs, Percent};
 pub use self::run::RunArgs;
 pub use self::scene::SceneArgs;
-pub use self::study::{Distances, Rays, StudyArgs, StudyCommand, WallArgs};
+pub use self::study::{Rays, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
 
 /// Trace the sun and sky of a site once, replay any weather.

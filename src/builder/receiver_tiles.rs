@@ -35,7 +35,7 @@ impl ReceiverTiles {
         let mut by_place = Sorter::new(folder, budget_bytes / 2);
         let mut by_id = Sorter::new(folder, budget_bytes / 2);
         let end = loop {
-            match rows.next() {
+            match rows.read() {
                 Ok(Some(receiver)) => {
                     by_id.push(receiver.id.as_bytes(), &(rows.line() as u64).to_le_bytes())?;
                     push(&mut by_place, &receiver, origin)?;

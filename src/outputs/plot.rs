@@ -7,7 +7,6 @@ use std::ops::Range;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::Ranged;
 use plotters::drawing::DrawingAreaErrorKind;
-use plotters::element::DashedPathElement;
 use plotters::prelude::{
     BLACK, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, IntoFont, PathElement, RGBColor, Rectangle,
     SVGBackend, ShapeStyle, Text, TextStyle, WHITE,
@@ -48,7 +47,6 @@ pub enum Style {
     Line,
     Marks,
     Both,
-    Dashed,
 }
 
 /// Of the series in turn. Okabe and Ito, "Color Universal Design", 2008, which colour-blind people tell apart, without its yellow,
@@ -189,9 +187,6 @@ impl Sheet<'_> {
     fn line(&self, path: &[At], marks: &[At], series: &Held) -> Drawn {
         let style = thick(series.colour, 2);
         match series.style {
-            Style::Dashed => {
-                self.root.draw(&DashedPathElement::new(path.iter().copied(), 8 * FINE, 5 * FINE, style))?;
-            }
             Style::Line | Style::Both => self.root.draw(&PathElement::new(path, style))?,
             Style::Marks => {}
         }
@@ -291,7 +286,7 @@ mod tests {
     /// Two calls give equal bytes, 640 x 400 as asked, closed once and without references.
     #[test]
     fn equal_bytes() {
-        let three = || vec![series(&FIVE, Style::Both), series(&FIVE, Style::Dashed), series(&FIVE, Style::Line)];
+        let three = || vec![series(&FIVE, Style::Both), series(&FIVE, Style::Marks), series(&FIVE, Style::Line)];
         let svg = plot(three(), false).svg(640, 400).expect("drawn");
         assert_eq!(svg, plot(three(), false).svg(640, 400).expect("drawn"));
         assert!(svg.starts_with("<svg width=\"640\" height=\"400\" viewBox=\"0 0 5120 3200\""), "{svg}");
@@ -302,7 +297,7 @@ mod tests {
     /// No series, one without points and one of a single point are pictures with 0, 0 and 1 marks, in every style and down to 0 x 0.
     #[test]
     fn few_points() {
-        for style in [Style::Line, Style::Both, Style::Marks, Style::Dashed] {
+        for style in [Style::Line, Style::Both, Style::Marks] {
             for (points, marks) in [(&[][..], 0), (&[(2.0, 3.0)][..], 1)] {
                 let nameless = Series { name: String::new(), ..series(points, style) };
                 let svg = plot(vec![nameless], true).svg(0, 0).expect("drawn");

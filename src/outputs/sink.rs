@@ -64,11 +64,6 @@ impl Sink {
         }
     }
 
-    /// Bytes taken so far.
-    pub fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
     /// Whether nobody reads any more (`heliotile ... | head`): further rows need not be made.
     pub fn is_closed(&self) -> bool {
         matches!(self.target, Target::Stdout(None))

@@ -30,7 +30,7 @@ pub fn read_receivers_with_warnings(path: &Path, warnings: &mut Vec<String>) -> 
 fn collect(mut rows: ReceiverRows) -> Result<Vec<Receiver>> {
     let mut receivers: Vec<Receiver> = Vec::new();
     let mut line_of_id: HashMap<String, usize> = HashMap::new();
-    while let Some(receiver) = rows.next()? {
+    while let Some(receiver) = rows.read()? {
         match line_of_id.entry(receiver.id.clone()) {
             Entry::Vacant(new) => new.insert(rows.line()),
             Entry::Occupied(first) => return Err(duplicate(rows.file(), &receiver.id, *first.get(), rows.line())),
@@ -71,7 +71,7 @@ impl<'a> ReceiverRows<'a> {
         Ok(ReceiverRows { rows, columns })
     }
 
-    pub fn next(&mut self) -> Result<Option<Receiver>> {
+    pub fn read(&mut self) -> Result<Option<Receiver>> {
         if !self.rows.advance()? {
             return Ok(None);
         }

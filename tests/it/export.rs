@@ -6,7 +6,7 @@ use std::path::Path;
 
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
-use heliotile::outputs::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
+use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::opened::OpenSite;

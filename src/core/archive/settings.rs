@@ -62,14 +62,14 @@ impl Range {
 
     /// Whether a number is inside.
     pub fn contains(self, number: f64) -> bool {
-        let whole = number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number);
-        // Whole and in range.
-        let integer = number as u32;
+        let inside = |low: u32, high: u32| (f64::from(low)..=f64::from(high)).contains(&number);
+        let whole = number.fract() == 0.0;
         match self {
-            Range::PowerOfTwo(low, high) => whole && integer.is_power_of_two() && (low..=high).contains(&integer),
-            Range::Whole(low, high) => whole && (low..=high).contains(&integer),
+            // A power of two has no bits besides the exponent.
+            Range::PowerOfTwo(low, high) => inside(low, high) && number.to_bits().trailing_zeros() >= 52,
+            Range::Whole(low, high) => whole && inside(low, high),
             Range::Real(low, high) => (low..=high).contains(&number),
-            Range::OneOf(list) => whole && list.contains(&integer),
+            Range::OneOf(list) => list.iter().any(|one| f64::from(*one) == number),
         }
     }
 }

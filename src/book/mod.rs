@@ -1,0 +1,71 @@
+//! The book: what README summarises, a topic a page. The pages are plain files in `src/book`, too.
+#![doc = include_str!("README.md")]
+
+#[doc = include_str!("scenes.md")]
+pub mod scenes {}
+
+#[doc = include_str!("terrain.md")]
+pub mod terrain {}
+
+#[doc = include_str!("materials.md")]
+pub mod materials {}
+
+#[doc = include_str!("receivers.md")]
+pub mod receivers {}
+
+#[doc = include_str!("building.md")]
+pub mod building {}
+
+#[doc = include_str!("effects.md")]
+pub mod effects {}
+
+#[doc = include_str!("query-and-replay.md")]
+pub mod query_and_replay {}
+
+#[doc = include_str!("weather.md")]
+pub mod weather {}
+
+#[doc = include_str!("reflectances.md")]
+pub mod reflectances {}
+
+#[doc = include_str!("canopies.md")]
+pub mod canopies {}
+
+#[doc = include_str!("mirrors-and-glass.md")]
+pub mod mirrors_and_glass {}
+
+#[doc = include_str!("longwave.md")]
+pub mod longwave {}
+
+#[doc = include_str!("export.md")]
+pub mod export {}
+
+#[doc = include_str!("archives.md")]
+pub mod archives {}
+
+#[doc = include_str!("method.md")]
+pub mod method {}
+
+#[doc = include_str!("accuracy.md")]
+pub mod accuracy {}
+
+#[doc = include_str!("validation.md")]
+pub mod validation {}
+
+#[doc = include_str!("radiance.md")]
+pub mod radiance {}
+
+#[doc = include_str!("numerics.md")]
+pub mod numerics {}
+
+#[doc = include_str!("performance.md")]
+pub mod performance {}
+
+#[doc = include_str!("limits.md")]
+pub mod limits {}
+
+#[doc = include_str!("studies.md")]
+pub mod studies {}
+
+#[doc = include_str!("contributing.md")]
+pub mod contributing {}
