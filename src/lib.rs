@@ -9,8 +9,8 @@
 //!
 //! ```
 //! use heliotile::{
-//!     Archive, Build, BuildSettings, Class, Component, Condition, DVec3, Material, MemoryBudget, Output, Plan, PreparedScene, Quality,
-//!     Receiver, ReceiverTiles, Replay, ReplaySettings, Rungs, Scene, Silent, Workspace,
+//!     Archive, Build, BuildSettings, Class, Component, Condition, DVec3, Material, MemoryBudget, OpenSite, Output, Plan, PreparedScene,
+//!     Quality, Receiver, ReceiverTiles, Replay, ReplaySettings, Rungs, Scene, Silent, Workspace,
 //! };
 //!
 //! # fn main() -> heliotile::Result<()> {
@@ -44,11 +44,11 @@
 //! let conditions =
 //!     [Condition::new("clear".into(), &[sun], sun, 800.0, 80.0), Condition::new("overcast".into(), &[sun], sun, 0.0, 150.0)];
 //! let archive = Archive::open(&path)?;
-//! let replay = Replay::new(&archive, &conditions, ReplaySettings::default())?;
+//! let replay = Replay::new(&OpenSite::of(&archive)?, &conditions, ReplaySettings::default())?;
 //! for tile in replay.results(0..replay.tiles()) {
 //!     let (ids, values) = tile?;
 //!     for (row, id) in ids.iter().enumerate() {
-//!         let [direct, reflected] = [Component::SunDirect, Component::SunDiffuse].map(|c| values.row(c as usize, row)[0]);
+//!         let [direct, reflected] = [Component::SunDirect, Component::SunDiffuse].map(|c| values.row(c, row)[0]);
 //!         println!("{id}: {direct:.0} W/m2 from the sun, {reflected:.0} by way of ground and wall");
 //!         // The wall stands in the sun, and the receiver in front of it looks away from the sun.
 //!         match id.as_str() {
@@ -87,6 +87,7 @@ pub use heliotile_builder::transfer::{Bounds, Selection, diff, extract, merge};
 pub use heliotile_core::archive::{Access, Archive, Manifest, verify};
 pub use heliotile_core::error::{Error, Result};
 pub use heliotile_core::memory::MemoryBudget;
+pub use heliotile_core::opened::OpenSite;
 pub use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
 pub use heliotile_core::replay::replay::{Replay, ReplaySettings, TileResult};
 pub use heliotile_core::replay::values::TileValues;

@@ -67,8 +67,9 @@ impl Default for ReplaySettings<'_> {
 ///
 /// ```no_run
 /// use std::path::Path;
-/// use crate::replay::components::Component;
-/// use crate::weather::formats::epw::read_epw;
+/// use heliotile_core::opened::OpenSite;
+/// use heliotile_core::replay::components::Component;
+/// use heliotile_core::weather::formats::epw::read_epw;
 /// use heliotile_core::archive::Archive;
 /// use heliotile_core::replay::replay::{Replay, ReplaySettings};
 ///

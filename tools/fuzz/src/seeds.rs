@@ -204,7 +204,8 @@ pub fn write() {
 
 /// Rows of mirrors and canopies, which the tiny site does not have all of.
 fn layers_of_some_scenes() {
-    let front = BitSquare::from_fn(4, |_, _| true);
+    let mut front = BitSquare::new(4);
+    (0..16).for_each(|t| front.set(t % 4, t / 4, true));
     let visible = |_: usize, texels: &[(u32, u32)]| texels.iter().map(|t| (t.0 + t.1) % 3 > 0).collect();
     let texture = SkyTexture::pack(&[SkyTexture::trace_within(front, 8, visible).0]);
     let chain = Chain::new(&[0, 1]);
