@@ -7,4 +7,4 @@ pub mod patches;
 pub mod perez;
 pub mod projection;
 pub mod skies;
-pub mod sky;
+pub mod model;
