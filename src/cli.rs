@@ -21,7 +21,7 @@ use crate::outputs::periods::Every;
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::reflectances::{Follow, Snow};
+use heliotile_core::replay::reflectances::{ConstantOrFile, Snow};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
@@ -137,8 +137,10 @@ fn parse_reflectance(text: &str) -> Result<(String, f64), String> {
 
 fn parse_transmittance(text: &str) -> Result<(String, f64), String> {
     match parse_named(text)? {
-        (name, Follow::Value(value)) => Ok((name, value)),
-        (_, Follow::File(_)) => Err("give a number from 0 to 1: a query has no dates that a file could follow".into()),
+        (name, ConstantOrFile::Value(value)) => Ok((name, value)),
+        (_, ConstantOrFile::File(_)) => {
+            Err("give a number from 0 to 1: a query has no dates that a file could follow".into())
+        }
     }
 }
 
@@ -176,7 +178,7 @@ pub struct RecombineArgs {
     pub patches: Option<usize>,
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
-    pub bounces: heliotile_core::light::radiosity::Depth,
+    pub bounces: heliotile_core::light::radiosity::MaxBounces,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
@@ -227,8 +229,8 @@ pub struct ReplayArgs {
     pub schedule: Vec<(String, PathBuf)>,
     /// Change what comes through canopies at each crossing: GROUP=0.4, or a CSV like those of --schedule, with a column `transmittance`
     /// (leaves in their seasons); may be repeated, the last one counts
-    #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<Follow>)]
-    pub transmittance: Vec<(String, Follow)>,
+    #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<ConstantOrFile>)]
+    pub transmittance: Vec<(String, ConstantOrFile)>,
     /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
     #[arg(long, value_parser = choice::<Snow>())]
     pub snow: Option<Snow>,
@@ -383,11 +385,11 @@ fn parse_bounds(text: &str) -> Result<Bounds, String> {
     Ok(Bounds { low, high })
 }
 
-fn parse_depth(text: &str) -> Result<heliotile_core::light::radiosity::Depth, String> {
-    use heliotile_core::light::radiosity::Depth;
+fn parse_depth(text: &str) -> Result<heliotile_core::light::radiosity::MaxBounces, String> {
+    use heliotile_core::light::radiosity::MaxBounces;
     match (text, text.parse::<u32>()) {
-        ("all", _) => Ok(Depth::All),
-        (_, Ok(count @ 1..=64)) => Ok(Depth::Count(count)),
+        ("all", _) => Ok(MaxBounces::All),
+        (_, Ok(count @ 1..=64)) => Ok(MaxBounces::Count(count)),
         _ => Err("give `all` or a number of reflections from 1 to 64".into()),
     }
 }

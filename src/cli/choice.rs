@@ -10,13 +10,13 @@ use crate::outputs::periods::Every;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// A type with a few values that have names.
-pub trait Choice: Clone + Send + Sync + 'static {
+pub trait NamedValues: Clone + Send + Sync + 'static {
     /// Name on the command line, meaning, value.
     const VALUES: &'static [(&'static str, &'static str, Self)];
 }
 
 /// Takes one of the names.
-pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+pub fn choice<T: NamedValues>() -> impl TypedValueParser<Value = T> {
     let values = T::VALUES.iter().map(|(name, meaning, _)| PossibleValue::new(*name).help(*meaning));
     PossibleValuesParser::new(values).try_map(|given| {
         let found = T::VALUES.iter().find(|(name, _, _)| *name == given);
@@ -24,21 +24,21 @@ pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     })
 }
 
-impl Choice for Access {
+impl NamedValues for Access {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("map", "Through a mapping: fastest once the file is in memory", Access::Mapped),
         ("pread", "By reads at a position: for files that others may shorten, and network file systems", Access::Read),
     ];
 }
 
-impl Choice for Snow {
+impl NamedValues for Snow {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("depth", "The snow's reflectance wherever the snow depth is 1 cm or more", Snow::Depth),
         ("albedo", "The column `albedo`, wherever it has a value", Snow::Albedo),
     ];
 }
 
-impl Choice for Quality {
+impl NamedValues for Quality {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("draft", "A quick look", Quality::Draft),
         ("standard", "Near the knee of error against time", Quality::Standard),
@@ -47,14 +47,14 @@ impl Choice for Quality {
     ];
 }
 
-impl Choice for Share {
+impl NamedValues for Share {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("cells", "All receivers that see a cell", Share::Cells),
         ("none", "Nobody: a hemisphere of its own for every hit", Share::None),
     ];
 }
 
-impl Choice for By {
+impl NamedValues for By {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("receiver", "One row for each receiver", By::Receiver),
         (
@@ -65,7 +65,7 @@ impl Choice for By {
     ];
 }
 
-impl Choice for Every {
+impl NamedValues for Every {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("hour", "One row per interval of the weather file: means, W/m2", Every::Hour),
         ("day", "Sums, kWh/m2, as the three below", Every::Day),

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::{Bytes, parse_depth, parse_memory};
 use heliotile_core::archive::Access;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 
@@ -60,7 +60,7 @@ pub struct ExportArgs {
     pub patches: Option<usize>,
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
-    pub bounces: Depth,
+    pub bounces: MaxBounces,
     /// Draw the sun's paths over the place of a weather file, EPW or TMY3, into a .png; hours are those of its clock
     #[arg(long, short, value_name = "FILE", conflicts_with = "latitude")]
     pub weather: Option<PathBuf>,

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::cli::RecombineArgs;
-use heliotile_builder::transfer::{Rows, Selection};
+use heliotile_builder::transfer::{ArchiveReceivers, Selection};
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
@@ -73,8 +73,8 @@ impl Chosen {
         site: &OpenSite<'a>,
     ) -> impl Iterator<Item = Result<Receiver>> + use<'a> {
         let rows = match &self.kept {
-            Some(kept) => Rows::<()>::chosen(site, archive, kept),
-            None => Rows::new(site),
+            Some(kept) => ArchiveReceivers::<()>::chosen(site, archive, kept),
+            None => ArchiveReceivers::new(site),
         };
         rows.map(|row| Ok(row?.receiver))
     }

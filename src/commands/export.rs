@@ -13,16 +13,16 @@ use crate::outputs::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
 use crate::outputs::view_factors::ViewFactorTable;
 use heliotile_builder::spill::TempFiles;
-use heliotile_builder::transfer::Rows;
+use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::maps::{Light, maps};
+use heliotile_core::replay::maps::{Illumination, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::sun::Site;
+use heliotile_core::weather::sun::Location;
 use heliotile_core::weather::sun_path::SunPath;
 
 /// Kinds of images.
@@ -85,7 +85,7 @@ fn layers(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &Rece
             let direction = sun.direction();
             let condition = Condition::new("export".into(), &[direction], direction, args.dni, args.dhi);
             let patches = args.patches.unwrap_or_else(|| archive.manifest().settings.patches());
-            Some(Light::new(site, condition, args.sky, patches, args.bounces)?)
+            Some(Illumination::new(site, condition, args.sky, patches, args.bounces)?)
         }
     };
     let storage = TempFiles::new(folder_of(&args.output));
@@ -134,7 +134,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
         }
         (None, Some(latitude)) => {
             let refuse = |what| Error::input(&args.output, None, what, "give --latitude in degrees, north positive");
-            let site = Site::new(latitude, 0.0, 0.0, 0.0).map_err(refuse)?;
+            let site = Location::new(latitude, 0.0, 0.0, 0.0).map_err(refuse)?;
             Some((SunPath::of(&site), format!("latitude {latitude}\u{b0}, hours of mean solar time")))
         }
         (None, None) => None,
@@ -146,7 +146,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
 fn view_factors(args: &ExportArgs) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, args.io)?;
     let mut table = ViewFactorTable::create(&args.output)?;
-    for row in Rows::<()>::new(&OpenSite::of(&archive)?) {
+    for row in ArchiveReceivers::<()>::new(&OpenSite::of(&archive)?) {
         let row = row?;
         table.row(&row.receiver.id, row.views)?;
         if table.is_closed() {

@@ -80,8 +80,8 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     }
     line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
     if archive.has(format::OPTICS, 0) {
-        let names = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?.name;
-        let optics = tables::Optics::from_block(&archive.block(format::OPTICS, 0)?)?;
+        let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, 0)?)?.name;
+        let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, 0)?)?;
         let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
         let canopies: Vec<String> =
             of_material.filter(|(_, (is, _))| **is == 1).map(|(name, (_, tau))| format!("{name}={tau}")).collect();

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{Bytes, Command, SceneArgs};
 use crate::files::read_weather;
-use heliotile_builder::accuracy::conditions::Suns;
+use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::build::Workspace;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::spill::TempFiles;
@@ -143,11 +143,11 @@ fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<R
 }
 
 /// What errors are estimated under: a weather file, or suns from all sides.
-fn read_suns(weather: Option<&Path>) -> Result<Suns> {
-    let Some(path) = weather else { return Ok(Suns::Spread) };
+fn read_suns(weather: Option<&Path>) -> Result<ErrorConditions> {
+    let Some(path) = weather else { return Ok(ErrorConditions::Spread) };
     let weather = read_weather(path)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
-    Suns::of_weather(path, weather)
+    ErrorConditions::of_weather(path, weather)
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

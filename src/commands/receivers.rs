@@ -25,19 +25,19 @@ use heliotile_scene::Scene;
 use heliotile_scene::cover::{Density, MOST_POINTS, Piece, cover};
 use heliotile_scene::load::Soup;
 use heliotile_scene::site::Site;
-use heliotile_scene::surfaces::{Kind, Surface, Surfaces};
+use heliotile_scene::surfaces::{Surface, SurfaceKind, Surfaces};
 
 /// Surfaces and the receivers on them.
 pub(super) struct Covered {
     pub surfaces: Surfaces,
     /// By surface, only those that were asked for.
-    pub chosen: Vec<Chosen>,
+    pub chosen: Vec<ChosenSurface>,
     /// Surfaces too small for a receiver, and their area in m2.
     pub small: (usize, f64),
 }
 
 /// A surface that was asked for.
-pub(super) struct Chosen {
+pub(super) struct ChosenSurface {
     /// Index into `Surfaces::list`.
     pub surface: usize,
     pub pieces: Vec<Piece>,
@@ -141,13 +141,13 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
     let (tracer, _) = Canopies::split(scene);
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "surfaces", Some(chosen.len() as u64));
-    let chosen: Vec<Chosen> = chosen
+    let chosen: Vec<ChosenSurface> = chosen
         .into_par_iter()
         .map(|surface| {
             let pieces = cover(&surfaces.list[surface], density);
             let lying = pieces.par_iter().map(|piece| lie(piece, args.offset.0, scene, &tracer)).collect();
             progress.advance(1);
-            Chosen { surface, pieces, lying }
+            ChosenSurface { surface, pieces, lying }
         })
         .collect();
     drop(progress);
@@ -172,7 +172,7 @@ fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {
 
 /// Surfaces that are asked for.
 struct Wanted {
-    kinds: Vec<Kind>,
+    kinds: Vec<SurfaceKind>,
     /// Numbers of materials.
     materials: Vec<u16>,
 }
@@ -181,10 +181,10 @@ impl Wanted {
     fn of(names: &[String], materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
         let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new() };
         for name in names.iter().map(|name| name.trim()) {
-            let kind = Kind::ALL.into_iter().find(|kind| kind.name() == name.to_lowercase());
+            let kind = SurfaceKind::ALL.into_iter().find(|kind| kind.name() == name.to_lowercase());
             let material = materials.iter().position(|material| material.name == name);
             match (name, kind, material) {
-                ("all", ..) => wanted.kinds.extend(Kind::ALL),
+                ("all", ..) => wanted.kinds.extend(SurfaceKind::ALL),
                 // A material that is called like a kind is most likely of it.
                 (_, Some(kind), _) => wanted.kinds.push(kind),
                 (_, None, Some(material)) => wanted.materials.push(material as u16),
@@ -207,7 +207,7 @@ impl Wanted {
 
     /// What could be asked for.
     fn choice(&self, materials: &[Material], surfaces: &Surfaces) -> String {
-        let mut count: BTreeMap<Kind, usize> = BTreeMap::new();
+        let mut count: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
         surfaces.list.iter().for_each(|surface| *count.entry(surface.kind).or_default() += 1);
         let kinds: Vec<String> = count.iter().map(|(kind, count)| format!("{} ({count})", kind.name())).collect();
         let names: Vec<&str> = materials.iter().take(20).map(|material| material.name.as_str()).collect();
@@ -257,7 +257,7 @@ pub(super) fn summary(covered: &Covered, scene: &Scene) -> String {
     let mut line = |text: String| {
         let _ = writeln!(out, "  {text}");
     };
-    for kind in Kind::ALL {
+    for kind in SurfaceKind::ALL {
         let of_kind = || covered.chosen.iter().filter(|c| covered.surfaces.list[c.surface].kind == kind);
         // An empty sum is -0.0.
         let area: f64 = of_kind().map(|c| covered.surfaces.list[c.surface].area_m2).sum::<f64>() + 0.0;

@@ -103,7 +103,7 @@ pub(super) fn other_receivers(archive: &Archive, receivers: &mut ReceiverTiles) 
     for (tile, given) in receivers.tiles()?.enumerate() {
         let given = given?;
         let table = Blocks::block(archive, format::RECEIVERS, tile as u32);
-        let Ok(table) = table.and_then(|block| tables::Receivers::from_block(&block)) else { continue };
+        let Ok(table) = table.and_then(|block| tables::ReceiversTable::from_block(&block)) else { continue };
         if given != table.receivers() {
             return Ok(Some(format!("holds other receivers than tile {tile} of the archive")));
         }
@@ -115,8 +115,8 @@ pub(super) fn other_receivers(archive: &Archive, receivers: &mut ReceiverTiles) 
 fn receivers_of(archive: &Archive) -> Result<Vec<Receiver>> {
     let mut receivers = Vec::new();
     for tile in 0..archive.tiles() {
-        let table =
-            Blocks::block(archive, format::RECEIVERS, tile).and_then(|block| tables::Receivers::from_block(&block));
+        let table = Blocks::block(archive, format::RECEIVERS, tile)
+            .and_then(|block| tables::ReceiversTable::from_block(&block));
         let Ok(table) = table else {
             let what = format!("the receivers of tile {tile} are damaged");
             return Err(Error::input(archive.path(), None, what, "give the receivers file with --receivers"));

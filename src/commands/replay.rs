@@ -10,7 +10,7 @@ use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather, read_weather_with_air};
 use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
-use crate::outputs::surfaces::{SurfaceMeans, Surfaces};
+use crate::outputs::surfaces::{SurfaceGroups, SurfaceMeans};
 use crate::outputs::table::{Format, Places, TableWriter, files_of};
 use heliotile_builder::observer::Stage;
 use heliotile_core::archive::{Access, Archive};
@@ -19,12 +19,12 @@ use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
-use heliotile_core::replay::reflectances::{Changeable, Changes, Follow};
+use heliotile_core::replay::reflectances::{Changeable, Changes, ConstantOrFile};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::row::Row;
+use heliotile_core::weather::distance::far_apart;
+use heliotile_core::weather::row::WeatherRow;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::years::Years;
@@ -38,7 +38,7 @@ struct Series<'a> {
     bins: &'a Bins,
     changes: Changes,
     /// Rows of the weather file, and which of them the conditions are; none in a query.
-    rows: (&'a [Row], &'a [bool]),
+    rows: (&'a [WeatherRow], &'a [bool]),
 }
 
 /// `heliotile query`.
@@ -65,7 +65,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
             transmittance: args
                 .transmittance
                 .iter()
-                .map(|(name, value)| (name.clone(), Follow::Value(*value)))
+                .map(|(name, value)| (name.clone(), ConstantOrFile::Value(*value)))
                 .collect(),
             ..Changes::default()
         },
@@ -80,8 +80,8 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     inputs.extend(args.schedule.iter().map(|(_, file)| file.as_path()));
     inputs.extend(args.temperature.iter().filter_map(|temperature| temperature.file()));
     inputs.extend(args.transmittance.iter().filter_map(|(_, follow)| match follow {
-        Follow::File(file) => Some(file.as_path()),
-        Follow::Value(_) => None,
+        ConstantOrFile::File(file) => Some(file.as_path()),
+        ConstantOrFile::Value(_) => None,
     }));
     guard(&args.common, &inputs)?;
     let longwave = asks_longwave(&args.common);
@@ -182,7 +182,7 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     let mut means = match args.by {
         By::Receiver => None,
         By::Surface => {
-            let surfaces = Surfaces::new(chosen.receivers(archive, &site), &args.archive)?;
+            let surfaces = SurfaceGroups::new(chosen.receivers(archive, &site), &args.archive)?;
             Some(SurfaceMeans::new(
                 surfaces,
                 layout.components(),

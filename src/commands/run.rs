@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::build::{Asked, plan_and_write, settings_of};
+use super::build::{BuildRequest, plan_and_write, settings_of};
 use super::receivers::{self, Covered, cover_site};
 use super::repair::other_receivers;
 use super::terminal::Terminal;
@@ -24,7 +24,7 @@ use heliotile_builder::observer::Stage;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::settings::{BuildSettings, Effects};
-use heliotile_builder::transfer::Rows;
+use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
@@ -36,7 +36,7 @@ use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::years::Years;
 use heliotile_scene::Scene;
 use heliotile_scene::cover::Piece;
-use heliotile_scene::surfaces::Kind;
+use heliotile_scene::surfaces::SurfaceKind;
 
 /// Files of the folder.
 struct Files {
@@ -118,7 +118,7 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene) -> Result<Archive> {
         return Ok(archive);
     }
     let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
-    let asked = Asked { settings, accuracy: &args.accuracy, effects: EffectChoice::Auto, store: None };
+    let asked = BuildRequest { settings, accuracy: &args.accuracy, effects: EffectChoice::Auto, store: None };
     let mut write = |start: Start| {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
         plan_and_write(build, &asked, &Output { start, ..Output::new(files.archive.clone()) })
@@ -163,7 +163,7 @@ fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(archive.manifest().receivers.count));
     let mut rows = Vec::new();
-    let mut receivers = Rows::<()>::new(&site);
+    let mut receivers = ArchiveReceivers::<()>::new(&site);
     for result in replay.results(0..replay.tiles()) {
         let values = result?.1;
         for (i, row) in receivers.by_ref().take(values.receivers()).enumerate() {
@@ -189,7 +189,7 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Resu
     write_ply(Sink::file(path)?, &patches)
 }
 
-fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, (&Piece, Kind)> {
+fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, (&Piece, SurfaceKind)> {
     let rows = covered.into_iter().flat_map(Covered::free);
     rows.map(|(name, piece, surface, _)| (name, (piece, surface.kind))).collect()
 }
@@ -239,7 +239,7 @@ fn table(rows: &[AnnualRow], covered: Option<&Covered>, weather: &Path) -> Strin
 }
 
 /// Groups of the table that a receiver counts in: its kind, and for what stands upright the side that it looks to.
-fn group_of(kind: Option<Kind>, normal: glam::DVec3) -> Vec<String> {
+fn group_of(kind: Option<SurfaceKind>, normal: glam::DVec3) -> Vec<String> {
     let kind = match kind {
         Some(kind) => kind.name(),
         None if normal.z > 0.5 => "looking up",

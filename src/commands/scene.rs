@@ -8,7 +8,7 @@ use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::objects::twins;
 use heliotile_scene::site::Site;
-use heliotile_scene::surfaces::{Kind, Surfaces};
+use heliotile_scene::surfaces::{SurfaceKind, Surfaces};
 
 /// Pairs of objects that are named.
 const MOST_PAIRS: usize = 5;
@@ -83,7 +83,7 @@ pub fn info(site: &Site) -> Result<Outcome> {
         }
     }
     materials(&mut out, &scene);
-    for kind in Kind::ALL {
+    for kind in SurfaceKind::ALL {
         let of_kind = || surfaces.list.iter().filter(|surface| surface.kind == kind);
         if of_kind().next().is_some() {
             let area: f64 = of_kind().map(|surface| surface.area_m2).sum();

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::terminal::Terminal;
 use super::{Outcome, guard_archive, guard_output, say, workspace, workspace_beside};
 use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
-use heliotile_builder::transfer::{self, Difference, Differences, Selection, Written, listed};
+use heliotile_builder::transfer::{self, Assembled, Difference, Differences, Selection, listed};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::text::counted;
@@ -18,7 +18,7 @@ pub fn merge(args: &MergeArgs) -> Result<Outcome> {
     let [a, b] = [Archive::open_with(&args.first, args.io)?, Archive::open_with(&args.second, args.io)?];
     let workspace = workspace_beside(&args.output, args.memory);
     let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
-    let Written { receivers, tiles, cells, summary } = &merged.written;
+    let Assembled { receivers, tiles, cells, summary } = &merged.written;
     say(&format!(
         "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} of {}, {} of {}, {} of both\n  \
          root {}\n",
@@ -47,7 +47,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, args.io)?;
     let workspace = workspace_beside(&args.output, args.memory);
     let extracted = transfer::extract(&archive, &selection, &args.output, &workspace, &Terminal::default())?;
-    let Written { receivers, tiles, cells, summary } = &extracted.written;
+    let Assembled { receivers, tiles, cells, summary } = &extracted.written;
     say(&format!(
         "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
         args.output.display(),

@@ -19,7 +19,7 @@ const NAMED: usize = 3;
 
 /// Which surface each receiver counts to, and how much.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surfaces {
+pub struct SurfaceGroups {
     /// Sorted.
     names: Vec<String>,
     /// `[receiver]`: place in `names`.
@@ -38,7 +38,7 @@ struct Found {
     area_m2: f64,
 }
 
-impl Surfaces {
+impl SurfaceGroups {
     /// From the receivers of `file`, in the order in which their values will come. Every receiver must have a surface. Where
     /// no receiver of a surface has an area all count the same; where some have, all must.
     pub fn new(receivers: impl Iterator<Item = Result<Receiver>>, file: &Path) -> Result<Self> {
@@ -82,7 +82,7 @@ impl Surfaces {
                 *slot = (place as u32, whole, equal);
             }
         }
-        let mut surfaces = Surfaces { names: found.into_keys().collect(), ..Surfaces::default() };
+        let mut surfaces = SurfaceGroups { names: found.into_keys().collect(), ..SurfaceGroups::default() };
         for (number, area_m2) in places.into_iter().zip(areas) {
             let (place, whole, equal) = by_number.get(number as usize).copied().unwrap_or_default();
             surfaces.places.push(place);
@@ -99,7 +99,7 @@ impl Surfaces {
 /// Means of surfaces, being added up.
 #[derive(Clone, Debug)]
 pub struct SurfaceMeans {
-    surfaces: Surfaces,
+    surfaces: SurfaceGroups,
     labels: usize,
     /// Components that are asked for, with their sums: `[surface][label]`.
     sums: Vec<(Component, Vec<f64>)>,
@@ -109,7 +109,7 @@ pub struct SurfaceMeans {
 
 impl SurfaceMeans {
     /// Zeros; an error if they take more than `memory_bytes`.
-    pub fn new(surfaces: Surfaces, components: &[Component], labels: usize, memory_bytes: u64) -> Result<Self> {
+    pub fn new(surfaces: SurfaceGroups, components: &[Component], labels: usize, memory_bytes: u64) -> Result<Self> {
         let cells = surfaces.names.len().saturating_mul(labels);
         let bytes = (cells as u64).saturating_mul(8 * components.len() as u64);
         if bytes > memory_bytes {
@@ -127,7 +127,7 @@ impl SurfaceMeans {
         Ok(SurfaceMeans { surfaces, labels, sums, done: 0 })
     }
 
-    pub fn surfaces(&self) -> &Surfaces {
+    pub fn surfaces(&self) -> &SurfaceGroups {
         &self.surfaces
     }
 
@@ -179,9 +179,9 @@ mod tests {
         })
     }
 
-    fn surfaces(receivers: &[(&str, f64)]) -> Result<Surfaces> {
+    fn surfaces(receivers: &[(&str, f64)]) -> Result<SurfaceGroups> {
         let all = receivers.iter().enumerate().map(|(i, (surface, area))| receiver(&format!("r{i}"), surface, *area));
-        Surfaces::new(all, Path::new("site.helio"))
+        SurfaceGroups::new(all, Path::new("site.helio"))
     }
 
     /// Totals of 1 and 4 on areas of 1 and 3 m2 are 3.25; 2 and 5 without areas are 3.5; surfaces come by name, 2 tiles of

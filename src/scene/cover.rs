@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::surfaces::{Kind, Surface, area_vector};
+use crate::surfaces::{Surface, SurfaceKind, area_vector};
 
 /// How many points go on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ impl Frame {
     /// Terrain is looked at from above. Of others the first axis is level, or along the longest edge of what is level itself.
     fn of(surface: &Surface) -> Frame {
         let normal = surface.normal;
-        if surface.kind == Kind::Ground {
+        if surface.kind == SurfaceKind::Ground {
             return Frame { along: [DVec3::X, DVec3::Y], away: DVec3::Z };
         }
         let level = DVec3::Z.cross(normal);
@@ -260,7 +260,7 @@ fn dropped(point: DVec3, triangle: &[DVec3; 3], line: DVec3) -> Option<DVec3> {
 mod tests {
     use super::*;
 
-    fn surface(kind: Kind, triangles: Vec<[DVec3; 3]>) -> Surface {
+    fn surface(kind: SurfaceKind, triangles: Vec<[DVec3; 3]>) -> Surface {
         let sum: DVec3 = triangles.iter().map(area_vector).sum();
         let area_m2 = triangles.iter().map(|t| area_vector(t).length()).sum();
         Surface { name: "s".into(), kind, material: 0, triangles, area_m2, normal: sum.normalize() }
@@ -278,7 +278,7 @@ mod tests {
         for degrees in [0.0_f64, 17.0, 133.0] {
             let (sin, cos) = degrees.to_radians().sin_cos();
             let along = DVec3::new(cos, sin, 0.0);
-            let wall = surface(Kind::Wall, quad(DVec3::new(78e3, 457e3, 2.0), along * 10.0, DVec3::Z * 3.0));
+            let wall = surface(SurfaceKind::Wall, quad(DVec3::new(78e3, 457e3, 2.0), along * 10.0, DVec3::Z * 3.0));
             let pieces = cover(&wall, Density::Spacing(2.0));
             assert_eq!(pieces.len(), 8);
             let mut places: Vec<(f64, f64)> = pieces
@@ -303,7 +303,7 @@ mod tests {
         for (x, y, w, h) in [(0., 0., 6., 2.), (0., 2., 2., 4.), (4., 2., 2., 2.), (2., 3., 2., 1.)] {
             triangles.extend(quad(DVec3::new(x, y, 5.0), DVec3::X * w, DVec3::Y * h));
         }
-        let roof = surface(Kind::Roof, triangles.clone());
+        let roof = surface(SurfaceKind::Roof, triangles.clone());
         assert!((roof.area_m2 - 26.0).abs() < 1e-12);
         for count in [1, 2, 3, 7, 100] {
             let pieces = cover(&roof, Density::PerSurface(count));
@@ -322,7 +322,7 @@ mod tests {
     /// A strip of 0.2 x 20 m gets 10 receivers at 2 m, not the 1 that its area calls for; a hill's lie on it and look along its normals.
     #[test]
     fn strips_and_hills() {
-        let strip = surface(Kind::Wall, quad(DVec3::ZERO, DVec3::X * 20.0, DVec3::Z * 0.2));
+        let strip = surface(SurfaceKind::Wall, quad(DVec3::ZERO, DVec3::X * 20.0, DVec3::Z * 0.2));
         assert_eq!(cover(&strip, Density::Spacing(2.0)).len(), 10);
         let height = |x: f64, y: f64| 0.3 * x + 0.1 * y;
         let p = |x: f64, y: f64| DVec3::new(x, y, height(x, y));
@@ -330,7 +330,7 @@ mod tests {
         for (i, j) in (0..20).flat_map(|i| (0..20).map(move |j| (f64::from(i), f64::from(j)))) {
             triangles.extend([[p(i, j), p(i + 1., j), p(i + 1., j + 1.)], [p(i, j), p(i + 1., j + 1.), p(i, j + 1.)]]);
         }
-        let hill = surface(Kind::Ground, triangles);
+        let hill = surface(SurfaceKind::Ground, triangles);
         let pieces = cover(&hill, Density::Spacing(5.0));
         assert!((17..=24).contains(&pieces.len()), "{}", pieces.len());
         for piece in &pieces {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::materials::Table;
+use crate::materials::MaterialTable;
 use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
 
@@ -29,7 +29,7 @@ pub(super) struct Geometry {
     /// Indexed by `Polygon::object`: what receivers on a face are named after.
     pub objects: Names,
     /// Materials that the file itself describes.
-    pub stated: Table,
+    pub stated: MaterialTable,
     /// Where on Earth the coordinates lie, if the file says so.
     pub reference: Option<Reference>,
     pub warnings: Vec<String>,

@@ -112,7 +112,7 @@ impl Scene {
                 "give positions in metres",
             );
         }
-        let mut table: materials::Table =
+        let mut table: materials::MaterialTable =
             materials.into_iter().map(|material| (material.name.clone(), material)).collect();
         let uses = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
         let materials = uses.iter().filter_map(|entry| table.remove(&entry.name)).collect();

@@ -31,11 +31,15 @@ pub struct MaterialUse {
 }
 
 /// Materials by name, used or not.
-pub(super) type Table = BTreeMap<String, Material>;
+pub(super) type MaterialTable = BTreeMap<String, Material>;
 
 /// Takes the materials in use, in their order, out of a table that `source` (`materials.toml`, or the OBJ file whose
 /// libraries were read) has filled.
-pub(super) fn select(mut table: Table, used: &[MaterialUse], source: &Path) -> Result<(Vec<Material>, Table)> {
+pub(super) fn select(
+    mut table: MaterialTable,
+    used: &[MaterialUse],
+    source: &Path,
+) -> Result<(Vec<Material>, MaterialTable)> {
     let missing: Vec<&MaterialUse> = used.iter().filter(|entry| !table.contains_key(&entry.name)).collect();
     if let [first, others @ ..] = missing.as_slice() {
         let mut what = format!(
@@ -85,7 +89,7 @@ mod tests {
     use super::*;
     use crate::materials_toml::parse_toml;
 
-    fn parse(text: &str) -> Result<Table> {
+    fn parse(text: &str) -> Result<MaterialTable> {
         parse_toml(text, Path::new("materials.toml")).map(|read| read.0)
     }
 

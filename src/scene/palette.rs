@@ -10,7 +10,7 @@ use crate::endless_ground;
 use crate::endless_ground::EndlessGround;
 use crate::formats::stem;
 use crate::geometry::Geometry;
-use crate::materials::{Table, select};
+use crate::materials::{MaterialTable, select};
 use crate::materials_toml::read_toml;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
@@ -23,7 +23,7 @@ pub(super) struct Palette {
     by_name: HashMap<String, usize>,
     by_local: HashMap<String, Vec<usize>>,
     /// `materials.toml` files that were read, once each.
-    tables: BTreeMap<PathBuf, Table>,
+    tables: BTreeMap<PathBuf, MaterialTable>,
     ground: Option<(PathBuf, EndlessGround)>,
 }
 
@@ -63,7 +63,7 @@ impl Palette {
         names.iter().map(|name| self.add_one(name, file, &geometry.stated, materials)).collect()
     }
 
-    fn add_one(&mut self, local: &str, file: &Path, stated: &Table, materials: Option<&Path>) -> u32 {
+    fn add_one(&mut self, local: &str, file: &Path, stated: &MaterialTable, materials: Option<&Path>) -> u32 {
         let source = materials.unwrap_or(file);
         let described = match materials {
             Some(path) => self.tables.get(path).and_then(|table| table.get(local)),
@@ -92,7 +92,7 @@ impl Palette {
     /// The endless ground, if a table describes it, and the number of its material.
     pub(super) fn ground(&mut self) -> Option<(EndlessGround, u32)> {
         let (path, ground) = self.ground.clone()?;
-        let none = Table::new();
+        let none = MaterialTable::new();
         Some((ground, self.add_one(endless_ground::NAME, &path, &none, Some(&path))))
     }
 
@@ -111,7 +111,7 @@ impl Palette {
         });
         let missing = used.iter().filter_map(|entry| entry_of(&entry.name)).find(|entry| entry.material.is_none());
         let source = missing.or(self.entries.first()).map_or(Path::new(""), |entry| &entry.source);
-        let known: Table = described.collect();
+        let known: MaterialTable = described.collect();
         // What was misspelt stands in the file's table.
         let near = missing.and_then(|entry| self.tables.get(&entry.source)).cloned().unwrap_or_default();
         let (materials, _) = select(near.into_iter().chain(known).collect(), used, source)?;

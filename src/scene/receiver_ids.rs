@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::rows::Rows;
+use crate::rows::CsvRows;
 use heliotile_core::error::{Error, Result};
 
 /// The column that is read; all others are passed over.
@@ -10,13 +10,13 @@ const COLUMN: &str = "receiver";
 
 /// Ids of a list of receivers, from bounded memory.
 pub struct ReceiverIds<'a> {
-    rows: Rows<'a>,
+    rows: CsvRows<'a>,
     column: usize,
 }
 
 impl<'a> ReceiverIds<'a> {
     pub fn open(file: &'a Path) -> Result<Self> {
-        let mut rows = Rows::open(file)?;
+        let mut rows = CsvRows::open(file)?;
         let hint = format!("begin with a line that names a column `{COLUMN}`, then one id a line");
         if !rows.advance()? {
             return Err(Error::input(file, None, "the file is empty", hint));

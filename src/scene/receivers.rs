@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::geometry::MAX_COORDINATE_M;
-use crate::rows::{Rows, cell_error};
+use crate::rows::{CsvRows, cell_error};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
@@ -53,16 +53,16 @@ pub fn no_receivers(file: &Path) -> Error {
 
 /// The rows of `receivers.csv` one after the other, each checked by itself.
 pub struct ReceiverRows<'a> {
-    rows: Rows<'a>,
+    rows: CsvRows<'a>,
     columns: Columns,
 }
 
 impl<'a> ReceiverRows<'a> {
     pub fn open(file: &'a Path, warnings: &mut Vec<String>) -> Result<Self> {
-        ReceiverRows::new(Rows::open(file)?, warnings)
+        ReceiverRows::new(CsvRows::open(file)?, warnings)
     }
 
-    fn new(mut rows: Rows<'a>, warnings: &mut Vec<String>) -> Result<Self> {
+    fn new(mut rows: CsvRows<'a>, warnings: &mut Vec<String>) -> Result<Self> {
         if !rows.advance()? {
             let hint = format!("begin with the line {}", REQUIRED.join(","));
             return Err(Error::input(rows.file, None, "the file is empty", hint));
@@ -96,7 +96,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn find(header: &Rows, warnings: &mut Vec<String>) -> Result<Columns> {
+    fn find(header: &CsvRows, warnings: &mut Vec<String>) -> Result<Columns> {
         let names: Vec<&str> = header.record.iter().collect();
         let place = |wanted: &str| names.iter().position(|name| *name == wanted);
         let mut required = [0; 7];
@@ -122,7 +122,7 @@ impl Columns {
 }
 
 struct Row<'a> {
-    rows: &'a Rows<'a>,
+    rows: &'a CsvRows<'a>,
     columns: &'a Columns,
 }
 
@@ -217,7 +217,7 @@ mod tests {
     fn read_bytes(mut bytes: &[u8]) -> Result<(Vec<Receiver>, Vec<String>)> {
         let dribble = std::iter::from_fn(move || bytes.split_off_first());
         let mut warnings = Vec::new();
-        let rows = Rows::new(Box::new(Dribble(dribble)), Path::new("receivers.csv"))?;
+        let rows = CsvRows::new(Box::new(Dribble(dribble)), Path::new("receivers.csv"))?;
         Ok((collect(ReceiverRows::new(rows, &mut warnings)?)?, warnings))
     }
 
@@ -314,7 +314,7 @@ mod tests {
     #[test]
     fn endless_row() {
         let text = [HEADER, "a,0,0,0,0,0,1\n\n\"b", &"x\n".repeat(9 << 20)].concat();
-        let rows = Rows::new(Box::new(text.as_bytes()), Path::new("receivers.csv")).expect("readable");
+        let rows = CsvRows::new(Box::new(text.as_bytes()), Path::new("receivers.csv")).expect("readable");
         let message = collect(ReceiverRows::new(rows, &mut Vec::new()).expect("a header")).expect_err("endless");
         let expected = "receivers.csv, line 4: the row is longer than 16 MiB";
         assert!(message.to_string().starts_with(expected), "{message}");

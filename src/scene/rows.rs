@@ -13,7 +13,7 @@ use heliotile_core::error::{Error, Result};
 const MAX_ROW: usize = 16 << 20;
 
 /// Records one after the other, with true line numbers: the library's count blank lines to the record after them.
-pub(super) struct Rows<'a> {
+pub(super) struct CsvRows<'a> {
     pub(super) file: &'a Path,
     reader: csv::Reader<Ahead<'a>>,
     pub(super) record: StringRecord,
@@ -21,10 +21,10 @@ pub(super) struct Rows<'a> {
     pub(super) line: usize,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> CsvRows<'a> {
     pub(super) fn open(file: &'a Path) -> Result<Self> {
         let input = File::open(file).map_err(Error::io(file, "read"))?;
-        Rows::new(Box::new(input), file)
+        CsvRows::new(Box::new(input), file)
     }
 
     pub(super) fn new(mut input: Box<dyn Read + 'a>, file: &'a Path) -> Result<Self> {
@@ -38,7 +38,7 @@ impl<'a> Rows<'a> {
             .trim(Trim::All)
             .buffer_capacity(64 << 10)
             .from_reader(ahead);
-        Ok(Rows { file, reader, record: StringRecord::new(), line: 1 })
+        Ok(CsvRows { file, reader, record: StringRecord::new(), line: 1 })
     }
 
     pub(super) fn advance(&mut self) -> Result<bool> {

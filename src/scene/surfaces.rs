@@ -24,7 +24,7 @@ const NO_SURFACE_M2: f64 = 1e-6;
 
 /// What a surface is for who puts receivers on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum SurfaceKind {
     Roof,
     Wall,
     Window,
@@ -33,32 +33,33 @@ pub enum Kind {
     Floor,
 }
 
-impl Kind {
-    pub const ALL: [Kind; 5] = [Kind::Roof, Kind::Wall, Kind::Window, Kind::Ground, Kind::Floor];
+impl SurfaceKind {
+    pub const ALL: [SurfaceKind; 5] =
+        [SurfaceKind::Roof, SurfaceKind::Wall, SurfaceKind::Window, SurfaceKind::Ground, SurfaceKind::Floor];
 
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Roof => "roof",
-            Kind::Wall => "wall",
-            Kind::Window => "window",
-            Kind::Ground => "ground",
-            Kind::Floor => "floor",
+            SurfaceKind::Roof => "roof",
+            SurfaceKind::Wall => "wall",
+            SurfaceKind::Window => "window",
+            SurfaceKind::Ground => "ground",
+            SurfaceKind::Floor => "floor",
         }
     }
 
     /// By the name of the material, else by its class and where the surface looks: up to 60 degrees of tilt is a roof, within 30
     /// degrees of the vertical a wall.
-    fn of(material: &Material, up: f64) -> Kind {
+    fn of(material: &Material, up: f64) -> SurfaceKind {
         let name = material.name.to_lowercase();
         let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
         match () {
-            () if has(&["window", "glazing"]) => Kind::Window,
-            () if up < -0.5 => Kind::Floor,
-            () if has(&["roof"]) => Kind::Roof,
-            () if has(&["wall", "facade"]) => Kind::Wall,
-            () if material.class == Class::Ground => Kind::Ground,
-            () if up > 0.5 => Kind::Roof,
-            () => Kind::Wall,
+            () if has(&["window", "glazing"]) => SurfaceKind::Window,
+            () if up < -0.5 => SurfaceKind::Floor,
+            () if has(&["roof"]) => SurfaceKind::Roof,
+            () if has(&["wall", "facade"]) => SurfaceKind::Wall,
+            () if material.class == Class::Ground => SurfaceKind::Ground,
+            () if up > 0.5 => SurfaceKind::Roof,
+            () => SurfaceKind::Wall,
         }
     }
 }
@@ -68,7 +69,7 @@ impl Kind {
 pub struct Surface {
     /// That of its object, with kind and number behind it where the object has several: `house/roof2`.
     pub name: String,
-    pub kind: Kind,
+    pub kind: SurfaceKind,
     /// Index into the scene's materials.
     pub material: u16,
     pub triangles: Vec<[DVec3; 3]>,
@@ -156,7 +157,7 @@ impl Surfaces {
                 let area_m2: f64 = own.iter().map(|t| area_vector(t).length()).sum();
                 let normal = sum.normalize_or_zero();
                 if normal != DVec3::ZERO && area_m2 > NO_SURFACE_M2 {
-                    let kind = Kind::of(material, normal.z);
+                    let kind = SurfaceKind::of(material, normal.z);
                     surfaces.push(Surface {
                         name: String::new(),
                         kind,
@@ -171,7 +172,7 @@ impl Surfaces {
         surfaces
             .sort_by(|a, b| (a.kind, a.material).cmp(&(b.kind, b.material)).then(lexicographic(centre(a), centre(b))));
         let single = surfaces.len() == 1;
-        let mut numbers: BTreeMap<Kind, usize> = BTreeMap::new();
+        let mut numbers: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
         for surface in &mut surfaces {
             let number = numbers.entry(surface.kind).or_default();
             *number += 1;
@@ -332,8 +333,8 @@ mod tests {
         let names: Vec<&str> = one.list.iter().map(|surface| surface.name.as_str()).collect();
         let expected = ["house/roof1", "house/wall1", "house/wall2", "house/wall3", "house/wall4", "house/floor1"];
         assert_eq!(names, expected);
-        let area = |kind: Kind| -> f64 { one.list.iter().filter(|s| s.kind == kind).map(|s| s.area_m2).sum() };
-        assert_eq!((area(Kind::Roof), area(Kind::Wall), area(Kind::Floor)), (24.0, 60.0, 24.0));
+        let area = |kind: SurfaceKind| -> f64 { one.list.iter().filter(|s| s.kind == kind).map(|s| s.area_m2).sum() };
+        assert_eq!((area(SurfaceKind::Roof), area(SurfaceKind::Wall), area(SurfaceKind::Floor)), (24.0, 60.0, 24.0));
         assert_eq!((one.closed_objects, one.turned_objects, one.contrary_edges), (1, 0, 0));
     }
 
@@ -368,16 +369,16 @@ mod tests {
     #[test]
     fn kinds() {
         for (name, up, kind) in [
-            ("RoofSurface", 0.1, Kind::Roof),
-            ("WallSurface", 0.9, Kind::Wall),
-            ("GroundSurface", -1.0, Kind::Floor),
-            ("terrain", 1.0, Kind::Ground),
-            ("Window Fixed", 0.0, Kind::Window),
-            ("brick", 0.6, Kind::Roof),
-            ("brick", 0.4, Kind::Wall),
+            ("RoofSurface", 0.1, SurfaceKind::Roof),
+            ("WallSurface", 0.9, SurfaceKind::Wall),
+            ("GroundSurface", -1.0, SurfaceKind::Floor),
+            ("terrain", 1.0, SurfaceKind::Ground),
+            ("Window Fixed", 0.0, SurfaceKind::Window),
+            ("brick", 0.6, SurfaceKind::Roof),
+            ("brick", 0.4, SurfaceKind::Wall),
         ] {
             let material = crate::assumed::assumed(name);
-            assert_eq!(Kind::of(&material, up), kind, "{name} {up}");
+            assert_eq!(SurfaceKind::of(&material, up), kind, "{name} {up}");
         }
     }
 }

@@ -4,8 +4,8 @@ use std::fs;
 
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
-use heliotile_core::light::radiosity::Depth;
-use heliotile_core::light::response_solver::Responder;
+use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::light::response_solver::ResponseSolver;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::light::tables::Tables;
 use heliotile_core::light::tile_view::TileView;
@@ -46,7 +46,8 @@ fn cached_response_is_the_derived_one() {
     let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &fine());
     let archive = Archive::open(&site.path).expect("an archive");
     let tables = Tables::of(&OpenSite::of(&archive).expect("a site")).expect("tables");
-    let responder = Responder::new(&tables, Depth::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
+    let responder =
+        ResponseSolver::new(&tables, MaxBounces::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
     let views: Vec<_> = (0..archive.tiles())
         .map(|tile| TileView::read(&OpenSite::of(&archive).expect("a site"), tile).expect("a tile"))
         .collect();
@@ -76,7 +77,8 @@ fn bounces_add_up() {
     let light = |depth| {
         site.replay(&[sun(90.0, 60.0, 800.0, 100.0)], heliotile_core::sky::model::SkyModel::Perez, depth)["r"][0].total
     };
-    let [one, two, three, all] = [Depth::Count(1), Depth::Count(2), Depth::Count(3), Depth::All].map(light);
+    let [one, two, three, all] =
+        [MaxBounces::Count(1), MaxBounces::Count(2), MaxBounces::Count(3), MaxBounces::All].map(light);
     assert!(one < two && two < three && three < all, "{one} {two} {three} {all}");
     assert!(three - two < two - one && all - three < two - one, "{one} {two} {three} {all}");
 }

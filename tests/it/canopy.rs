@@ -11,13 +11,13 @@ use heliotile_builder::transfer::{Selection, extract, merge};
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, encode, format};
 use heliotile_core::hemisphere::mix;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
-use heliotile_core::replay::maps::{Light, maps};
+use heliotile_core::replay::maps::{Illumination, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Material};
@@ -99,7 +99,7 @@ fn beer_lambert() {
             for (triangles, closed) in [(planes, false), (boxes, true)] {
                 let site =
                     site(&with_screens(&triangles, vec![screen("leaf", tau)]), std::slice::from_ref(&up), &coarse());
-                let rows = &site.replay(&suns, SkyModel::Uniform, Depth::All)["r"];
+                let rows = &site.replay(&suns, SkyModel::Uniform, MaxBounces::All)["r"];
                 for (row, condition) in rows.iter().zip(&suns) {
                     let direct = condition.dni_w_m2 * condition.sky_sun.z * share;
                     assert_near("sun", row.sun_direct, direct, 1e-5);
@@ -209,8 +209,9 @@ fn maps_add_up() {
     let condition = sun(140.0, 50.0, 800.0, 150.0);
     let rows = columns(&site.path, std::slice::from_ref(&condition), SkyModel::Uniform, &[]);
     let archive = Archive::open(&site.path).expect("an archive");
-    let light = Light::new(&OpenSite::of(&archive).expect("a site"), condition, SkyModel::Uniform, 577, Depth::All)
-        .expect("a light");
+    let light =
+        Illumination::new(&OpenSite::of(&archive).expect("a site"), condition, SkyModel::Uniform, 577, MaxBounces::All)
+            .expect("a light");
     let mut dimmed = 0;
     for (id, row) in &rows {
         let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver");

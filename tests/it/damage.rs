@@ -9,7 +9,7 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSETS, SLOT_SIZE, Slot};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Error;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
@@ -46,7 +46,7 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
         archive.block(entry.kind, entry.tile)?;
     }
     let mut answers = Vec::new();
-    for depth in [Depth::All, Depth::Count(2)] {
+    for depth in [MaxBounces::All, MaxBounces::Count(2)] {
         let settings = ReplaySettings {
             sky: SkyModel::Uniform,
             patches: 145,

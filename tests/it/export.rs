@@ -8,17 +8,17 @@ use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
 use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
-use heliotile_core::replay::maps::{Light, Map, maps};
+use heliotile_core::replay::maps::{Illumination, Map, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
-use heliotile_core::weather::sun::Site as Place;
+use heliotile_core::weather::sun::Location as Place;
 use heliotile_core::weather::sun_path::SunPath;
 use heliotile_scene::Scene;
 
@@ -36,11 +36,11 @@ fn weighted(maps: &[Map], map: &str, name: &str) -> f64 {
     values.map(|(v, w)| f64::from(*v) * f64::from(*w)).sum()
 }
 
-fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, Depth, &[f64; 4])>) -> Vec<Map> {
+fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, MaxBounces, &[f64; 4])>) -> Vec<Map> {
     let archive = Archive::open(path).expect("an archive");
     let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver");
     let light = light.map(|(sky, depth, &[azimuth, altitude, dni, dhi])| {
-        Light::new(&OpenSite::of(&archive).expect("a site"), sun(azimuth, altitude, dni, dhi), sky, 577, depth)
+        Illumination::new(&OpenSite::of(&archive).expect("a site"), sun(azimuth, altitude, dni, dhi), sky, 577, depth)
             .expect("a light")
     });
     maps(&OpenSite::of(&archive).expect("a site"), &view, light.as_ref(), MemoryBudget::new(1 << 28), &InMemory)
@@ -64,9 +64,9 @@ fn maps_sum_to_results() {
     let site = site(&scene(&town(), &[0.25, 0.5]), &receivers, &fine());
     let (mut checked, mut worst) = (0, 0.0_f64);
     for (light, model, depth) in [
-        ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez, Depth::All),
-        ([255.0, 21.0, 500.0, 60.0], SkyModel::Perez, Depth::Count(1)),
-        ([20.0, 72.0, 0.0, 250.0], SkyModel::Uniform, Depth::Count(3)),
+        ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez, MaxBounces::All),
+        ([255.0, 21.0, 500.0, 60.0], SkyModel::Perez, MaxBounces::Count(1)),
+        ([20.0, 72.0, 0.0, 250.0], SkyModel::Uniform, MaxBounces::Count(3)),
     ] {
         let rows = site.replay(&[sun(light[0], light[1], light[2], light[3])], model, depth);
         for (id, rows) in &rows {
@@ -114,9 +114,9 @@ fn maps_of_mirrors_sum_to_results() {
     let site = site(&scene, &receivers, &fine());
     let (mut checked, mut worst, mut behind, mut seeing) = ([0; 6], [0.0_f64; 6], [0; 4], 0);
     for (light, model, depth) in [
-        ([285.0, 30.0, 800.0, 100.0], SkyModel::Perez, Depth::All),
-        ([262.0, 38.0, 700.0, 60.0], SkyModel::Perez, Depth::Count(1)),
-        ([271.0, 21.0, 500.0, 60.0], SkyModel::Uniform, Depth::Count(2)),
+        ([285.0, 30.0, 800.0, 100.0], SkyModel::Perez, MaxBounces::All),
+        ([262.0, 38.0, 700.0, 60.0], SkyModel::Perez, MaxBounces::Count(1)),
+        ([271.0, 21.0, 500.0, 60.0], SkyModel::Uniform, MaxBounces::Count(2)),
     ] {
         let archive = Archive::open(&site.path).expect("an archive");
         let conditions = [sun(light[0], light[1], light[2], light[3])];

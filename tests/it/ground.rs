@@ -1,7 +1,7 @@
 //! The endless ground of `materials.toml` against closed forms.
 
 use heliotile_builder::settings::BuildSettings;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_scene::Scene;
 
@@ -28,7 +28,7 @@ fn tilted_over_endless_ground() {
         tilts.iter().map(|&t| receiver(&format!("{t}"), v(3.3, 1.7, 33.5), tilted(t, 140.0))).collect();
     let site = site(&scene, &receivers, &BuildSettings::default());
     let (dhi, dni, altitude) = (100.0, 800.0, 35.0_f64);
-    let rows = site.replay(&[sun(200.0, altitude, dni, dhi)], SkyModel::Uniform, Depth::All);
+    let rows = site.replay(&[sun(200.0, altitude, dni, dhi)], SkyModel::Uniform, MaxBounces::All);
     let direct = dni * altitude.to_radians().sin();
     for tilt in tilts {
         let (row, cos) = (rows[&format!("{tilt}")][0], tilt.to_radians().cos());

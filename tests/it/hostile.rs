@@ -11,7 +11,7 @@ use heliotile_core::archive::{Access, Archive, encode, format, verify};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
@@ -133,7 +133,7 @@ fn lying_settings_are_refused() {
     let archive = Archive::open(&site.path).expect("an archive");
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("copy.helio");
-    let refusal = |change: &dyn Fn(&mut Settings), rows: usize, depth: Depth| {
+    let refusal = |change: &dyn Fn(&mut Settings), rows: usize, depth: MaxBounces| {
         let mut writer =
             Writer::create(&path, &Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] }).expect("created");
         for entry in archive.entries() {
@@ -163,7 +163,7 @@ fn lying_settings_are_refused() {
         let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
         replay.and_then(|replay| replay.run(0..1).map(drop)).err().map_or(String::new(), |error| error.to_string())
     };
-    let depths = [Depth::All, Depth::Count(1)];
+    let depths = [MaxBounces::All, MaxBounces::Count(1)];
     type Lie = (&'static str, fn(&mut Settings));
     let lies: [Lie; 8] = [
         ("sky_base 0", |s| s.sky_base = 0),
@@ -182,7 +182,7 @@ fn lying_settings_are_refused() {
             assert!(found.contains(named) && found.contains("copy.helio"), "{named}: {found}");
         }
     }
-    let found = refusal(&|_| {}, 1, Depth::All);
+    let found = refusal(&|_| {}, 1, MaxBounces::All);
     assert!(found.contains("found 2 receivers, expected 1, one per response"), "{found}");
 }
 
@@ -212,7 +212,7 @@ fn forged(archive: &Archive, kind: u32, path: &Path, change: &dyn Fn(&mut Rows))
 }
 
 /// What a replay of an archive says, if it is no result.
-fn refusal_of(path: &Path, depth: Depth) -> Option<String> {
+fn refusal_of(path: &Path, depth: MaxBounces) -> Option<String> {
     let copy = Archive::open(path).expect("an archive");
     let settings =
         ReplaySettings { patches: 145, depth, memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
@@ -287,7 +287,7 @@ fn lying_mirrors_are_refused() {
     lies.push((format::MIRROR, "shape", Box::new(region)));
     lies.push((format::PROBE_MIRROR, "shape", Box::new(|rows| rows.iter_mut().for_each(|row| row.truncate(6)))));
     assert_eq!(lies.len(), 16);
-    let depths = [Depth::All, Depth::Count(1), Depth::Count(2)];
+    let depths = [MaxBounces::All, MaxBounces::Count(1), MaxBounces::Count(2)];
     let (mut refused, mut done) = (0, 0);
     let mut replayed = |what: &str| {
         for depth in depths {

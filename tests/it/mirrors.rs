@@ -9,8 +9,8 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::Entry;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter};
-use heliotile_core::light::radiosity::Depth;
 use heliotile_core::light::fresnel;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::components::Component::{SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular};
@@ -49,7 +49,7 @@ fn built(triangles: &Triangles, materials: Vec<Material>, receivers: &[Receiver]
 impl Built {
     /// `[condition]` of one component, by receiver.
     fn rows(&self, conditions: &[Condition], sky: SkyModel, component: Component) -> BTreeMap<String, Vec<f64>> {
-        self.rows_at(conditions, sky, component, Depth::All)
+        self.rows_at(conditions, sky, component, MaxBounces::All)
     }
 
     fn rows_at(
@@ -57,7 +57,7 @@ impl Built {
         conditions: &[Condition],
         sky: SkyModel,
         component: Component,
-        depth: Depth,
+        depth: MaxBounces,
     ) -> BTreeMap<String, Vec<f64>> {
         let settings = ReplaySettings { sky, depth, ..ReplaySettings::default() };
         let replay =
@@ -254,8 +254,8 @@ fn ground_before_a_mirror() {
     let floor_seen = direct + 0.8 * (0.5 - direct);
     let all =
         |depth| site.rows_at(&[sky_only()], SkyModel::Uniform, Component::SkyDiffuse, depth)["at wall"][0] / 100.0;
-    near("floor, sky, all bounces", all(Depth::All), 0.3 * floor_gets * floor_seen);
-    near("floor, sky, one bounce", all(Depth::Count(1)), 0.3 * floor_gets * floor_seen);
+    near("floor, sky, all bounces", all(MaxBounces::All), 0.3 * floor_gets * floor_seen);
+    near("floor, sky, one bounce", all(MaxBounces::Count(1)), 0.3 * floor_gets * floor_seen);
     let sunny = [sun(180.0, 40.0, 1000.0, 0.0)];
     let horizontal = 1000.0 * 40.0_f64.to_radians().sin();
     let of = |id: &str, component| site.rows(&sunny, SkyModel::Perez, component)[id][0];

@@ -5,7 +5,7 @@ use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::trace::lanes::Level;
 use heliotile_builder::trace::{Ray, Tracer};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, texel_direction, texels_in_blocks, unit};
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_scene::Scene;
@@ -248,7 +248,7 @@ fn totals(triangles: &Triangles, turn: f64, shift: DVec3, settings: &BuildSettin
         Condition::new("c".into(), &[s], s, 800.0, 0.0)
     });
     let conditions = [sky_only(), suns[0].clone(), suns[1].clone()];
-    let rows = site(&scene, &receivers, settings).replay(&conditions, SkyModel::Uniform, Depth::All);
+    let rows = site(&scene, &receivers, settings).replay(&conditions, SkyModel::Uniform, MaxBounces::All);
     rows.values().map(|r| [r[0].total, r[1].total, r[2].total]).collect()
 }
 
@@ -326,7 +326,8 @@ fn exact_angles() {
         .to_vec();
     suns.push(border);
     let conditions: Vec<_> = suns.iter().map(|&s| Condition::new("c".into(), &[s], s, 900.0, 80.0)).collect();
-    let rows = site(&scene, &receivers, &BuildSettings::default()).replay(&conditions, SkyModel::Perez, Depth::All);
+    let rows =
+        site(&scene, &receivers, &BuildSettings::default()).replay(&conditions, SkyModel::Perez, MaxBounces::All);
     for (id, normal) in [("up", DVec3::Z), ("south", DVec3::NEG_Y), ("down", DVec3::NEG_Z)] {
         for (row, s) in rows[id].iter().zip(&suns) {
             let expected = if s.z > 1e-12 { 900.0 * normal.dot(*s).max(0.0) } else { 0.0 };

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::study::wall::Wall;
 use heliotile_core::hemisphere::{Frame, mix, unit};
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::SUN_RADIUS_RAD;
 
@@ -86,7 +86,7 @@ fn closed_box() {
         receiver("wall", v(-4.0, 0.0, 3.0), DVec3::X),
     ];
     let site = site(&scene, &receivers, &BuildSettings::default());
-    for (id, rows) in site.replay(&[sun(120.0, 40.0, 900.0, 100.0)], SkyModel::Perez, Depth::All) {
+    for (id, rows) in site.replay(&[sun(120.0, 40.0, 900.0, 100.0)], SkyModel::Perez, MaxBounces::All) {
         assert_eq!(rows[0].total, 0.0, "{id}");
     }
 }
@@ -225,10 +225,10 @@ fn bounces_are_a_geometric_series() {
     // Flux through the rim, a circle of radius 40 sin 60, over the sphere's area.
     let let_in = 0.75 / 4.0;
     for (depth, series) in [
-        (Depth::Count(1), 1.0),
-        (Depth::Count(2), 1.0 + q),
-        (Depth::Count(3), 1.0 + q + q * q),
-        (Depth::All, 1.0 / (1.0 - q)),
+        (MaxBounces::Count(1), 1.0),
+        (MaxBounces::Count(2), 1.0 + q),
+        (MaxBounces::Count(3), 1.0 + q + q * q),
+        (MaxBounces::All, 1.0 / (1.0 - q)),
     ] {
         for (id, rows) in site.replay(&conditions, SkyModel::Uniform, depth) {
             let sky = rows[0].sky_diffuse;
@@ -249,7 +249,7 @@ fn box_shadow() {
     let suns: Vec<(f64, f64)> =
         (0..500).map(|i| (f64::from(i) * 222.492 % 360.0, 1.0 + 88.0 * (f64::from(i) * 0.618_034).fract())).collect();
     let conditions: Vec<_> = suns.iter().map(|&(azimuth, altitude)| sun(azimuth, altitude, 1000.0, 0.0)).collect();
-    let rows = &site.replay(&conditions, SkyModel::Uniform, Depth::All)["r"];
+    let rows = &site.replay(&conditions, SkyModel::Uniform, MaxBounces::All)["r"];
     // Half a 1024 texel's diagonal, with the map's greatest stretch.
     let margin = SUN_RADIUS_RAD + 0.5 * 2.0_f64.sqrt() * 1.6 * (2.0 * PI).sqrt() / 1024.0;
     let (mut near_edge, mut shadowed) = (0, 0);
@@ -344,7 +344,8 @@ fn low_sun_sky_is_bounded() {
             [(450.0, 45.0), (300.0, 60.0), (100.0, 80.0)].map(|(dni, dhi)| sun(90.0, altitude, dni, dhi))
         })
         .collect();
-    let [coarse, fine] = [145, 2305].map(|patches| site.replay_with(&conditions, SkyModel::Perez, Depth::All, patches));
+    let [coarse, fine] =
+        [145, 2305].map(|patches| site.replay_with(&conditions, SkyModel::Perez, MaxBounces::All, patches));
     for (id, rows) in &coarse {
         for ((a, b), c) in rows.iter().zip(&fine[id]).zip(&conditions) {
             assert!(a.sky_direct.max(b.sky_direct) < 3.0 * c.dhi_w_m2, "{id}: {} {}", a.sky_direct, b.sky_direct);

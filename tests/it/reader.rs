@@ -8,7 +8,9 @@ use std::process::Command;
 
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::manifest::Settings;
-use heliotile_core::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
+use heliotile_core::archive::tables::{
+    CellsTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, ReceiversTable,
+};
 use heliotile_core::archive::{Archive, Block, format};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::extras;
@@ -17,7 +19,7 @@ use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile_core::layers::response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::site::cells::CellKey;
-use heliotile_core::site::chain::{Chain, Step};
+use heliotile_core::site::chain::{Chain, MirrorStep};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
@@ -54,7 +56,7 @@ fn bits(square: &BitSquare) -> Vec<u8> {
     texels.chunks(8).map(|eight| eight.iter().rev().fold(0, |byte, &bit| byte << 1 | u8::from(bit))).collect()
 }
 
-fn receivers(t: &Receivers) -> Arrays {
+fn receivers(t: &ReceiversTable) -> Arrays {
     vec![
         ("ids", strings(&t.ids)),
         ("position", le(&t.position.concat(), f64::to_le_bytes)),
@@ -67,7 +69,7 @@ fn receivers(t: &Receivers) -> Arrays {
     ]
 }
 
-fn materials(t: &Materials) -> Arrays {
+fn materials(t: &MaterialsTable) -> Arrays {
     vec![
         ("name", strings(&t.name)),
         ("diffuse", le(&t.diffuse, f64::to_le_bytes)),
@@ -77,7 +79,7 @@ fn materials(t: &Materials) -> Arrays {
     ]
 }
 
-fn index(t: &Index) -> Arrays {
+fn index(t: &IndexTable) -> Arrays {
     vec![
         ("voxel", le(&t.voxel.concat(), i32::to_le_bytes)),
         ("tag", le(&t.tag, u32::to_le_bytes)),
@@ -85,7 +87,7 @@ fn index(t: &Index) -> Arrays {
     ]
 }
 
-fn cells(t: &Cells) -> Arrays {
+fn cells(t: &CellsTable) -> Arrays {
     vec![
         ("voxel", le(&t.voxel.concat(), i32::to_le_bytes)),
         ("tag", le(&t.tag, u32::to_le_bytes)),
@@ -114,7 +116,7 @@ fn chain(row: usize, chain: Chain) -> Vec<u8> {
     (row as u32).to_le_bytes().into_iter().chain([chain.len() as u8]).chain(numbers).collect()
 }
 
-fn seen(cell: &CellKey, steps: &[Step]) -> Vec<u8> {
+fn seen(cell: &CellKey, steps: &[MirrorStep]) -> Vec<u8> {
     let mut out = [cell.level.to_le_bytes()[0], cell.facing].to_vec();
     out.extend(cell.material.to_le_bytes());
     out.extend(le(&cell.voxel, i32::to_le_bytes));
@@ -164,7 +166,7 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
     let rows = block.items() as usize;
     let raw = block.bytes();
     match block.entry().kind {
-        format::RECEIVERS => receivers(&Receivers::from_block(block).expect("receivers")),
+        format::RECEIVERS => receivers(&ReceiversTable::from_block(block).expect("receivers")),
         format::SKY => {
             let squares = SkyTexture::unpack(raw, rows, s.sky_base as usize, s.sky_fine as usize).expect("sky");
             vec![("sky", squares.iter().flat_map(bits).collect())]
@@ -174,13 +176,13 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
             let tile = response::unpack(raw, rows, s.probe as usize).expect("responses");
             vec![("g", tile.iter().flat_map(|r| le(&r.values, f32::to_le_bytes)).collect())]
         }
-        format::PROBES | format::BOUNCE => cells(&Cells::from_block(block).expect("cells")),
+        format::PROBES | format::BOUNCE => cells(&CellsTable::from_block(block).expect("cells")),
         format::OPTICS => {
-            let t = Optics::from_block(block).expect("optics");
+            let t = OpticsTable::from_block(block).expect("optics");
             vec![("panes", t.panes), ("canopy", t.canopy), ("transmittance", le(&t.transmittance, f64::to_le_bytes))]
         }
         format::MIRRORS => {
-            let t = Mirrors::from_block(block).expect("mirrors");
+            let t = MirrorsTable::from_block(block).expect("mirrors");
             let normal = le(&t.normal.concat(), f64::to_le_bytes);
             vec![("normal", normal), ("material", le(&t.material, u16::to_le_bytes))]
         }
@@ -192,8 +194,8 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
             let lengths: Vec<u32> = found.iter().map(|row| row.len() as u32).collect();
             vec![("lengths", le(&lengths, u32::to_le_bytes)), ("bytes", found.concat())]
         }
-        format::INDEX => index(&Index::from_block(block).expect("an index")),
-        format::MATERIALS => materials(&Materials::from_block(block).expect("materials")),
+        format::INDEX => index(&IndexTable::from_block(block).expect("an index")),
+        format::MATERIALS => materials(&MaterialsTable::from_block(block).expect("materials")),
         other => panic!("kind {other} has no canonical bytes"),
     }
 }

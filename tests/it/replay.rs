@@ -12,9 +12,9 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::replay::tile::visible_cosines;
 use heliotile_core::sky::disc::disc_texels;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::sky::patches::Patches;
 use heliotile_core::sky::projection::Projection;
-use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;
@@ -37,7 +37,7 @@ struct Receiver {
 fn receivers(archive: &Archive) -> Vec<Receiver> {
     let settings = &archive.manifest().settings;
     let table =
-        tables::Receivers::from_block(&archive.block(format::RECEIVERS, 0).expect("receivers")).expect("a table");
+        tables::ReceiversTable::from_block(&archive.block(format::RECEIVERS, 0).expect("receivers")).expect("a table");
     let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
     let raw = archive.block(format::SKY, 0).expect("sky");
     let sky = SkyTexture::unpack(raw.bytes(), table.ids.len(), base, fine).expect("bits");

@@ -9,10 +9,10 @@ use heliotile_core::hemisphere::bit;
 use heliotile_core::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
 use heliotile_core::layers::cells::Cells;
 use heliotile_core::layers::response::Response;
-use heliotile_core::light::radiosity::{Depth, TOLERANCE, centres_f32, seen, surround};
+use heliotile_core::light::radiosity::{MaxBounces, TOLERANCE, centres_f32, seen, surround};
 use heliotile_core::light::reflector::Reflector;
-use heliotile_core::light::response_solver::Responder;
 use heliotile_core::light::response::hit_weights;
+use heliotile_core::light::response_solver::ResponseSolver;
 use heliotile_core::light::scratch::{InMemory, Scratch, ScratchSpace};
 use heliotile_core::light::tables::Tables;
 use heliotile_core::light::tile_view::TileView;
@@ -161,7 +161,8 @@ fn response_equals_plain_loop() {
     let all = All::load(&archive);
     let (tables, bounces) = (&all.tables, &all.bounces);
     let view = TileView::read(&OpenSite::of(&archive).expect("a site"), 0).expect("a tile");
-    let responder = Responder::new(tables, Depth::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
+    let responder =
+        ResponseSolver::new(tables, MaxBounces::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
     let rho = |i: usize| tables.mirrors.reflectors[usize::from(bounces.keys[i].material)].diffuse;
     let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
     let responses: Vec<Vec<[f32; 3]>> = tiles[0][0].iter().map(|response| response.vectors()).collect();
@@ -234,8 +235,8 @@ fn few_bounces_equal_plain_loop() {
     let fine = texel_centres(probe);
     let mut before = vec![0.0; 200];
     for count in 1..=3 {
-        let responder =
-            Responder::new(tables, Depth::Count(count), MemoryBudget::DEFAULT, &InMemory).expect("a responder");
+        let responder = ResponseSolver::new(tables, MaxBounces::Count(count), MemoryBudget::DEFAULT, &InMemory)
+            .expect("a responder");
         let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
         let responses: Vec<Vec<[f32; 3]>> = tiles[0][0].iter().map(|response| response.vectors()).collect();
         let (mut worst, mut added) = (0.0_f64, 0.0_f64);
@@ -274,8 +275,8 @@ fn sharing_costs_little() {
         .into_iter()
         .map(|s| heliotile_core::weather::conditions::Condition::new("c".into(), &[s], s, 1000.0, 0.0))
         .collect();
-    let a = shared.replay(&conditions, SkyModel::Perez, Depth::All);
-    let b = alone.replay(&conditions, SkyModel::Perez, Depth::All);
+    let a = shared.replay(&conditions, SkyModel::Perez, MaxBounces::All);
+    let b = alone.replay(&conditions, SkyModel::Perez, MaxBounces::All);
     let (mut square, mut bias, mut count) = (0.0, 0.0, 0.0);
     for (id, rows) in &a {
         for (x, y) in rows.iter().zip(&b[id]) {
@@ -305,7 +306,7 @@ fn sums_are_the_sums_of_hours() {
     let settings = ReplaySettings {
         sky: SkyModel::Perez,
         patches: 577,
-        depth: Depth::All,
+        depth: MaxBounces::All,
         components: ComponentSet::ALL,
         memory: MemoryBudget::new(1 << 28),
         storage: &InMemory,
@@ -345,8 +346,9 @@ fn storage_changes_nothing() {
     let derived = |bytes: u64, storage: &dyn ScratchSpace| {
         let stored: Vec<f64> = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         let states = vec![stored.clone(), stored.iter().map(|value| value / 2.0).collect()];
-        let responder = Responder::with_states(&tables, states, Depth::All, MemoryBudget::new(bytes), storage)
-            .expect("a responder");
+        let responder =
+            ResponseSolver::with_states(&tables, states, MaxBounces::All, MemoryBudget::new(bytes), storage)
+                .expect("a responder");
         responder.derive(&tables, std::slice::from_ref(&view)).expect("responses")
     };
     let bits = |responses: Vec<Vec<Vec<Response>>>| -> Vec<u32> {
@@ -357,7 +359,8 @@ fn storage_changes_nothing() {
     assert!(bits(derived(8 << 10, &TempFiles::new(folder.path()))) == fits);
     assert!(bits(derived(8 << 10, &InMemory)) == fits);
     let states = vec![tables.mirrors.reflectors.iter().map(Reflector::variable).collect()];
-    let refused = Responder::with_states(&tables, states, Depth::All, MemoryBudget::new(8 << 10), &NoStorage).err();
+    let refused =
+        ResponseSolver::with_states(&tables, states, MaxBounces::All, MemoryBudget::new(8 << 10), &NoStorage).err();
     assert!(matches!(refused, Some(Error::Limit { value: 1, .. })), "8 kB must not be enough");
 }
 

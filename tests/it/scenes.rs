@@ -13,7 +13,7 @@ use heliotile_builder::settings::Quality;
 use heliotile_builder::settings::ladder::Rungs;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
@@ -207,7 +207,7 @@ pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> 
 
 impl Site {
     /// Irradiance per receiver id: one row a condition.
-    pub fn replay(&self, conditions: &[Condition], sky: SkyModel, depth: Depth) -> BTreeMap<String, Vec<Row>> {
+    pub fn replay(&self, conditions: &[Condition], sky: SkyModel, depth: MaxBounces) -> BTreeMap<String, Vec<Row>> {
         self.replay_with(conditions, sky, depth, 577)
     }
 
@@ -216,7 +216,7 @@ impl Site {
         &self,
         conditions: &[Condition],
         sky: SkyModel,
-        depth: Depth,
+        depth: MaxBounces,
         patches: usize,
     ) -> BTreeMap<String, Vec<Row>> {
         replay(&self.path, conditions, sky, depth, patches)
@@ -224,7 +224,7 @@ impl Site {
 
     /// One condition under a uniform sky, all bounces.
     pub fn uniform(&self) -> BTreeMap<String, Row> {
-        let rows = self.replay(&[sky_only()], SkyModel::Uniform, Depth::All);
+        let rows = self.replay(&[sky_only()], SkyModel::Uniform, MaxBounces::All);
         rows.into_iter().map(|(id, rows)| (id, rows[0])).collect()
     }
 }
@@ -254,7 +254,7 @@ pub fn replay(
     path: &Path,
     conditions: &[Condition],
     sky: SkyModel,
-    depth: Depth,
+    depth: MaxBounces,
     patches: usize,
 ) -> BTreeMap<String, Vec<Row>> {
     let archive = Archive::open(path).expect("an archive");

@@ -12,7 +12,7 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, encode, format, tables};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::response::Response;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
@@ -216,7 +216,7 @@ fn an_extract_is_a_build() {
         folder.extract("whole.helio", "part.helio", &ids(some)).expect("an extract");
         folder.build("built.helio", some, &coarse(), 0.4);
         assert!(folder.bytes("part.helio") == folder.bytes("built.helio"), "{} receivers", some.len());
-        for (sky, depth) in [(SkyModel::Perez, Depth::All), (SkyModel::Uniform, Depth::Count(2))] {
+        for (sky, depth) in [(SkyModel::Perez, MaxBounces::All), (SkyModel::Uniform, MaxBounces::Count(2))] {
             let (part, whole) = (light("part.helio", sky, depth), light("whole.helio", sky, depth));
             assert_eq!(part.len(), some.len());
             assert!(part.iter().all(|(id, rows)| whole[id] == *rows));
@@ -333,7 +333,7 @@ fn conflicts_are_named() {
     let change = |kind: u32| {
         move |block: &Block| -> Option<EncodedBlock> {
             (block.entry().kind == kind && block.entry().tile == 0).then(|| {
-                let mut table = tables::Cells::from_block(block).expect("cells");
+                let mut table = tables::CellsTable::from_block(block).expect("cells");
                 table.bits[0] ^= 1;
                 table.encode(kind, 0, 9).expect("a block")
             })
@@ -399,7 +399,7 @@ fn other_orders_are_refused() {
     folder.build("a.helio", &some, &coarse(), 0.4);
     let swap = |block: &Block| {
         (block.entry().kind == format::RECEIVERS).then(|| {
-            let mut table = tables::Receivers::from_block(block).expect("receivers");
+            let mut table = tables::ReceiversTable::from_block(block).expect("receivers");
             table.position.swap(0, 1);
             table.encode(format::RECEIVERS, 0, 9).expect("a block")
         })

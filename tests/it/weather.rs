@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use glam::DVec3;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::weather::calendar::Date;
-use heliotile_core::weather::sun::Site as Place;
+use heliotile_core::weather::sun::Location as Place;
 
 use crate::scenes::{Site, ground, receiver, scene, site, v};
 

@@ -60,14 +60,14 @@ fn mirrored_bits(i: u32) -> f64 {
 }
 
 /// Where conditions come from.
-pub enum Suns {
+pub enum ErrorConditions {
     /// All sides: [`spread`].
     Spread,
     /// A file by its name.
     Weather(String, Box<Weather>),
 }
 
-impl Suns {
+impl ErrorConditions {
     /// Of a weather file, which has an hour with light.
     pub fn of_weather(path: &Path, weather: Weather) -> Result<Self> {
         if !weather.conditions(1).iter().any(is_lit) {
@@ -75,20 +75,20 @@ impl Suns {
             return Err(Error::input(path, None, "has no hour with light", hint));
         }
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        Ok(Suns::Weather(name, Box::new(weather)))
+        Ok(ErrorConditions::Weather(name, Box::new(weather)))
     }
 
     /// For people and the manifest.
     pub fn name(&self) -> &str {
         match self {
-            Suns::Spread => "suns from all sides",
-            Suns::Weather(name, _) => name,
+            ErrorConditions::Spread => "suns from all sides",
+            ErrorConditions::Weather(name, _) => name,
         }
     }
 
     /// So many conditions; of a weather file hours with light, evenly chosen, the sun in the middle of each.
     pub fn some(&self, count: usize) -> Vec<Condition> {
-        let Suns::Weather(_, weather) = self else { return spread(count) };
+        let ErrorConditions::Weather(_, weather) = self else { return spread(count) };
         let lit: Vec<Condition> = weather.conditions(1).into_iter().filter(is_lit).collect();
         let count = count.min(lit.len());
         (0..count).map(|i| lit[i * lit.len() / count].clone()).collect()
@@ -97,8 +97,8 @@ impl Suns {
     /// All hours of a year, each with so many sun positions.
     pub fn year(&self, steps: usize) -> Vec<Condition> {
         match self {
-            Suns::Spread => spread_year(steps),
-            Suns::Weather(_, weather) => weather.conditions(steps),
+            ErrorConditions::Spread => spread_year(steps),
+            ErrorConditions::Weather(_, weather) => weather.conditions(steps),
         }
     }
 }

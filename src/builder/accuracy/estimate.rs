@@ -5,7 +5,7 @@
 //! e_c / e_k as on typical sites, that of the finest trial follows from the next coarser one, then those of all others. Rungs
 //! that were not tried lie where typical ones would.
 
-use crate::accuracy::trial::{Light, Source, Trial};
+use crate::accuracy::trial::{ErrorSource, Irradiances, Trial};
 use crate::settings::ladder::{BOUNCED_RUNGS, PATCH_RUNGS, Rungs, SEEN_RUNGS, SKY_RUNGS};
 
 /// RMSE of the hourly total by rungs of one ladder, percent of its mean, and CPU milliseconds a receiver.
@@ -16,14 +16,16 @@ struct Typical {
 
 /// Rounded from trials on the sites of `tools/accuracy/run`, whose tradeoff.csv gives such errors (sky_percent, seen_percent,
 /// bounced_percent). Only their ratios count.
-const fn typical(source: Source) -> Typical {
+const fn typical(source: ErrorSource) -> Typical {
     match source {
-        Source::Sky => Typical { percent: &[4.2, 2.0, 0.58, 0.56, 0.33, 0.18], cost: &[1.0, 1.4, 2.0, 2.3, 3.5, 6.0] },
-        Source::Seen => Typical {
+        ErrorSource::Sky => {
+            Typical { percent: &[4.2, 2.0, 0.58, 0.56, 0.33, 0.18], cost: &[1.0, 1.4, 2.0, 2.3, 3.5, 6.0] }
+        }
+        ErrorSource::Seen => Typical {
             percent: &[2.9, 1.35, 0.97, 0.55, 0.39, 0.30, 0.12],
             cost: &[0.3, 0.8, 1.5, 3.5, 6.5, 20.0, 60.0],
         },
-        Source::Bounced => {
+        ErrorSource::Bounced => {
             Typical { percent: &[0.55, 0.42, 0.3, 0.2, 0.11, 0.06], cost: &[0.3, 0.5, 1.2, 3.0, 6.0, 25.0] }
         }
     }
@@ -37,7 +39,7 @@ pub struct Curve {
 
 impl Curve {
     /// From distances in percent between trials and the finest one: (rung, distance), and the finest trial's rung.
-    pub fn through(source: Source, distances: &[(usize, f64)], finest: usize) -> Self {
+    pub fn through(source: ErrorSource, distances: &[(usize, f64)], finest: usize) -> Self {
         let typical = typical(source).percent;
         let mut known: Vec<(usize, f64)> = distances.iter().copied().filter(|d| d.0 != finest).collect();
         known.sort_by_key(|d| d.0);
@@ -66,7 +68,7 @@ impl Curve {
 /// Errors of all ladders on one site, percent of the mean total.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Errors {
-    /// In the order of [`Source::ALL`].
+    /// In the order of [`ErrorSource::ALL`].
     pub curves: [Curve; 3],
     pub patches: [f64; PATCH_RUNGS],
 }
@@ -76,7 +78,7 @@ impl Errors {
     pub fn of(trials: &[(Rungs, Trial)], finest: &(Rungs, Trial), patches: [f64; PATCH_RUNGS]) -> Self {
         let (finest, truth) = finest;
         let mean = truth.light.mean();
-        let curves = Source::ALL.map(|source| {
+        let curves = ErrorSource::ALL.map(|source| {
             let distance = |(rungs, trial): &(Rungs, Trial)| {
                 (rung(*rungs, source), percent(trial.light.source_error(&truth.light, source).rmse, mean))
             };
@@ -86,13 +88,13 @@ impl Errors {
     }
 
     /// Error of a source at some rungs.
-    pub fn at(&self, rungs: Rungs, source: Source) -> f64 {
+    pub fn at(&self, rungs: Rungs, source: ErrorSource) -> f64 {
         self.curves[source as usize].percent[rung(rungs, source)]
     }
 
     /// Error of the total at some rungs: sources are independent.
     pub fn total(&self, rungs: Rungs) -> f64 {
-        let squares = Source::ALL.map(|source| self.at(rungs, source).powi(2));
+        let squares = ErrorSource::ALL.map(|source| self.at(rungs, source).powi(2));
         (squares.iter().sum::<f64>() + self.patches[rungs.patches].powi(2)).sqrt()
     }
 
@@ -117,22 +119,22 @@ impl Errors {
 }
 
 /// Rung on the ladder of a source.
-pub fn rung(rungs: Rungs, source: Source) -> usize {
+pub fn rung(rungs: Rungs, source: ErrorSource) -> usize {
     match source {
-        Source::Sky => rungs.sky,
-        Source::Seen => rungs.seen,
-        Source::Bounced => rungs.bounced,
+        ErrorSource::Sky => rungs.sky,
+        ErrorSource::Seen => rungs.seen,
+        ErrorSource::Bounced => rungs.bounced,
     }
 }
 
 /// Typical CPU milliseconds of a receiver; what patches cost is small.
 fn cost(rungs: Rungs) -> f64 {
-    let traced = Source::ALL.map(|source| typical(source).cost[rung(rungs, source)]);
+    let traced = ErrorSource::ALL.map(|source| typical(source).cost[rung(rungs, source)]);
     traced.iter().sum::<f64>() + 0.05 * rungs.patches as f64
 }
 
 /// What each number of patches is off by, from lights of one archive; the last is the finest.
-pub fn patch_errors(lights: &[Light; PATCH_RUNGS]) -> [f64; PATCH_RUNGS] {
+pub fn patch_errors(lights: &[Irradiances; PATCH_RUNGS]) -> [f64; PATCH_RUNGS] {
     let truth = &lights[PATCH_RUNGS - 1];
     let mut errors = lights.each_ref().map(|light| percent(light.total_error(truth).rmse, truth.mean()));
     // Four times the patches are a quarter as wide, and the error falls about as fast.
@@ -153,13 +155,13 @@ mod tests {
     /// 1e-9; trials of no distance mean no error.
     #[test]
     fn a_typical_site() {
-        let typical = typical(Source::Sky).percent;
+        let typical = typical(ErrorSource::Sky).percent;
         let distance = |rung: usize| (rung, 2.0 * typical[rung].hypot(typical[4]));
-        let curve = Curve::through(Source::Sky, &[distance(1), distance(2)], 4);
+        let curve = Curve::through(ErrorSource::Sky, &[distance(1), distance(2)], 4);
         for (found, typical) in curve.percent.iter().zip(typical) {
             assert!((found - 2.0 * typical).abs() < 1e-9, "{found} {typical}");
         }
-        let none = Curve::through(Source::Bounced, &[(1, 0.0), (2, 0.0)], 3);
+        let none = Curve::through(ErrorSource::Bounced, &[(1, 0.0), (2, 0.0)], 3);
         assert_eq!(none.percent.iter().sum::<f64>(), 0.0);
     }
 
@@ -167,12 +169,12 @@ mod tests {
     /// 5 % than for 1 %, and the finest ones for 0.01 %.
     #[test]
     fn cheaper_for_less() {
-        for (source, rungs) in Source::ALL.into_iter().zip([SKY_RUNGS, SEEN_RUNGS, BOUNCED_RUNGS]) {
+        for (source, rungs) in ErrorSource::ALL.into_iter().zip([SKY_RUNGS, SEEN_RUNGS, BOUNCED_RUNGS]) {
             let typical = typical(source);
             assert_eq!((typical.percent.len(), typical.cost.len()), (rungs, rungs));
             assert!(typical.percent.is_sorted_by(|a, b| a > b) && typical.cost.is_sorted_by(|a, b| a < b));
         }
-        let curves = Source::ALL.map(|s| Curve { percent: typical(s).percent.to_vec() });
+        let curves = ErrorSource::ALL.map(|s| Curve { percent: typical(s).percent.to_vec() });
         let errors = Errors { curves, patches: [0.27, 0.06, 0.01] };
         let (five, one) = (errors.cheapest(5.0), errors.cheapest(1.0));
         assert!(cost(five) < cost(one) && errors.total(one) <= 1.0 && errors.total(five) <= 5.0);

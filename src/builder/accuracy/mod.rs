@@ -17,13 +17,13 @@ use crate::observer::Stage;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::ladder::{self, BOUNCED_RUNGS, PATCH_RUNGS, SEEN_RUNGS, SKY_RUNGS};
 use crate::settings::{BuildSettings, Effects, Rungs};
-use conditions::Suns;
+use conditions::ErrorConditions;
 use estimate::{Errors, patch_errors, percent, rung};
 use heliotile_core::archive::accuracy::{Accuracy, TileError};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::receiver::{Receiver, TILE};
-use trial::{Bench, Light, Source, Trial};
+use trial::{Bench, ErrorSource, Irradiances, Trial};
 
 /// Receivers of the pilot, and of the check: so many of all, within limits.
 const SHARE: usize = 16;
@@ -43,19 +43,19 @@ const FINEST_PILOT_BOUNCES: usize = 4;
 const ROUNDS: usize = 3;
 
 /// What is looked for.
-pub struct Wish<'a> {
+pub struct PilotRequest<'a> {
     pub target_percent: f64,
     /// What errors are estimated under.
-    pub suns: &'a Suns,
+    pub suns: &'a ErrorConditions,
     pub left_out: Effects,
 }
 
 /// What was found.
 #[derive(Clone, Debug)]
-pub struct Choice {
+pub struct SettingsChoice {
     pub settings: BuildSettings,
     pub accuracy: Accuracy,
-    /// RMSE of each source that was expected, percent of the mean total: [`Source::ALL`], then the sky's patches.
+    /// RMSE of each source that was expected, percent of the mean total: [`ErrorSource::ALL`], then the sky's patches.
     pub sources_percent: [f64; 4],
     /// Seconds that it took to find out.
     pub pilot_s: f64,
@@ -79,7 +79,7 @@ pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, R
 }
 
 /// Settings for a target.
-pub fn choose(build: &mut Build, wish: &Wish) -> Result<Choice> {
+pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> {
     let started = Instant::now();
     let conditions = wish.suns.some(CONDITIONS);
     let each = (build.receivers.count() / SHARE).clamp(LEAST, MOST).min(build.receivers.count().div_ceil(2));
@@ -125,7 +125,7 @@ pub fn choose(build: &mut Build, wish: &Wish) -> Result<Choice> {
         }
         chosen = again;
         let next = crate::accuracy::finer(chosen, &errors, wish.target_percent);
-        if Source::ALL.iter().all(|&source| rung(next, source) <= rung(finer, source)) {
+        if ErrorSource::ALL.iter().all(|&source| rung(next, source) <= rung(finer, source)) {
             break;
         }
         finer = next;
@@ -138,7 +138,7 @@ pub fn choose(build: &mut Build, wish: &Wish) -> Result<Choice> {
     let (mut scale, mut round) = (1.0, 1);
     let (accuracy, expected) = loop {
         let (_, here) = try_out(1, chosen)?;
-        let left = Source::ALL.map(|source| scale * errors.at(finer, source).min(errors.at(chosen, source)));
+        let left = ErrorSource::ALL.map(|source| scale * errors.at(finer, source).min(errors.at(chosen, source)));
         let accuracy = found(&here.light, &truth, left, tile);
         let expected = scale * errors.total(chosen);
         let again = errors.cheapest(wish.target_percent * expected / (scale * accuracy.rmse_percent));
@@ -147,7 +147,7 @@ pub fn choose(build: &mut Build, wish: &Wish) -> Result<Choice> {
         }
         (chosen, scale, round) = (again, scale * accuracy.rmse_percent / expected, round + 1);
         let next = crate::accuracy::finer(chosen, &errors, wish.target_percent / scale);
-        if Source::ALL.iter().any(|&source| rung(next, source) > rung(finer, source)) {
+        if ErrorSource::ALL.iter().any(|&source| rung(next, source) > rung(finer, source)) {
             finer = next;
             truth = judge(finer)?.1.light;
         }
@@ -161,15 +161,15 @@ pub fn choose(build: &mut Build, wish: &Wish) -> Result<Choice> {
         weather: wish.suns.name().into(),
         ..accuracy
     };
-    let [sky, seen, bounced] = Source::ALL.map(|source| scale * errors.at(chosen, source));
+    let [sky, seen, bounced] = ErrorSource::ALL.map(|source| scale * errors.at(chosen, source));
     let sources_percent = [sky, seen, bounced, scale * patches[chosen.patches]];
     let pilot_s = started.elapsed().as_secs_f64();
-    Ok(Choice { settings: settings(chosen), accuracy, sources_percent, pilot_s })
+    Ok(SettingsChoice { settings: settings(chosen), accuracy, sources_percent, pilot_s })
 }
 
 /// Settings to judge some rungs by: one rung up where that source's error matters.
 fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
-    let up = |source: Source, length: usize| {
+    let up = |source: ErrorSource, length: usize| {
         let at = rung(rungs, source);
         if errors.at(rungs, source) > MATTERS * target_percent { (at + 1).min(length - 1) } else { at }
     };
@@ -177,14 +177,14 @@ fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
     Rungs {
         // Skies cost little.
         sky: (2..SKY_RUNGS).find(|&sky| fine(sky) > fine(rungs.sky)).unwrap_or(SKY_RUNGS - 1),
-        seen: up(Source::Seen, SEEN_RUNGS).max(2),
-        bounced: up(Source::Bounced, BOUNCED_RUNGS).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
+        seen: up(ErrorSource::Seen, SEEN_RUNGS).max(2),
+        bounced: up(ErrorSource::Bounced, BOUNCED_RUNGS).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
         patches: rungs.patches,
     }
 }
 
 /// How far a light lies from a finer one that is itself off by `left` percent, source by source.
-fn found(light: &Light, truth: &Light, left: [f64; 3], tile: impl Fn(usize) -> u32) -> Accuracy {
+fn found(light: &Irradiances, truth: &Irradiances, left: [f64; 3], tile: impl Fn(usize) -> u32) -> Accuracy {
     let mean = truth.mean();
     let [sky, seen, bounced] = left;
     let in_percent = |difference: f64| rounded(percent(difference, mean));

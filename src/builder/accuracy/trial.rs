@@ -13,7 +13,7 @@ use crate::settings::BuildSettings;
 use crate::spill::TempFiles;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
@@ -49,7 +49,7 @@ impl Observer for Quiet<'_> {
 pub struct Trial {
     pub settings: BuildSettings,
     pub archive: PathBuf,
-    pub light: Light,
+    pub light: Irradiances,
     pub rays: RayCounts,
     pub bytes: u64,
     /// CPU seconds of the build, compression included.
@@ -58,7 +58,7 @@ pub struct Trial {
 
 /// Irradiances, W/m2, by what they tell of errors: `[receiver][condition]`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Light {
+pub struct Irradiances {
     pub conditions: usize,
     /// The six components, and sun_diffuse and sky_diffuse of a single reflection.
     pub rows: Vec<[f32; 8]>,
@@ -83,7 +83,7 @@ impl Bench<'_> {
     }
 
     /// What the receivers of an archive get, with so many sky patches.
-    pub fn light(&self, archive: &Path, patches: usize) -> Result<Light> {
+    pub fn light(&self, archive: &Path, patches: usize) -> Result<Irradiances> {
         let archive = Archive::open_with(archive, Access::Read)?;
         let (diffuse, conditions) = ([Component::SunDiffuse, Component::SkyDiffuse], self.conditions);
         let mut rows: Vec<[f32; 8]> = Vec::new();
@@ -96,7 +96,7 @@ impl Bench<'_> {
             ..ReplaySettings::default()
         };
         let site = OpenSite::of(&archive)?;
-        let all = Replay::new(&site, conditions, settings(Depth::All))?;
+        let all = Replay::new(&site, conditions, settings(MaxBounces::All))?;
         for tile in all.results(0..all.tiles()) {
             let (ids, values) = tile?;
             for receiver in 0..ids.len() {
@@ -107,7 +107,7 @@ impl Bench<'_> {
                 }));
             }
         }
-        let once = Replay::new(&site, conditions, settings(Depth::Count(1)))?;
+        let once = Replay::new(&site, conditions, settings(MaxBounces::Count(1)))?;
         let mut next = 0;
         for tile in once.results(0..once.tiles()) {
             let (ids, values) = tile?;
@@ -120,13 +120,13 @@ impl Bench<'_> {
                 }
             }
         }
-        Ok(Light { conditions: conditions.len(), rows })
+        Ok(Irradiances { conditions: conditions.len(), rows })
     }
 }
 
 /// A source of error that has a ladder of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum ErrorSource {
     /// Sky textures: sun and sky, direct and in mirrors.
     Sky,
     /// Cells that are seen: one diffuse reflection.
@@ -135,22 +135,22 @@ pub enum Source {
     Bounced,
 }
 
-impl Source {
-    pub const ALL: [Source; 3] = [Source::Sky, Source::Seen, Source::Bounced];
+impl ErrorSource {
+    pub const ALL: [ErrorSource; 3] = [ErrorSource::Sky, ErrorSource::Seen, ErrorSource::Bounced];
 
     fn of(self, row: &[f32; 8]) -> f64 {
         let [sun, sky, sun_diffuse, sky_diffuse, sun_specular, sky_specular, once_sun, once_sky] = row.map(f64::from);
         match self {
-            Source::Sky => sun + sky + sun_specular + sky_specular,
-            Source::Seen => once_sun + once_sky,
-            Source::Bounced => sun_diffuse + sky_diffuse - once_sun - once_sky,
+            ErrorSource::Sky => sun + sky + sun_specular + sky_specular,
+            ErrorSource::Seen => once_sun + once_sky,
+            ErrorSource::Bounced => sun_diffuse + sky_diffuse - once_sun - once_sky,
         }
     }
 }
 
 /// How two lights differ, W/m2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Difference {
+pub struct ErrorMeasures {
     pub rmse: f64,
     pub bias: f64,
     pub mean_absolute: f64,
@@ -160,13 +160,13 @@ fn total(row: &[f32; 8]) -> f64 {
     row.iter().take(6).map(|x| f64::from(*x)).sum()
 }
 
-impl Light {
+impl Irradiances {
     /// Mean total.
     pub fn mean(&self) -> f64 {
         self.rows.iter().map(total).sum::<f64>() / self.rows.len().max(1) as f64
     }
 
-    fn differ(&self, truth: &Light, part: impl Fn(&[f32; 8]) -> f64) -> Difference {
+    fn differ(&self, truth: &Irradiances, part: impl Fn(&[f32; 8]) -> f64) -> ErrorMeasures {
         let count = self.rows.len().max(1) as f64;
         let (mut squares, mut sum, mut absolute) = (0.0, 0.0, 0.0);
         for (row, right) in self.rows.iter().zip(&truth.rows) {
@@ -175,27 +175,27 @@ impl Light {
             sum += error;
             absolute += error.abs();
         }
-        Difference { rmse: (squares / count).sqrt(), bias: sum / count, mean_absolute: absolute / count }
+        ErrorMeasures { rmse: (squares / count).sqrt(), bias: sum / count, mean_absolute: absolute / count }
     }
 
     /// Errors of the total.
-    pub fn total_error(&self, truth: &Light) -> Difference {
+    pub fn total_error(&self, truth: &Irradiances) -> ErrorMeasures {
         self.differ(truth, total)
     }
 
     /// Errors of what has one source.
-    pub fn source_error(&self, truth: &Light, source: Source) -> Difference {
+    pub fn source_error(&self, truth: &Irradiances, source: ErrorSource) -> ErrorMeasures {
         self.differ(truth, |row| source.of(row))
     }
 
     /// Errors of each of the six components.
-    pub fn component_errors(&self, truth: &Light) -> [Difference; 6] {
+    pub fn component_errors(&self, truth: &Irradiances) -> [ErrorMeasures; 6] {
         std::array::from_fn(|component| self.differ(truth, |row| f64::from(row[component])))
     }
 
     /// Errors of each receiver's mean over the conditions.
-    pub fn yearly_error(&self, truth: &Light) -> Difference {
-        let means = |light: &Light| -> Vec<[f32; 8]> {
+    pub fn yearly_error(&self, truth: &Irradiances) -> ErrorMeasures {
+        let means = |light: &Irradiances| -> Vec<[f32; 8]> {
             let each = light.rows.chunks(self.conditions.max(1));
             each.map(|rows| {
                 let mean = rows.iter().map(total).sum::<f64>() / rows.len() as f64;
@@ -203,15 +203,15 @@ impl Light {
             })
             .collect()
         };
-        let of = |light| Light { conditions: 1, rows: means(light) };
+        let of = |light| Irradiances { conditions: 1, rows: means(light) };
         of(self).differ(&of(truth), total)
     }
 
     /// The rows of some receivers: those for which `kept` is true of their number.
-    pub fn some(&self, kept: impl Fn(usize) -> bool) -> Light {
+    pub fn some(&self, kept: impl Fn(usize) -> bool) -> Irradiances {
         let each = self.rows.chunks(self.conditions.max(1)).enumerate();
         let rows = each.filter(|(receiver, _)| kept(*receiver)).flat_map(|(_, rows)| rows.iter().copied()).collect();
-        Light { conditions: self.conditions, rows }
+        Irradiances { conditions: self.conditions, rows }
     }
 }
 
@@ -224,13 +224,13 @@ mod tests {
     #[test]
     fn errors_by_source() {
         let row = |sun: f32, reflected: f32| [sun, 0.0, reflected, 0.0, 0.0, 0.0, 4.0, 0.0];
-        let truth = Light { conditions: 2, rows: vec![row(100.0, 5.0), row(50.0, 5.0)] };
-        let light = Light { conditions: 2, rows: vec![row(103.0, 6.0), row(49.0, 6.0)] };
-        let sky = light.source_error(&truth, Source::Sky);
+        let truth = Irradiances { conditions: 2, rows: vec![row(100.0, 5.0), row(50.0, 5.0)] };
+        let light = Irradiances { conditions: 2, rows: vec![row(103.0, 6.0), row(49.0, 6.0)] };
+        let sky = light.source_error(&truth, ErrorSource::Sky);
         assert!((sky.rmse - 5.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!((sky.bias, sky.mean_absolute), (1.0, 2.0));
-        assert_eq!(light.source_error(&truth, Source::Seen), Difference::default());
-        assert_eq!(light.source_error(&truth, Source::Bounced).rmse, 1.0);
+        assert_eq!(light.source_error(&truth, ErrorSource::Seen), ErrorMeasures::default());
+        assert_eq!(light.source_error(&truth, ErrorSource::Bounced).rmse, 1.0);
         assert_eq!(light.yearly_error(&truth).rmse, 2.0);
         assert_eq!(truth.mean(), 80.0);
         assert_eq!(light.some(|receiver| receiver > 0).rows.len(), 0);

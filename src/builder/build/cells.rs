@@ -109,8 +109,8 @@ impl SiteTracer<'_> {
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
     pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
         let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
-        if writer.has(format::INDEX, tables::Index::BOUNCE) {
-            let index = tables::Index::from_block(&writer.block(format::INDEX, tables::Index::BOUNCE)?)?;
+        if writer.has(format::INDEX, tables::IndexTable::BOUNCE) {
+            let index = tables::IndexTable::from_block(&writer.block(format::INDEX, tables::IndexTable::BOUNCE)?)?;
             let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, chunk)?.items()));
             return (0..index.rows() as u32).map(items).sum();
         }

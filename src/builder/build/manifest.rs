@@ -12,7 +12,7 @@ use heliotile_core::site::receiver::TILE;
 
 /// What a build counted.
 #[derive(Clone, Copy, Debug)]
-pub struct Counts {
+pub struct BuildCounts {
     pub receivers: u64,
     pub tiles: u32,
     pub probes: u64,
@@ -22,7 +22,7 @@ pub struct Counts {
 impl SiteTracer<'_> {
     pub(super) fn materials_block(&self) -> Result<EncodedBlock> {
         let materials = &self.scene.materials;
-        let table = tables::Materials {
+        let table = tables::MaterialsTable {
             name: materials.iter().map(|m| m.name.clone()).collect(),
             diffuse: materials.iter().map(|m| m.diffuse).collect(),
             specular: materials.iter().map(|m| m.specular).collect(),
@@ -38,7 +38,7 @@ impl SiteTracer<'_> {
         if !materials.iter().any(|m| m.mirrors() || m.transmittance.is_some()) {
             return Ok(Vec::new());
         }
-        let table = tables::Optics {
+        let table = tables::OpticsTable {
             panes: materials.iter().map(|m| m.glass.map_or(0, Glass::panes)).collect(),
             canopy: materials.iter().map(|m| u8::from(m.transmittance.is_some())).collect(),
             transmittance: materials.iter().map(|m| m.transmittance.unwrap_or(0.0)).collect(),
@@ -46,7 +46,7 @@ impl SiteTracer<'_> {
         let mut blocks = vec![table.encode(format::OPTICS, 0, COMPRESSION)?];
         if let Some(reflections) = &self.reflections {
             let orientations = reflections.orientations();
-            let table = tables::Mirrors {
+            let table = tables::MirrorsTable {
                 normal: orientations.iter().map(|o| o.normal.to_array()).collect(),
                 material: orientations.iter().map(|o| o.material).collect(),
             };
@@ -57,7 +57,7 @@ impl SiteTracer<'_> {
 
     pub(super) fn manifest(
         &self,
-        counts: &Counts,
+        counts: &BuildCounts,
         accuracy: Option<&Accuracy>,
         layers: Vec<manifest::LayerSummary>,
     ) -> Manifest {
@@ -86,7 +86,7 @@ impl SiteTracer<'_> {
             settings: self.settings.stated(),
             accuracy: accuracy.cloned(),
             place: self.scene.place,
-            counts: manifest::Counts { probes: counts.probes, bounce_cells: counts.bounce_cells },
+            counts: manifest::CellCounts { probes: counts.probes, bounce_cells: counts.bounce_cells },
             layers,
             ..Manifest::default()
         }

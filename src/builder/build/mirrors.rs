@@ -10,14 +10,14 @@ use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::surroundings::{Surroundings, level_seen};
 use heliotile_core::hemisphere::{Centres, HEMISPHERE_SR, mix};
 use heliotile_core::layers::bits::BitSquare;
-use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, Path, Window};
+use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath, Window};
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::light::mirrors::left;
 use heliotile_core::site::cells::{CellKey, level_of};
 
 impl SiteTracer<'_> {
     /// The surfaces that a receiver sees in mirrors; adds the rays that are cast to a count.
-    pub(super) fn mirror_paths(&self, view: &Viewpoint, hits: &HitTrace, rays: &mut u64) -> Vec<Path> {
+    pub(super) fn mirror_paths(&self, view: &Viewpoint, hits: &HitTrace, rays: &mut u64) -> Vec<MirrorPath> {
         let Some(reflections) = self.reflections.as_ref().filter(|_| self.traces(Effect::Diffuse)) else {
             return Vec::new();
         };
@@ -29,7 +29,7 @@ impl SiteTracer<'_> {
         for ((texel, start), (met, end)) in hits.mirrors.iter().zip(reflections.follow(&starts, rays)) {
             let path = |met: Met| {
                 let level = cells.level(met.length_m, texel_angle);
-                Path { texel: *texel as u32, cell: reflections.cell(&met, level), steps: met.steps }
+                MirrorPath { texel: *texel as u32, cell: reflections.cell(&met, level), steps: met.steps }
             };
             if end == End::Cut {
                 let share = met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors));

@@ -35,7 +35,7 @@ use report::Clock;
 use site_tracer::SiteTracer;
 
 pub use forecast::{Forecast, Line, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
-pub use manifest::Counts;
+pub use manifest::BuildCounts;
 pub use output::{Output, Start};
 pub use plan::{ErrorTarget, Plan, PlanRequest};
 pub use prepared::PreparedScene;
@@ -121,7 +121,7 @@ impl Build<'_> {
 
 /// What an archive holds whose blocks are all written.
 struct Traced {
-    counts: Counts,
+    counts: BuildCounts,
     rays: RayCounts,
     warnings: Vec<String>,
     manifest: Manifest,
@@ -154,7 +154,7 @@ fn trace(
         }
     }
     let tiles = receivers.tile_count() as u32;
-    let counts = Counts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
+    let counts = BuildCounts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
     tracer.write_responses(tiles, writer, clock)?;
     let manifest = tracer.manifest(&counts, plan.accuracy.as_ref(), writer.layers());
     warnings.extend(tiles::warnings(&misplaced));

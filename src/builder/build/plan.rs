@@ -2,8 +2,8 @@
 
 use super::Build;
 use super::forecast::Forecast;
-use crate::accuracy::conditions::Suns;
-use crate::accuracy::{Choice, Wish, choose};
+use crate::accuracy::conditions::ErrorConditions;
+use crate::accuracy::{PilotRequest, SettingsChoice, choose};
 use crate::settings::{BuildSettings, EffectChoice};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::error::Result;
@@ -23,7 +23,7 @@ pub struct ErrorTarget<'a> {
     /// Largest RMSE of hourly totals, percent of their mean.
     pub percent: f64,
     /// What it is estimated under.
-    pub suns: &'a Suns,
+    pub suns: &'a ErrorConditions,
 }
 
 /// What will be built.
@@ -35,7 +35,7 @@ pub struct Plan {
     /// Only where it was asked for.
     pub forecast: Option<Forecast>,
     /// Only where settings were chosen for an error.
-    pub choice: Option<Choice>,
+    pub choice: Option<SettingsChoice>,
 }
 
 impl Plan {
@@ -53,8 +53,10 @@ impl Build<'_> {
             let settings = BuildSettings { left_out: first.left_out, ..request.settings };
             return Ok(Plan { forecast: Some(first), ..Plan::of(settings) });
         };
-        let choice =
-            choose(self, &Wish { target_percent: target.percent, suns: target.suns, left_out: first.left_out })?;
+        let choice = choose(
+            self,
+            &PilotRequest { target_percent: target.percent, suns: target.suns, left_out: first.left_out },
+        )?;
         let forecast = self.forecast(&choice.settings, request.effects)?;
         Ok(Plan {
             settings: BuildSettings { left_out: forecast.left_out, ..choice.settings },

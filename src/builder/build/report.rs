@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use super::manifest::Counts;
+use super::manifest::BuildCounts;
 
 /// What a build did.
 #[derive(Clone, Debug)]
 pub struct BuildReport {
-    pub counts: Counts,
+    pub counts: BuildCounts,
     /// Cast by this run: a build that was resumed cast others before.
     pub rays: RayCounts,
     /// Seconds by stage.

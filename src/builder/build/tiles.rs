@@ -23,9 +23,9 @@ use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::mirror::ReceiverMirrors;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
-use heliotile_core::light::radiosity::Depth;
-use heliotile_core::light::response_solver::Responder;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::response::{Viewer, view_factors};
+use heliotile_core::light::response_solver::ResponseSolver;
 use heliotile_core::light::tables::Tables;
 use heliotile_core::light::tile_view::TileView;
 use heliotile_core::memory::Use;
@@ -171,7 +171,7 @@ impl SiteTracer<'_> {
         }
         let tables = Tables::of(&OpenSite::over(&*writer, Arc::clone(&self.facts)))?;
         let storage = TempFiles::new(&self.folder);
-        let responder = Responder::new(&tables, Depth::All, self.memory, &storage)?;
+        let responder = ResponseSolver::new(&tables, MaxBounces::All, self.memory, &storage)?;
         clock.lap("solve");
         let progress = Stage::begin(self.observer, "responses", Some(u64::from(tiles)));
         for group in missing.chunks(GROUP) {
@@ -286,14 +286,14 @@ impl SiteTracer<'_> {
         sky_view < BLIND && self.viewpoint(receiver).enclosed(self.tracer)
     }
 
-    fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> tables::Receivers {
+    fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> tables::ReceiversTable {
         let reflectors = &self.reflectors;
         let texels = self.settings.hit * self.settings.hit;
         let views = viewers.iter().zip(hits.texels.chunks(texels)).map(|(viewer, texels)| {
             let [ground, obstruction] = view_factors(texels, hits, reflectors, viewer);
             [viewer.sky_view, ground, obstruction].map(|share| share as f32)
         });
-        tables::Receivers::new(receivers.iter().zip(views))
+        tables::ReceiversTable::new(receivers.iter().zip(views))
     }
 }
 

@@ -20,12 +20,12 @@ pub struct Chunks {
 impl Chunks {
     /// Chunks of probes with a number of rays each.
     pub fn probes(rays: usize) -> Self {
-        Chunks::new(format::PROBES, tables::Index::PROBES, rays)
+        Chunks::new(format::PROBES, tables::IndexTable::PROBES, rays)
     }
 
     /// Chunks of bounce cells with a number of rays each.
     pub fn bounces(rays: usize) -> Self {
-        Chunks::new(format::BOUNCE, tables::Index::BOUNCE, rays)
+        Chunks::new(format::BOUNCE, tables::IndexTable::BOUNCE, rays)
     }
 
     fn new(kind: u32, index: u32, rays: usize) -> Self {
@@ -53,7 +53,7 @@ impl Chunks {
 
     /// The blocks of a chunk.
     pub fn encode(&self, number: u32, chunk: &Cells) -> Result<Vec<EncodedBlock>> {
-        let mut blocks = vec![tables::Cells::new(chunk).encode(self.kind, number, COMPRESSION)?];
+        let mut blocks = vec![tables::CellsTable::new(chunk).encode(self.kind, number, COMPRESSION)?];
         let [mirror, canopy] = format::cell_extras(self.kind);
         let mirrors = chunk.mirrors.iter().enumerate().map(|(i, mirrors)| mirrors.to_bytes(chunk.bits_of(i).len()));
         blocks.extend(extra(mirror, number, mirrors.collect())?);
@@ -72,7 +72,7 @@ impl Chunks {
     /// Writes the index, and returns the number of cells.
     pub fn finish(self, writer: &mut Writer) -> Result<u64> {
         if !self.firsts.is_empty() && !writer.has(format::INDEX, self.index) {
-            writer.append(tables::Index::new(&self.firsts).encode(format::INDEX, self.index, COMPRESSION)?)?;
+            writer.append(tables::IndexTable::new(&self.firsts).encode(format::INDEX, self.index, COMPRESSION)?)?;
         }
         Ok(self.count)
     }

@@ -13,7 +13,7 @@ use heliotile_core::layers::sky::SkyTexture;
 /// What is known of a tile before its cells are, in the order of writing.
 pub fn tile(
     number: u32,
-    receivers: &tables::Receivers,
+    receivers: &tables::ReceiversTable,
     sky: &[SkyTexture],
     hits: &HitTile,
     extras: &[ReceiverExtras],

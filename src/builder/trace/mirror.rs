@@ -14,7 +14,7 @@ use crate::trace::rays::{Hit, Ray, Tracer};
 use crate::trace::surroundings::cell_of;
 use heliotile_core::hemisphere::{Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use heliotile_core::site::cells::CellKey;
-use heliotile_core::site::chain::{Chain, MOST_MIRRORS, Orientation, Step};
+use heliotile_core::site::chain::{Chain, MOST_MIRRORS, MirrorStep, Orientation};
 use heliotile_scene::mesh::Mesh;
 use heliotile_scene::mirrors::Mirrors;
 
@@ -37,7 +37,7 @@ pub struct Met {
     /// Length of the whole way, metres.
     pub length_m: f64,
     /// The mirrors before it.
-    pub steps: Vec<Step>,
+    pub steps: Vec<MirrorStep>,
 }
 
 /// How a way by mirrors ends.
@@ -72,7 +72,7 @@ pub struct Look {
 struct Way {
     at: Start,
     chain: Chain,
-    steps: Vec<Step>,
+    steps: Vec<MirrorStep>,
     length_m: f64,
 }
 

@@ -45,7 +45,7 @@ fn statements(archive: &Archive) -> Result<Value> {
 
 /// The materials by name, with their numbers in cell keys.
 fn materials(archive: &Archive) -> Result<Value> {
-    let table = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, 0)?)?;
     let row = |i: usize| {
         json!({
             "number": i,

@@ -1,6 +1,6 @@
 //! What can be compared of a receiver or a cell, as hashes.
 
-use crate::transfer::rows::{Row, Traced};
+use crate::transfer::rows::{LayeredReceiver, TracedLayers};
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::response;
 use heliotile_core::layers::response::Response;
@@ -15,7 +15,7 @@ const PARTS: [&str; 7] = ["place", "receivers", "sky", "hit", "response", "mirro
 pub struct Digests([[u8; 32]; PARTS.len()]);
 
 impl Digests {
-    pub fn of(row: &Row<(Traced, Response)>) -> Self {
+    pub fn of(row: &LayeredReceiver<(TracedLayers, Response)>) -> Self {
         let (receiver, (traced, response)) = (&row.receiver, &row.layers);
         let floats =
             |part: [glam::DVec3; 2]| part.iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes).collect();

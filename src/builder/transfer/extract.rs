@@ -4,9 +4,9 @@ use std::path::Path;
 
 use crate::build::Workspace;
 use crate::observer::Observer;
-use crate::transfer::output::{Output, Written};
+use crate::transfer::output::{ArchiveAssembly, Assembled};
 use crate::transfer::reach::{Keys, Marks};
-use crate::transfer::rows::{Rows, Traced, cells};
+use crate::transfer::rows::{ArchiveReceivers, TracedLayers, cells};
 use crate::transfer::selection::Selection;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, Manifest};
@@ -18,7 +18,7 @@ use heliotile_core::opened::{CellSource, OpenSite};
 /// What an extract did.
 #[derive(Clone, Debug)]
 pub struct Extracted {
-    pub written: Written,
+    pub written: Assembled,
     pub of: Whole,
 }
 
@@ -44,9 +44,9 @@ pub fn extract(
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);
 
-    let mut output = Output::create(path, &[archive], observer)?;
+    let mut output = ArchiveAssembly::create(path, &[archive], observer)?;
     let mut hits = keys();
-    output.tiles(Rows::<Traced>::chosen(&site, archive, &kept).map(|row| {
+    output.tiles(ArchiveReceivers::<TracedLayers>::chosen(&site, archive, &kept).map(|row| {
         let row = row?;
         let mut seen: Vec<_> = row.layers.reached().collect();
         seen.sort_unstable();
@@ -63,7 +63,7 @@ pub fn extract(
     output.probes(settings.probe_hits, cells(&of_probes, |chunk, row| probes.contains(chunk, row)))?;
     output.bounces(settings.bounce_hits, cells(&of_bounces, |chunk, row| bounces.contains(chunk, row)))?;
     output.materials(archive)?;
-    output.responses(Rows::<Response>::chosen(&site, archive, &kept))?;
+    output.responses(ArchiveReceivers::<Response>::chosen(&site, archive, &kept))?;
     output.copy_unknown(&[archive])?;
     let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
     let written = output.finish(Manifest { accuracy, ..manifest.clone() })?;

@@ -8,8 +8,8 @@ use crate::spill::Sorter;
 use crate::transfer::compare::differences;
 use crate::transfer::conflicts::Conflicts;
 use crate::transfer::digests::{Digests, cell_name, same_cell};
-use crate::transfer::output::{Output, Written, unknown};
-use crate::transfer::rows::{Layers, Row, Rows, Traced, cells};
+use crate::transfer::output::{ArchiveAssembly, Assembled, unknown};
+use crate::transfer::rows::{ArchiveReceivers, LayeredReceiver, Layers, TracedLayers, cells};
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, Manifest, format};
@@ -25,7 +25,7 @@ const MAY_DIFFER: [&str; 2] = ["scene.degenerate_dropped", "accuracy"];
 /// What a merge did.
 #[derive(Clone, Debug)]
 pub struct Merged {
-    pub written: Written,
+    pub written: Assembled,
     /// Receivers of each archive, and those that both hold.
     pub of_each: [u64; 2],
     pub shared: u64,
@@ -36,7 +36,7 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     check_fit(a, b)?;
     let mut conflicts = Conflicts::default();
     unknown_conflicts(a, b, &mut conflicts);
-    let mut output = Output::create(path, &[a, b], observer)?;
+    let mut output = ArchiveAssembly::create(path, &[a, b], observer)?;
     let ids = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
     let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
     let shared = merge_receivers(&of_a, &of_b, ids, &mut output, &mut conflicts)?;
@@ -72,8 +72,8 @@ fn check_fit(a: &Archive, b: &Archive) -> Result<()> {
 fn both<'a, L: Layers + 'a>(
     a: &OpenSite<'a>,
     b: &OpenSite<'a>,
-) -> impl Iterator<Item = Result<Side<Row<L>>>> + use<'a, L> {
-    union(Rows::<L>::new(a), Rows::<L>::new(b), Row::order)
+) -> impl Iterator<Item = Result<Side<LayeredReceiver<L>>>> + use<'a, L> {
+    union(ArchiveReceivers::<L>::new(a), ArchiveReceivers::<L>::new(b), LayeredReceiver::order)
 }
 
 /// Writes the tiles of both archives' receivers. Returns how many both hold.
@@ -81,13 +81,13 @@ fn merge_receivers(
     a: &OpenSite,
     b: &OpenSite,
     mut ids: Sorter,
-    output: &mut Output,
+    output: &mut ArchiveAssembly,
     conflicts: &mut Conflicts,
 ) -> Result<u64> {
     let mut shared = 0;
-    output.tiles(both::<(Traced, Response)>(a, b).map(|side| {
+    output.tiles(both::<(TracedLayers, Response)>(a, b).map(|side| {
         let side = side?;
-        for Row { receiver, .. } in side.items() {
+        for LayeredReceiver { receiver, .. } in side.items() {
             let place = [receiver.position.to_array(), receiver.normal.to_array()].concat();
             ids.push(receiver.id.as_bytes(), &place.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>())?;
         }

@@ -22,6 +22,6 @@ pub use conflicts::listed;
 pub use diff::{Differences, Names, Parted, diff};
 pub use extract::{Extracted, Whole, extract};
 pub use merge::{Merged, merge};
-pub use output::Written;
-pub use rows::Rows;
+pub use output::Assembled;
+pub use rows::ArchiveReceivers;
 pub use selection::{Bounds, Selection};

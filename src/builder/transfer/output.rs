@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::observer::{Observer, Stage};
 use crate::pack;
 use crate::pack::Chunks;
-use crate::transfer::rows::{Row, Traced};
+use crate::transfer::rows::{LayeredReceiver, TracedLayers};
 use crate::writing::{Job, Summary, Writer};
 use heliotile_core::archive::{Archive, EncodedBlock, Manifest, format, manifest, tables};
 use heliotile_core::error::{Error, Result};
@@ -20,24 +20,24 @@ use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::site::receiver::TILE;
 
 /// The archive being written; the methods are called in the order in which they stand.
-pub struct Output<'a> {
+pub struct ArchiveAssembly<'a> {
     observer: &'a dyn Observer,
     writer: Writer,
     receivers: u64,
     tiles: u32,
-    cells: manifest::Counts,
+    cells: manifest::CellCounts,
 }
 
 /// What was written.
 #[derive(Clone, Debug)]
-pub struct Written {
+pub struct Assembled {
     pub receivers: u64,
     pub tiles: u32,
-    pub cells: manifest::Counts,
+    pub cells: manifest::CellCounts,
     pub summary: Summary,
 }
 
-impl<'a> Output<'a> {
+impl<'a> ArchiveAssembly<'a> {
     pub fn create(path: &Path, inputs: &[&Archive], observer: &'a dyn Observer) -> Result<Self> {
         let same = |archive: &&&Archive| match (fs::canonicalize(path), fs::canonicalize(archive.path())) {
             (Ok(a), Ok(b)) => a == b,
@@ -59,15 +59,15 @@ impl<'a> Output<'a> {
         let job = Job { scene: hash(b"scene"), receivers: hash(b"receivers"), settings: hash(b"settings") };
         let advice = "finish it with `heliotile build --resume`, remove it, or give the archive another name";
         let writer = Writer::create(path, &job).map_err(|error| error.advise(advice))?;
-        Ok(Output { observer, writer, receivers: 0, tiles: 0, cells: manifest::Counts::default() })
+        Ok(ArchiveAssembly { observer, writer, receivers: 0, tiles: 0, cells: manifest::CellCounts::default() })
     }
 
     /// Writes receivers, sky and hit layers.
-    pub fn tiles(&mut self, rows: impl Iterator<Item = Result<Row<Traced>>>) -> Result<()> {
+    pub fn tiles(&mut self, rows: impl Iterator<Item = Result<LayeredReceiver<TracedLayers>>>) -> Result<()> {
         (self.receivers, self.tiles) = self.cut("receivers", rows, |number, rows| {
             let hits: Vec<_> = rows.iter().map(|row| row.layers.hits.as_slice()).collect();
             let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
-            let table = tables::Receivers::new(rows.iter().map(|row| (&row.receiver, row.views)));
+            let table = tables::ReceiversTable::new(rows.iter().map(|row| (&row.receiver, row.views)));
             let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
             pack::tile(number, &table, &sky, &HitTile::new(&hits), &extras)
         })?;
@@ -88,21 +88,21 @@ impl<'a> Output<'a> {
 
     /// Writes the materials of an archive.
     pub fn materials(&mut self, archive: &Archive) -> Result<()> {
-        let table = tables::Materials::from_block(&archive.block(format::MATERIALS, 0)?)?;
+        let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, 0)?)?;
         self.writer.append(table.encode(format::MATERIALS, 0, pack::COMPRESSION)?)?;
         if archive.has(format::OPTICS, 0) {
-            let table = tables::Optics::from_block(&archive.block(format::OPTICS, 0)?)?;
+            let table = tables::OpticsTable::from_block(&archive.block(format::OPTICS, 0)?)?;
             self.writer.append(table.encode(format::OPTICS, 0, pack::COMPRESSION)?)?;
         }
         if archive.has(format::MIRRORS, 0) {
-            let table = tables::Mirrors::from_block(&archive.block(format::MIRRORS, 0)?)?;
+            let table = tables::MirrorsTable::from_block(&archive.block(format::MIRRORS, 0)?)?;
             self.writer.append(table.encode(format::MIRRORS, 0, pack::COMPRESSION)?)?;
         }
         Ok(())
     }
 
     /// Writes the responses of the receivers, in the same order as before.
-    pub fn responses(&mut self, rows: impl Iterator<Item = Result<Row<Response>>>) -> Result<()> {
+    pub fn responses(&mut self, rows: impl Iterator<Item = Result<LayeredReceiver<Response>>>) -> Result<()> {
         self.cut("responses", rows, |number, rows| {
             let responses: Vec<Response> = rows.iter().map(|row| row.layers.clone()).collect();
             Ok(vec![pack::responses(number, &responses)?])
@@ -131,8 +131,8 @@ impl<'a> Output<'a> {
     }
 
     /// Finishes with what a manifest states, its unknown keys too, and the counts of what was written.
-    pub fn finish(self, stated: Manifest) -> Result<Written> {
-        let Output { writer, receivers, tiles, cells, .. } = self;
+    pub fn finish(self, stated: Manifest) -> Result<Assembled> {
+        let ArchiveAssembly { writer, receivers, tiles, cells, .. } = self;
         let own = Manifest::new();
         let manifest = Manifest {
             creator: own.creator,
@@ -148,21 +148,21 @@ impl<'a> Output<'a> {
             ..stated
         };
         let summary = writer.finish(&manifest)?;
-        Ok(Written { receivers, tiles, cells, summary })
+        Ok(Assembled { receivers, tiles, cells, summary })
     }
 
     /// Cuts rows into tiles and writes the blocks of each. Returns the numbers of rows and tiles.
     fn cut<L: Send + Sync>(
         &mut self,
         what: &'static str,
-        mut rows: impl Iterator<Item = Result<Row<L>>>,
-        pack: impl Fn(u32, &[Row<L>]) -> Result<Vec<EncodedBlock>> + Sync,
+        mut rows: impl Iterator<Item = Result<LayeredReceiver<L>>>,
+        pack: impl Fn(u32, &[LayeredReceiver<L>]) -> Result<Vec<EncodedBlock>> + Sync,
     ) -> Result<(u64, u32)> {
         let (mut count, mut tiles) = (0, 0);
         let progress = Stage::begin(self.observer, what, None);
         loop {
             let some = TILE * rayon::current_num_threads();
-            let batch: Vec<Row<L>> = rows.by_ref().take(some).collect::<Result<_>>()?;
+            let batch: Vec<LayeredReceiver<L>> = rows.by_ref().take(some).collect::<Result<_>>()?;
             if batch.is_empty() {
                 return Ok((count, tiles));
             }

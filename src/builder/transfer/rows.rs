@@ -17,7 +17,7 @@ use heliotile_core::site::morton::morton_key;
 use heliotile_core::site::receiver::Receiver;
 
 /// A receiver with some of its layers.
-pub struct Row<L> {
+pub struct LayeredReceiver<L> {
     /// Sorts as receivers do.
     pub key: Vec<u8>,
     pub receiver: Receiver,
@@ -26,14 +26,14 @@ pub struct Row<L> {
     pub layers: L,
 }
 
-impl<L> Row<L> {
+impl<L> LayeredReceiver<L> {
     pub fn order(&self, other: &Self) -> Ordering {
         self.key.cmp(&other.key)
     }
 
     /// The same receiver with other layers.
-    pub fn map<M>(self, layers: impl FnOnce(L) -> M) -> Row<M> {
-        Row { key: self.key, receiver: self.receiver, views: self.views, layers: layers(self.layers) }
+    pub fn map<M>(self, layers: impl FnOnce(L) -> M) -> LayeredReceiver<M> {
+        LayeredReceiver { key: self.key, receiver: self.receiver, views: self.views, layers: layers(self.layers) }
     }
 }
 
@@ -44,14 +44,14 @@ pub trait Layers: Send + Sized {
 }
 
 /// What the build knows of a receiver before it knows the cells.
-pub struct Traced {
+pub struct TracedLayers {
     pub sky: SkyTexture,
     /// One key a texel of the hit texture.
     pub hits: Vec<Option<CellKey>>,
     pub extras: ReceiverExtras,
 }
 
-impl Traced {
+impl TracedLayers {
     /// The cells that the receiver sees, some of them in mirrors.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
         self.hits.iter().flatten().copied().chain(self.extras.mirrors.cells())
@@ -64,11 +64,11 @@ impl Layers for () {
     }
 }
 
-impl Layers for Traced {
+impl Layers for TracedLayers {
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let (sky, hits) = (site.tile_sky_textures(tile, receivers)?, site.tile_hits(tile, receivers)?);
         let layers = sky.into_iter().zip(hits.split(receivers)).zip(site.tile_extras(tile, receivers)?);
-        Ok(layers.map(|(((sky, _), hits), extras)| Traced { sky, hits, extras }).collect())
+        Ok(layers.map(|(((sky, _), hits), extras)| TracedLayers { sky, hits, extras }).collect())
     }
 }
 
@@ -91,18 +91,18 @@ impl<A: Layers, B: Layers> Layers for (A, B) {
 }
 
 /// Receivers of an archive; a few tiles are in memory at a time.
-pub struct Rows<'a, L> {
+pub struct ArchiveReceivers<'a, L> {
     site: OpenSite<'a>,
     /// Numbers of the tiles to read, and which of their receivers are wanted: all, without a choice.
     tiles: std::vec::IntoIter<(u32, Option<&'a [bool]>)>,
-    ready: VecDeque<Row<L>>,
+    ready: VecDeque<LayeredReceiver<L>>,
     last: Vec<u8>,
 }
 
-impl<'a, L: Layers> Rows<'a, L> {
+impl<'a, L: Layers> ArchiveReceivers<'a, L> {
     pub fn new(site: &OpenSite<'a>) -> Self {
         let tiles: Vec<_> = (0..site.tiles()).map(|tile| (tile, None)).collect();
-        Rows { site: site.clone(), tiles: tiles.into_iter(), ready: VecDeque::new(), last: Vec::new() }
+        ArchiveReceivers { site: site.clone(), tiles: tiles.into_iter(), ready: VecDeque::new(), last: Vec::new() }
     }
 
     /// Those receivers for which `kept` is true, in the archive's order; tiles without any are not read.
@@ -116,14 +116,14 @@ impl<'a, L: Layers> Rows<'a, L> {
                 tiles.push((entry.tile, Some(here)));
             }
         }
-        Rows { tiles: tiles.into_iter(), ..Rows::new(site) }
+        ArchiveReceivers { tiles: tiles.into_iter(), ..ArchiveReceivers::new(site) }
     }
 
     /// Reads the next tiles.
     fn refill(&mut self) -> Result<()> {
         let numbers: Vec<_> = self.tiles.by_ref().take(rayon::current_num_threads()).collect();
         let site = &self.site;
-        let tiles: Vec<Vec<Row<L>>> =
+        let tiles: Vec<Vec<LayeredReceiver<L>>> =
             numbers.par_iter().map(|&(tile, _)| read_tile(site, tile)).collect::<Result<_>>()?;
         for ((number, kept), tile) in numbers.into_iter().zip(tiles) {
             let wanted = |row: usize| kept.is_none_or(|kept| kept.get(row) == Some(&true));
@@ -142,17 +142,22 @@ impl<'a, L: Layers> Rows<'a, L> {
 }
 
 /// The receivers of one tile.
-fn read_tile<L: Layers>(site: &OpenSite, tile: u32) -> Result<Vec<Row<L>>> {
+fn read_tile<L: Layers>(site: &OpenSite, tile: u32) -> Result<Vec<LayeredReceiver<L>>> {
     let (table, origin) = (site.tile_receivers(tile)?, site.origin());
     let layers = L::of_tile(site, tile, table.rows())?;
     let rows = table.receivers().into_iter().zip(table.views()).zip(layers);
     Ok(rows
-        .map(|((receiver, views), layers)| Row { key: morton_key(&receiver, origin), receiver, views, layers })
+        .map(|((receiver, views), layers)| LayeredReceiver {
+            key: morton_key(&receiver, origin),
+            receiver,
+            views,
+            layers,
+        })
         .collect())
 }
 
-impl<L: Layers> Iterator for Rows<'_, L> {
-    type Item = Result<Row<L>>;
+impl<L: Layers> Iterator for ArchiveReceivers<'_, L> {
+    type Item = Result<LayeredReceiver<L>>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.ready.is_empty()

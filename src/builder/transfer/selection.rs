@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::spill::Sorter;
 use crate::transfer::conflicts::listed;
-use crate::transfer::rows::Rows;
+use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -38,7 +38,7 @@ impl Selection {
     /// For each receiver of an archive whether it is meant, in the archive's order, one byte each. Nobody, and names that do
     /// not exist, are errors.
     pub fn resolve(&self, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
-        let rows = Rows::<()>::new(site);
+        let rows = ArchiveReceivers::<()>::new(site);
         let kept = match self {
             Selection::Receivers(file) => listed_in(file, site, folder, budget_bytes)?,
             Selection::Bounds(Bounds { low, high }) => {
@@ -78,7 +78,7 @@ fn listed_in(file: &Path, site: &OpenSite, folder: &Path, budget_bytes: usize) -
     }
     let mut held = Sorter::new(folder, budget_bytes / 2);
     let mut count = 0_u64;
-    for row in Rows::<()>::new(site) {
+    for row in ArchiveReceivers::<()>::new(site) {
         held.push(row?.receiver.id.as_bytes(), &count.to_le_bytes())?;
         count += 1;
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::writing::test_site;
-use heliotile_core::archive::tables::{Cells, Index, Materials, Receivers};
+use heliotile_core::archive::tables::{CellsTable, IndexTable, MaterialsTable, ReceiversTable};
 use heliotile_core::archive::{Access, Archive, format, verify};
 use heliotile_core::error::{Error, Result};
 
@@ -16,10 +16,10 @@ fn ask(path: &Path, access: Access) -> Result<Answers> {
     for entry in archive.entries() {
         let block = archive.block(entry.kind, entry.tile)?;
         match entry.kind {
-            format::RECEIVERS => drop(Receivers::from_block(&block)?),
-            format::MATERIALS => drop(Materials::from_block(&block)?),
-            format::PROBES | format::BOUNCE => drop(Cells::from_block(&block)?),
-            format::INDEX => drop(Index::from_block(&block)?),
+            format::RECEIVERS => drop(ReceiversTable::from_block(&block)?),
+            format::MATERIALS => drop(MaterialsTable::from_block(&block)?),
+            format::PROBES | format::BOUNCE => drop(CellsTable::from_block(&block)?),
+            format::INDEX => drop(IndexTable::from_block(&block)?),
             _ => {}
         }
         blocks.push((entry.name(), block.items(), block.bytes().to_vec()));

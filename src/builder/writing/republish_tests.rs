@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::writing::Writer;
 use crate::writing::test_site;
 use crate::writing::test_site::JOB;
-use heliotile_core::archive::tables::Receivers;
+use heliotile_core::archive::tables::ReceiversTable;
 use heliotile_core::archive::{Access, Archive, encode, format};
 use heliotile_core::error::{Error, Result};
 
@@ -39,7 +39,7 @@ fn read(path: &Path, access: Access) -> Result<u64> {
     let archive = Archive::open_with(path, access)?;
     let generation = archive.manifest().counts.probes;
     for tile in 0..archive.tiles() {
-        let receivers = Receivers::from_block(&archive.block(format::RECEIVERS, tile)?)?;
+        let receivers = ReceiversTable::from_block(&archive.block(format::RECEIVERS, tile)?)?;
         assert!(receivers.ids.iter().all(|id| *id == generation.to_string()), "{:?} in {generation}", receivers.ids);
         assert!(archive.block(format::SKY, tile)?.bytes() == layer(generation, tile), "sky/{tile} of {generation}");
     }

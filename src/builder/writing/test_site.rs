@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::writing::disk::Disk;
 use crate::writing::writer::Interrupted;
 use crate::writing::{Job, Summary, Writer};
-use heliotile_core::archive::tables::{Cells, Index, Materials, Receivers};
+use heliotile_core::archive::tables::{CellsTable, IndexTable, MaterialsTable, ReceiversTable};
 use heliotile_core::archive::{EncodedBlock, Manifest, encode, format, manifest};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells;
@@ -22,8 +22,8 @@ pub struct Site {
     pub summary: Summary,
 }
 
-pub fn receivers(tile: u32, rows: usize) -> Receivers {
-    Receivers {
+pub fn receivers(tile: u32, rows: usize) -> ReceiversTable {
+    ReceiversTable {
         ids: (0..rows).map(|row| format!("receiver-{tile}-{row}")).collect(),
         position: vec![[1.0, 2.0, 3.0]; rows],
         normal: vec![[0.0, 0.6, 0.8]; rows],
@@ -35,8 +35,8 @@ pub fn receivers(tile: u32, rows: usize) -> Receivers {
     }
 }
 
-pub fn materials() -> Materials {
-    Materials {
+pub fn materials() -> MaterialsTable {
+    MaterialsTable {
         name: vec!["soil".to_string()],
         diffuse: vec![0.25],
         specular: vec![0.0],
@@ -70,10 +70,10 @@ pub fn encoded() -> Vec<EncodedBlock> {
         layer(format::HIT, 0, 2, 2),
         receivers(1, 1).encode(format::RECEIVERS, 1, 9).unwrap(),
         layer(format::SKY, 1, 1, 3),
-        Cells::new(&cells(-1, 40)).encode(format::PROBES, 0, 9).unwrap(),
-        Index::new(&cells(-1, 40).keys).encode(format::INDEX, Index::PROBES, 9).unwrap(),
-        Cells::new(&cells(2, 58)).encode(format::BOUNCE, 0, 9).unwrap(),
-        Index::new(&cells(2, 58).keys).encode(format::INDEX, Index::BOUNCE, 9).unwrap(),
+        CellsTable::new(&cells(-1, 40)).encode(format::PROBES, 0, 9).unwrap(),
+        IndexTable::new(&cells(-1, 40).keys).encode(format::INDEX, IndexTable::PROBES, 9).unwrap(),
+        CellsTable::new(&cells(2, 58)).encode(format::BOUNCE, 0, 9).unwrap(),
+        IndexTable::new(&cells(2, 58).keys).encode(format::INDEX, IndexTable::BOUNCE, 9).unwrap(),
         materials().encode(format::MATERIALS, 0, 9).unwrap(),
         encode(77, 0, 9, 5, b"of a later release", 9).unwrap(),
     ]

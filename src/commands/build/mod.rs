@@ -23,7 +23,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let scene = load_scene(&args.scene)?;
     let workspace = workspace_beside(&args.output, args.memory);
     let mut receivers = read_receivers(&args.receivers, &scene, &workspace)?;
-    let asked = Asked {
+    let asked = BuildRequest {
         settings: BuildSettings { share: args.share, ..settings_of(&args.accuracy)? },
         accuracy: &args.accuracy,
         effects: args.effects,
@@ -65,7 +65,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
 }
 
 /// What is asked of a build.
-pub struct Asked<'a> {
+pub struct BuildRequest<'a> {
     pub settings: BuildSettings,
     pub accuracy: &'a AccuracyArgs,
     pub effects: EffectChoice,
@@ -73,7 +73,7 @@ pub struct Asked<'a> {
 }
 
 /// Plans, builds, and says what is done.
-pub fn plan_and_write(mut build: Build, asked: &Asked, output: &Output) -> Result<()> {
+pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -> Result<()> {
     interrupt::watch();
     let plan = decide(&mut build, asked.settings, asked.accuracy, asked.effects)?;
     if let Some(forecast) = &plan.forecast {

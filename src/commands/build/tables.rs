@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use heliotile_builder::accuracy::Choice;
+use heliotile_builder::accuracy::SettingsChoice;
 use heliotile_builder::build::{BuildReport, Forecast, SKY_W_M2, SUN_W_M2};
 use heliotile_core::archive::format;
 use heliotile_core::site::chain::MOST_MIRRORS;
@@ -53,7 +53,7 @@ fn rounded(rays: f64) -> String {
 }
 
 /// What was chosen and why, before the build.
-pub fn choice(choice: &Choice) -> String {
+pub fn choice(choice: &SettingsChoice) -> String {
     let (s, a, [sky, seen, bounced, patches]) = (&choice.settings, &choice.accuracy, choice.sources_percent);
     let missed = match a.predicted_percent > a.target_percent {
         true => " (the finest settings are not enough)",
@@ -83,7 +83,7 @@ pub fn choice(choice: &Choice) -> String {
 }
 
 /// What was expected and what came out, errors and seconds.
-pub fn outcome(choice: &Choice, expected_s: f64, taken_s: f64) -> String {
+pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String {
     let a = &choice.accuracy;
     format!(
         "error: {:.2} % expected, {:.2} % found on {} (bias {:.2} %, means over all hours {:.2} %)\n\

@@ -2,9 +2,9 @@
 
 use cpu_time::ProcessTime;
 
-use heliotile_builder::accuracy::conditions::Suns;
+use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::accuracy::estimate::{Errors, percent};
-use heliotile_builder::accuracy::trial::{Bench, Light, Source, Trial};
+use heliotile_builder::accuracy::trial::{Bench, ErrorSource, Irradiances, Trial};
 use heliotile_builder::observer::Stage;
 use heliotile_builder::pack::COMPRESSION;
 use heliotile_builder::settings::BuildSettings;
@@ -26,7 +26,7 @@ pub struct Step {
     pub bias: f64,
     /// Of means over all conditions.
     pub yearly: f64,
-    /// In the order of [`Source::ALL`].
+    /// In the order of [`ErrorSource::ALL`].
     pub sources: [f64; 3],
     /// CPU seconds.
     pub trace_s: f64,
@@ -39,7 +39,7 @@ pub struct Step {
 }
 
 impl Step {
-    fn of(name: String, trial: &Trial, truth: &Light, (compress_s, replay_s): (f64, f64)) -> Self {
+    fn of(name: String, trial: &Trial, truth: &Irradiances, (compress_s, replay_s): (f64, f64)) -> Self {
         let (light, mean) = (&trial.light, truth.mean());
         let total = light.total_error(truth);
         Step {
@@ -48,7 +48,7 @@ impl Step {
             error: percent(total.rmse, mean),
             bias: percent(total.bias, mean),
             yearly: percent(light.yearly_error(truth).rmse, mean),
-            sources: Source::ALL.map(|source| percent(light.source_error(truth, source).rmse, mean)),
+            sources: ErrorSource::ALL.map(|source| percent(light.source_error(truth, source).rmse, mean)),
             trace_s: (trial.build_s - compress_s).max(0.0),
             compress_s,
             replay_s,
@@ -92,7 +92,7 @@ fn rungs() -> Vec<(String, Rungs)> {
 }
 
 impl Ladder {
-    pub fn climb(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Self> {
+    pub fn climb(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Self> {
         let rungs = rungs();
         let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
         let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
@@ -180,7 +180,7 @@ fn compression_s(trial: &Trial) -> Result<f64> {
 }
 
 /// CPU seconds to replay a year of hours into sums, with the sun positions and patches that belong to the rung.
-fn replay_s(bench: &Bench, trial: &Trial, suns: &Suns) -> Result<f64> {
+fn replay_s(bench: &Bench, trial: &Trial, suns: &ErrorConditions) -> Result<f64> {
     let conditions = suns.year(usize::from(trial.settings.steps));
     let started = ProcessTime::now();
     let archive = Archive::open_with(&trial.archive, Access::Read)?;

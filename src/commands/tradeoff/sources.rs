@@ -1,8 +1,8 @@
 //! Each source of error alone. In: a bench. Out: how fast its error falls when its setting is made finer, all others staying as they are.
 
-use heliotile_builder::accuracy::conditions::{Suns, is_lit};
+use heliotile_builder::accuracy::conditions::{ErrorConditions, is_lit};
 use heliotile_builder::accuracy::estimate::percent;
-use heliotile_builder::accuracy::trial::{Bench, Difference, Light, Source};
+use heliotile_builder::accuracy::trial::{Bench, ErrorMeasures, ErrorSource, Irradiances};
 use heliotile_builder::observer::Stage;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::settings::ladder::{Rungs, patches};
@@ -29,7 +29,7 @@ pub struct Point {
 /// A setting that is varied.
 struct Row {
     setting: &'static str,
-    source: Source,
+    source: ErrorSource,
     truth: &'static str,
     values: &'static [f64],
     set: fn(&mut BuildSettings, f64),
@@ -40,7 +40,7 @@ struct Row {
 const ROWS: [Row; 5] = [
     Row {
         setting: "sky_fine",
-        source: Source::Sky,
+        source: ErrorSource::Sky,
         truth: "4096",
         values: &[128.0, 256.0, 512.0, 1024.0, 2048.0],
         set: |s, v| (s.sky_base, s.sky_fine) = (64, v as usize),
@@ -48,7 +48,7 @@ const ROWS: [Row; 5] = [
     },
     Row {
         setting: "hit",
-        source: Source::Seen,
+        source: ErrorSource::Seen,
         truth: "128, cells of the same size",
         values: &[8.0, 16.0, 32.0, 64.0],
         // Cells keep their size: it is counted in texels of the hit texture.
@@ -57,7 +57,7 @@ const ROWS: [Row; 5] = [
     },
     Row {
         setting: "cell_factor",
-        source: Source::Seen,
+        source: ErrorSource::Seen,
         truth: "a hemisphere for every hit (--share none)",
         values: &[16.0, 8.0, 4.0, 2.0, 1.0],
         set: |s, v| (s.cell_factor, s.cell_floor_m) = (v, v / 8.0),
@@ -65,7 +65,7 @@ const ROWS: [Row; 5] = [
     },
     Row {
         setting: "probe",
-        source: Source::Seen,
+        source: ErrorSource::Seen,
         truth: "128",
         values: &[8.0, 16.0, 32.0, 64.0],
         set: |s, v| (s.probe, s.bounce_sky) = (v as usize, 8),
@@ -73,7 +73,7 @@ const ROWS: [Row; 5] = [
     },
     Row {
         setting: "closed_m",
-        source: Source::Bounced,
+        source: ErrorSource::Bounced,
         truth: "2",
         values: &[32.0, 16.0, 8.0, 4.0],
         set: |s, v| s.closed_m = v,
@@ -86,7 +86,7 @@ const STEPS: [usize; 6] = [1, 2, 4, 6, 12, 30];
 const MOST_STEPS: usize = 60;
 
 /// All settings, one after the other, at the quality `fine` otherwise. Sun positions need a weather file.
-pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<Point>> {
+pub fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Vec<Point>> {
     let base = BuildSettings { left_out, ..Rungs::of(Quality::Fine).settings() };
     let progress = Stage::begin(bench.observer, "settings", None);
     let mut points = Vec::new();
@@ -97,7 +97,7 @@ pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<P
     let fine = trial(base)?;
     let mean = fine.light.mean();
     for row in &ROWS {
-        let of_sky = row.source == Source::Sky;
+        let of_sky = row.source == ErrorSource::Sky;
         // What is seen directly needs no cells.
         let base = if of_sky { BuildSettings { left_out: Effects::ALL, ..base } } else { base };
         let mut finest = base;
@@ -113,7 +113,7 @@ pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<P
         }
         orders(&mut points[from..], row.setting == "cell_factor" || row.setting == "closed_m");
     }
-    let lights: Vec<Light> = patches().iter().map(|n| bench.light(&fine.archive, *n)).collect::<Result<_>>()?;
+    let lights: Vec<Irradiances> = patches().iter().map(|n| bench.light(&fine.archive, *n)).collect::<Result<_>>()?;
     let from = points.len();
     if let Some((truth, others)) = lights.split_last() {
         for (light, &patches) in others.iter().zip(&patches()) {
@@ -122,8 +122,8 @@ pub fn each_alone(bench: &Bench, left_out: Effects, suns: &Suns) -> Result<Vec<P
     }
     orders(&mut points[from..], false);
     let from = points.len();
-    if let Suns::Weather(..) = suns {
-        let light = |steps: usize| -> Result<Light> {
+    if let ErrorConditions::Weather(..) = suns {
+        let light = |steps: usize| -> Result<Irradiances> {
             let mut conditions = suns.year(steps);
             conditions.retain(is_lit);
             Bench { conditions: &conditions, ..*bench }.light(&fine.archive, base.patches)
@@ -144,7 +144,7 @@ fn point(
     setting: &'static str,
     value: f64,
     truth: &'static str,
-    error: Difference,
+    error: ErrorMeasures,
     mean: f64,
     cost: (u64, f64),
 ) -> Point {
@@ -190,7 +190,7 @@ mod tests {
     fn orders_of_convergence() {
         let of = |values: [f64; 3], errors: [f64; 3], falling: bool| -> Vec<Option<f64>> {
             let at = |(value, mean_absolute): (f64, f64)| {
-                let error = Difference { rmse: 0.0, bias: 0.0, mean_absolute };
+                let error = ErrorMeasures { rmse: 0.0, bias: 0.0, mean_absolute };
                 point("hit", value, "", error, 100.0, (0, 0.0))
             };
             let mut points: Vec<Point> = values.into_iter().zip(errors).map(at).collect();

@@ -28,7 +28,7 @@ pub struct Manifest {
     pub scene: SceneSummary,
     pub receivers: ReceiverSummary,
     pub settings: Settings,
-    pub counts: Counts,
+    pub counts: CellCounts,
     /// One row a kind, by rising kind; [`summarize`] makes them.
     pub layers: Vec<LayerSummary>,
     /// What the build estimated of its own error, if it did.
@@ -79,7 +79,7 @@ pub struct ReceiverSummary {
 
 /// How much was traced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Counts {
+pub struct CellCounts {
     pub probes: u64,
     pub bounce_cells: u64,
 }

@@ -55,4 +55,4 @@ pub use reader::Archive;
 pub use source::Access;
 #[cfg(any(unix, windows))]
 pub use verify::verify;
-pub use verify::{Report, verify_bytes};
+pub use verify::{VerifyReport, verify_bytes};

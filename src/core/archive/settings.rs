@@ -47,17 +47,17 @@ macro_rules! for_each_setting {
 
 /// What a number may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
+pub enum SettingRange {
     PowerOfTwo(u32, u32),
     Whole(u32, u32),
     Real(f64, f64),
     OneOf(&'static [u32]),
 }
 
-impl Range {
+impl SettingRange {
     /// Whether it can have no part behind the point.
     pub fn is_whole(self) -> bool {
-        !matches!(self, Range::Real(..))
+        !matches!(self, SettingRange::Real(..))
     }
 
     /// Whether a number is inside.
@@ -66,21 +66,21 @@ impl Range {
         let whole = number.fract() == 0.0;
         match self {
             // A power of two has no bits besides the exponent.
-            Range::PowerOfTwo(low, high) => inside(low, high) && number.to_bits().trailing_zeros() >= 52,
-            Range::Whole(low, high) => whole && inside(low, high),
-            Range::Real(low, high) => (low..=high).contains(&number),
-            Range::OneOf(list) => list.iter().any(|one| f64::from(*one) == number),
+            SettingRange::PowerOfTwo(low, high) => inside(low, high) && number.to_bits().trailing_zeros() >= 52,
+            SettingRange::Whole(low, high) => whole && inside(low, high),
+            SettingRange::Real(low, high) => (low..=high).contains(&number),
+            SettingRange::OneOf(list) => list.iter().any(|one| f64::from(*one) == number),
         }
     }
 }
 
-impl fmt::Display for Range {
+impl fmt::Display for SettingRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Range::PowerOfTwo(low, high) => write!(f, "a power of two from {low} to {high}"),
-            Range::Whole(low, high) => write!(f, "{low} to {high}"),
-            Range::Real(low, high) => write!(f, "{low} to {high}"),
-            Range::OneOf(list) => {
+            SettingRange::PowerOfTwo(low, high) => write!(f, "a power of two from {low} to {high}"),
+            SettingRange::Whole(low, high) => write!(f, "{low} to {high}"),
+            SettingRange::Real(low, high) => write!(f, "{low} to {high}"),
+            SettingRange::OneOf(list) => {
                 let names: Vec<String> = list.iter().map(u32::to_string).collect();
                 match names.split_last() {
                     Some((last, rest)) if !rest.is_empty() => write!(f, "{} or {last}", rest.join(", ")),
@@ -109,7 +109,7 @@ pub enum Ladder {
 pub struct Setting {
     pub name: &'static str,
     pub meaning: &'static str,
-    pub range: Range,
+    pub range: SettingRange,
     pub ladder: Ladder,
     /// Its value on each rung of its ladder, from coarse to fine.
     pub rungs: &'static [f64],
@@ -121,7 +121,7 @@ macro_rules! declare {
         pub const SETTINGS: &[Setting] = &[$(Setting {
             name: stringify!($name),
             meaning: $meaning,
-            range: Range::$range($($bound),*),
+            range: SettingRange::$range($($bound),*),
             ladder: Ladder::$ladder,
             rungs: as_f64!($rungs),
         }),*];

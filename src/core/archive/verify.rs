@@ -15,7 +15,7 @@ use crate::archive::reader::{Archive, by_place};
 #[cfg(any(unix, windows))]
 use crate::archive::source::Access;
 use crate::archive::source::Source;
-use crate::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
+use crate::archive::tables::{CellsTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, ReceiversTable};
 use crate::error::{Error, Result};
 use crate::layers::canopy;
 use crate::layers::canopy::Canopy;
@@ -25,11 +25,11 @@ use crate::layers::mirror::{CellMirrors, ReceiverMirrors};
 use crate::layers::response;
 use crate::layers::sky::SkyTexture;
 use crate::site::cells::CellKey;
-use crate::site::chain::{Chain, Step};
+use crate::site::chain::{Chain, MirrorStep};
 
 /// What the check found. The archive is good if `problems` is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Report {
+pub struct VerifyReport {
     /// Root hash, if header, directory and manifest are good.
     pub root: Option<[u8; 32]>,
     /// Blocks that were read, of all kinds.
@@ -55,19 +55,19 @@ pub struct Problem {
 
 /// Checks every byte of an archive in a file; see [`verify_bytes`]. By plain reads, a file that changes meanwhile cannot end the process.
 #[cfg(any(unix, windows))]
-pub fn verify(path: &Path, access: Access, deep: bool) -> Result<Report> {
+pub fn verify(path: &Path, access: Access, deep: bool) -> Result<VerifyReport> {
     verify_source(Source::open(path, access)?, deep)
 }
 
 /// Checks every byte of an archive that is held anywhere; goes on after a bad block. An error means that the check could not be made: no
 /// archive, a later format, or bytes that cannot be read. `deep` also decodes every layer and follows every reference, for which the keys
 /// of all cells are held in memory, 20 bytes each.
-pub fn verify_bytes(name: impl AsRef<Path>, bytes: impl ReadAt + 'static, deep: bool) -> Result<Report> {
+pub fn verify_bytes(name: impl AsRef<Path>, bytes: impl ReadAt + 'static, deep: bool) -> Result<VerifyReport> {
     verify_source(Source::new(name.as_ref(), Box::new(bytes)), deep)
 }
 
-fn verify_source(source: Source, deep: bool) -> Result<Report> {
-    let mut report = Report::default();
+fn verify_source(source: Source, deep: bool) -> Result<VerifyReport> {
+    let mut report = VerifyReport::default();
     let archive = match Archive::read(source) {
         Ok(archive) => archive,
         Err(Error::Corrupt { block, offset, got, expected, .. }) => {
@@ -125,24 +125,25 @@ struct Keys {
 impl Site {
     fn new(archive: &Archive, deep: bool) -> Self {
         let index = |tile| {
-            let table = archive.block(INDEX, tile).and_then(|block| Index::from_block(&block));
+            let table = archive.block(INDEX, tile).and_then(|block| IndexTable::from_block(&block));
             table.map(|index| index.firsts()).unwrap_or_default()
         };
         let keys_of = |kind| {
-            let chunk = |entry: &Entry| Cells::from_block(&archive.fetch(entry)?).map(|cells| cells.into_cells().keys);
+            let chunk =
+                |entry: &Entry| CellsTable::from_block(&archive.fetch(entry)?).map(|cells| cells.into_cells().keys);
             let mut keys: Vec<CellKey> =
                 archive.entries_of(kind).par_iter().flat_map_iter(|entry| chunk(entry).unwrap_or_default()).collect();
             keys.par_sort_unstable();
             keys
         };
-        let optics = archive.block(OPTICS, 0).and_then(|block| Optics::from_block(&block));
+        let optics = archive.block(OPTICS, 0).and_then(|block| OpticsTable::from_block(&block));
         let items = |kind| archive.entries_of(kind).iter().map(|entry| u64::from(entry.items)).sum();
         Site {
             canopies: optics.map(|optics| optics.canopy).unwrap_or_default(),
             materials: items(MATERIALS),
             orientations: items(MIRRORS),
-            probes: index(Index::PROBES),
-            bounces: index(Index::BOUNCE),
+            probes: index(IndexTable::PROBES),
+            bounces: index(IndexTable::BOUNCE),
             keys: deep.then(|| Keys { probes: keys_of(PROBES), bounces: keys_of(BOUNCE) }),
         }
     }
@@ -161,15 +162,15 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
     let shape =
         |good: bool| if good { Ok(()) } else { Err(block.corrupt("a layer of another shape", "the manifest's")) };
     match entry.kind {
-        RECEIVERS => Receivers::from_block(&block).map(|_| ()),
+        RECEIVERS => ReceiversTable::from_block(&block).map(|_| ()),
         MATERIALS if entry.tile > 0 => Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only")),
-        MATERIALS => Materials::from_block(&block).map(|_| ()),
+        MATERIALS => MaterialsTable::from_block(&block).map(|_| ()),
         OPTICS => {
-            let optics = Optics::from_block(&block)?;
+            let optics = OpticsTable::from_block(&block)?;
             if optics.rows() as u64 == site.materials { Ok(()) } else { shape(false) }
         }
-        MIRRORS => check_materials(&block, Mirrors::from_block(&block)?.material.into_iter(), site),
-        INDEX => Index::from_block(&block).map(|_| ()),
+        MIRRORS => check_materials(&block, MirrorsTable::from_block(&block)?.material.into_iter(), site),
+        INDEX => IndexTable::from_block(&block).map(|_| ()),
         PROBES => check_cells(&block, &site.probes, site),
         BOUNCE => check_cells(&block, &site.bounces, site),
         SKY if site.keys.is_some() => {
@@ -229,7 +230,7 @@ fn check_canopies(
 
 /// One chunk of cells: known materials, in its place among the chunks, and seeing cells that exist.
 fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
-    let cells = Cells::from_block(block)?.into_cells();
+    let cells = CellsTable::from_block(block)?.into_cells();
     check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material), site)?;
     let chunk = block.entry().tile as usize;
     if cells.keys.first() != firsts.get(chunk) {
@@ -265,7 +266,7 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
     let side = side as usize;
     let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
     for row in rows {
-        let (chains, steps, mut cells): (Vec<Chain>, Vec<Vec<Step>>, Vec<CellKey>);
+        let (chains, steps, mut cells): (Vec<Chain>, Vec<Vec<MirrorStep>>, Vec<CellKey>);
         let known;
         if entry.kind == MIRROR {
             // Written again, a key of another region shows.

@@ -2,13 +2,13 @@
 //! of one row of a block, and back. Texels are those of the sky that light comes from, as in the sky texture.
 
 use crate::site::cells::CellKey;
-use crate::site::chain::{Chain, MOST_MIRRORS, Step};
+use crate::site::chain::{Chain, MOST_MIRRORS, MirrorStep};
 
 /// What a receiver sees in mirrors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReceiverMirrors {
     pub windows: Vec<Window>,
-    pub paths: Vec<Path>,
+    pub paths: Vec<MirrorPath>,
 }
 
 /// The sky by one chain.
@@ -25,10 +25,10 @@ pub struct Window {
 
 /// A surface that a texel of the hit texture shows in mirrors.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Path {
+pub struct MirrorPath {
     pub texel: u32,
     pub cell: CellKey,
-    pub steps: Vec<Step>,
+    pub steps: Vec<MirrorStep>,
 }
 
 /// What a cell sees in mirrors.
@@ -51,7 +51,7 @@ pub struct CellPath {
     /// Whether the ray starts above the horizon.
     pub up: bool,
     pub cell: CellKey,
-    pub steps: Vec<Step>,
+    pub steps: Vec<MirrorStep>,
 }
 
 impl ReceiverMirrors {
@@ -110,7 +110,7 @@ impl ReceiverMirrors {
             if texel as usize >= hit * hit {
                 return None;
             }
-            found.paths.push(Path { texel, cell, steps });
+            found.paths.push(MirrorPath { texel, cell, steps });
         }
         Some(found)
     }
@@ -192,7 +192,7 @@ fn put_texels(texels: &[u16], bits: usize, out: &mut Vec<u8>) {
     out.extend(square);
 }
 
-fn put_steps(steps: &[Step], out: &mut Vec<u8>) {
+fn put_steps(steps: &[MirrorStep], out: &mut Vec<u8>) {
     out.push(steps.len() as u8);
     for (material, cosine) in steps {
         out.extend(material.to_le_bytes());
@@ -252,7 +252,7 @@ impl<'b> Reader<'b> {
         Some(Chain::new(&numbers))
     }
 
-    fn steps(&mut self) -> Option<Vec<Step>> {
+    fn steps(&mut self) -> Option<Vec<MirrorStep>> {
         let step = |reader: &mut Self| Some((reader.short()?, u8::from_le_bytes(reader.take()?)));
         (0..self.length()?).map(|_| step(self)).collect()
     }
@@ -277,7 +277,7 @@ mod tests {
             side: 7,
             texture: vec![0xa5; 14],
         };
-        let path = |texel| Path { texel, cell: key(4), steps: vec![(2, 255), (0, 12)] };
+        let path = |texel| MirrorPath { texel, cell: key(4), steps: vec![(2, 255), (0, 12)] };
         let mirrors = ReceiverMirrors {
             windows: vec![window(&[0], 3), window(&[65_535, 0, 2], 121)],
             paths: vec![path(0), path(5), path(1023)],

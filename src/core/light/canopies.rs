@@ -9,20 +9,20 @@ use crate::weather::bins::Bins;
 
 /// The transmittances that some states have, each set of them once.
 #[derive(Clone, Debug, Default)]
-pub struct Leafages {
+pub struct TransmittanceStates {
     /// `[leafage]`
     pub powers: Vec<Powers>,
     /// `[state]`: its leafage.
     of_state: Vec<usize>,
 }
 
-impl Leafages {
+impl TransmittanceStates {
     /// Takes the transmittances out of states that hold a value by material ([`Reflector::variable`]), and leaves reflectances: 0 of
     /// canopies. Without canopies all states have one leafage.
     pub fn split(reflectors: &[Reflector], states: &mut [Vec<f64>]) -> Self {
         let canopies: Vec<usize> = (0..reflectors.len()).filter(|&m| reflectors[m].transmittance.is_some()).collect();
         let mut known: Vec<Vec<f64>> = Vec::new();
-        let mut leafages = Leafages::default();
+        let mut leafages = TransmittanceStates::default();
         for state in states {
             let state: &mut Reflectance = state;
             let values: Vec<f64> = canopies.iter().map(|&m| std::mem::take(&mut state[m])).collect();

@@ -10,7 +10,7 @@ use crate::layers::cells::Cells;
 use crate::light::fresnel::specular;
 use crate::light::reflector::Reflector;
 use crate::opened::{CellSource, OpenSite};
-use crate::site::chain::{Chain, Orientation, Step};
+use crate::site::chain::{Chain, MirrorStep, Orientation};
 
 /// The mirrors of an archive: their orientations, and what materials reflect.
 #[derive(Clone, Debug)]
@@ -67,8 +67,8 @@ impl Reflection {
 }
 
 /// Share of the light that is left after some mirrors, whose materials exist.
-pub fn left(steps: &[Step], reflectors: &[Reflector]) -> f64 {
-    let of = |&(material, cosine): &Step| specular(&reflectors[usize::from(material)], f64::from(cosine) / 255.0);
+pub fn left(steps: &[MirrorStep], reflectors: &[Reflector]) -> f64 {
+    let of = |&(material, cosine): &MirrorStep| specular(&reflectors[usize::from(material)], f64::from(cosine) / 255.0);
     steps.iter().map(of).product()
 }
 

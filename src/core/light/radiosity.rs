@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::hemisphere::{bit, texel_centres};
 use crate::layers::canopy::Powers;
 use crate::layers::cells::{Cells, DOWN, MISS};
-use crate::light::canopies::{Leafages, Shade};
+use crate::light::canopies::{Shade, TransmittanceStates};
 use crate::light::mirrors::{Chains, Lookout, left};
 use crate::light::reflector::{Reflectance, Reflector};
 use crate::light::scratch::Scratch;
@@ -25,44 +25,44 @@ use crate::site::cells::{CellKey, CellMap};
 
 /// How many times light may be reflected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Depth {
+pub enum MaxBounces {
     /// Until less than [`TOLERANCE`] of the light is left.
     All,
     /// At most this many diffuse reflections; 1 is the paper's model.
     Count(u32),
 }
 
-/// Share of the reflected light that `Depth::All` may leave out.
+/// Share of the reflected light that `MaxBounces::All` may leave out.
 pub const TOLERANCE: f64 = 1e-3;
 
 /// Columns of the system solved together: small enough for a core's cache.
 pub const BLOCK: usize = 32;
 
 /// A cell's values in these columns.
-pub type Block = [f32; BLOCK];
+pub type ColumnBlock = [f32; BLOCK];
 
 /// out += weight x values.
 #[inline(always)]
-pub fn add_block(out: &mut Block, weight: f32, values: &Block) {
+pub fn add_block(out: &mut ColumnBlock, weight: f32, values: &ColumnBlock) {
     out.iter_mut().zip(values).for_each(|(o, x)| *o += weight * x);
 }
 
 /// How the system is made and solved.
 #[derive(Clone, Debug)]
-pub struct Rules {
+pub struct RadiosityOptions {
     /// Side of the cells' sky texture.
     pub side: usize,
     /// Cells from this level up see each other in circles.
     pub closed_level: i8,
-    pub depth: Depth,
+    pub depth: MaxBounces,
 }
 
 /// Reflectance of a cell, whose material exists.
-pub fn rho(reflectance: &Reflectance, key: &CellKey) -> f32 {
+pub fn reflectance_of(reflectance: &Reflectance, key: &CellKey) -> f32 {
     reflectance[usize::from(key.material)] as f32
 }
 
-impl Rules {
+impl RadiosityOptions {
     /// Values of one cell: [axis][texel].
     pub fn width(&self) -> usize {
         3 * self.side * self.side
@@ -71,16 +71,16 @@ impl Rules {
     /// Whether a cell belongs to the closed system; with a bounded number of reflections every cell takes each step.
     pub fn closes(&self, key: &CellKey) -> bool {
         match self.depth {
-            Depth::All => key.level >= self.closed_level,
-            Depth::Count(bounces) => bounces > 1,
+            MaxBounces::All => key.level >= self.closed_level,
+            MaxBounces::Count(bounces) => bounces > 1,
         }
     }
 
     /// Jacobi steps. The first reflection is the fine probe's, the second is the source term.
     fn steps(&self, reflectance: &Reflectance) -> usize {
         match self.depth {
-            Depth::Count(bounces) => (bounces as usize).saturating_sub(2),
-            Depth::All => {
+            MaxBounces::Count(bounces) => (bounces as usize).saturating_sub(2),
+            MaxBounces::All => {
                 let largest = reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
                 (TOLERANCE.ln() / largest.ln()).ceil() as usize
             }
@@ -114,13 +114,13 @@ impl Rules {
         &self,
         cells: &Cells,
         i: usize,
-        (rho, shares, by_mirrors): (f32, Option<&[f32]>, &Lit),
+        (reflectance_of, shares, by_mirrors): (f32, Option<&[f32]>, &MirroredLight),
         columns: Range<usize>,
         out: &mut [f32],
     ) {
         let (texels, bits) = (self.side * self.side, cells.bits_of(i));
         for (axis, n) in cells.normals[i].into_iter().enumerate() {
-            let (plane, lit) = (axis * texels..(axis + 1) * texels, rho * n);
+            let (plane, lit) = (axis * texels..(axis + 1) * texels, reflectance_of * n);
             let here = columns.start.max(plane.start)..columns.end.min(plane.end);
             for column in here {
                 out[column - columns.start] = if bit(bits, column - plane.start) { lit } else { 0.0 };
@@ -131,7 +131,7 @@ impl Rules {
         }
         let first = by_mirrors.partition_point(|&(column, _)| (column as usize) < columns.start);
         let here = by_mirrors[first..].iter().take_while(|&&(column, _)| (column as usize) < columns.end);
-        here.for_each(|&(column, value)| out[column as usize - columns.start] += rho * value);
+        here.for_each(|&(column, value)| out[column as usize - columns.start] += reflectance_of * value);
     }
 
     /// Columns of a block.
@@ -142,7 +142,7 @@ impl Rules {
 
 /// The closed system, solved for some states of its reflectances: each of its cells' radiosity per unit normal irradiance from
 /// direction s is s . X.
-pub struct Closed {
+pub struct RadiositySolution {
     /// Sorted.
     keys: Vec<CellKey>,
     width: usize,
@@ -152,31 +152,31 @@ pub struct Closed {
 
 /// [block of columns][cell][column].
 enum Values {
-    Memory(Vec<Vec<Block>>),
+    Memory(Vec<Vec<ColumnBlock>>),
     Scratch(Box<dyn Scratch>),
 }
 
-impl Closed {
+impl RadiositySolution {
     /// Solves the system of an archive's cells for each state and its leaves. Values beyond `memory` bytes go to `storage`.
     pub fn solve(
         tables: &Tables,
-        rules: &Rules,
+        rules: &RadiosityOptions,
         states: &[Reflectance],
-        leafages: &Leafages,
+        leafages: &TransmittanceStates,
         memory: u64,
         storage: &dyn ScratchSpace,
     ) -> Result<Self> {
         let (width, source) = (rules.width(), &tables.bounces);
         let mut keys = Vec::new();
-        if rules.depth != Depth::Count(1) {
+        if rules.depth != MaxBounces::Count(1) {
             for chunk in 0..source.chunks() {
                 keys.extend(source.chunk(chunk)?.keys.into_iter().filter(|k| rules.closes(k)));
             }
         }
         let blocks = width.div_ceil(BLOCK);
-        let bytes = (states.len() * keys.len() * blocks * size_of::<Block>()) as u64;
+        let bytes = (states.len() * keys.len() * blocks * size_of::<ColumnBlock>()) as u64;
         // A thread that solves a block holds three of its size: no more of them at a time than fit.
-        let of_thread = 3 * (keys.len() * size_of::<Block>()) as u64;
+        let of_thread = 3 * (keys.len() * size_of::<ColumnBlock>()) as u64;
         let at_once = (memory / of_thread.max(1)).clamp(1, rayon::current_num_threads() as u64) as usize;
         let solve = |system: &System, state: &Reflectance| {
             let mut solved =
@@ -203,7 +203,7 @@ impl Closed {
         }
         // Each state has one leafage.
         values.sort_unstable_by_key(|of_state| of_state.0);
-        Ok(Closed { keys, width, values: values.into_iter().map(|of_state| of_state.1).collect() })
+        Ok(RadiositySolution { keys, width, values: values.into_iter().map(|of_state| of_state.1).collect() })
     }
 
     /// Place of a cell.
@@ -241,11 +241,11 @@ impl Closed {
     }
 
     /// The values of one cell in a state in a block of columns; beyond the last column they mean nothing.
-    pub fn block(&self, state: usize, block: usize, cell: usize) -> Result<Block> {
+    pub fn block(&self, state: usize, block: usize, cell: usize) -> Result<ColumnBlock> {
         match &self.values[state] {
             Values::Memory(blocks) => Ok(blocks[block][cell]),
             Values::Scratch(scratch) => {
-                let mut bytes = [0; size_of::<Block>()];
+                let mut bytes = [0; size_of::<ColumnBlock>()];
                 let place = (block * self.keys.len() + cell) * bytes.len();
                 scratch.read(place as u64, &mut bytes)?;
                 let mut values = [0.0; BLOCK];
@@ -260,7 +260,7 @@ impl Closed {
 
 /// The closed system in memory: about 0.3 kB a cell.
 struct System<'a> {
-    rules: &'a Rules,
+    rules: &'a RadiosityOptions,
     /// The cells' keys, normals and sky bits; what they see is in `rows`.
     cells: Cells,
     /// `[cell][texel]`: share of the sky's light that comes through, where not all does.
@@ -269,12 +269,12 @@ struct System<'a> {
     starts: Vec<usize>,
     rows: Weighted<u32>,
     /// What the cells get by mirrors.
-    lit: Vec<Lit>,
+    lit: Vec<MirroredLight>,
 }
 
 impl<'a> System<'a> {
     /// Reads the cells of `keys`, which are all closed cells in order, behind leaves of some transmittances.
-    fn load(tables: &Tables, rules: &'a Rules, keys: &[CellKey], powers: &Powers) -> Result<Self> {
+    fn load(tables: &Tables, rules: &'a RadiosityOptions, keys: &[CellKey], powers: &Powers) -> Result<Self> {
         let (source, centres) = (&tables.bounces, centres_f32(rules.side));
         let (shares, rows, lit) = (Vec::new(), Vec::new(), Vec::new());
         let mut system = System { rules, cells: Cells::default(), shares, starts: vec![0], rows, lit };
@@ -305,14 +305,20 @@ impl<'a> System<'a> {
     }
 
     /// One block of columns for a state. `space`: two buffers that serve block after block.
-    fn solve(&self, state: &Reflectance, block: usize, space: &mut [Vec<Block>; 2]) -> Vec<Block> {
+    fn solve(&self, state: &Reflectance, block: usize, space: &mut [Vec<ColumnBlock>; 2]) -> Vec<ColumnBlock> {
         let [source, next] = space;
         let columns = self.rules.columns(block);
         source.clear();
         source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
         for (i, (source, key)) in source.iter_mut().zip(&self.cells.keys).enumerate() {
             let shares = self.shares[i].as_deref();
-            self.rules.source(&self.cells, i, (rho(state, key), shares, &self.lit[i]), columns.clone(), source);
+            self.rules.source(
+                &self.cells,
+                i,
+                (reflectance_of(state, key), shares, &self.lit[i]),
+                columns.clone(),
+                source,
+            );
         }
         let mut now = source.clone();
         next.resize(source.len(), [0.0_f32; BLOCK]);
@@ -329,9 +335,9 @@ impl<'a> System<'a> {
 struct Step<'a> {
     system: &'a System<'a>,
     state: &'a Reflectance,
-    source: &'a [Block],
-    now: &'a [Block],
-    next: &'a mut [Block],
+    source: &'a [ColumnBlock],
+    now: &'a [ColumnBlock],
+    next: &'a mut [ColumnBlock],
 }
 
 impl WithSimd for Step<'_> {
@@ -341,9 +347,9 @@ impl WithSimd for Step<'_> {
         let System { cells, starts, rows, .. } = self.system;
         let of_cells = cells.keys.iter().zip(starts.windows(2));
         for ((next, source), (key, range)) in self.next.iter_mut().zip(self.source).zip(of_cells) {
-            let (mut sum, rho) = (*source, rho(self.state, key));
+            let (mut sum, reflectance_of) = (*source, reflectance_of(self.state, key));
             for &(cell, weight) in &rows[range[0]..range[1]] {
-                add_block(&mut sum, weight * rho, &self.now[cell as usize]);
+                add_block(&mut sum, weight * reflectance_of, &self.now[cell as usize]);
             }
             *next = sum;
         }
@@ -383,7 +389,7 @@ pub fn centres_f32(n: usize) -> Vec<[f32; 3]> {
 pub type Weighted<T> = Vec<(T, f32)>;
 
 /// Columns and what a cell gets in them per unit of reflectance; sorted by column, some come more than once.
-pub type Lit = Vec<(u32, f32)>;
+pub type MirroredLight = Vec<(u32, f32)>;
 
 /// Share of a cell's hemisphere that each of its rays stands for: below the horizon, above it.
 pub fn each_ray(hits: &[u32], around: Surround) -> [f64; 2] {
@@ -393,8 +399,8 @@ pub fn each_ray(hits: &[u32], around: Surround) -> [f64; 2] {
 }
 
 /// What a bounce cell gets by mirrors per unit of reflectance: column and value.
-pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> Lit {
-    let mut lit: Lit = Vec::new();
+pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> MirroredLight {
+    let mut lit: MirroredLight = Vec::new();
     for Lookout { image, shares, texels } in chains.lookouts(cells, row) {
         for t in texels.iter().map(|t| usize::from(*t)) {
             lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * shares[t])));

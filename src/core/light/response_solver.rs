@@ -16,9 +16,12 @@ use crate::layers::canopy::SEEN;
 use crate::layers::cells::Cells;
 use crate::layers::mirror::CellMirrors;
 use crate::layers::response::{CLASSES, Response};
-use crate::light::radiosity::{BLOCK, Block, Closed, Depth, Lit, Rules, Surround, Weighted, add_block, centres_f32, each_ray, in_mirrors_lit, rho, seen, surround};
-use crate::light::canopies::{Leafages, Shade};
+use crate::light::canopies::{Shade, TransmittanceStates};
 use crate::light::mirrors::{Chains, Lookout, left};
+use crate::light::radiosity::{
+    BLOCK, ColumnBlock, MaxBounces, MirroredLight, RadiosityOptions, RadiositySolution, Surround, Weighted, add_block,
+    centres_f32, each_ray, in_mirrors_lit, reflectance_of, seen, surround,
+};
 use crate::light::reflector::{Reflectance, Reflector};
 use crate::light::response::{Viewer, class_index, hit_weights, texel_weights};
 use crate::light::scratch::ScratchSpace;
@@ -34,14 +37,14 @@ const MOST_BENT: f64 = 5e-3;
 
 /// Derives responses from an archive's cells for some states of its reflectances. Only the closed system is solved as a whole; the
 /// cells near some tiles are read and solved when these tiles are asked for.
-pub struct Responder {
+pub struct ResponseSolver {
     settings: SiteSettings,
     reflectors: Vec<Reflector>,
     states: Vec<Reflectance>,
-    leafages: Leafages,
+    leafages: TransmittanceStates,
     slots: Slots,
-    rules: Rules,
-    closed: Closed,
+    rules: RadiosityOptions,
+    closed: RadiositySolution,
     /// Mean directions of the texels of the probes', and of the bounce cells' sky texture.
     centres: Vec<[f32; 3]>,
     bounce_centres: Vec<[f32; 3]>,
@@ -51,27 +54,28 @@ pub struct Responder {
     memory: u64,
 }
 
-impl Responder {
+impl ResponseSolver {
     /// Solves the closed system with the tables' reflectances. What does not fit its share of `memory` goes to
     /// `storage`.
-    pub fn new(tables: &Tables, depth: Depth, memory: MemoryBudget, storage: &dyn ScratchSpace) -> Result<Self> {
+    pub fn new(tables: &Tables, depth: MaxBounces, memory: MemoryBudget, storage: &dyn ScratchSpace) -> Result<Self> {
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
-        Responder::with_states(tables, vec![stored], depth, memory, storage)
+        ResponseSolver::with_states(tables, vec![stored], depth, memory, storage)
     }
 
     /// Solves it for other values by material ([`Reflector::variable`]), one state after the other.
     pub fn with_states(
         tables: &Tables,
         mut states: Vec<Vec<f64>>,
-        depth: Depth,
+        depth: MaxBounces,
         memory: MemoryBudget,
         storage: &dyn ScratchSpace,
     ) -> Result<Self> {
         let (settings, reflectors) = (tables.settings, tables.mirrors.reflectors.clone());
-        let rules = Rules { side: settings.bounce_sky, closed_level: settings.closed_level, depth };
-        let leafages = Leafages::split(&reflectors, &mut states);
-        let closed = Closed::solve(tables, &rules, &states, &leafages, memory.share(Use::Radiosity), storage)?;
-        Ok(Responder {
+        let rules = RadiosityOptions { side: settings.bounce_sky, closed_level: settings.closed_level, depth };
+        let leafages = TransmittanceStates::split(&reflectors, &mut states);
+        let closed =
+            RadiositySolution::solve(tables, &rules, &states, &leafages, memory.share(Use::Radiosity), storage)?;
+        Ok(ResponseSolver {
             closed,
             slots: Slots::new(&states),
             states,
@@ -108,11 +112,11 @@ impl Responder {
             tiles.iter().map(|_| vec![Vec::new(); self.states.len()]).collect();
         for leafage in 0..self.leafages.powers.len() {
             let rows = group.rows(tables, leafage)?;
-            let lights = |tile: &TileView| -> Result<Vec<Light>> {
+            let lights = |tile: &TileView| -> Result<Vec<Transport>> {
                 let viewers = tile.viewers.par_iter().enumerate();
                 viewers.map(|(index, viewer)| group.light(tables, tile, (index, viewer), leafage)).collect()
             };
-            let lights: Vec<Vec<Light>> = tiles.par_iter().map(lights).collect::<Result<_>>()?;
+            let lights: Vec<Vec<Transport>> = tiles.par_iter().map(lights).collect::<Result<_>>()?;
             for state in self.leafages.states(leafage) {
                 for (of_tile, responses) in group.responses(&rows, state, &lights)?.into_iter().zip(&mut responses) {
                     responses[state] = of_tile;
@@ -132,7 +136,7 @@ impl Responder {
             tile.map_or_else(|| "hit".to_string(), |tile| tile.block_that_sees(key))
         };
         let probes = tables.probes.fetch(&keys, by_tiles)?;
-        let first_only = self.rules.depth == Depth::Count(1);
+        let first_only = self.rules.depth == MaxBounces::Count(1);
         let mut known = CellSet::default();
         let mut fine: Vec<Cells> = Vec::new();
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.reached().collect() };
@@ -203,7 +207,7 @@ fn seen_by(probes: &Cells, fine: &[Cells], tables: &Tables, key: &CellKey) -> St
 
 /// Everything that some neighbouring tiles see.
 struct Group<'r> {
-    responder: &'r Responder,
+    responder: &'r ResponseSolver,
     probes: Cells,
     surrounds: Vec<Surround>,
     /// Place in `keys` of each cell that probes see, then of those that they see only in mirrors.
@@ -230,32 +234,32 @@ struct Row {
     shares: Option<Vec<f32>>,
     seen: Weighted<u32>,
     /// By mirrors.
-    lit: Lit,
+    lit: MirroredLight,
 }
 
 /// What a receiver sees, before reflectances that vary.
-struct Light {
+struct Transport {
     /// `[slot]`: first bounces, the fixed materials together, those that vary per unit of reflectance.
     first: Vec<Vec<f32>>,
     /// By cell and class.
-    indirect: Vec<Indirect>,
+    indirect: Vec<IndirectTerm>,
 }
 
-/// What a bounce cell's radiosity is worth to a receiver; its place in the group's `seen`.
+/// What a bounce cell's radiosity weighs for a receiver; its place in the group's `seen`.
 #[derive(Clone, Copy)]
-struct Indirect {
+struct IndirectTerm {
     cell: usize,
     class: usize,
     slot: usize,
-    worth: f32,
+    weight: f32,
 }
 
-/// What a bounce cell's radiosity is worth to a receiver in a state; its place in the group's `keys`.
+/// What a bounce cell's radiosity weighs for a receiver in a state; its place in the group's `keys`.
 #[derive(Clone, Copy)]
-struct Worth {
+struct WeightedCell {
     place: usize,
     class: usize,
-    worth: f32,
+    weight: f32,
 }
 
 impl Group<'_> {
@@ -269,7 +273,7 @@ impl Group<'_> {
 
     /// The fine bounce cells behind the leaves of a leafage, by place.
     fn rows(&self, tables: &Tables, leafage: usize) -> Result<Vec<Row>> {
-        let Responder { rules, leafages, bounce_centres, reflectors, .. } = self.responder;
+        let ResponseSolver { rules, leafages, bounce_centres, reflectors, .. } = self.responder;
         let mut rows: Vec<Row> = Vec::with_capacity(self.keys.len() - self.closed.len());
         for (part, cells) in self.fine.iter().enumerate() {
             let chains = Chains::of_cells(cells, &tables.bounces, &tables.mirrors, bounce_centres)?;
@@ -300,8 +304,8 @@ impl Group<'_> {
 
     /// Radiosities in a state in a block of columns, by cell of `keys`, per unit normal irradiance: closed cells as solved, the others
     /// from those that they see, given in `rows`.
-    fn solve(&self, rows: &[Row], state: usize, block: usize, values: &mut Vec<Block>) -> Result<()> {
-        let Responder { rules, closed, states, .. } = self.responder;
+    fn solve(&self, rows: &[Row], state: usize, block: usize, values: &mut Vec<ColumnBlock>) -> Result<()> {
+        let ResponseSolver { rules, closed, states, .. } = self.responder;
         values.clear();
         for &cell in &self.closed {
             values.push(closed.block(state, block, cell)?);
@@ -319,15 +323,15 @@ impl Group<'_> {
         tile: &TileView,
         (index, viewer): (usize, &Viewer),
         leafage: usize,
-    ) -> Result<Light> {
-        let Responder { settings, slots, reflectors, rules, leafages, .. } = self.responder;
+    ) -> Result<Transport> {
+        let ResponseSolver { settings, slots, reflectors, rules, leafages, .. } = self.responder;
         let powers = &leafages.powers[leafage];
         let per_receiver = settings.hit * settings.hit;
         let texels = settings.probe * settings.probe;
         let shares = tile.canopies.get(index).and_then(|canopy| canopy.through(SEEN, powers));
         let texels_of = &tile.hits.texels[index * per_receiver..(index + 1) * per_receiver];
         let mut first = vec![vec![0.0_f32; Response::len(settings.probe)]; slots.len()];
-        let mut indirect: Vec<Indirect> = Vec::new();
+        let mut indirect: Vec<IndirectTerm> = Vec::new();
         let direct = hit_weights(texels_of, viewer, shares.as_deref()).cells.into_iter().map(|(cell, weight)| {
             let key = tile.hits.palette[cell];
             (key, key.material, weight)
@@ -350,11 +354,11 @@ impl Group<'_> {
             let probe = self.probes.keys.binary_search(&key).map_err(no_probe)?;
             let class = class_index(reflectors[usize::from(seen_first)].class);
             let (slot, fixed) = slots.of(key.material);
-            let worth = weight * fixed;
-            if worth == 0.0 {
+            let weight = weight * fixed;
+            if weight == 0.0 {
                 continue;
             }
-            let scaled = |normal: [f32; 3]| normal.map(|c| c * worth as f32);
+            let scaled = |normal: [f32; 3]| normal.map(|c| c * weight as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
             let shade = Shade::of(&self.probes, probe, powers);
             match &shade.sky {
@@ -364,61 +368,69 @@ impl Group<'_> {
             for Lookout { image, shares, texels } in self.chains.lookouts(&self.probes, probe) {
                 add_texels(out, texels, scaled(image), shares);
             }
-            if rules.depth != Depth::Count(1) {
+            if rules.depth != MaxBounces::Count(1) {
                 let around = self.surrounds[probe];
                 let (above, below) = seen(self.probes.hits_of(probe), shade.seen.as_deref());
                 for (list, share) in [(above, around.up), (below, around.down)] {
-                    let share = (worth * share) as f32;
-                    let entry = |(cell, w): (u32, f32)| Indirect { cell: cell as usize, class, slot, worth: w * share };
+                    let share = (weight * share) as f32;
+                    let entry =
+                        |(cell, w): (u32, f32)| IndirectTerm { cell: cell as usize, class, slot, weight: w * share };
                     indirect.extend(list.into_iter().map(entry));
                 }
                 let each = each_ray(self.probes.hits_of(probe), around);
                 for path in self.probes.mirrors_of(probe).into_iter().flat_map(|mirrors| &mirrors.paths) {
-                    let share = each[usize::from(path.up)] * left(&path.steps, reflectors) * worth;
+                    let share = each[usize::from(path.up)] * left(&path.steps, reflectors) * weight;
                     // The group holds all that its probes see.
                     let no_cell = || tables.bounces.missing(&path.cell, tables.probes.block_of(&key));
                     let cell = *self.mirrored.get(&path.cell).ok_or_else(no_cell)?;
-                    indirect.push(Indirect { cell, class, slot, worth: share as f32 });
+                    indirect.push(IndirectTerm { cell, class, slot, weight: share as f32 });
                 }
             }
         }
         indirect.sort_by_key(|w| (w.cell, w.class, w.slot));
-        let merge = |same: &[Indirect]| Indirect { worth: same.iter().map(|w| w.worth).sum(), ..same[0] };
-        let same = |a: &Indirect, b: &Indirect| (a.cell, a.class, a.slot) == (b.cell, b.class, b.slot);
-        Ok(Light { first, indirect: indirect.chunk_by(same).map(merge).collect() })
+        let merge = |same: &[IndirectTerm]| IndirectTerm { weight: same.iter().map(|w| w.weight).sum(), ..same[0] };
+        let same = |a: &IndirectTerm, b: &IndirectTerm| (a.cell, a.class, a.slot) == (b.cell, b.class, b.slot);
+        Ok(Transport { first, indirect: indirect.chunk_by(same).map(merge).collect() })
     }
 
     /// Responses in a state: [tile][receiver]. A block of columns is solved at a time, so that the cells' values stay in a core's cache.
-    fn responses(&self, rows: &[Row], state: usize, lights: &[Vec<Light>]) -> Result<Vec<Vec<Response>>> {
-        let Responder { rules, slots, .. } = self.responder;
+    fn responses(&self, rows: &[Row], state: usize, lights: &[Vec<Transport>]) -> Result<Vec<Vec<Response>>> {
+        let ResponseSolver { rules, slots, .. } = self.responder;
         let factors = slots.factors(state);
-        let flat: Vec<&Light> = lights.iter().flatten().collect();
-        let worth: Vec<Vec<Worth>> = flat.par_iter().map(|light| self.worth(&light.indirect, factors)).collect();
-        let in_block = |values: &mut Vec<Block>, block: usize| {
+        let flat: Vec<&Transport> = lights.iter().flatten().collect();
+        let terms: Vec<Vec<WeightedCell>> =
+            flat.par_iter().map(|light| self.weighted(&light.indirect, factors)).collect();
+        let in_block = |values: &mut Vec<ColumnBlock>, block: usize| {
             self.solve(rows, state, block, values)?;
-            Ok(worth.iter().map(|worth| Arch::new().dispatch(Gather { worth, values })).collect())
+            Ok(terms.iter().map(|terms| Arch::new().dispatch(Gather { terms, values })).collect())
         };
         let blocks = (0..rules.width().div_ceil(BLOCK)).into_par_iter();
-        let coarse: Vec<Vec<[Block; CLASSES]>> = blocks.map_init(Vec::new, in_block).collect::<Result<_>>()?;
-        let response = |(number, light): (usize, &&Light)| self.response(light, factors, number, &coarse);
+        let coarse: Vec<Vec<[ColumnBlock; CLASSES]>> = blocks.map_init(Vec::new, in_block).collect::<Result<_>>()?;
+        let response = |(number, light): (usize, &&Transport)| self.response(light, factors, number, &coarse);
         let responses: Vec<Response> = flat.par_iter().enumerate().map(response).collect();
         let mut responses = responses.into_iter();
         Ok(lights.iter().map(|of_tile| responses.by_ref().take(of_tile.len()).collect()).collect())
     }
 
-    /// What the cells are worth that a receiver's probes see, by cell and class.
-    fn worth(&self, indirect: &[Indirect], factors: &[f32]) -> Vec<Worth> {
+    /// What the cells weigh that a receiver's probes see, by cell and class.
+    fn weighted(&self, indirect: &[IndirectTerm], factors: &[f32]) -> Vec<WeightedCell> {
         let of_cells = indirect.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class));
-        let worth = |of_cell: &[Indirect]| Worth {
+        let weighted = |of_cell: &[IndirectTerm]| WeightedCell {
             place: self.seen[of_cell[0].cell],
             class: of_cell[0].class,
-            worth: of_cell.iter().map(|w| w.worth * factors[w.slot]).sum(),
+            weight: of_cell.iter().map(|w| w.weight * factors[w.slot]).sum(),
         };
-        of_cells.map(worth).collect()
+        of_cells.map(weighted).collect()
     }
 
     /// The response of a receiver of a number; `coarse` is what the probes themselves get from other surfaces, by block and receiver.
-    fn response(&self, light: &Light, factors: &[f32], number: usize, coarse: &[Vec<[Block; CLASSES]>]) -> Response {
+    fn response(
+        &self,
+        light: &Transport,
+        factors: &[f32],
+        number: usize,
+        coarse: &[Vec<[ColumnBlock; CLASSES]>],
+    ) -> Response {
         let mut slots = light.first.iter().zip(factors);
         let mut values = slots.next().map_or_else(Vec::new, |(fixed, _)| fixed.clone());
         for (slot, factor) in slots {
@@ -445,7 +457,7 @@ struct Follow<'a> {
     rows: &'a [Row],
     state: &'a Reflectance,
     columns: Range<usize>,
-    values: &'a mut [Block],
+    values: &'a mut [ColumnBlock],
 }
 
 impl WithSimd for Follow<'_> {
@@ -455,11 +467,11 @@ impl WithSimd for Follow<'_> {
         let Group { responder, keys, fine, .. } = self.group;
         for row in self.rows {
             let (before, here) = self.values.split_at_mut(row.place);
-            let (out, rho) = (&mut here[0], rho(self.state, &keys[row.place]));
-            let lit = (rho, row.shares.as_deref(), &row.lit);
+            let (out, reflectance_of) = (&mut here[0], reflectance_of(self.state, &keys[row.place]));
+            let lit = (reflectance_of, row.shares.as_deref(), &row.lit);
             responder.rules.source(&fine[row.part], row.row, lit, self.columns.clone(), out);
             for &(place, weight) in &row.seen {
-                add_block(out, weight * rho, &before[place as usize]);
+                add_block(out, weight * reflectance_of, &before[place as usize]);
             }
         }
     }
@@ -467,17 +479,17 @@ impl WithSimd for Follow<'_> {
 
 /// What the cells of one block of columns give a receiver, by class.
 struct Gather<'a> {
-    worth: &'a [Worth],
-    values: &'a [Block],
+    terms: &'a [WeightedCell],
+    values: &'a [ColumnBlock],
 }
 
 impl WithSimd for Gather<'_> {
-    type Output = [Block; CLASSES];
+    type Output = [ColumnBlock; CLASSES];
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let mut coarse = [[0.0; BLOCK]; CLASSES];
-        for w in self.worth {
-            add_block(&mut coarse[w.class], w.worth, &self.values[w.place]);
+        for w in self.terms {
+            add_block(&mut coarse[w.class], w.weight, &self.values[w.place]);
         }
         coarse
     }

@@ -15,7 +15,7 @@ use crate::site::cells::{CellKey, receiver_seed};
 #[derive(Clone, Debug)]
 pub struct TileView {
     pub number: u32,
-    pub receivers: tables::Receivers,
+    pub receivers: tables::ReceiversTable,
     pub viewers: Vec<Viewer>,
     pub hits: HitTile,
     /// `[receiver]`: what is seen in mirrors; empty where no receiver sees anything.
@@ -31,7 +31,7 @@ impl TileView {
     }
 
     /// The view of a tile whose receivers are read.
-    pub fn of(site: &OpenSite, number: u32, receivers: tables::Receivers) -> Result<Self> {
+    pub fn of(site: &OpenSite, number: u32, receivers: tables::ReceiversTable) -> Result<Self> {
         let rows = receivers.rows();
         let viewer = |i: usize| {
             let (position, normal) = (DVec3::from(receivers.position[i]), DVec3::from(receivers.normal[i]));

@@ -28,7 +28,7 @@ impl OpenSite<'_> {
     }
 
     fn cells_in(&self, block: &Block) -> Result<Cells> {
-        let mut cells = tables::Cells::from_block(block)?.into_cells();
+        let mut cells = tables::CellsTable::from_block(block)?.into_cells();
         let (rows, [texels, rays]) = (cells.rows(), self.rays_of(block.entry().kind));
         if cells.bits.len() != rows * texels.div_ceil(8) || cells.hits.len() != rows * rays {
             return Err(block.corrupt("cells of another shape", "textures and rays as in the manifest"));
@@ -84,18 +84,18 @@ pub struct CellSource<'a> {
 impl<'a> CellSource<'a> {
     /// The probes of a site.
     pub fn probes(site: &OpenSite<'a>) -> Result<Self> {
-        CellSource::open(site, format::PROBES, tables::Index::PROBES)
+        CellSource::open(site, format::PROBES, tables::IndexTable::PROBES)
     }
 
     /// The bounce cells of a site.
     pub fn bounces(site: &OpenSite<'a>) -> Result<Self> {
-        CellSource::open(site, format::BOUNCE, tables::Index::BOUNCE)
+        CellSource::open(site, format::BOUNCE, tables::IndexTable::BOUNCE)
     }
 
     fn open(site: &OpenSite<'a>, kind: u32, index: u32) -> Result<Self> {
         // A site where no ray meets anything has no cells and no index.
         let firsts = match site.has(format::INDEX, index) {
-            true => tables::Index::from_block(&site.block(format::INDEX, index)?)?.firsts(),
+            true => tables::IndexTable::from_block(&site.block(format::INDEX, index)?)?.firsts(),
             false => Vec::new(),
         };
         Ok(CellSource { site: site.clone(), kind, firsts })

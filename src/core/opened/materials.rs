@@ -15,7 +15,7 @@ fn class_of(code: u8) -> Class {
 /// The materials in the rows of their table; without a table of optics all are opaque and no glass.
 pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
     let block = blocks.block(format::MATERIALS, 0)?;
-    let table = tables::Materials::from_block(&block)?;
+    let table = tables::MaterialsTable::from_block(&block)?;
     let optics = optics(blocks, table.rows())?;
     let group = |row: usize| Some(table.group[row].clone()).filter(|group| !group.is_empty());
     let material = |row: usize| {
@@ -37,12 +37,12 @@ pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
 }
 
 /// What so many materials do besides reflecting diffusely, if some do.
-fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics>> {
+fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::OpticsTable>> {
     if !blocks.has(format::OPTICS, 0) {
         return Ok(None);
     }
     let block = blocks.block(format::OPTICS, 0)?;
-    let optics = tables::Optics::from_block(&block)?;
+    let optics = tables::OpticsTable::from_block(&block)?;
     if optics.rows() != materials {
         return Err(block.corrupt(format!("{} rows", optics.rows()), format!("{materials}, one per material")));
     }
@@ -55,7 +55,7 @@ pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<
         return Ok(Vec::new());
     }
     let block = blocks.block(format::MIRRORS, 0)?;
-    let table = tables::Mirrors::from_block(&block)?;
+    let table = tables::MirrorsTable::from_block(&block)?;
     if table.material.iter().any(|&material| usize::from(material) >= materials) {
         return Err(block.corrupt("an unknown material", "rows of the materials table"));
     }

@@ -12,15 +12,15 @@ use crate::layers::mosaic::Mosaic;
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
 use crate::opened::open_site::OpenSite;
-use crate::site::chain::{Chain, Step};
+use crate::site::chain::{Chain, MirrorStep};
 
 /// Most bytes of a tile's sky once it is refined, and of what it sees in mirrors: a small block can stand for large textures.
 pub const MAX_SKY: usize = 256 << 20;
 
 impl OpenSite<'_> {
     /// The receivers of a tile.
-    pub fn tile_receivers(&self, tile: u32) -> Result<tables::Receivers> {
-        tables::Receivers::from_block(&self.block(format::RECEIVERS, tile)?)
+    pub fn tile_receivers(&self, tile: u32) -> Result<tables::ReceiversTable> {
+        tables::ReceiversTable::from_block(&self.block(format::RECEIVERS, tile)?)
     }
 
     /// Sky textures of a tile of so many receivers, ready to be looked up.
@@ -118,7 +118,7 @@ impl OpenSite<'_> {
     }
 
     /// Refuses ways by mirrors of materials that do not exist.
-    pub(super) fn check_steps<'s>(&self, block: &Block, steps: impl Iterator<Item = &'s [Step]>) -> Result<()> {
+    pub(super) fn check_steps<'s>(&self, block: &Block, steps: impl Iterator<Item = &'s [MirrorStep]>) -> Result<()> {
         self.check_materials(block, steps.flatten().map(|step| step.0))
     }
 }

@@ -5,7 +5,7 @@ use crate::layers::canopy::sky_side;
 use crate::layers::sides::TextureSides;
 
 /// Shares of the light that come through to a receiver, on a square over its sky texture.
-pub struct Veil {
+pub struct CanopyTransmittance {
     /// Row-major.
     shares: Vec<f32>,
     side: usize,
@@ -14,17 +14,17 @@ pub struct Veil {
     block: usize,
 }
 
-impl Veil {
+impl CanopyTransmittance {
     /// Of shares by texel, for the sides of a sky texture.
     pub fn new(shares: Vec<f32>, sides: TextureSides) -> Self {
         let side = sky_side(sides.sky_base, sides.sky_fine);
-        Veil { shares, side, wide: sides.sky_fine / side, block: sides.sky_fine / sides.sky_base }
+        CanopyTransmittance { shares, side, wide: sides.sky_fine / side, block: sides.sky_fine / sides.sky_base }
     }
 
     /// Nothing in the way.
     pub fn clear(sides: TextureSides) -> Self {
         let side = sky_side(sides.sky_base, sides.sky_fine);
-        Veil::new(vec![1.0; side * side], sides)
+        CanopyTransmittance::new(vec![1.0; side * side], sides)
     }
 
     /// Share at a fine texel (column, row).
@@ -62,7 +62,7 @@ mod tests {
             let sides = TextureSides { sky_base: base, sky_fine: fine, response: 1 };
             assert_eq!(sky_side(base, fine), side);
             let share = |place: usize| (mix(7, place as u64) % 1000) as f32 / 1000.0;
-            let veil = Veil::new((0..side * side).map(share).collect(), sides);
+            let veil = CanopyTransmittance::new((0..side * side).map(share).collect(), sides);
             let block = fine / base;
             for texel in (0..base * base).step_by(base * base / 16) {
                 let place = (texel % base, texel / base);

@@ -15,23 +15,23 @@ use crate::layers::canopy::{SEEN, SKY};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
 use crate::layers::sides::TextureSides;
-use crate::light::radiosity::Depth;
 use crate::light::mirrors::left;
+use crate::light::radiosity::MaxBounces;
 use crate::light::reflector::Reflector;
-use crate::light::response_solver::Responder;
 use crate::light::response::{Viewer, class_index, texel_weights};
+use crate::light::response_solver::ResponseSolver;
 use crate::light::scratch::ScratchSpace;
 use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
 use crate::memory::MemoryBudget;
 use crate::opened::OpenSite;
+use crate::replay::canopy_transmittance::CanopyTransmittance;
 use crate::replay::receiver_view::ReceiverView;
-use crate::replay::canopy_transmittance::Veil;
 use crate::site::cells::CellKey;
 use crate::sky::disc::disc_texels;
+use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
-use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 
 /// Frames that textures are in.
@@ -69,9 +69,9 @@ impl Map {
 const SAMPLES: usize = 8;
 
 /// Sun and sky ready for the textures of an archive.
-pub struct Light {
+pub struct Illumination {
     condition: Condition,
-    depth: Depth,
+    depth: MaxBounces,
     patches: Patches,
     /// `[patch]`, W/m2 sr.
     radiances: Vec<f64>,
@@ -80,8 +80,14 @@ pub struct Light {
     on_response: Vec<f64>,
 }
 
-impl Light {
-    pub fn new(site: &OpenSite, condition: Condition, model: SkyModel, patches: usize, depth: Depth) -> Result<Self> {
+impl Illumination {
+    pub fn new(
+        site: &OpenSite,
+        condition: Condition,
+        model: SkyModel,
+        patches: usize,
+        depth: MaxBounces,
+    ) -> Result<Self> {
         let sides = site.settings().sides();
         let patches = Patches::new(patches)?;
         let open = Projection::new(&patches, sides.sky_base, SAMPLES).open_horizontal_sr;
@@ -89,7 +95,7 @@ impl Light {
         let projection = Projection::new(&patches, sides.response, SAMPLES);
         let radiance = |t| projection.of_texel(t).iter().map(|&(p, s)| radiances[usize::from(p)] * f64::from(s)).sum();
         let on_response = (0..sides.response * sides.response).map(radiance).collect();
-        Ok(Light { condition, depth, patches, radiances, projection, on_response })
+        Ok(Illumination { condition, depth, patches, radiances, projection, on_response })
     }
 
     /// What a response makes of it, W/m2: sun and sky.
@@ -110,7 +116,7 @@ impl Light {
 pub fn maps(
     site: &OpenSite,
     view: &ReceiverView,
-    light: Option<&Light>,
+    light: Option<&Illumination>,
     memory: MemoryBudget,
     storage: &dyn ScratchSpace,
 ) -> Result<Vec<Map>> {
@@ -121,7 +127,7 @@ pub fn maps(
         let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
-        if light.depth != Depth::All {
+        if light.depth != MaxBounces::All {
             response = Some(lit.response);
         }
     }
@@ -146,7 +152,7 @@ struct SkyTexels {
 }
 
 impl SkyTexels {
-    fn new(view: &ReceiverView, light: Option<&Light>) -> Self {
+    fn new(view: &ReceiverView, light: Option<&Illumination>) -> Self {
         let side = view.sky.side() * view.sky.block();
         let texel = |t: usize| sky_texel(view.receiver.normal, light, side, t);
         let texels: Vec<SkyTexel> = (0..side * side).into_par_iter().with_min_len(side).map(texel).collect();
@@ -167,7 +173,7 @@ fn texel_sr(side: usize) -> f64 {
 }
 
 /// What is sky, and with a light the sky and the sun that are seen in it.
-fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>, sides: TextureSides) -> Map {
+fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>, sides: TextureSides) -> Map {
     let (side, texels, texel_sr) = (sky.side, &sky.texels, texel_sr(sky.side));
     // Bits reach a little behind the surface.
     let visible: Vec<bool> =
@@ -175,7 +181,7 @@ fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>, sides: T
     let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
     map.add("visible", "1 where sky is seen, else 0", visible.iter().map(|v| f32::from(u8::from(*v))).collect());
     map.add("weight_sr", "sr", texels.iter().map(|t| (f64::from(t.cos) * texel_sr) as f32).collect());
-    let veil = view.canopy.through(SKY, &view.powers).map(|shares| Veil::new(shares, sides));
+    let veil = view.canopy.through(SKY, &view.powers).map(|shares| CanopyTransmittance::new(shares, sides));
     let through = |t: usize| veil.as_ref().map_or(1.0, |veil| veil.at_fine((t % side, t / side)));
     if veil.is_some() {
         map.add("through", "share of the light that canopies let through", (0..side * side).map(through).collect());
@@ -200,7 +206,7 @@ fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>, sides: T
 }
 
 /// What is sky by way of mirrors, on the texels of the sky that light comes from.
-fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Light>) -> Map {
+fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>) -> Map {
     let side = sky.side;
     let mut weights = vec![0.0_f64; side * side];
     let mut sun = vec![0.0_f64; side * side];
@@ -248,7 +254,7 @@ struct SkyTexel {
     horizontal: f32,
 }
 
-fn sky_texel(normal: DVec3, light: Option<&Light>, side: usize, t: usize) -> SkyTexel {
+fn sky_texel(normal: DVec3, light: Option<&Illumination>, side: usize, t: usize) -> SkyTexel {
     // Points 1/2048 of the square apart: 4 in a texel of the usual 1024.
     let samples = (2048 / side).max(1);
     let (mut cos, mut radiance, mut horizontal) = (0.0, 0.0, 0.0);
@@ -292,7 +298,7 @@ fn hit_map(view: &ReceiverView) -> Map {
 }
 
 /// What each direction of the sky is worth by way of reflections.
-fn response_map(response: &Response, light: Option<&Light>) -> Map {
+fn response_map(response: &Response, light: Option<&Illumination>) -> Map {
     const NAMES: [&str; CLASSES * 3] =
         ["ground.x", "ground.y", "ground.z", "obstruction.x", "obstruction.y", "obstruction.z"];
     let texels = response.values.len() / NAMES.len();
@@ -334,7 +340,7 @@ const CELLS_AT_ONCE: usize = 1024;
 fn lit_cells(
     site: &OpenSite,
     view: &ReceiverView,
-    light: &Light,
+    light: &Illumination,
     memory: MemoryBudget,
     storage: &dyn ScratchSpace,
 ) -> Result<Lit> {
@@ -342,7 +348,7 @@ fn lit_cells(
     // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
     tables.settings.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
-    let responder = Responder::new(&tables, light.depth, memory, storage)?;
+    let responder = ResponseSolver::new(&tables, light.depth, memory, storage)?;
     let shown = shown(view, &tables.mirrors.reflectors);
     let weights = texel_weights(&view.texels, &view.viewer);
     let mut lit = Lit {

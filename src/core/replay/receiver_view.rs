@@ -1,10 +1,10 @@
 //! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver sees, decoded.
 
 use crate::archive::format::{RECEIVERS, block_name};
-use crate::archive::tables::Receivers;
+use crate::archive::tables::ReceiversTable;
 use crate::error::{Error, Result};
 use crate::layers::canopy::{Canopy, Powers};
-use crate::layers::mirror::Path;
+use crate::layers::mirror::MirrorPath;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::light::canopies::stored;
@@ -36,7 +36,7 @@ pub struct ReceiverView {
     /// `[texel]` of the hit texture: 0 = nothing met, else palette index + 1.
     pub texels: Vec<u32>,
     /// Surfaces that it sees in mirrors.
-    pub paths: Vec<Path>,
+    pub paths: Vec<MirrorPath>,
     /// The sky that it sees in mirrors.
     pub mirrors: Vec<MirrorView>,
     pub materials: Vec<Material>,
@@ -115,7 +115,7 @@ impl ReceiverView {
 }
 
 /// Tile and row of a receiver, and the table that it stands in.
-fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, Receivers)> {
+fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
     let mut near: Vec<(usize, String)> = Vec::new();
     for tile in 0..site.tiles() {
         let table = site.tile_receivers(tile)?;

@@ -10,7 +10,7 @@ use crate::light::states::Schedule;
 use crate::site::material::{Class, Material};
 use crate::weather::calendar::Date;
 use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
-use crate::weather::row::Row;
+use crate::weather::row::WeatherRow;
 
 /// What the ground reflects under snow, from the weather file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,20 +30,20 @@ const COVER_CM: f64 = 1.0;
 
 /// What a transmittance is, or where it stands for each row of a weather file.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Follow {
+pub enum ConstantOrFile {
     Value(f64),
     File(PathBuf),
 }
 
-impl FromStr for Follow {
+impl FromStr for ConstantOrFile {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         match text.parse::<f64>() {
-            Ok(value) if (0.0..=1.0).contains(&value) => Ok(Follow::Value(value)),
+            Ok(value) if (0.0..=1.0).contains(&value) => Ok(ConstantOrFile::Value(value)),
             Ok(value) => Err(format!("a transmittance is from 0 to 1, not {value}")),
             Err(_) if text.is_empty() => Err("give a number from 0 to 1 or a CSV file".into()),
-            Err(_) => Ok(Follow::File(text.into())),
+            Err(_) => Ok(ConstantOrFile::File(text.into())),
         }
     }
 }
@@ -65,7 +65,7 @@ pub struct Changes {
     /// Where it comes from, and the reflectance of snow.
     pub snow: Option<(Snow, f64)>,
     /// Group, material or class of canopies, and what comes through at each crossing.
-    pub transmittance: Vec<(String, Follow)>,
+    pub transmittance: Vec<(String, ConstantOrFile)>,
 }
 
 impl Changes {
@@ -94,13 +94,13 @@ impl Changes {
         conditions: usize,
         dated: Option<(&[Date], ReadFile)>,
     ) -> Result<Vec<Schedule>> {
-        let of = |(name, follow): &(String, Follow)| {
+        let of = |(name, follow): &(String, ConstantOrFile)| {
             let values = match (follow, dated) {
-                (Follow::Value(value), _) => vec![*value; conditions],
-                (Follow::File(path), Some((dates, files))) => {
+                (ConstantOrFile::Value(value), _) => vec![*value; conditions],
+                (ConstantOrFile::File(path), Some((dates, files))) => {
                     parse_schedule(path, &files(path)?, TRANSMITTANCE, dates)?
                 }
-                (Follow::File(path), None) => {
+                (ConstantOrFile::File(path), None) => {
                     let what = "is a schedule, and the conditions have no dates that it could follow";
                     return Err(Error::input(path, None, what, "give a number from 0 to 1"));
                 }
@@ -111,7 +111,12 @@ impl Changes {
     }
 
     /// Schedules over the rows of a weather file, and what the user should know about them. `files` gives the bytes of schedules.
-    pub fn over(&self, changeable: &Changeable, rows: &[Row], files: ReadFile) -> Result<(Vec<Schedule>, Vec<String>)> {
+    pub fn over(
+        &self,
+        changeable: &Changeable,
+        rows: &[WeatherRow],
+        files: ReadFile,
+    ) -> Result<(Vec<Schedule>, Vec<String>)> {
         let materials = changeable.materials;
         let mut schedules = self.reflecting(changeable, rows.len())?;
         let mut warnings = Vec::new();
@@ -122,7 +127,7 @@ impl Changes {
             schedules.push(schedule(changeable, members, values)?);
         }
         if let Some((snow, reflectance)) = self.snow {
-            let cover = |row: &Row| match snow {
+            let cover = |row: &WeatherRow| match snow {
                 Snow::Depth => row.snow_depth_cm.filter(|depth| *depth >= COVER_CM).map(|_| reflectance),
                 Snow::Albedo => row.albedo,
             };
@@ -263,10 +268,10 @@ mod tests {
         panic!("{} is asked for", name.display())
     }
 
-    fn rows() -> Vec<Row> {
+    fn rows() -> Vec<WeatherRow> {
         let row = |month: u32, snow_depth_cm, albedo| {
             let date = Date::new(2021, month, 3).expect("a date");
-            Row {
+            WeatherRow {
                 line: 9,
                 interval: Interval { date, start_min: 0.0, end_min: 60.0 },
                 sun: DVec3::Z,

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::layers::response::Response;
-use crate::light::radiosity::Depth;
 use crate::light::canopies;
-use crate::light::canopies::Leafages;
+use crate::light::canopies::TransmittanceStates;
 use crate::light::mirrors::MirrorTable;
+use crate::light::radiosity::MaxBounces;
 use crate::light::reflector::Reflector;
-use crate::light::response_solver::Responder;
+use crate::light::response_solver::ResponseSolver;
 use crate::light::scratch::{InMemory, ScratchSpace};
 use crate::light::states::{Schedule, States};
 use crate::light::tables::Tables;
@@ -21,8 +21,8 @@ use crate::replay::longwave::Longwave;
 use crate::replay::tile::Forcing;
 use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::replay::values::TileValues;
-use crate::sky::patches::Patches;
 use crate::sky::model::SkyModel;
+use crate::sky::patches::Patches;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 
@@ -35,7 +35,7 @@ pub struct ReplaySettings<'s> {
     pub sky: SkyModel,
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
-    pub depth: Depth,
+    pub depth: MaxBounces,
     /// What results hold; components that nothing here needs may stay zero.
     pub components: ComponentSet,
     /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
@@ -50,7 +50,7 @@ impl Default for ReplaySettings<'_> {
         ReplaySettings {
             sky: SkyModel::Perez,
             patches: 577,
-            depth: Depth::All,
+            depth: MaxBounces::All,
             components: ComponentSet::ALL,
             memory: MemoryBudget::DEFAULT,
             storage: &InMemory,
@@ -94,7 +94,7 @@ pub struct Replay<'a> {
     /// Only where there are mirrors, and they are asked for.
     mirrors: Option<MirrorTable>,
     /// Only where the archive's own responses do not serve.
-    responder: Option<(Tables<'a>, Responder)>,
+    responder: Option<(Tables<'a>, ResponseSolver)>,
 }
 
 /// Receiver ids and irradiance of one tile: [component][receiver][result].
@@ -144,7 +144,7 @@ impl<'a> Replay<'a> {
             true => forcing,
             false => forcing.behind(conditions, ways, settings.sky, &patches),
         };
-        let derives = reflects && (settings.depth != Depth::All || !schedules.is_empty());
+        let derives = reflects && (settings.depth != MaxBounces::All || !schedules.is_empty());
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
             return Replay::with(site, forcing, None);
@@ -155,17 +155,17 @@ impl<'a> Replay<'a> {
         let (memory, storage) = (settings.memory, settings.storage);
         let states_of = |finer| States::new(&stored, &lets_through, schedules, conditions.len(), finer);
         let ways = |states: &States| {
-            let leafages = Leafages::split(&tables.mirrors.reflectors, &mut states.reflectances.clone());
+            let leafages = TransmittanceStates::split(&tables.mirrors.reflectors, &mut states.reflectances.clone());
             leafages.ways(&states.ways(bins))
         };
         if !derives {
             let states = states_of(true)?;
             return Replay::with(site, behind(forced(&[])?, ways(&states)), None);
         }
-        let solved = |finer| -> Result<(States, Responder)> {
+        let solved = |finer| -> Result<(States, ResponseSolver)> {
             let states = states_of(finer)?;
             let of_states = states.reflectances.clone();
-            let responder = Responder::with_states(&tables, of_states, settings.depth, memory, storage)?;
+            let responder = ResponseSolver::with_states(&tables, of_states, settings.depth, memory, storage)?;
             Ok((states, responder))
         };
         let (mut states, mut responder) = solved(false)?;
@@ -177,7 +177,7 @@ impl<'a> Replay<'a> {
         Replay::with(site, forcing, Some((tables, responder)))
     }
 
-    fn with(site: &OpenSite<'a>, forcing: Forcing, responder: Option<(Tables<'a>, Responder)>) -> Result<Self> {
+    fn with(site: &OpenSite<'a>, forcing: Forcing, responder: Option<(Tables<'a>, ResponseSolver)>) -> Result<Self> {
         let reflects = forcing.reads_mirrors() && !site.orientations().is_empty();
         let mirrors = reflects.then(|| MirrorTable::of(site));
         Ok(Replay { site: site.clone(), forcing, mirrors, responder })

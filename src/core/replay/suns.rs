@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
+use crate::replay::canopy_transmittance::CanopyTransmittance;
 use crate::replay::specular::MirrorView;
-use crate::replay::canopy_transmittance::Veil;
 use crate::sky::disc::disc_texels;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
@@ -32,23 +32,23 @@ struct Part {
     row: u32,
     /// Share of the disc.
     share: f32,
-    /// Its texels in [`Suns::fine`].
+    /// Its texels in [`SunLookups::fine`].
     fine: Range<usize>,
 }
 
 /// Suns made ready for receivers' textures.
-pub struct Suns {
+pub struct SunLookups {
     suns: Vec<Sun>,
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
     fine: Vec<(u32, f32)>,
 }
 
-impl Suns {
+impl SunLookups {
     /// Looks up all suns of all conditions with DNI.
     pub fn new(conditions: &[Condition], bins: &Bins, sides: TextureSides) -> Self {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
-        let mut found = Suns { suns: Vec::new(), parts: Vec::new(), fine: Vec::new() };
+        let mut found = SunLookups { suns: Vec::new(), parts: Vec::new(), fine: Vec::new() };
         let lit =
             conditions.par_iter().zip(&bins.of_condition).filter(|(c, (_, weight))| c.dni_w_m2 > 0.0 && *weight != 0.0);
         let discs: Vec<(Sun, Vec<_>)> = lit
@@ -111,7 +111,7 @@ impl Suns {
     }
 
     /// The same behind a veil.
-    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &Veil, out: &mut [f64]) {
+    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
             if cos > 0.0 {
@@ -122,7 +122,7 @@ impl Suns {
         }
     }
 
-    fn visible_behind(&self, part: &Part, sky: &Mosaic, veil: &Veil) -> f32 {
+    fn visible_behind(&self, part: &Part, sky: &Mosaic, veil: &CanopyTransmittance) -> f32 {
         let place = (part.column as usize, part.row as usize);
         let fine = self.fine[part.fine.clone()].iter();
         let through = |&(i, share): &(u32, f32)| share * veil.at(place, i as usize);

@@ -7,21 +7,21 @@ use crate::layers::canopy::{Powers, SKY};
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::layers::sky::half_texel;
+use crate::replay::canopy_transmittance::CanopyTransmittance;
 use crate::replay::components::Component::{SkyDirect, SunDirect};
 use crate::replay::components::ComponentSet;
-use crate::replay::suns::Suns;
+use crate::replay::suns::SunLookups;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{TileValues, put};
-use crate::replay::canopy_transmittance::Veil;
+use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive};
-use crate::sky::model::SkyModel;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 
 /// Weather of each leafage.
-pub struct Shaded {
+pub struct DirectThroughCanopy {
     ways: Vec<Way>,
     sides: TextureSides,
 }
@@ -29,11 +29,11 @@ pub struct Shaded {
 /// Suns and skies that shine while leaves let through certain shares.
 struct Way {
     powers: Powers,
-    suns: Suns,
+    suns: SunLookups,
     skies: Skies,
 }
 
-impl Shaded {
+impl DirectThroughCanopy {
     /// How conditions add to the results with each leafage; `projection` of the base texels.
     pub fn new(
         conditions: &[Condition],
@@ -47,10 +47,10 @@ impl Shaded {
         let ways: Vec<&Bins> = leafages.iter().map(|(_, bins)| bins).collect();
         let open_sr = &projection.open_horizontal_sr;
         let skies = Skies::new(when(components.needs(SkyDirect)), &ways, model, patches, open_sr);
-        let suns: Vec<Suns> =
-            ways.iter().map(|bins| Suns::new(when(components.needs(SunDirect)), bins, sides)).collect();
+        let suns: Vec<SunLookups> =
+            ways.iter().map(|bins| SunLookups::new(when(components.needs(SunDirect)), bins, sides)).collect();
         let way = |(((powers, _), suns), skies)| Way { powers, suns, skies };
-        Shaded { ways: leafages.into_iter().zip(suns).zip(skies).map(way).collect(), sides }
+        DirectThroughCanopy { ways: leafages.into_iter().zip(suns).zip(skies).map(way).collect(), sides }
     }
 
     /// Replaces the direct light of a tile's receivers that see the sky through leaves.
@@ -60,8 +60,8 @@ impl Shaded {
         let crosses = |receiver: &usize| tile.canopies[*receiver].through(SKY, &first.powers).is_some();
         let behind: Vec<usize> = (0..tile.canopies.len()).filter(crosses).collect();
         let veil = |receiver: usize, way: &Way| match tile.canopies[receiver].through(SKY, &way.powers) {
-            Some(shares) => Veil::new(shares, self.sides),
-            None => Veil::clear(self.sides),
+            Some(shares) => CanopyTransmittance::new(shares, self.sides),
+            None => CanopyTransmittance::clear(self.sides),
         };
         for &receiver in &behind {
             let mut sums = vec![0.0_f64; out.labels()];
@@ -87,7 +87,13 @@ impl Shaded {
 }
 
 /// [`crate::sky::skies::sky_coefficients`] behind a veil.
-fn coefficients_behind(projection: &Projection, normal: DVec3, sky: &Mosaic, veil: &Veil, out: &mut Vec<f32>) {
+fn coefficients_behind(
+    projection: &Projection,
+    normal: DVec3,
+    sky: &Mosaic,
+    veil: &CanopyTransmittance,
+    out: &mut Vec<f32>,
+) {
     let (base, block) = (projection.side(), sky.block());
     let half = half_texel(base);
     let mut sums = vec![0.0_f64; projection.patches()];

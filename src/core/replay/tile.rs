@@ -14,16 +14,16 @@ use crate::replay::components::Component::{
 };
 use crate::replay::components::ComponentSet;
 use crate::replay::longwave::Longwave;
-use crate::replay::through_canopy::Shaded;
 use crate::replay::sources::Sources;
-use crate::replay::suns::Suns;
+use crate::replay::suns::SunLookups;
+use crate::replay::through_canopy::DirectThroughCanopy;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{TileValues, put};
 use crate::site::receiver::TILE;
+use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
-use crate::sky::model::SkyModel;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 
@@ -35,7 +35,7 @@ pub struct Forcing {
     /// Number of results.
     bins: usize,
     sides: TextureSides,
-    suns: Suns,
+    suns: SunLookups,
     skies: Skies,
     /// `[state]`: what is reflected.
     reflected: Vec<Reflected>,
@@ -44,7 +44,7 @@ pub struct Forcing {
     components: ComponentSet,
     longwave: Option<Longwave>,
     /// Direct light where canopies stand before the sky.
-    shaded: Option<Shaded>,
+    shaded: Option<DirectThroughCanopy>,
 }
 
 /// The weather of one state of the reflectances.
@@ -80,7 +80,7 @@ impl Forcing {
         Forcing {
             bins: bins.count,
             sides,
-            suns: Suns::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
+            suns: SunLookups::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
             skies: all.unwrap_or_default(),
             reflected,
             response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
@@ -105,7 +105,7 @@ impl Forcing {
         patches: &Patches,
     ) -> Self {
         let asked = (model, self.components);
-        let shaded = Shaded::new(conditions, leafages, asked, patches, &self.sky_projection, self.sides);
+        let shaded = DirectThroughCanopy::new(conditions, leafages, asked, patches, &self.sky_projection, self.sides);
         Forcing { shaded: Some(shaded), ..self }
     }
 

@@ -71,7 +71,7 @@ impl TileLayers {
         site: &OpenSite,
         tile: u32,
         reads: Reads,
-        (receivers, mirrors, canopies): (tables::Receivers, Vec<ReceiverMirrors>, Vec<Canopy>),
+        (receivers, mirrors, canopies): (tables::ReceiversTable, Vec<ReceiverMirrors>, Vec<Canopy>),
         responses: Vec<Vec<Response>>,
     ) -> Result<(Vec<String>, TileLayers)> {
         let rows = receivers.rows();

@@ -30,7 +30,7 @@ impl Orientation {
 }
 
 /// A mirror on the way to a surface: the number of its material, and the cosine of the angle of incidence in 255ths.
-pub type Step = (u16, u8);
+pub type MirrorStep = (u16, u8);
 
 /// Orientations met one after the other from the looker on; at most [`MOST_MIRRORS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -3,8 +3,8 @@
 
 pub mod disc;
 pub mod distribution;
+pub mod model;
 pub mod patches;
 pub mod perez;
 pub mod projection;
 pub mod skies;
-pub mod model;

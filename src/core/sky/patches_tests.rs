@@ -1,8 +1,8 @@
 //! Tests of [`super`].
 
 use super::*;
-use crate::sky::projection::Projection;
 use crate::sky::model::CieType;
+use crate::sky::projection::Projection;
 use crate::units::direction_from_degrees;
 
 fn condition(altitude_deg: f64, dni: f64, dhi: f64) -> Condition {

@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
-use crate::weather::row::Row;
-use crate::weather::sun::Site;
+use crate::weather::row::WeatherRow;
+use crate::weather::sun::Location;
 
 /// Shifts tried: half a day each way, first coarsely (the residual changes over hours), then by the minute.
 const HALF_DAY_MIN: i32 = 720;
@@ -40,8 +40,8 @@ pub struct Closure {
 
 impl Closure {
     /// The check over rows for which GHI, DNI and DHI were all in the file.
-    pub fn of(site: &Site, rows: &[Row]) -> Option<Self> {
-        let mut usable: Vec<(&Row, f64)> = rows
+    pub fn of(site: &Location, rows: &[WeatherRow]) -> Option<Self> {
+        let mut usable: Vec<(&WeatherRow, f64)> = rows
             .iter()
             .filter(|row| row.dni_w_m2 > 0.0)
             .filter_map(|row| row.ghi_w_m2.map(|ghi| (row, ghi)))
@@ -81,7 +81,7 @@ impl Closure {
     }
 
     /// A sentence if another time fits better by a factor of two and by more than 5 W/m2, or if none fits.
-    pub fn warning(&self, site: &Site) -> Option<String> {
+    pub fn warning(&self, site: &Location) -> Option<String> {
         let Closure { rmse_w_m2, best_rmse_w_m2, best_shift_min, sunless_rmse_w_m2 } = *self;
         if best_rmse_w_m2 > LARGEST_SHARE * sunless_rmse_w_m2 {
             return Some(format!(

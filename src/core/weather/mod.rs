@@ -2,19 +2,19 @@
 //! position, and what is doubtful about them. Never: layers, reflectances, results.
 
 pub mod air;
-pub mod distance;
 pub mod bins;
 pub mod calendar;
 pub mod closure;
 pub mod conditions;
+pub mod distance;
 pub mod emission;
 pub mod erbs;
 pub mod findings;
 pub mod formats;
 pub mod row;
+pub mod series;
 pub mod span;
 pub mod sun;
 pub mod sun_path;
 pub mod temperatures;
-pub mod series;
 pub mod years;

@@ -6,7 +6,7 @@ use crate::weather::sun::Interval;
 
 /// One interval of a weather file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct WeatherRow {
     /// Line of the file, 1-based.
     pub line: usize,
     pub interval: Interval,

@@ -12,12 +12,12 @@ use crate::weather::air::Air;
 use crate::weather::closure::Closure;
 use crate::weather::conditions::{Condition, Stamp};
 use crate::weather::findings::Findings;
-use crate::weather::row::Row;
-use crate::weather::sun::{Site, extraterrestrial_w_m2};
+use crate::weather::row::WeatherRow;
+use crate::weather::sun::{Location, extraterrestrial_w_m2};
 
 /// What the reader found, for the user.
 #[derive(Clone, Debug, Default)]
-pub struct Report {
+pub struct WeatherReport {
     /// Rows that are odd, by kind.
     pub findings: Findings,
     /// Check of the time stamps; `None` if too few rows have GHI, DNI and DHI.
@@ -31,14 +31,14 @@ pub struct Report {
 pub struct Weather {
     /// City and country of the header.
     pub place: String,
-    pub site: Site,
+    pub site: Location,
     /// In file order.
-    pub rows: Vec<Row>,
+    pub rows: Vec<WeatherRow>,
     /// `[row]`: its air; empty if only light was read.
     pub air: Vec<Air>,
     /// Length of every row's interval.
     pub interval_hours: f64,
-    pub report: Report,
+    pub report: WeatherReport,
 }
 
 impl Weather {
@@ -70,13 +70,13 @@ mod tests {
     use crate::weather::calendar::Date;
     use crate::weather::sun::Interval;
 
-    fn weather(site: Site, rows: &[(f64, f64, f64)]) -> Weather {
+    fn weather(site: Location, rows: &[(f64, f64, f64)]) -> Weather {
         let date = Date::new(2021, 3, 21).expect("a date");
         let rows = rows
             .iter()
             .map(|&(hour, dni_w_m2, dhi_w_m2)| {
                 let interval = Interval { date, start_min: 60.0 * hour, end_min: 60.0 * hour + 60.0 };
-                Row {
+                WeatherRow {
                     line: 9,
                     interval,
                     sun: site.sun(date, interval.middle_min()),
@@ -88,14 +88,21 @@ mod tests {
                 }
             })
             .collect();
-        Weather { place: String::new(), site, rows, air: Vec::new(), interval_hours: 1.0, report: Report::default() }
+        Weather {
+            place: String::new(),
+            site,
+            rows,
+            air: Vec::new(),
+            interval_hours: 1.0,
+            report: WeatherReport::default(),
+        }
     }
 
     /// In a sunrise hour all of the DNI goes to the sunlit part: six suns, all up, weights sum 1; labels are the start of the
     /// interval and E0 is the day's value (1378 W/m2 on 21 March, within 2).
     #[test]
     fn sunrise_hour() {
-        let site = Site::new(51.5, 0.0, 0.0, 10.0).expect("a site");
+        let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
         let all = weather(site, &[(6.0, 50.0, 10.0), (12.0, 500.0, 100.0)]).conditions(6);
         for c in &all {
             assert_eq!(c.suns.len(), 6);
@@ -113,7 +120,7 @@ mod tests {
     /// DNI and DHI at night give no suns and a finite sky sun on the horizon (z = 0, length 1).
     #[test]
     fn light_at_night() {
-        let site = Site::new(51.5, 0.0, 0.0, 10.0).expect("a site");
+        let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
         let night = &weather(site, &[(1.0, 5.0, 3.0)]).conditions(4)[0];
         assert!(night.suns.is_empty());
         assert_eq!(night.sky_sun.z, 0.0);

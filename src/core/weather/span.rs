@@ -6,9 +6,9 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 use crate::weather::calendar::Date;
-use crate::weather::row::Row;
-use crate::weather::sun::Interval;
+use crate::weather::row::WeatherRow;
 use crate::weather::series::Weather;
+use crate::weather::sun::Interval;
 use crate::weather::years::Years;
 
 /// A day or a time of one, `2019-03-01`, `03-01`, `2019-03-01T06:30`, in the local standard time of the file.
@@ -115,7 +115,7 @@ impl Span {
         if chosen.contains(&true) {
             return Ok(chosen);
         }
-        let label = |row: Option<&Row>, minutes: fn(&Interval) -> f64| {
+        let label = |row: Option<&WeatherRow>, minutes: fn(&Interval) -> f64| {
             row.map_or_else(String::new, |row| row.interval.date.label(minutes(&row.interval) as u32))
         };
         let (first, last) = (label(weather.rows.first(), |i| i.start_min), label(weather.rows.last(), |i| i.end_min));
@@ -165,22 +165,29 @@ impl fmt::Display for Span {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::weather::sun::Site;
-    use crate::weather::series::Report;
+    use crate::weather::series::WeatherReport;
+    use crate::weather::sun::Location;
 
     /// Hours of some days, given as (year, month, day).
     fn weather(days: &[(i32, u32, u32)]) -> Weather {
-        let site = Site::new(52.0, 4.0, 1.0, 0.0).expect("a site");
+        let site = Location::new(52.0, 4.0, 1.0, 0.0).expect("a site");
         let row = |&(year, month, day): &(i32, u32, u32), hour: u32| {
             let date = Date::new(year, month, day).expect("a date");
             let start_min = f64::from(hour * 60);
             let interval = Interval { date, start_min, end_min: start_min + 60.0 };
             let sun = site.sun(date, interval.middle_min());
             let (ghi_w_m2, albedo, snow_depth_cm) = (None, None, None);
-            Row { line: 9, interval, sun, ghi_w_m2, dni_w_m2: 0.0, dhi_w_m2: 0.0, albedo, snow_depth_cm }
+            WeatherRow { line: 9, interval, sun, ghi_w_m2, dni_w_m2: 0.0, dhi_w_m2: 0.0, albedo, snow_depth_cm }
         };
         let rows = days.iter().flat_map(|day| (0..24).map(move |hour| row(day, hour))).collect();
-        Weather { place: String::new(), site, rows, air: Vec::new(), interval_hours: 1.0, report: Report::default() }
+        Weather {
+            place: String::new(),
+            site,
+            rows,
+            air: Vec::new(),
+            interval_hours: 1.0,
+            report: WeatherReport::default(),
+        }
     }
 
     fn span(from: &str, to: &str) -> Result<Span> {

@@ -3,8 +3,8 @@
 //! Positions are geometric (no refraction) and belong to the centre of the disc: archives hold straight rays.
 
 use glam::DVec3;
+use solar_positioning::SolarPositions;
 use solar_positioning::time::JulianDate;
-use solar_positioning::{Location, SolarPositions};
 
 use crate::units::direction_from_degrees;
 use crate::weather::calendar::Date;
@@ -25,7 +25,7 @@ const PARTS: usize = 8;
 
 /// A place on Earth whose weather is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
+pub struct Location {
     /// -90..=90, north positive.
     pub latitude_deg: f64,
     /// -180..=180, east positive.
@@ -54,7 +54,7 @@ impl Interval {
     }
 }
 
-impl Site {
+impl Location {
     /// A site with coordinates in range; `Err` says which one is not.
     pub fn new(latitude_deg: f64, longitude_deg: f64, zone_hours: f64, elevation_m: f64) -> Result<Self, String> {
         let checks = [
@@ -69,7 +69,7 @@ impl Site {
                 return Err(format!("{name} is {value}, it must be from {low} to {high}"));
             }
         }
-        Ok(Site { latitude_deg, longitude_deg, zone_hours, elevation_m })
+        Ok(Location { latitude_deg, longitude_deg, zone_hours, elevation_m })
     }
 
     /// Unit vector towards the centre of the sun, by the Solar Position Algorithm (Reda and Andreas, "Solar position
@@ -82,7 +82,7 @@ impl Site {
     }
 
     fn sun_at(&self, julian_date: f64, delta_t_s: f64) -> DVec3 {
-        let location = Location { latitude: self.latitude_deg, longitude: self.longitude_deg };
+        let location = solar_positioning::Location { latitude: self.latitude_deg, longitude: self.longitude_deg };
         JulianDate::new(julian_date, delta_t_s)
             .and_then(|time| SolarPositions::new().at_from_julian(time, location, self.elevation_m, None))
             .map_or(DVec3::NEG_Z, |p| direction_from_degrees(p.azimuth(), p.elevation_angle()))
@@ -208,7 +208,7 @@ mod tests {
     /// with the estimated delta T.
     #[test]
     fn published_example() {
-        let site = Site::new(39.742476, -105.1786, -7.0, 1830.14).expect("a site");
+        let site = Location::new(39.742476, -105.1786, -7.0, 1830.14).expect("a site");
         let day = date(2003, 10, 17);
         let minutes = 12.0 * 60.0 + 30.5;
         let exact = site.sun_at(day.julian_date(minutes, -7.0), 67.0);
@@ -224,7 +224,7 @@ mod tests {
     /// after is used whole.
     #[test]
     fn sunrise_is_cut() {
-        let site = Site::new(51.5, 0.0, 0.0, 10.0).expect("a site");
+        let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
         let day = date(2021, 3, 21);
         let interval = |hour: f64| Interval { date: day, start_min: 60.0 * hour, end_min: 60.0 * hour + 60.0 };
         let rising = interval(6.0);
@@ -247,7 +247,7 @@ mod tests {
     /// At 70 N the polar night has no sunlit minute and the polar day no dark one, over all 24 hours.
     #[test]
     fn polar_night_and_day() {
-        let site = Site::new(70.0, 25.0, 1.0, 0.0).expect("a site");
+        let site = Location::new(70.0, 25.0, 1.0, 0.0).expect("a site");
         for (month, expected) in [(12, 0), (6, 24)] {
             let lit = (0..24)
                 .filter(|&h| {
@@ -267,7 +267,7 @@ mod tests {
     /// Turning the sun about the pole by two hours agrees with the algorithm to 0.1 deg.
     #[test]
     fn turned_sun() {
-        let site = Site::new(45.0, 8.0, 1.0, 250.0).expect("a site");
+        let site = Location::new(45.0, 8.0, 1.0, 250.0).expect("a site");
         let day = date(2018, 4, 4);
         let turned = site.turned(site.sun(day, 700.0), 120.0);
         assert!((turned - site.sun(day, 820.0)).length().to_degrees() < 0.1);
@@ -288,7 +288,7 @@ mod tests {
         for (longitude, zone, expected) in
             [(-105.18, -7.0, -0.012), (-171.8, 13.0, -0.453), (76.0, 8.0, -2.933), (105.18, -7.0, -9.988)]
         {
-            let ahead = Site::new(0.0, longitude, zone, 0.0).expect("a site").hours_ahead_of_clock();
+            let ahead = Location::new(0.0, longitude, zone, 0.0).expect("a site").hours_ahead_of_clock();
             assert!((ahead - expected).abs() < 1e-3, "{longitude}: {ahead}");
         }
     }
@@ -296,9 +296,9 @@ mod tests {
     /// A latitude of 91 and a NaN longitude are refused by name.
     #[test]
     fn bad_sites() {
-        let text = Site::new(91.0, 0.0, 0.0, 0.0).expect_err("latitude");
+        let text = Location::new(91.0, 0.0, 0.0, 0.0).expect_err("latitude");
         assert!(text.starts_with("latitude is 91"), "{text}");
-        let text = Site::new(0.0, f64::NAN, 0.0, 0.0).expect_err("longitude");
+        let text = Location::new(0.0, f64::NAN, 0.0, 0.0).expect_err("longitude");
         assert!(text.starts_with("longitude is NaN"), "{text}");
     }
 }

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::weather::calendar::Date;
-use crate::weather::sun::Site;
+use crate::weather::sun::Location;
 
 /// The days between which the sun's paths lie, and the one amid them; in autumn the sun takes the path of spring.
 pub const DAYS: [(u32, u32, &str); 3] = [(6, 21, "21 Jun"), (3, 20, "20 Mar"), (12, 21, "21 Dec")];
@@ -27,7 +27,7 @@ pub struct SunPath {
 }
 
 impl SunPath {
-    pub fn of(site: &Site) -> Self {
+    pub fn of(site: &Location) -> Self {
         let sun = |month, day, minutes: u32| {
             // Every one of these dates exists.
             Date::new(YEAR, month, day).map_or(DVec3::NEG_Z, |date| site.sun(date, f64::from(minutes)))
@@ -49,7 +49,7 @@ mod tests {
     /// the meridian and within 47 deg of itself; at 52 S the midday sun is in the north.
     #[test]
     fn known_heights() {
-        let path = SunPath::of(&Site::new(52.0, 0.0, 0.0, 0.0).expect("a site"));
+        let path = SunPath::of(&Location::new(52.0, 0.0, 0.0, 0.0).expect("a site"));
         for (day, declination) in path.days.iter().zip([23.44, 0.0, -23.44]) {
             let highest = day.iter().map(|d| d.z.asin().to_degrees()).fold(-90.0, f64::max);
             assert!((highest - (38.0 + declination)).abs() < 0.3, "{highest}");
@@ -60,7 +60,7 @@ mod tests {
         let spread = noon.iter().map(|d| d.z.asin().to_degrees());
         let (low, high) = spread.fold((90.0, -90.0), |(l, h): (f64, f64), a| (l.min(a), h.max(a)));
         assert!((high - low - 46.9).abs() < 0.6, "{low} {high}");
-        let south = SunPath::of(&Site::new(-52.0, 0.0, 0.0, 0.0).expect("a site"));
+        let south = SunPath::of(&Location::new(-52.0, 0.0, 0.0, 0.0).expect("a site"));
         assert!(south.hours[12].iter().all(|d| d.y > 0.0));
     }
 }

@@ -8,15 +8,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::formats::obj::Library;
-use crate::materials::Table;
+use crate::materials::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 
 /// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
-pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut Vec<String>) -> Result<Table> {
+pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut Vec<String>) -> Result<MaterialTable> {
     let folder = obj.parent().unwrap_or(Path::new(""));
-    let mut table = Table::new();
+    let mut table = MaterialTable::new();
     let mut done: Vec<PathBuf> = Vec::new();
     for library in libraries {
         for path in files_of(folder, &library.text) {
@@ -63,7 +63,7 @@ struct Block {
     not_modelled: bool,
 }
 
-fn parse(bytes: &[u8], file: &Path, table: &mut Table, warnings: &mut Vec<String>) -> Result<()> {
+fn parse(bytes: &[u8], file: &Path, table: &mut MaterialTable, warnings: &mut Vec<String>) -> Result<()> {
     let mut lines = Lines::new(bytes);
     let mut block: Option<Block> = None;
     while let Some((line, text)) = lines.next() {
@@ -120,7 +120,7 @@ fn mean_of_channels(file: &Path, line: usize, keyword: &str, text: &[u8]) -> Res
     Ok(sum / count)
 }
 
-fn finish(block: Block, file: &Path, table: &mut Table, warnings: &mut Vec<String>) -> Result<()> {
+fn finish(block: Block, file: &Path, table: &mut MaterialTable, warnings: &mut Vec<String>) -> Result<()> {
     let shown = excerpt(block.name.as_bytes());
     let place = format!("{}, line {}: material `{shown}`", file.display(), block.line);
     if table.contains_key(&block.name) {
@@ -153,8 +153,8 @@ fn finish(block: Block, file: &Path, table: &mut Table, warnings: &mut Vec<Strin
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<(Table, Vec<String>)> {
-        let (mut table, mut warnings) = (Table::new(), Vec::new());
+    fn read(text: &str) -> Result<(MaterialTable, Vec<String>)> {
+        let (mut table, mut warnings) = (MaterialTable::new(), Vec::new());
         parse(text.as_bytes(), Path::new("town.mtl"), &mut table, &mut warnings)?;
         Ok((table, warnings))
     }

@@ -9,7 +9,7 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::kind_name;
 use heliotile_core::archive::{Access, Archive, Manifest, encode};
 use heliotile_builder::writing::{Job, Writer};
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile::files::read_conditions;
@@ -56,7 +56,7 @@ pub fn query(archive: &Path, conditions: &Path) {
     let settings = ReplaySettings {
         sky: SkyModel::Perez,
         patches: 577,
-        depth: Depth::All,
+        depth: MaxBounces::All,
         components: ComponentSet::ALL,
         memory: MemoryBudget::new(1 << 30),
         storage: &InMemory,

@@ -8,7 +8,7 @@ use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
-use heliotile_core::archive::tables::{Cells, Index, Materials, Receivers};
+use heliotile_core::archive::tables::{CellsTable, IndexTable, MaterialsTable, ReceiversTable};
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
 use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
 use heliotile_core::layers::extras;
@@ -17,7 +17,7 @@ use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile_core::layers::mosaic::Mosaic;
 use heliotile_core::layers::response;
 use heliotile_core::layers::sky::SkyTexture;
-use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
@@ -141,7 +141,7 @@ fn read_all(path: &Path) {
     let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
     let conditions = parse_conditions(Path::new("conditions.csv"), sunny).expect("a condition").conditions;
     let Ok(site) = OpenSite::of(&archive) else { return };
-    for depth in [Depth::All, Depth::Count(1)] {
+    for depth in [MaxBounces::All, MaxBounces::Count(1)] {
         let settings = ReplaySettings {
             sky: SkyModel::Perez,
             patches: 145,
@@ -215,26 +215,28 @@ fn with_block<T>(kind: u32, data: &[u8], read: impl Fn(&Block) -> T) {
 
 fn receivers_table(data: &[u8]) {
     with_block(format::RECEIVERS, data, |block| {
-        Receivers::from_block(block).map(|table| table.to_bytes().expect("checked"))
+        ReceiversTable::from_block(block).map(|table| table.to_bytes().expect("checked"))
     });
 }
 
 fn cells_table(data: &[u8]) {
     with_block(format::PROBES, data, |block| {
-        Cells::from_block(block).map(|table| {
+        CellsTable::from_block(block).map(|table| {
             let bytes = table.to_bytes().expect("checked");
-            assert!(Cells::new(&table.into_cells()).to_bytes().expect("checked") == bytes);
+            assert!(CellsTable::new(&table.into_cells()).to_bytes().expect("checked") == bytes);
         })
     });
 }
 
 fn index_table(data: &[u8]) {
-    with_block(format::INDEX, data, |block| Index::from_block(block).map(|table| table.to_bytes().expect("checked")));
+    with_block(format::INDEX, data, |block| {
+        IndexTable::from_block(block).map(|table| table.to_bytes().expect("checked"))
+    });
 }
 
 fn materials_table(data: &[u8]) {
     with_block(format::MATERIALS, data, |block| {
-        Materials::from_block(block).map(|table| table.to_bytes().expect("checked"))
+        MaterialsTable::from_block(block).map(|table| table.to_bytes().expect("checked"))
     });
 }
 

@@ -23,7 +23,7 @@ pub fn unpack_tag(tag: u32) -> Option<(i8, u8)> {
 
 /// Columns of one chunk, schema 2.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
-pub struct Cells {
+pub struct CellsTable {
     /// Voxel of the cell at its level.
     pub voxel: Vec<[i32; 3]>,
     /// [`pack_tag`].
@@ -42,20 +42,20 @@ pub struct Cells {
     pub hits: Vec<u16>,
 }
 
-table!(Cells, [PROBES, BOUNCE]);
+table!(CellsTable, [PROBES, BOUNCE]);
 
 /// Flag of a ray below the horizon, and the row of a ray that met nothing, in 16 bits.
 const DOWN: u16 = 1 << 15;
 const MISS: u16 = DOWN - 1;
 
-impl Cells {
+impl CellsTable {
     /// The table of a chunk; at most 32,767 cells are seen.
     pub fn new(cells: &cells::Cells) -> Self {
         let narrow = |&hit: &u32| {
             let down = if hit & cells::DOWN == 0 { 0 } else { DOWN };
             u16::try_from(hit & !cells::DOWN).unwrap_or(MISS).min(MISS) | down
         };
-        Cells {
+        CellsTable {
             voxel: cells.keys.iter().map(|k| k.voxel).collect(),
             tag: cells.keys.iter().map(tag_of).collect(),
             material: cells.keys.iter().map(|k| k.material).collect(),
@@ -140,8 +140,8 @@ mod tests {
     use crate::archive::tables::tests::{block, hostile};
     use crate::archive::{encode, format};
 
-    fn known() -> Cells {
-        Cells {
+    fn known() -> CellsTable {
+        CellsTable {
             voxel: vec![[-1, 2, 3], [-1, 2, 4]],
             tag: vec![pack_tag(-1, 53); 2],
             material: vec![1, 1],
@@ -175,9 +175,9 @@ mod tests {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (180, "a7b443f5effad7b2".to_string()));
         for kind in [PROBES, BOUNCE] {
-            let back = Cells::from_block(&block(&known().encode(kind, 0, 9).unwrap())).unwrap();
+            let back = CellsTable::from_block(&block(&known().encode(kind, 0, 9).unwrap())).unwrap();
             assert_eq!(back, known());
-            assert_eq!(Cells::new(&back.into_cells()), known());
+            assert_eq!(CellsTable::new(&back.into_cells()), known());
         }
         assert!(known().encode(format::SKY, 0, 9).is_err());
     }
@@ -185,7 +185,7 @@ mod tests {
     /// A value out of range in any of 10 ways is refused on writing and, under right checksums, on reading.
     #[test]
     fn ranges_are_checked() {
-        let flaws: [fn(&mut Cells); 10] = [
+        let flaws: [fn(&mut CellsTable); 10] = [
             |p| p.voxel[1][2] = 3,
             |p| p.voxel.swap(0, 1),
             |p| p.tag[1] = 65_536,
@@ -202,7 +202,7 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = Cells::from_block(&block(&encode(5, 0, 2, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = CellsTable::from_block(&block(&encode(5, 0, 2, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block probes/0"), "{number}: {error}");
         }
     }
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();
-        let (refused, accepted) = hostile(PROBES, 2, &raw, Cells::from_block);
+        let (refused, accepted) = hostile(PROBES, 2, &raw, CellsTable::from_block);
         assert_eq!(refused + accepted, raw.len() * 9 - 1);
         assert!(refused >= raw.len() - 1, "{refused}");
     }

@@ -9,22 +9,22 @@ use crate::site::cells::CellKey;
 
 /// Columns of the index of one kind of cells, schema 1: one row a chunk.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
-pub struct Index {
+pub struct IndexTable {
     pub voxel: Vec<[i32; 3]>,
     pub tag: Vec<u32>,
     pub material: Vec<u16>,
 }
 
-table!(Index, [INDEX]);
+table!(IndexTable, [INDEX]);
 
-impl Index {
+impl IndexTable {
     /// Tile number of the index of probes, and of bounce cells.
     pub const PROBES: u32 = 0;
     pub const BOUNCE: u32 = 1;
 
     /// The index of chunks that start with these keys.
     pub fn new(firsts: &[CellKey]) -> Self {
-        Index {
+        IndexTable {
             voxel: firsts.iter().map(|k| k.voxel).collect(),
             tag: firsts.iter().map(|k| pack_tag(k.level, k.facing)).collect(),
             material: firsts.iter().map(|k| k.material).collect(),
@@ -57,11 +57,11 @@ mod tests {
     #[test]
     fn layout_is_frozen() {
         let key = |x| CellKey { level: 3, facing: 54, material: 1, voxel: [x, 0, 0] };
-        let index = Index::new(&[key(-1), key(2)]);
+        let index = IndexTable::new(&[key(-1), key(2)]);
         let raw = index.to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (60, "3695a58f80601495".to_string()));
-        let back = Index::from_block(&block(&index.encode(INDEX, 1, 9).unwrap())).unwrap();
+        let back = IndexTable::from_block(&block(&index.encode(INDEX, 1, 9).unwrap())).unwrap();
         assert_eq!(back.firsts(), [key(-1), key(2)]);
-        assert!(Index::new(&[key(2), key(-1)]).to_bytes().is_err() && Index::default().to_bytes().is_err());
+        assert!(IndexTable::new(&[key(2), key(-1)]).to_bytes().is_err() && IndexTable::default().to_bytes().is_err());
     }
 }

@@ -9,7 +9,7 @@ use crate::archive::tables::{Flaw, column, is_share, table};
 
 /// Columns of all materials, schema 1; the row is the material's number in cell keys.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
-pub struct Materials {
+pub struct MaterialsTable {
     /// Names of the input, no two equal.
     pub name: Vec<String>,
     /// Diffuse reflectance of the solar band.
@@ -22,9 +22,9 @@ pub struct Materials {
     pub group: Vec<String>,
 }
 
-table!(Materials, [MATERIALS]);
+table!(MaterialsTable, [MATERIALS]);
 
-impl Materials {
+impl MaterialsTable {
     /// Number of materials.
     pub fn rows(&self) -> usize {
         self.name.len()
@@ -56,8 +56,8 @@ mod tests {
     use crate::archive::tables::tests::{block, hostile};
     use crate::archive::{encode, format};
 
-    fn known() -> Materials {
-        Materials {
+    fn known() -> MaterialsTable {
+        MaterialsTable {
             name: vec!["soil".to_string(), "curtain wall".to_string()],
             diffuse: vec![0.25, 0.1],
             specular: vec![0.0, 0.9],
@@ -71,13 +71,13 @@ mod tests {
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (124, "8c7a94486fea70db".to_string()));
-        assert_eq!(Materials::from_block(&block(&known().encode(MATERIALS, 0, 9).unwrap())).unwrap(), known());
+        assert_eq!(MaterialsTable::from_block(&block(&known().encode(MATERIALS, 0, 9).unwrap())).unwrap(), known());
     }
 
     /// A value out of range in any of 7 ways is refused on writing and, under right checksums, on reading.
     #[test]
     fn ranges_are_checked() {
-        let flaws: [fn(&mut Materials); 7] = [
+        let flaws: [fn(&mut MaterialsTable); 7] = [
             |m| m.name[0].clear(),
             |m| m.name[0] = m.name[1].clone(),
             |m| m.diffuse[1] = 0.11,
@@ -91,7 +91,7 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = Materials::from_block(&block(&encode(10, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = MaterialsTable::from_block(&block(&encode(10, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block materials/0"), "{number}: {error}");
         }
     }
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();
-        let (refused, accepted) = hostile(MATERIALS, 2, &raw, Materials::from_block);
+        let (refused, accepted) = hostile(MATERIALS, 2, &raw, MaterialsTable::from_block);
         assert_eq!(refused + accepted, raw.len() * 9 - 1);
         assert!(refused >= raw.len() - 1, "{refused}");
     }

@@ -11,11 +11,11 @@ use std::fmt::Debug;
 
 use crate::error::Error;
 
-pub use cells::{Cells, pack_tag, unpack_tag};
-pub use index::Index;
-pub use materials::Materials;
-pub use optics::{Mirrors, Optics};
-pub use receivers::Receivers;
+pub use cells::{CellsTable, pack_tag, unpack_tag};
+pub use index::IndexTable;
+pub use materials::MaterialsTable;
+pub use optics::{MirrorsTable, OpticsTable};
+pub use receivers::ReceiversTable;
 
 /// What is wrong with a table's values.
 #[derive(Clone, Debug, PartialEq, Eq)]

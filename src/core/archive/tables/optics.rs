@@ -7,7 +7,7 @@ use crate::archive::tables::{Flaw, column, is_share, length_in, table};
 
 /// Columns of all materials, in the rows of the materials table, schema 1.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
-pub struct Optics {
+pub struct OpticsTable {
     /// Number of panes of clear glass, 0 to 2.
     pub panes: Vec<u8>,
     /// 1 for a canopy, 0 for what is opaque.
@@ -16,9 +16,9 @@ pub struct Optics {
     pub transmittance: Vec<f64>,
 }
 
-table!(Optics, [OPTICS]);
+table!(OpticsTable, [OPTICS]);
 
-impl Optics {
+impl OpticsTable {
     /// Number of materials.
     pub fn rows(&self) -> usize {
         self.panes.len()
@@ -37,16 +37,16 @@ impl Optics {
 
 /// Orientations of mirrors, schema 1: all mirrors of one material that are parallel make one row.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
-pub struct Mirrors {
+pub struct MirrorsTable {
     /// Unit normal; the sign means nothing.
     pub normal: Vec<[f64; 3]>,
     /// Row of the materials table.
     pub material: Vec<u16>,
 }
 
-table!(Mirrors, [MIRRORS]);
+table!(MirrorsTable, [MIRRORS]);
 
-impl Mirrors {
+impl MirrorsTable {
     /// Number of orientations.
     pub fn rows(&self) -> usize {
         self.normal.len()
@@ -71,21 +71,21 @@ mod tests {
     /// Known values have the known bytes, 48 and 68, and come back.
     #[test]
     fn layout_is_frozen() {
-        let optics = Optics { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
+        let optics = OpticsTable { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
         let raw = optics.to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (48, "9fd6f63b7f5718aa".to_string()));
-        assert_eq!(Optics::from_block(&block(&optics.encode(OPTICS, 0, 9).unwrap())).unwrap(), optics);
-        let mirrors = Mirrors { normal: vec![[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]], material: vec![1, 0] };
+        assert_eq!(OpticsTable::from_block(&block(&optics.encode(OPTICS, 0, 9).unwrap())).unwrap(), optics);
+        let mirrors = MirrorsTable { normal: vec![[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]], material: vec![1, 0] };
         let raw = mirrors.to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (68, "8743ece86e507613".to_string()));
-        assert_eq!(Mirrors::from_block(&block(&mirrors.encode(MIRRORS, 0, 9).unwrap())).unwrap(), mirrors);
+        assert_eq!(MirrorsTable::from_block(&block(&mirrors.encode(MIRRORS, 0, 9).unwrap())).unwrap(), mirrors);
     }
 
     /// Each of 7 values out of range is refused.
     #[test]
     fn ranges_are_checked() {
-        let good = Optics { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
-        let flaws: [fn(&mut Optics); 4] =
+        let good = OpticsTable { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
+        let flaws: [fn(&mut OpticsTable); 4] =
             [|o| o.panes[0] = 3, |o| o.canopy[1] = 2, |o| o.transmittance[0] = f64::NAN, |o| o.transmittance.clear()];
         let refused = flaws.iter().filter(|flaw| {
             let mut wrong = good.clone();
@@ -93,8 +93,8 @@ mod tests {
             wrong.to_bytes().is_err()
         });
         assert_eq!(refused.count(), 4);
-        let good = Mirrors { normal: vec![[0.0, 0.6, 0.8]], material: vec![1] };
-        let flaws: [fn(&mut Mirrors); 3] =
+        let good = MirrorsTable { normal: vec![[0.0, 0.6, 0.8]], material: vec![1] };
+        let flaws: [fn(&mut MirrorsTable); 3] =
             [|m| m.normal[0][0] = 0.1, |m| m.normal[0][2] = f64::NAN, |m| m.normal.clear()];
         let refused = flaws.iter().filter(|flaw| {
             let mut wrong = good.clone();

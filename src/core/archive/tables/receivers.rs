@@ -9,7 +9,7 @@ use crate::site::receiver::Receiver;
 
 /// Columns of one tile, schema 1; a receiver keeps its row in every block of the tile.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
-pub struct Receivers {
+pub struct ReceiversTable {
     /// Names of the input.
     pub ids: Vec<String>,
     /// Input coordinates, metres.
@@ -28,12 +28,12 @@ pub struct Receivers {
     pub obstruction_view: Vec<f32>,
 }
 
-table!(Receivers, [RECEIVERS]);
+table!(ReceiversTable, [RECEIVERS]);
 
-impl Receivers {
+impl ReceiversTable {
     /// The columns of receivers, each with the shares of its hemisphere: sky, ground, obstruction.
     pub fn new<'a>(rows: impl IntoIterator<Item = (&'a Receiver, [f32; 3])>) -> Self {
-        let mut table = Receivers::default();
+        let mut table = ReceiversTable::default();
         for (receiver, [sky, ground, obstruction]) in rows {
             table.ids.push(receiver.id.clone());
             table.position.push(receiver.position.to_array());
@@ -47,7 +47,7 @@ impl Receivers {
         table
     }
 
-    /// The receivers as they were given to [`Receivers::new`].
+    /// The receivers as they were given to [`ReceiversTable::new`].
     pub fn receivers(&self) -> Vec<Receiver> {
         let places = self.position.iter().zip(&self.normal);
         let rest = self.area.iter().zip(&self.surface);
@@ -100,8 +100,8 @@ mod tests {
     use crate::archive::tables::tests::{block, hostile};
     use crate::archive::{encode, format};
 
-    fn known() -> Receivers {
-        Receivers {
+    fn known() -> ReceiversTable {
+        ReceiversTable {
             ids: vec!["r1".to_string(), "facade-south-0002".to_string()],
             position: vec![[85_000.5, 446_000.25, 1.5], [0.0, -1.0, 2.0]],
             normal: vec![[0.0, 0.0, 1.0], [0.6, -0.8, 0.0]],
@@ -118,7 +118,7 @@ mod tests {
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (256, "1f1296ef4af86e64".to_string()));
-        let back = Receivers::from_block(&block(&known().encode(RECEIVERS, 0, 9).unwrap())).unwrap();
+        let back = ReceiversTable::from_block(&block(&known().encode(RECEIVERS, 0, 9).unwrap())).unwrap();
         assert_eq!(back, known());
     }
 
@@ -130,13 +130,13 @@ mod tests {
         assert_eq!((receivers[0].area, receivers[0].surface.as_deref()), (None, None));
         assert_eq!((receivers[1].area, receivers[1].surface.as_deref()), (Some(2.25), Some("wall:1")));
         assert_eq!(table.views().nth(1), Some([0.25, 0.5, 0.125]));
-        assert_eq!(Receivers::new(receivers.iter().zip(table.views())), table);
+        assert_eq!(ReceiversTable::new(receivers.iter().zip(table.views())), table);
     }
 
     /// A value out of range in any of 9 ways is refused on writing and, under right checksums, on reading.
     #[test]
     fn ranges_are_checked() {
-        let flaws: [fn(&mut Receivers); 9] = [
+        let flaws: [fn(&mut ReceiversTable); 9] = [
             |r| r.ids[0].clear(),
             |r| r.ids[1] = "x".repeat(1025),
             |r| r.position[0][1] = f64::NAN,
@@ -152,7 +152,7 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = Receivers::from_block(&block(&encode(1, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = ReceiversTable::from_block(&block(&encode(1, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block receivers/0"), "{number}: {error}");
         }
     }
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();
-        let (refused, accepted) = hostile(RECEIVERS, 2, &raw, Receivers::from_block);
+        let (refused, accepted) = hostile(RECEIVERS, 2, &raw, ReceiversTable::from_block);
         assert_eq!(refused + accepted, raw.len() * 9 - 1);
         assert!(refused >= raw.len() - 1, "{refused}");
     }
@@ -171,7 +171,7 @@ mod tests {
     fn other_blocks_are_refused() {
         let raw = known().to_bytes().unwrap();
         let refused = [(10, 1, 2), (1, 2, 2), (1, 1, 3)].into_iter().filter(|&(kind, schema, items)| {
-            Receivers::from_block(&block(&encode(kind, 0, schema, items, &raw, 9).unwrap())).is_err()
+            ReceiversTable::from_block(&block(&encode(kind, 0, schema, items, &raw, 9).unwrap())).is_err()
         });
         assert_eq!(refused.count(), 3);
     }

@@ -10,12 +10,12 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
 use crate::weather::calendar::Date;
-use crate::weather::formats::epw::header::Header;
+use crate::weather::formats::epw::header::EpwHeader;
 use crate::weather::formats::epw::judge::judged;
 use crate::weather::formats::epw::row::{LOWEST_OFFSET_W_M2, RawRow};
 use crate::weather::formats::epw::warn_of_part;
-use crate::weather::sun::{Interval, Site};
 use crate::weather::series::Weather;
+use crate::weather::sun::{Interval, Location};
 
 /// From this down a number means that there is none.
 const MISSING: f64 = -9900.0;
@@ -110,7 +110,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather
 }
 
 /// The first line; the name may hold commas, so numbers are counted from its end.
-fn site(path: &Path, line: &str) -> Result<Header> {
+fn site(path: &Path, line: &str) -> Result<EpwHeader> {
     let hint = "number,name,state,time zone,latitude,longitude,elevation";
     let line = line.trim_start_matches('\u{feff}').trim_end_matches([',', ' ', '\r']);
     let cells: Vec<&str> = line.split(',').map(|cell| cell.trim_matches(['"', ' '])).collect();
@@ -122,9 +122,9 @@ fn site(path: &Path, line: &str) -> Result<Header> {
         value.ok_or_else(|| Error::input(path, 1, format!("{what} of the site holds `{text}`"), hint))
     };
     let (latitude, longitude) = (number(latitude, "latitude")?, number(longitude, "longitude")?);
-    let site = Site::new(latitude, longitude, number(zone, "time zone")?, number(elevation, "elevation")?);
+    let site = Location::new(latitude, longitude, number(zone, "time zone")?, number(elevation, "elevation")?);
     let site = site.map_err(|what| Error::input(path, 1, what, hint))?;
-    Ok(Header { place: name.join(", "), site, periods: 1, records_per_hour: 1 })
+    Ok(EpwHeader { place: name.join(", "), site, periods: 1, records_per_hour: 1 })
 }
 
 fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<RawRow> {
@@ -208,8 +208,9 @@ mod tests {
         assert_eq!((two.rows.len(), one.rows.len(), two.place.as_str()), (8760, 8760, "GOLDEN, NREL, CO"));
         assert_eq!(one.site.zone_hours, two.site.zone_hours);
         for (a, b) in one.rows.iter().zip(&two.rows) {
-            let light =
-                |row: &crate::weather::row::Row| (row.interval, row.ghi_w_m2, row.dni_w_m2, row.dhi_w_m2, row.albedo);
+            let light = |row: &crate::weather::row::WeatherRow| {
+                (row.interval, row.ghi_w_m2, row.dni_w_m2, row.dhi_w_m2, row.albedo)
+            };
             assert_eq!(light(a), light(b), "line {}", a.line);
             assert!((a.sun - b.sun).length() < 1e-9);
         }

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::notes::Notes;
 use crate::geometry::Geometry;
-use crate::materials::Table;
+use crate::materials::MaterialTable;
 use heliotile_core::error::Result;
 use heliotile_core::site::material::{Class, Glass, Material};
 
@@ -43,7 +43,7 @@ pub(super) struct Materials<'m> {
     /// `ShadingProperty:Reflectance` by the name of its shade.
     reflectances: HashMap<String, &'m Object>,
     schedules: HashMap<String, &'m Object>,
-    stated: Table,
+    stated: MaterialTable,
     /// Numbers of constructions that were met, of floors on the ground and of all else.
     known: HashMap<(String, bool), u32>,
 }
@@ -71,12 +71,12 @@ impl<'m> Materials<'m> {
             ]),
             reflectances: reflectances.map(|object| (same(object.text("shading_surface_name")), object)).collect(),
             schedules: model.by_name(&["Schedule:Constant"]),
-            stated: Table::new(),
+            stated: MaterialTable::new(),
             known: HashMap::new(),
         }
     }
 
-    pub(super) fn into_stated(self) -> Table {
+    pub(super) fn into_stated(self) -> MaterialTable {
         self.stated
     }
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::weather::erbs::diffuse_fraction;
 use crate::weather::findings::Finding;
 use crate::weather::formats::epw::row::RawRow;
-use crate::weather::sun::{Site, extraterrestrial_w_m2};
+use crate::weather::sun::{Location, extraterrestrial_w_m2};
 
 /// Below this cosine GHI says nothing about DNI: (GHI - DHI) / cos z would blow up.
 const SMALLEST_COSINE: f64 = 0.05;
@@ -22,7 +22,7 @@ pub struct Filled {
 
 /// DNI and DHI of a row: as given, else from closure GHI = DHI + DNI cos z with the mean cosine of the sunlit part, else from
 /// GHI alone, else 0. `sun` is that of mid-interval.
-pub fn fill(raw: &RawRow, site: &Site, sun: DVec3) -> Filled {
+pub fn fill(raw: &RawRow, site: &Location, sun: DVec3) -> Filled {
     let cosine = || {
         let suns = site.sunlit(&raw.interval, sun, STEPS);
         suns.iter().map(|s| s.z).sum::<f64>() / suns.len().max(1) as f64

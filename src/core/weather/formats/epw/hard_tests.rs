@@ -4,7 +4,7 @@ use crate::weather::calendar::Date;
 use crate::weather::findings::Finding;
 use crate::weather::formats::epw::tests::{HEADER, file, hours, read, row};
 use crate::weather::formats::epw::*;
-use crate::weather::sun::Site;
+use crate::weather::sun::Location;
 
 /// Columns of GHI, DNI, DHI.
 const LIGHT: [usize; 3] = [13, 14, 15];
@@ -23,7 +23,7 @@ fn golden(from: &str, to: &str, columns: &[(usize, &str)]) -> Result<Weather> {
     file(&lines.collect::<String>())
 }
 
-fn sum(weather: &Weather, value: impl Fn(&crate::weather::row::Row) -> f64) -> f64 {
+fn sum(weather: &Weather, value: impl Fn(&crate::weather::row::WeatherRow) -> f64) -> f64 {
     weather.rows.iter().map(value).sum::<f64>() / 1000.0
 }
 
@@ -216,7 +216,7 @@ fn steps_conserve_energy() {
 /// hour before; the same with the right sun gives no warning and an RMSE below 0.1 W/m2.
 #[test]
 fn wrong_time_stamps() {
-    let site = Site::new(45.0, 8.0, 1.0, 250.0).expect("a site");
+    let site = Location::new(45.0, 8.0, 1.0, 250.0).expect("a site");
     for (late_min, flagged) in [(0.0, false), (96.0, true), (-60.0, true)] {
         let mut rows = String::new();
         for (month, last) in [(3, 31), (4, 14)] {

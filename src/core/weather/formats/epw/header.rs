@@ -4,17 +4,17 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::weather::sun::Site;
+use crate::weather::sun::Location;
 
 /// What the header lines say.
-pub struct Header {
+pub struct EpwHeader {
     pub place: String,
-    pub site: Site,
+    pub site: Location,
     pub periods: u32,
     pub records_per_hour: u32,
 }
 
-impl Header {
+impl EpwHeader {
     /// Reads up to and with the line DATA PERIODS.
     pub fn read<'a>(path: &Path, lines: &mut impl Iterator<Item = (Cow<'a, str>, usize)>) -> Result<Self> {
         let first = lines.next().map(|(text, _)| text).unwrap_or_default();
@@ -32,7 +32,8 @@ impl Header {
                 text.parse().map_err(|_| Error::input(path, 1, format!("{name} of LOCATION holds `{text}`"), hint))?;
         }
         let [latitude, longitude, zone, elevation] = numbers;
-        let site = Site::new(latitude, longitude, zone, elevation).map_err(|what| Error::input(path, 1, what, hint))?;
+        let site =
+            Location::new(latitude, longitude, zone, elevation).map_err(|what| Error::input(path, 1, what, hint))?;
         let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
         let place = format!("{}, {}", cell(1), cell(3));
         for (text, line) in lines {
@@ -52,7 +53,7 @@ impl Header {
                     supported: "the divisors of 60: 1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60".into(),
                 });
             }
-            return Ok(Header { place, site, periods, records_per_hour });
+            return Ok(EpwHeader { place, site, periods, records_per_hour });
         }
         let hint = "an EPW file has eight header lines, the last is DATA PERIODS";
         Err(Error::input(path, None, "the line DATA PERIODS is missing", hint))

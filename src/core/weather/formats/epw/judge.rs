@@ -9,11 +9,11 @@ use crate::weather::air::Air;
 use crate::weather::closure::Closure;
 use crate::weather::findings::Finding;
 use crate::weather::formats::epw::gaps::{Filled, fill};
-use crate::weather::formats::epw::header::Header;
+use crate::weather::formats::epw::header::EpwHeader;
 use crate::weather::formats::epw::row::RawRow;
-use crate::weather::row::Row;
-use crate::weather::sun::{Site, extraterrestrial_w_m2};
-use crate::weather::series::{Report, Weather};
+use crate::weather::row::WeatherRow;
+use crate::weather::series::{Weather, WeatherReport};
+use crate::weather::sun::{Location, extraterrestrial_w_m2};
 
 /// Clocks are further than this from the sun nowhere on Earth; the west of China comes close, with 2.9 h.
 const FARTHEST_CLOCK_HOURS: f64 = 3.0;
@@ -24,10 +24,10 @@ const LARGEST_DIFFUSE_RATIO: f64 = 1.10;
 const SMALLEST_JUDGED_DHI_W_M2: f64 = 50.0;
 
 /// Fills what is missing, then judges the rows and the file as a whole. `air` of the rows, if it is asked for.
-pub fn judged(path: &Path, header: Header, raw: &[RawRow], air: Vec<Air>) -> Result<Weather> {
+pub fn judged(path: &Path, header: EpwHeader, raw: &[RawRow], air: Vec<Air>) -> Result<Weather> {
     let site = header.site;
-    let done: Vec<(Row, Vec<Finding>)> = raw.par_iter().map(|raw| judged_row(raw, &site)).collect();
-    let mut report = Report::default();
+    let done: Vec<(WeatherRow, Vec<Finding>)> = raw.par_iter().map(|raw| judged_row(raw, &site)).collect();
+    let mut report = WeatherReport::default();
     for (row, findings) in &done {
         for kind in findings {
             report.findings.add(*kind, row.line, row.interval.hours(), row.dni_w_m2);
@@ -43,7 +43,7 @@ pub fn judged(path: &Path, header: Header, raw: &[RawRow], air: Vec<Air>) -> Res
         let what = format!("no row holds light; DNI or DHI of {} hours is missing, and so is GHI", lost.hours);
         return Err(Error::input(path, lost.first_line, what, "give a weather file with solar radiation"));
     }
-    let complete: Vec<Row> = done
+    let complete: Vec<WeatherRow> = done
         .iter()
         .zip(raw)
         .filter(|(_, raw)| raw.dni.is_some() && raw.dhi.is_some())
@@ -52,7 +52,7 @@ pub fn judged(path: &Path, header: Header, raw: &[RawRow], air: Vec<Air>) -> Res
     report.closure = Closure::of(&site, &complete);
     let ahead = site.hours_ahead_of_clock();
     if ahead.abs() > FARTHEST_CLOCK_HOURS {
-        let Site { longitude_deg, zone_hours, .. } = site;
+        let Location { longitude_deg, zone_hours, .. } = site;
         report.warnings.push(format!(
             "{}, line 1: longitude {longitude_deg} and time zone {zone_hours} are {:.1} h apart; east is positive in both",
             path.display(),
@@ -76,10 +76,10 @@ pub fn judged(path: &Path, header: Header, raw: &[RawRow], air: Vec<Air>) -> Res
 }
 
 /// A row without gaps, and what is odd about it. Gaps of the night are not: nothing is lost there.
-fn judged_row(raw: &RawRow, site: &Site) -> (Row, Vec<Finding>) {
+fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
     let sun = site.sun(raw.interval.date, raw.interval.middle_min());
     let Filled { dni_w_m2, dhi_w_m2, gap } = fill(raw, site, sun);
-    let row = Row {
+    let row = WeatherRow {
         line: raw.line,
         interval: raw.interval,
         sun,

@@ -16,7 +16,7 @@ use std::path::Path;
 
 pub(super) use air::AIR_C;
 use air::read_air;
-use header::Header;
+use header::EpwHeader;
 use judge::judged;
 use row::{DHI, RawRow};
 
@@ -37,7 +37,7 @@ pub fn parse_epw_with_air(path: &Path, bytes: &[u8]) -> Result<Weather> {
 pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
     let mut lines =
         bytes.split(|b| *b == b'\n').zip(1_usize..).map(|(line, number)| (String::from_utf8_lossy(line), number));
-    let header = Header::read(path, &mut lines)?;
+    let header = EpwHeader::read(path, &mut lines)?;
     let mut raw: Vec<RawRow> = Vec::new();
     let mut air: Vec<Air> = Vec::new();
     let mut columns = None;
