@@ -10,6 +10,7 @@ use std::path::Path;
 
 use heliotile_core::archive::{Archive, verify_bytes};
 use heliotile_core::error::Result;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::parse_conditions;
@@ -72,7 +73,8 @@ fn rows(archive: Vec<u8>, conditions: &[u8]) -> Result<String> {
     let archive = Archive::of("archive", archive)?;
     let conditions = parse_conditions(Path::new("conditions.csv"), conditions)?.conditions;
     let patches = archive.manifest().settings.patches();
-    let replay = Replay::new(&archive, &conditions, ReplaySettings { patches, ..ReplaySettings::default() })?;
+    let site = OpenSite::of(&archive)?;
+    let replay = Replay::new(&site, &conditions, ReplaySettings { patches, ..ReplaySettings::default() })?;
     let mut text = String::from("condition,receiver");
     Component::ALL.iter().for_each(|component| text.extend([",", component.name()]));
     text.push('\n');
@@ -83,7 +85,7 @@ fn rows(archive: Vec<u8>, conditions: &[u8]) -> Result<String> {
                 // Writing into memory cannot fail.
                 let _ = write!(text, "{},{receiver}", condition.label);
                 for component in Component::ALL {
-                    let value = values.row(component as usize, row).get(column).copied().unwrap_or(f32::NAN);
+                    let value = values.row(component, row).get(column).copied().unwrap_or(f32::NAN);
                     let _ = write!(text, ",{value}");
                 }
                 text.push('\n');
