@@ -71,6 +71,7 @@
 
 mod cli;
 mod commands;
+pub mod files;
 mod outputs;
 
 pub mod book;

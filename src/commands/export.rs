@@ -7,19 +7,21 @@ use serde_json::{Map, Value, json};
 
 use super::{Outcome, guard_output, warn};
 use crate::cli::ExportArgs;
+use crate::files::read_weather;
 use crate::outputs::exr::exr;
 use crate::outputs::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
 use crate::outputs::view_factors::ViewFactorTable;
+use heliotile_builder::spill::TempFiles;
 use heliotile_builder::transfer::Rows;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::maps::{Light, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::formats::weather_file::read_weather;
 use heliotile_core::weather::sun::Site;
 use heliotile_core::weather::sun_path::SunPath;
 
@@ -86,8 +88,8 @@ fn layers(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &Rece
             Some(Light::new(site, condition, args.sky, patches, args.bounces)?)
         }
     };
-    let folder = folder_of(&args.output);
-    let maps = maps(site, view, light.as_ref(), args.memory.0 / 2, folder)?;
+    let storage = TempFiles::new(folder_of(&args.output));
+    let maps = maps(site, view, light.as_ref(), MemoryBudget::new(args.memory.0), &storage)?;
     exr(&maps, &about(args, archive, view))
 }
 

@@ -21,14 +21,15 @@ use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Bytes, Command, SceneArgs};
+use crate::files::read_weather;
 use heliotile_builder::accuracy::conditions::Suns;
 use heliotile_builder::build::Workspace;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::spill::TempFiles;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::{MemoryBudget, Use};
-use heliotile_core::weather::formats::weather_file::read_weather;
 use heliotile_scene::Scene;
 use heliotile_scene::site::Site;
 
@@ -125,6 +126,11 @@ fn workspace(folder: impl Into<PathBuf>, memory: Bytes) -> Workspace {
 /// The same, with temporary files beside its output.
 fn workspace_beside(output: &Path, memory: Bytes) -> Workspace {
     workspace(folder_of(output), memory)
+}
+
+/// Temporary files of commands that only read: in the system's folder for them.
+fn temporary_files() -> TempFiles {
+    TempFiles::new(std::env::temp_dir())
 }
 
 /// The receivers of a file in tiles; prints what is passed over.

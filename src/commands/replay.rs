@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::chosen::Chosen;
 use super::terminal::Terminal;
-use super::{Outcome, guard_output, warn};
+use super::{Outcome, guard_output, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
+use crate::files::{read_conditions, read_file, read_weather, read_weather_with_air};
 use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::surfaces::{SurfaceMeans, Surfaces};
@@ -22,8 +23,7 @@ use heliotile_core::replay::reflectances::{Changeable, Changes, Follow};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::apart::far_apart;
 use heliotile_core::weather::bins::Bins;
-use heliotile_core::weather::conditions::{Condition, read_conditions};
-use heliotile_core::weather::formats::weather_file::{read_weather, read_weather_with_air};
+use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::row::Row;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::temperatures::emissions;
@@ -107,7 +107,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         all.zip(&chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
     };
     if longwave {
-        let emissions = emissions(&weather, &args.weather, &chosen, &args.temperature)?;
+        let emissions = emissions(&weather, &args.weather, &chosen, &args.temperature, &read_file)?;
         conditions.iter_mut().zip(emissions).for_each(|(condition, emission)| condition.emission = Some(emission));
     }
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
@@ -157,7 +157,7 @@ fn schedules(site: &OpenSite, series: &Series) -> Result<Vec<Schedule>> {
     if rows.is_empty() {
         return series.changes.constant(&changeable, series.conditions.len());
     }
-    let (mut schedules, warnings) = series.changes.over(&changeable, rows)?;
+    let (mut schedules, warnings) = series.changes.over(&changeable, rows, &read_file)?;
     warnings.iter().for_each(|w| warn(w));
     for schedule in &mut schedules {
         let mut chosen = chosen.iter();
@@ -191,12 +191,14 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
             )?)
         }
     };
+    let storage = temporary_files();
     let settings = ReplaySettings {
         sky: args.sky,
         patches: args.patches.unwrap_or_else(|| archive.manifest().settings.patches()),
         depth: args.bounces,
         components: layout.components.set(),
-        memory_bytes: args.memory.0,
+        memory: MemoryBudget::new(args.memory.0),
+        storage: &storage,
     };
     let schedules = schedules(&site, series)?;
     let replay = Replay::scheduled(&site, series.conditions, settings, series.bins, &schedules)?;

@@ -11,9 +11,11 @@ use super::receivers::{self, Covered, cover_site};
 use super::repair::other_receivers;
 use super::terminal::Terminal;
 use super::{
-    Outcome, guard_archive, guard_output, guard_site, load_scene, read_receivers, say, warn, workspace_beside,
+    Outcome, guard_archive, guard_output, guard_site, load_scene, read_receivers, say, temporary_files, warn,
+    workspace_beside,
 };
 use crate::cli::{Percent, RunArgs};
+use crate::files::read_weather;
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
@@ -25,11 +27,11 @@ use heliotile_builder::settings::{BuildSettings, Effects};
 use heliotile_builder::transfer::Rows;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::weather::apart::far_apart;
-use heliotile_core::weather::formats::weather_file::read_weather;
 use heliotile_core::weather::weather::Weather;
 use heliotile_core::weather::years::Years;
 use heliotile_scene::Scene;
@@ -80,7 +82,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         say(&format!("{}: {}", files.receivers.display(), receivers::summary(covered, &scene)))?;
     }
     let archive = up_to_date(args, &files, &scene)?;
-    let rows = annual(&archive, &weather, args.memory.0)?;
+    let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
     write_table(Sink::file(&files.table)?, &rows)?;
     write_map(&files.map, &rows, covered.as_ref())?;
     say(&table(&rows, covered.as_ref(), &args.weather))?;
@@ -149,14 +151,14 @@ fn fits(
 }
 
 /// Sums over the weather file of all receivers, in the archive's order.
-fn annual(archive: &Archive, weather: &Weather, memory_bytes: u64) -> Result<Vec<AnnualRow>> {
+fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<Vec<AnnualRow>> {
     let site = OpenSite::of(archive)?;
     let conditions = weather.conditions(usize::from(archive.manifest().settings.steps()));
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let bins = Periods::new(Every::Total, years, &stamped).bins();
-    let settings =
-        ReplaySettings { patches: archive.manifest().settings.patches(), memory_bytes, ..ReplaySettings::default() };
+    let (patches, storage) = (archive.manifest().settings.patches(), temporary_files());
+    let settings = ReplaySettings { patches, memory, storage: &storage, ..ReplaySettings::default() };
     let replay = Replay::summed(&site, &conditions, settings, &bins)?;
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(archive.manifest().receivers.count));

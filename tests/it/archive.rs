@@ -6,8 +6,10 @@ use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::bounces::Depth;
 use heliotile_core::light::responder::Responder;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::light::tables::Tables;
 use heliotile_core::light::tile_view::TileView;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 
 use crate::scenes::*;
@@ -44,7 +46,7 @@ fn cached_response_is_the_derived_one() {
     let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &fine());
     let archive = Archive::open(&site.path).expect("an archive");
     let tables = Tables::of(&OpenSite::of(&archive).expect("a site")).expect("tables");
-    let responder = Responder::new(&tables, Depth::All, 1 << 30, &std::env::temp_dir()).expect("a responder");
+    let responder = Responder::new(&tables, Depth::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
     let views: Vec<_> = (0..archive.tiles())
         .map(|tile| TileView::read(&OpenSite::of(&archive).expect("a site"), tile).expect("a tile"))
         .collect();

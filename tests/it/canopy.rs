@@ -12,7 +12,9 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, encode, format};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::light::states::Schedule;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::maps::{Light, maps};
@@ -47,7 +49,7 @@ fn columns(
     schedules: &[Schedule],
 ) -> BTreeMap<String, Vec<Vec<f64>>> {
     let archive = Archive::open(path).expect("an archive");
-    let settings = ReplaySettings { sky, memory_bytes: 1 << 28, ..ReplaySettings::default() };
+    let settings = ReplaySettings { sky, memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
     let bins = Bins::each(conditions.len());
     let replay = Replay::scheduled(&OpenSite::of(&archive).expect("a site"), conditions, settings, &bins, schedules)
         .expect("a replay");
@@ -212,8 +214,9 @@ fn maps_add_up() {
     let mut dimmed = 0;
     for (id, row) in &rows {
         let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver");
-        let maps = maps(&OpenSite::of(&archive).expect("a site"), &view, Some(&light), 1 << 28, &std::env::temp_dir())
-            .expect("maps");
+        let maps =
+            maps(&OpenSite::of(&archive).expect("a site"), &view, Some(&light), MemoryBudget::new(1 << 28), &InMemory)
+                .expect("maps");
         let channel = |part: &str, name: &str| {
             let map = maps.iter().find(|map| map.name == part)?;
             map.channels.iter().find(|channel| channel.name == name).map(|channel| &channel.values)
@@ -397,7 +400,7 @@ fn hostile_bytes() {
             let report = heliotile_core::archive::verify(&bad, Default::default(), true).expect("a report");
             found += usize::from(!report.problems.is_empty());
             let archive = Archive::open(&bad).expect("an archive");
-            let settings = ReplaySettings { memory_bytes: 1 << 28, ..ReplaySettings::default() };
+            let settings = ReplaySettings { memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
             let site = OpenSite::of(&archive);
             let replay =
                 site.and_then(|site| Replay::scheduled(&site, conditions, settings, &Bins::each(2), &schedule));

@@ -10,6 +10,8 @@ use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSE
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Error;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -50,7 +52,8 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
             patches: 145,
             depth,
             components: ComponentSet::ALL,
-            memory_bytes: 1 << 26,
+            memory: MemoryBudget::new(1 << 26),
+            storage: &InMemory,
         };
         let replay = Replay::new(&OpenSite::of(&archive)?, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
         for (ids, values) in replay.run(0..replay.tiles())? {

@@ -9,6 +9,8 @@ use glam::DVec3;
 use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::maps::{Light, Map, maps};
@@ -41,7 +43,8 @@ fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, Depth, &[f64; 4])>) -
         Light::new(&OpenSite::of(&archive).expect("a site"), sun(azimuth, altitude, dni, dhi), sky, 577, depth)
             .expect("a light")
     });
-    maps(&OpenSite::of(&archive).expect("a site"), &view, light.as_ref(), 1 << 28, &std::env::temp_dir()).expect("maps")
+    maps(&OpenSite::of(&archive).expect("a site"), &view, light.as_ref(), MemoryBudget::new(1 << 28), &InMemory)
+        .expect("maps")
 }
 
 /// Five receivers among twelve blocks, three suns, two skies, one and all bounces: each of the columns is the sum of its map times

@@ -12,6 +12,8 @@ use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -154,7 +156,8 @@ fn lying_settings_are_refused() {
             patches: 145,
             depth,
             components: ComponentSet::ALL,
-            memory_bytes: 1 << 28,
+            memory: MemoryBudget::new(1 << 28),
+            storage: &InMemory,
         };
         let conditions = [sun(90.0, 60.0, 800.0, 100.0)];
         let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
@@ -211,7 +214,8 @@ fn forged(archive: &Archive, kind: u32, path: &Path, change: &dyn Fn(&mut Rows))
 /// What a replay of an archive says, if it is no result.
 fn refusal_of(path: &Path, depth: Depth) -> Option<String> {
     let copy = Archive::open(path).expect("an archive");
-    let settings = ReplaySettings { patches: 145, depth, memory_bytes: 1 << 28, ..ReplaySettings::default() };
+    let settings =
+        ReplaySettings { patches: 145, depth, memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
     let conditions = [sun(90.0, 60.0, 800.0, 100.0)];
     let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
     replay.and_then(|replay| replay.run(0..replay.tiles()).map(drop)).err().map(|error| error.to_string())

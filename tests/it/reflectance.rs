@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::states::Schedule;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
@@ -28,7 +29,8 @@ fn conditions() -> Vec<Condition> {
 /// Total of each receiver and condition under schedules.
 fn totals(site: &Site, schedules: &[Schedule]) -> BTreeMap<String, Vec<f64>> {
     let archive = Archive::open(&site.path).expect("an archive");
-    let (conditions, settings) = (conditions(), ReplaySettings { memory_bytes: 1 << 28, ..ReplaySettings::default() });
+    let (conditions, settings) =
+        (conditions(), ReplaySettings { memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() });
     let bins = Bins::each(conditions.len());
     let replay = Replay::scheduled(&OpenSite::of(&archive).expect("a site"), &conditions, settings, &bins, schedules)
         .expect("a replay");

@@ -1,6 +1,7 @@
 //! Replay against the plain way to one condition's irradiance, which shares nothing with the kernels but the stored textures.
 
 use glam::DVec3;
+use heliotile::files::read_weather;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::hemisphere::bilinear;
 use heliotile_core::layers::bits::BitSquare;
@@ -17,7 +18,6 @@ use heliotile_core::sky::sky::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::formats::epw::read_epw;
 use rayon::prelude::*;
 
 use crate::response::respond;
@@ -85,7 +85,7 @@ fn plain_path() {
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     let archive = Archive::open(&path).expect("an archive");
     let weather = data("../weather/golden_tmy3.epw");
-    let conditions = read_epw(&weather).expect("weather").conditions(1);
+    let conditions = read_weather(&weather).expect("weather").conditions(1);
     let replay = |bins: &Bins| {
         let settings = ReplaySettings::default();
         let replay =

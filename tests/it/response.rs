@@ -2,15 +2,21 @@
 
 use glam::DVec3;
 use heliotile_builder::settings::{BuildSettings, Share};
+use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::Archive;
+use heliotile_core::error::Error;
 use heliotile_core::hemisphere::bit;
 use heliotile_core::hemisphere::{HEMISPHERE_SR, bilinear, texel_centres};
 use heliotile_core::layers::cells::Cells;
+use heliotile_core::layers::response::Response;
 use heliotile_core::light::bounces::{Depth, TOLERANCE, centres_f32, seen, surround};
+use heliotile_core::light::reflector::Reflector;
 use heliotile_core::light::responder::Responder;
 use heliotile_core::light::response::hit_weights;
+use heliotile_core::light::scratch::{InMemory, Scratch, ScratchSpace};
 use heliotile_core::light::tables::Tables;
 use heliotile_core::light::tile_view::TileView;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::CellSource;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -155,8 +161,7 @@ fn response_equals_plain_loop() {
     let all = All::load(&archive);
     let (tables, bounces) = (&all.tables, &all.bounces);
     let view = TileView::read(&OpenSite::of(&archive).expect("a site"), 0).expect("a tile");
-    let folder = tempfile::tempdir().expect("a folder");
-    let responder = Responder::new(tables, Depth::All, 1 << 30, folder.path()).expect("a responder");
+    let responder = Responder::new(tables, Depth::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
     let rho = |i: usize| tables.mirrors.reflectors[usize::from(bounces.keys[i].material)].diffuse;
     let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
     let responses: Vec<Vec<[f32; 3]>> = tiles[0][0].iter().map(|response| response.vectors()).collect();
@@ -224,13 +229,13 @@ fn few_bounces_equal_plain_loop() {
     let all = All::load(&archive);
     let (tables, bounces) = (&all.tables, &all.bounces);
     let view = TileView::read(&OpenSite::of(&archive).expect("a site"), 0).expect("a tile");
-    let folder = tempfile::tempdir().expect("a folder");
     let rho = |i: usize| tables.mirrors.reflectors[usize::from(bounces.keys[i].material)].diffuse;
     let (probe, coarse) = (tables.settings.probe, tables.settings.bounce_sky);
     let fine = texel_centres(probe);
     let mut before = vec![0.0; 200];
     for count in 1..=3 {
-        let responder = Responder::new(tables, Depth::Count(count), 1 << 30, folder.path()).expect("a responder");
+        let responder =
+            Responder::new(tables, Depth::Count(count), MemoryBudget::DEFAULT, &InMemory).expect("a responder");
         let tiles = responder.derive(tables, std::slice::from_ref(&view)).expect("responses");
         let responses: Vec<Vec<[f32; 3]>> = tiles[0][0].iter().map(|response| response.vectors()).collect();
         let (mut worst, mut added) = (0.0_f64, 0.0_f64);
@@ -302,7 +307,8 @@ fn sums_are_the_sums_of_hours() {
         patches: 577,
         depth: Depth::All,
         components: ComponentSet::ALL,
-        memory_bytes: 1 << 28,
+        memory: MemoryBudget::new(1 << 28),
+        storage: &InMemory,
     };
     let weight = |i: usize| 0.5 + 0.01 * i as f64;
     let bins = Bins { count: 5, of_condition: (0..200).map(|i| (i * 7 % 5, weight(i))).collect() };
@@ -325,4 +331,42 @@ fn sums_are_the_sums_of_hours() {
     }
     println!("worst {worst:.2e} of {largest:.1}");
     assert!(largest > 1e4 && worst < 1e-5 * largest, "{worst} of {largest}");
+}
+
+/// Radiosities that do not fit into 8 kB come back from temporary files and from memory to the bit: the responses of 20 receivers in two
+/// states are those of a solution that fits.
+#[test]
+fn storage_changes_nothing() {
+    let site = site(&blocks(), &twenty(), &BuildSettings::default());
+    let archive = Archive::open(&site.path).expect("an archive");
+    let opened = OpenSite::of(&archive).expect("a site");
+    let (tables, view) = (Tables::of(&opened).expect("tables"), TileView::read(&opened, 0).expect("a tile"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let derived = |bytes: u64, storage: &dyn ScratchSpace| {
+        let stored: Vec<f64> = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
+        let states = vec![stored.clone(), stored.iter().map(|value| value / 2.0).collect()];
+        let responder = Responder::with_states(&tables, states, Depth::All, MemoryBudget::new(bytes), storage)
+            .expect("a responder");
+        responder.derive(&tables, std::slice::from_ref(&view)).expect("responses")
+    };
+    let bits = |responses: Vec<Vec<Vec<Response>>>| -> Vec<u32> {
+        responses.into_iter().flatten().flatten().flat_map(|r| r.values).map(f32::to_bits).collect()
+    };
+    let fits = bits(derived(1 << 30, &NoStorage));
+    assert_eq!(fits.len(), 2 * 20 * Response::len(tables.settings.probe));
+    assert!(bits(derived(8 << 10, &TempFiles::new(folder.path()))) == fits);
+    assert!(bits(derived(8 << 10, &InMemory)) == fits);
+    let states = vec![tables.mirrors.reflectors.iter().map(Reflector::variable).collect()];
+    let refused = Responder::with_states(&tables, states, Depth::All, MemoryBudget::new(8 << 10), &NoStorage).err();
+    assert!(matches!(refused, Some(Error::Limit { value: 1, .. })), "8 kB must not be enough");
+}
+
+/// Temporary storage that nothing may use.
+#[derive(Debug)]
+struct NoStorage;
+
+impl ScratchSpace for NoStorage {
+    fn scratch(&self) -> Result<Box<dyn Scratch>, Error> {
+        Err(Error::Limit { what: "temporary storage".into(), value: 1, max: 0 })
+    }
 }

@@ -14,6 +14,7 @@ use heliotile_builder::settings::ladder::Rungs;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -257,7 +258,14 @@ pub fn replay(
     patches: usize,
 ) -> BTreeMap<String, Vec<Row>> {
     let archive = Archive::open(path).expect("an archive");
-    let settings = ReplaySettings { sky, patches, depth, components: ComponentSet::ALL, memory_bytes: 1 << 30 };
+    let settings = ReplaySettings {
+        sky,
+        patches,
+        depth,
+        components: ComponentSet::ALL,
+        memory: MemoryBudget::new(1 << 30),
+        storage: &InMemory,
+    };
     let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), conditions, settings).expect("a replay");
     let mut rows = BTreeMap::new();
     for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {

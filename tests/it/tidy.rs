@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The crates, each with its folder below `src`; what lies in none of them is the program.
 const CRATES: [&str; 3] = ["core", "scene", "builder"];
@@ -94,7 +95,7 @@ fn unsafe_in_one_file() {
         .filter(|(path, text)| text.contains(word) && !path.ends_with("tidy.rs"))
         .map(|s| s.0)
         .collect();
-    assert!(holders.iter().all(|p| p.ends_with("archive/source.rs")), "{holders:?}");
+    assert!(holders.iter().all(|p| p.ends_with("archive/mapping.rs")), "{holders:?}");
     assert!(holders.len() <= 1);
 }
 
@@ -112,4 +113,65 @@ fn tests_say_what_they_prove() {
         }
     }
     assert!(count > 60, "only {count} tests");
+}
+
+/// The engine alone, without its default features, rests on at most 64 crates: 0 of the 14 that draw, print, write tables, take command
+/// lines, map files, make temporary files, start threads by themselves or are C.
+#[test]
+fn the_engine_is_small() {
+    let mut tree = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()));
+    tree.current_dir(env!("CARGO_MANIFEST_DIR")).args(["tree", "--locked", "--offline", "-p", "heliotile-core"]);
+    let found = tree.args(["--no-default-features", "-e", "normal", "--prefix", "none"]).output().expect("cargo runs");
+    assert!(found.status.success(), "{}", String::from_utf8_lossy(&found.stderr));
+    let text = String::from_utf8(found.stdout).expect("UTF-8");
+    let crates: BTreeSet<(&str, &str)> = text
+        .lines()
+        .filter_map(|line| line.split_once(' '))
+        .map(|(name, rest)| (name, rest.split(' ').next().unwrap_or_default()))
+        .collect();
+    let names: BTreeSet<&str> = crates.iter().map(|(name, _)| *name).collect();
+    assert!(names.contains("heliotile-core") && names.contains("ruzstd"), "{names:?}");
+    let barred = [
+        "clap",
+        "parquet",
+        "plotters",
+        "tiff",
+        "exr",
+        "png",
+        "indicatif",
+        "ctrlc",
+        "memmap2",
+        "zstd",
+        "zstd-sys",
+        "tempfile",
+        "libc",
+        "cc",
+    ];
+    let there: Vec<&&str> = names.iter().filter(|name| barred.contains(name) || name.starts_with("arrow")).collect();
+    assert!(there.is_empty(), "{there:?}");
+    assert!(crates.len() <= 64, "{} crates: {crates:?}", crates.len());
+}
+
+/// Without its default features the engine opens no file by itself: outside tests and the three files that read files, 0 of its files name
+/// one, the system's temporary folder, the environment, a clock or a thread, and none prints.
+#[test]
+fn the_engine_asks_nobody() {
+    let core = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/core");
+    let of_files = ["archive/read_at.rs", "archive/source.rs", "archive/mapping.rs"];
+    let barred = ["std::fs", "std::env", "std::thread", "std::time", "tempfile", "println!", "print!(", "dbg!("];
+    let mut checked = 0;
+    for (path, text) in sources().into_iter().filter(|(path, _)| path.starts_with(&core)) {
+        let of_tests = path.file_name().is_some_and(|name| name.to_string_lossy().ends_with("tests.rs"));
+        if of_tests || of_files.iter().any(|file| path.ends_with(file)) {
+            continue;
+        }
+        let shipped =
+            text.lines().take_while(|line| !line.starts_with("mod tests {") && !line.starts_with("pub mod tests {"));
+        for line in shipped.filter(|line| !line.trim_start().starts_with("//")) {
+            let named = barred.iter().find(|word| line.contains(**word));
+            assert!(named.is_none(), "{} names {}: {line}", path.display(), named.unwrap_or(&""));
+        }
+        checked += 1;
+    }
+    assert!(checked > 80, "only {checked} files");
 }

@@ -10,6 +10,7 @@ use crate::build::{Build, Output, Plan, PreparedScene, RayCounts, Start, Workspa
 use crate::observer::Observer;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::BuildSettings;
+use crate::spill::TempFiles;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::light::bounces::Depth;
@@ -86,10 +87,12 @@ impl Bench<'_> {
         let archive = Archive::open_with(archive, Access::Read)?;
         let (diffuse, conditions) = ([Component::SunDiffuse, Component::SkyDiffuse], self.conditions);
         let mut rows: Vec<[f32; 8]> = Vec::new();
+        let storage = TempFiles::new(&self.workspace.folder);
         let settings = |depth| ReplaySettings {
             patches,
             depth,
-            memory_bytes: self.workspace.memory.total(),
+            memory: self.workspace.memory,
+            storage: &storage,
             ..ReplaySettings::default()
         };
         let site = OpenSite::of(&archive)?;

@@ -11,7 +11,7 @@ use crate::observer::Stage;
 use crate::pack;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::Effect;
-use crate::spill::Sorter;
+use crate::spill::{Sorter, TempFiles};
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::writing::Writer;
 use heliotile_core::archive::{EncodedBlock, format, tables};
@@ -170,7 +170,8 @@ impl SiteTracer<'_> {
             return Ok(());
         }
         let tables = Tables::of(&OpenSite::over(&*writer, Arc::clone(&self.facts)))?;
-        let responder = Responder::new(&tables, Depth::All, self.memory.total() / 2, &self.folder)?;
+        let storage = TempFiles::new(&self.folder);
+        let responder = Responder::new(&tables, Depth::All, self.memory, &storage)?;
         clock.lap("solve");
         let progress = Stage::begin(self.observer, "responses", Some(u64::from(tiles)));
         for group in missing.chunks(GROUP) {

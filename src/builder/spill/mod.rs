@@ -2,11 +2,13 @@
 //! as often as wanted.
 //!
 //! Runs that do not fit the budget go to unnamed temporary files, which the system removes when the program ends, however
-//! it ends. It knows nothing of what the records mean.
+//! it ends; the same for what replay cannot keep in memory. It knows nothing of what the records mean.
 
 mod merge;
 mod run;
+mod scratch;
 mod sorter;
 
 pub use merge::Sorted;
+pub use scratch::TempFiles;
 pub use sorter::Sorter;

@@ -7,7 +7,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use heliotile_core::archive::source::{read_exact_at, write_all_at};
+use heliotile_core::archive::read_at::read_exact_at;
 use heliotile_core::error::{Error, Result};
 
 /// Where files lie.
@@ -150,6 +150,26 @@ impl DiskFile for File {
     fn sync(&self) -> io::Result<()> {
         self.sync_all()
     }
+}
+
+/// Writes all `bytes` at a position of the file.
+#[cfg(unix)]
+pub fn write_all_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::write_all_at(file, bytes, offset)
+}
+
+/// Writes all `bytes` at a position of the file.
+#[cfg(windows)]
+pub fn write_all_at(file: &File, mut bytes: &[u8], mut offset: u64) -> io::Result<()> {
+    while !bytes.is_empty() {
+        let count = std::os::windows::fs::FileExt::seek_write(file, bytes, offset)?;
+        match bytes.split_at_checked(count) {
+            Some((_, rest)) if count > 0 => bytes = rest,
+            _ => return Err(io::ErrorKind::WriteZero.into()),
+        }
+        offset = offset.saturating_add(count as u64);
+    }
+    Ok(())
 }
 
 /// Whether `path` still names this open file.

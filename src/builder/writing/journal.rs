@@ -9,9 +9,9 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::writing::disk::{Disk, Handle};
-use heliotile_core::archive::codec;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, MAJOR, MAX_ENTRIES, MAX_RAW, MINOR};
+use heliotile_core::archive::pack;
 use heliotile_core::error::{Error, Result};
 
 /// First bytes of a journal.
@@ -76,7 +76,7 @@ heliotile_core::record! {
 
 impl Header {
     fn new(job: &Job) -> Self {
-        let name = format!("heliotile {}, zstd {}", env!("CARGO_PKG_VERSION"), codec::compressor_version());
+        let name = format!("heliotile {}, zstd {}", env!("CARGO_PKG_VERSION"), pack::compressor_version());
         let mut program = [0; 64];
         program.iter_mut().zip(name.bytes()).for_each(|(place, byte)| *place = byte);
         Header {

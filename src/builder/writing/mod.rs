@@ -47,5 +47,6 @@ mod test_site;
 #[cfg(test)]
 mod verify_tests;
 
+pub use disk::write_all_at;
 pub use journal::{Job, Progress};
 pub use writer::{Summary, Writer};

@@ -8,7 +8,7 @@ use crate::writing::Writer;
 use crate::writing::test_site;
 use crate::writing::test_site::JOB;
 use heliotile_core::archive::tables::Receivers;
-use heliotile_core::archive::{Access, Archive, codec, format};
+use heliotile_core::archive::{Access, Archive, encode, format};
 use heliotile_core::error::{Error, Result};
 
 /// Bytes that say which generation they are of; too many for one page, and not compressible to one.
@@ -25,7 +25,7 @@ fn publish(path: &Path, generation: u64) {
         let mut receivers = test_site::receivers(tile, 2 - tile as usize);
         receivers.ids.iter_mut().for_each(|id| *id = generation.to_string());
         writer.append(receivers.encode(format::RECEIVERS, tile, 1).unwrap()).unwrap();
-        writer.append(codec::encode(format::SKY, tile, 1, 1, &layer(generation, tile), 1).unwrap()).unwrap();
+        writer.append(encode(format::SKY, tile, 1, 1, &layer(generation, tile), 1).unwrap()).unwrap();
         writer.checkpoint().unwrap();
     }
     let mut manifest = test_site::manifest();

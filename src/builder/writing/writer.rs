@@ -384,7 +384,7 @@ mod tests {
     use super::*;
     use crate::writing::test_site;
     use crate::writing::test_site::JOB;
-    use heliotile_core::archive::Archive;
+    use heliotile_core::archive::{Archive, encode};
 
     /// A second writer of the same file is refused while the first lives, and the file it would replace is untouched.
     #[test]
@@ -426,13 +426,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = Writer::create(&folder.path().join("site.helio"), &JOB).unwrap();
         for tile in 0..5_u8 {
-            writer.append(codec::encode(3, tile.into(), 1, 1, &[tile; 900], 9).unwrap()).unwrap();
+            writer.append(encode(3, tile.into(), 1, 1, &[tile; 900], 9).unwrap()).unwrap();
         }
         for tile in 0..5_u8 {
             assert_eq!(writer.read_back(3, tile.into()).unwrap().bytes(), [tile; 900]);
         }
         assert!(writer.read_back(3, 5).is_err());
-        let error = writer.append(codec::encode(3, 4, 1, 1, &[0], 9).unwrap()).unwrap_err();
+        let error = writer.append(encode(3, 4, 1, 1, &[0], 9).unwrap()).unwrap_err();
         assert!(error.to_string().contains("hit/4 was written twice"), "{error}");
         assert_eq!(writer.layers()[0].raw_bytes, 4500);
     }
@@ -447,7 +447,7 @@ mod tests {
             writer.due()
         };
         assert!(!due(&mut writer));
-        writer.append(codec::encode(3, 0, 1, 1, &[0; 900], 9).unwrap()).unwrap();
+        writer.append(encode(3, 0, 1, 1, &[0; 900], 9).unwrap()).unwrap();
         assert!(due(&mut writer));
         writer.checkpoint().unwrap();
         assert!(!due(&mut writer));

@@ -10,7 +10,9 @@ use heliotile_builder::pack::COMPRESSION;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::settings::ladder::{PATCH_RUNGS, Rungs};
 use heliotile_builder::settings::{Effects, Quality};
-use heliotile_core::archive::{Access, Archive, codec};
+use heliotile_builder::spill::TempFiles;
+use heliotile_core::archive::encode;
+use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
@@ -171,7 +173,7 @@ fn compression_s(trial: &Trial) -> Result<f64> {
     for entry in archive.entries() {
         let block = archive.block(entry.kind, entry.tile)?;
         let started = ProcessTime::now();
-        codec::encode(entry.kind, entry.tile, entry.schema, entry.items, block.bytes(), COMPRESSION)?;
+        encode(entry.kind, entry.tile, entry.schema, entry.items, block.bytes(), COMPRESSION)?;
         seconds += started.elapsed().as_secs_f64();
     }
     Ok(seconds)
@@ -183,9 +185,11 @@ fn replay_s(bench: &Bench, trial: &Trial, suns: &Suns) -> Result<f64> {
     let started = ProcessTime::now();
     let archive = Archive::open_with(&trial.archive, Access::Read)?;
     let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
+    let storage = TempFiles::new(&bench.workspace.folder);
     let settings = ReplaySettings {
         patches: trial.settings.patches,
-        memory_bytes: bench.workspace.memory.total(),
+        memory: bench.workspace.memory,
+        storage: &storage,
         ..ReplaySettings::default()
     };
     let replay = Replay::summed(&OpenSite::of(&archive)?, &conditions, settings, &bins)?;

@@ -109,16 +109,12 @@ fn corrupt(path: &Path, got: String, expected: String) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::archive::source::Access;
 
     fn read_slots(slots: [Slot; 2], length: u64) -> Result<Header> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("site.helio");
         let mut bytes = vec![0; length as usize];
         bytes[..512].copy_from_slice(&slots[0].encode());
         bytes[4096..4608].copy_from_slice(&slots[1].encode());
-        std::fs::write(&path, bytes).unwrap();
-        read(&Source::open(&path, Access::Read).unwrap())
+        read(&Source::new(Path::new("site.helio"), Box::new(bytes)))
     }
 
     fn complete(generation: u64) -> Slot {

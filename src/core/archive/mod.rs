@@ -29,18 +29,30 @@ pub mod accuracy;
 pub mod blocks;
 pub mod codec;
 pub mod format;
+mod frame;
 pub mod header;
 pub mod manifest;
+#[cfg(all(feature = "mmap", any(unix, windows)))]
+mod mapping;
+#[cfg(feature = "zstd")]
+pub mod pack;
+pub mod read_at;
 pub mod reader;
 pub mod record;
 pub mod settings;
 pub mod source;
 pub mod tables;
+mod unpack;
 pub mod verify;
 
 pub use blocks::Blocks;
-pub use codec::{Block, EncodedBlock, encode};
+pub use codec::{Block, EncodedBlock};
 pub use manifest::Manifest;
+#[cfg(feature = "zstd")]
+pub use pack::encode;
+pub use read_at::ReadAt;
 pub use reader::Archive;
 pub use source::Access;
-pub use verify::{Report, verify};
+#[cfg(any(unix, windows))]
+pub use verify::verify;
+pub use verify::{Report, verify_bytes};

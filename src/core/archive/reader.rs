@@ -1,4 +1,4 @@
-//! Reading an archive. In: a path. Out: checked blocks by (kind, tile), each copied out before it is decoded.
+//! Reading an archive. In: a path, or bytes from anywhere. Out: checked blocks by (kind, tile), each copied out before it is decoded.
 
 use std::path::Path;
 
@@ -9,7 +9,10 @@ use crate::archive::format::{ALIGNMENT, CODEC_RAW, ENTRY_SIZE, Entry, FIRST_BLOC
 use crate::archive::header;
 use crate::archive::header::Header;
 use crate::archive::manifest::Manifest;
-use crate::archive::source::{Access, Source};
+use crate::archive::read_at::ReadAt;
+#[cfg(any(unix, windows))]
+use crate::archive::source::Access;
+use crate::archive::source::Source;
 use crate::error::{Error, Result};
 
 /// An open archive whose header, directory and manifest were checked. Many threads may read from it.
@@ -22,14 +25,26 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// Opens a finished archive through a mapping.
+    /// Opens a finished archive of a file system through a mapping.
+    #[cfg(any(unix, windows))]
     pub fn open(path: &Path) -> Result<Self> {
         Archive::open_with(path, Access::default())
     }
 
-    /// Opens a finished archive: checks everything but the blocks, which are checked when they are read.
+    /// The same, read as `access` says.
+    #[cfg(any(unix, windows))]
     pub fn open_with(path: &Path, access: Access) -> Result<Self> {
-        let source = Source::open(path, access)?;
+        Archive::read(Source::open(path, access)?)
+    }
+
+    /// Opens a finished archive whose bytes are held anywhere, without a file system; `name` is what messages call it.
+    pub fn of(name: impl AsRef<Path>, bytes: impl ReadAt + 'static) -> Result<Self> {
+        Archive::read(Source::new(name.as_ref(), Box::new(bytes)))
+    }
+
+    /// Checks everything but the blocks, which are checked when they are read.
+    pub(super) fn read(source: Source) -> Result<Self> {
+        let path = source.path();
         let header = header::read(&source)?;
         let slot = &header.slot;
         let directory = source.read(slot.directory_offset, slot.directory_length)?;

@@ -1,158 +1,128 @@
-//! Bytes of a file, by position. In: a path or an open file. Out: owned copies of ranges. The only `unsafe` of the crate.
-//!
-//! Everything is copied out, so no reference into a mapping lives longer than a copy, and what was checked is what is used.
+//! An archive's bytes with the name that messages give them. In: a path, or any [`ReadAt`]. Out: owned copies of ranges.
 
+#[cfg(any(unix, windows))]
 use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use memmap2::Mmap;
-
+#[cfg(all(feature = "mmap", any(unix, windows)))]
+use crate::archive::mapping::Mapping;
+#[cfg(any(unix, windows))]
+use crate::archive::read_at::OpenFile;
+use crate::archive::read_at::ReadAt;
 use crate::error::{Error, Result};
 
-/// How an archive is read.
+/// How an archive is read from a file system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Access {
-    /// Through a mapping: fastest once the file is in memory
+    /// Through a mapping: fastest once the file is in memory. Without the feature `mmap` the same as [`Access::Read`].
     #[default]
     Mapped,
     /// By reads at a position: for files that others may shorten, and network file systems
     Read,
 }
 
-/// A file of fixed length.
+/// Bytes of a fixed number, and their name.
 #[derive(Debug)]
 pub struct Source {
-    path: Arc<Path>,
-    file: File,
-    map: Option<Mmap>,
+    name: Arc<Path>,
+    bytes: Box<dyn ReadAt>,
     length: u64,
 }
 
 impl Source {
+    /// Bytes from anywhere; `name` is what messages call them.
+    pub fn new(name: &Path, bytes: Box<dyn ReadAt>) -> Self {
+        Source { name: Arc::from(name), length: bytes.length(), bytes }
+    }
+
     /// Opens a file for reading; its length is taken now and does not change.
+    #[cfg(any(unix, windows))]
     pub fn open(path: &Path, access: Access) -> Result<Self> {
         let file = File::open(path).map_err(Error::io(path, "open"))?;
         let about = file.metadata().map_err(Error::io(path, "read the length of"))?;
         if !about.is_file() {
             return Err(Error::input(path, None, "is not a file", "name an archive, such as site.helio"));
         }
-        let map = match access {
-            Access::Mapped if about.len() > 0 => Some(map(&file).map_err(Error::io(path, "map"))?),
-            _ => None,
-        };
-        Ok(Source { path: Arc::from(path), file, map, length: about.len() })
+        Ok(Source::new(path, bytes_of(file, access).map_err(Error::io(path, "map"))?))
     }
 
+    /// The file's path, or the name that the bytes were given.
     pub fn path(&self) -> &Arc<Path> {
-        &self.path
+        &self.name
     }
 
+    /// Number of bytes.
     pub fn length(&self) -> u64 {
         self.length
     }
 
     /// A copy of `length` bytes at `offset`. Nothing is allocated for a range that is not inside the file.
     pub fn read(&self, offset: u64, length: u64) -> Result<Vec<u8>> {
-        self.copy(offset, length).map_err(Error::io(&self.path, "read"))
+        self.copy(offset, length).map_err(Error::io(&self.name, "read"))
     }
 
     fn copy(&self, offset: u64, length: u64) -> io::Result<Vec<u8>> {
         let outside = || io::Error::from(io::ErrorKind::UnexpectedEof);
-        let end = offset.checked_add(length).filter(|&end| end <= self.length).ok_or_else(outside)?;
-        if let Some(map) = &self.map {
-            let range = usize::try_from(offset).ok().zip(usize::try_from(end).ok());
-            let bytes = range.and_then(|(start, end)| map.get(start..end)).ok_or_else(outside)?;
-            return Ok(bytes.to_vec());
-        }
-        let mut bytes = vec![0; usize::try_from(length).map_err(|_| outside())?];
-        read_exact_at(&self.file, &mut bytes, offset)?;
-        Ok(bytes)
+        offset.checked_add(length).filter(|&end| end <= self.length).ok_or_else(outside)?;
+        self.bytes.copy_at(offset, usize::try_from(length).map_err(|_| outside())?)
     }
 }
 
-/// Maps a whole file for reading.
-#[allow(unsafe_code)]
-fn map(file: &File) -> io::Result<Mmap> {
-    // SAFETY: the mapping must not change or shrink while a reference into it lives. Archives are published by rename and
-    // never written in place (`writer.rs`), so no process of ours does that. If another one does, `copy` above is the only
-    // place that holds a reference, for the time of a copy: changed bytes are then a wrong checksum of that copy; a
-    // file that is shortened ends the process by SIGBUS, which `Access::Read` avoids. Test that would break it: `access_agrees`.
-    unsafe { Mmap::map(file) }
+#[cfg(all(feature = "mmap", any(unix, windows)))]
+fn bytes_of(file: File, access: Access) -> io::Result<Box<dyn ReadAt>> {
+    Ok(match access {
+        Access::Mapped => Box::new(Mapping::new(&file)?),
+        Access::Read => Box::new(OpenFile::new(file)?),
+    })
 }
 
-/// Fills `bytes` from a position of the file.
-#[cfg(unix)]
-pub fn read_exact_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
-}
-
-/// Writes all `bytes` at a position of the file.
-#[cfg(unix)]
-pub fn write_all_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::write_all_at(file, bytes, offset)
-}
-
-/// Fills `bytes` from a position of the file.
-#[cfg(windows)]
-pub fn read_exact_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> io::Result<()> {
-    while !bytes.is_empty() {
-        let count = std::os::windows::fs::FileExt::seek_read(file, bytes, offset)?;
-        match bytes.split_at_mut_checked(count) {
-            Some((_, rest)) if count > 0 => bytes = rest,
-            _ => return Err(io::ErrorKind::UnexpectedEof.into()),
-        }
-        offset = offset.saturating_add(count as u64);
-    }
-    Ok(())
-}
-
-/// Writes all `bytes` at a position of the file.
-#[cfg(windows)]
-pub fn write_all_at(file: &File, mut bytes: &[u8], mut offset: u64) -> io::Result<()> {
-    while !bytes.is_empty() {
-        let count = std::os::windows::fs::FileExt::seek_write(file, bytes, offset)?;
-        match bytes.split_at_checked(count) {
-            Some((_, rest)) if count > 0 => bytes = rest,
-            _ => return Err(io::ErrorKind::WriteZero.into()),
-        }
-        offset = offset.saturating_add(count as u64);
-    }
-    Ok(())
+#[cfg(all(not(feature = "mmap"), any(unix, windows)))]
+fn bytes_of(file: File, _: Access) -> io::Result<Box<dyn ReadAt>> {
+    Ok(Box::new(OpenFile::new(file)?))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Mapping and plain reads give the same bytes for all 10 011 ranges of a 140-byte file, and the same error outside it.
+    /// Mapping, plain reads, a vector and shared memory give the same bytes for all 10 011 ranges of 140 bytes, copied out and read into a
+    /// buffer, and the same error outside them.
     #[test]
     fn access_agrees() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         let content: Vec<u8> = (0..140).collect();
         std::fs::write(&path, &content).unwrap();
-        let [mapped, plain] = [Access::Mapped, Access::Read].map(|access| Source::open(&path, access).unwrap());
+        let files = [Access::Mapped, Access::Read].map(|access| Source::open(&path, access).unwrap());
+        let memory: [Box<dyn ReadAt>; 2] = [Box::new(content.clone()), Box::new(Arc::<[u8]>::from(&content[..]))];
+        let sources: Vec<Source> = files.into_iter().chain(memory.map(|bytes| Source::new(&path, bytes))).collect();
         let mut ranges = 0;
         for start in 0..=140_u64 {
             for end in start..=140 {
                 let expected = &content[start as usize..end as usize];
-                assert_eq!(mapped.read(start, end - start).unwrap(), expected);
-                assert_eq!(plain.read(start, end - start).unwrap(), expected);
+                for source in &sources {
+                    assert_eq!(source.read(start, end - start).unwrap(), expected);
+                    let mut bytes = vec![0; expected.len()];
+                    source.bytes.read_at(start, &mut bytes).unwrap();
+                    assert_eq!(bytes, expected);
+                }
                 ranges += 1;
             }
         }
-        assert_eq!(ranges, 10_011);
+        assert_eq!((ranges, sources.len()), (10_011, 4));
         for (offset, length) in [(0, 141), (140, 1), (u64::MAX, 1), (1, u64::MAX), (0, 1 << 60)] {
-            for source in [&mapped, &plain] {
+            for source in &sources {
+                assert_eq!(source.length(), 140);
                 let error = source.read(offset, length).unwrap_err();
                 assert!(matches!(&error, Error::Io { action: "read", .. }), "{error}");
+                assert!(length > 200 || source.bytes.read_at(offset, &mut vec![0; length as usize]).is_err());
             }
         }
     }
 
-    /// A file shortened under plain reads is an error of that read, not the end of the process.
+    /// A file shortened under plain reads is an error of that read, not the end of the process; an empty file has 0 bytes either way.
     #[test]
     fn a_shortened_file_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
@@ -163,5 +133,9 @@ mod tests {
         assert_eq!(source.read(0, 100).unwrap().len(), 100);
         assert!(matches!(source.read(50, 100), Err(Error::Io { .. })));
         assert!(Source::open(folder.path(), Access::Read).is_err());
+        std::fs::write(&path, []).unwrap();
+        for access in [Access::Mapped, Access::Read] {
+            assert_eq!(Source::open(&path, access).unwrap().length(), 0);
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The full check of an archive. In: a path. Out: every part that is not as it was written, by name and with the reason.
+//! The full check of an archive. In: a path, or bytes from anywhere. Out: every part that is not as it was written, by name and with the reason.
 
 use std::path::Path;
 
@@ -10,8 +10,11 @@ use crate::archive::format::{
     BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS, OPTICS,
     PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
 };
+use crate::archive::read_at::ReadAt;
 use crate::archive::reader::{Archive, by_place};
+#[cfg(any(unix, windows))]
 use crate::archive::source::Access;
+use crate::archive::source::Source;
 use crate::archive::tables::{Cells, Index, Materials, Mirrors, Optics, Receivers};
 use crate::error::{Error, Result};
 use crate::layers::canopy;
@@ -50,12 +53,22 @@ pub struct Problem {
     pub reason: String,
 }
 
-/// Checks every byte of an archive; goes on after a bad block. An error means that the check could not be made: no such file,
-/// no archive, or a later format. `deep` also decodes every layer and follows every reference, for which the keys of all cells
-/// are held in memory, 20 bytes each. By plain reads, a file that changes meanwhile cannot end the process.
+/// Checks every byte of an archive in a file; see [`verify_bytes`]. By plain reads, a file that changes meanwhile cannot end the process.
+#[cfg(any(unix, windows))]
 pub fn verify(path: &Path, access: Access, deep: bool) -> Result<Report> {
+    verify_source(Source::open(path, access)?, deep)
+}
+
+/// Checks every byte of an archive that is held anywhere; goes on after a bad block. An error means that the check could not be made: no
+/// archive, a later format, or bytes that cannot be read. `deep` also decodes every layer and follows every reference, for which the keys
+/// of all cells are held in memory, 20 bytes each.
+pub fn verify_bytes(name: impl AsRef<Path>, bytes: impl ReadAt + 'static, deep: bool) -> Result<Report> {
+    verify_source(Source::new(name.as_ref(), Box::new(bytes)), deep)
+}
+
+fn verify_source(source: Source, deep: bool) -> Result<Report> {
     let mut report = Report::default();
-    let archive = match Archive::open_with(path, access) {
+    let archive = match Archive::read(source) {
         Ok(archive) => archive,
         Err(Error::Corrupt { block, offset, got, expected, .. }) => {
             report.problems.push(Problem { part: block, offset, reason: found(&got, &expected) });

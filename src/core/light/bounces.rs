@@ -7,7 +7,6 @@
 //! depends on the cells reachable from it, not on which others are in the table.
 
 use std::ops::Range;
-use std::path::Path;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -20,6 +19,7 @@ use crate::light::canopies::{Leafages, Shade};
 use crate::light::mirrors::{Chains, Lookout, left};
 use crate::light::reflector::{Reflectance, Reflector};
 use crate::light::scratch::Scratch;
+use crate::light::scratch::ScratchSpace;
 use crate::light::tables::Tables;
 use crate::site::cells::{CellKey, CellMap};
 
@@ -153,18 +153,18 @@ pub struct Closed {
 /// [block of columns][cell][column].
 enum Values {
     Memory(Vec<Vec<Block>>),
-    Disk(Scratch),
+    Scratch(Box<dyn Scratch>),
 }
 
 impl Closed {
-    /// Solves the system of an archive's cells for each state and its leaves. Values beyond `memory` bytes go to temporary files in `folder`.
+    /// Solves the system of an archive's cells for each state and its leaves. Values beyond `memory` bytes go to `storage`.
     pub fn solve(
         tables: &Tables,
         rules: &Rules,
         states: &[Reflectance],
         leafages: &Leafages,
         memory: u64,
-        folder: &Path,
+        storage: &dyn ScratchSpace,
     ) -> Result<Self> {
         let (width, source) = (rules.width(), &tables.bounces);
         let mut keys = Vec::new();
@@ -180,13 +180,13 @@ impl Closed {
         let at_once = (memory / of_thread.max(1)).clamp(1, rayon::current_num_threads() as u64) as usize;
         let solve = |system: &System, state: &Reflectance| {
             let mut solved =
-                if bytes <= memory { Values::Memory(Vec::new()) } else { Values::Disk(Scratch::new(folder)?) };
+                if bytes <= memory { Values::Memory(Vec::new()) } else { Values::Scratch(storage.scratch()?) };
             for first in (0..blocks).step_by(at_once) {
                 let some = (first..blocks.min(first + at_once)).into_par_iter();
                 let some = some.map_init(Default::default, |space, block| (block, system.solve(state, block, space)));
                 match &mut solved {
                     Values::Memory(values) => values.par_extend(some.map(|(_, values)| values)),
-                    Values::Disk(scratch) => some.try_for_each(|(block, values)| {
+                    Values::Scratch(scratch) => some.try_for_each(|(block, values)| {
                         let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
                         scratch.write(bytes.len() as u64 * block as u64, &bytes)
                     })?,
@@ -244,7 +244,7 @@ impl Closed {
     pub fn block(&self, state: usize, block: usize, cell: usize) -> Result<Block> {
         match &self.values[state] {
             Values::Memory(blocks) => Ok(blocks[block][cell]),
-            Values::Disk(scratch) => {
+            Values::Scratch(scratch) => {
                 let mut bytes = [0; size_of::<Block>()];
                 let place = (block * self.keys.len() + cell) * bytes.len();
                 scratch.read(place as u64, &mut bytes)?;

@@ -8,7 +8,7 @@ pub mod mirrors;
 pub mod reflector;
 pub mod responder;
 pub mod response;
-mod scratch;
+pub mod scratch;
 mod slots;
 pub mod states;
 pub mod tables;

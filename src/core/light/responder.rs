@@ -6,7 +6,6 @@
 
 use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::path::Path;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -25,9 +24,11 @@ use crate::light::canopies::{Leafages, Shade};
 use crate::light::mirrors::{Chains, Lookout, left};
 use crate::light::reflector::{Reflectance, Reflector};
 use crate::light::response::{Viewer, class_index, hit_weights, texel_weights};
+use crate::light::scratch::ScratchSpace;
 use crate::light::slots::Slots;
 use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
+use crate::memory::{MemoryBudget, Use};
 use crate::opened::{CellSource, SiteSettings};
 use crate::site::cells::{CellKey, CellMap, CellSet};
 
@@ -54,11 +55,11 @@ pub struct Responder {
 }
 
 impl Responder {
-    /// Solves the closed system with the tables' reflectances. At most about `memory` bytes are used; what does not fit goes to a
-    /// temporary file in `folder`.
-    pub fn new(tables: &Tables, depth: Depth, memory: u64, folder: &Path) -> Result<Self> {
+    /// Solves the closed system with the tables' reflectances. What does not fit its share of `memory` goes to
+    /// `storage`.
+    pub fn new(tables: &Tables, depth: Depth, memory: MemoryBudget, storage: &dyn ScratchSpace) -> Result<Self> {
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
-        Responder::with_states(tables, vec![stored], depth, memory, folder)
+        Responder::with_states(tables, vec![stored], depth, memory, storage)
     }
 
     /// Solves it for other values by material ([`Reflector::variable`]), one state after the other.
@@ -66,14 +67,13 @@ impl Responder {
         tables: &Tables,
         mut states: Vec<Vec<f64>>,
         depth: Depth,
-        memory: u64,
-        folder: &Path,
+        memory: MemoryBudget,
+        storage: &dyn ScratchSpace,
     ) -> Result<Self> {
         let (settings, reflectors) = (tables.settings, tables.mirrors.reflectors.clone());
         let rules = Rules { side: settings.bounce_sky, closed_level: settings.closed_level, depth };
-        let memory = memory / 2;
         let leafages = Leafages::split(&reflectors, &mut states);
-        let closed = Closed::solve(tables, &rules, &states, &leafages, memory, folder)?;
+        let closed = Closed::solve(tables, &rules, &states, &leafages, memory.share(Use::Radiosity), storage)?;
         Ok(Responder {
             closed,
             slots: Slots::new(&states),
@@ -85,7 +85,7 @@ impl Responder {
             settings,
             reflectors,
             rules,
-            memory,
+            memory: memory.share(Use::TileGroup),
         })
     }
 

@@ -1,32 +1,102 @@
-//! A temporary file for values that need not stay in memory; it has no name and is gone with the program.
+//! Temporary storage for values that need not stay in memory. In: bytes by position. Out: the same. Whoever calls the engine says where it
+//! lies; without a word it is memory.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::fmt::Debug;
+use std::sync::{PoisonError, RwLock};
 
-use crate::archive::source::{read_exact_at, write_all_at};
 use crate::error::{Error, Result};
 
-/// Bytes by position. Many threads may use it at once.
-#[derive(Debug)]
-pub struct Scratch {
-    folder: PathBuf,
-    file: File,
+/// Bytes by position, which are gone when it is dropped. Many threads may use it at once.
+pub trait Scratch: Send + Sync {
+    /// Writes all bytes at a position; what lies before it and was not written yet is zero.
+    fn write(&self, offset: u64, bytes: &[u8]) -> Result<()>;
+
+    /// Fills `bytes` from a position; all of them must have been written.
+    fn read(&self, offset: u64, bytes: &mut [u8]) -> Result<()>;
 }
 
-impl Scratch {
-    /// A new empty file in `folder`.
-    pub fn new(folder: &Path) -> Result<Self> {
-        let file = tempfile::tempfile_in(folder).map_err(Error::io(folder, "create a temporary file in"))?;
-        Ok(Scratch { folder: folder.to_path_buf(), file })
+/// Where temporary storage lies.
+pub trait ScratchSpace: Debug + Sync {
+    /// A new empty one.
+    fn scratch(&self) -> Result<Box<dyn Scratch>>;
+}
+
+/// Temporary storage in memory: for those who have no file system. What a budget of memory sends there still counts as memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct InMemory;
+
+impl ScratchSpace for InMemory {
+    fn scratch(&self) -> Result<Box<dyn Scratch>> {
+        Ok(Box::new(MemoryScratch::default()))
+    }
+}
+
+#[derive(Default)]
+struct MemoryScratch {
+    bytes: RwLock<Vec<u8>>,
+}
+
+impl Scratch for MemoryScratch {
+    fn write(&self, offset: u64, bytes: &[u8]) -> Result<()> {
+        // A thread that panicked while it held the lock has left whole bytes: they can only be copied.
+        let mut all = self.bytes.write().unwrap_or_else(PoisonError::into_inner);
+        let (start, end) = range(offset, bytes.len())?;
+        if all.len() < end {
+            let more = end - all.len();
+            all.try_reserve(more).map_err(|_| too_much(offset, bytes.len()))?;
+            all.resize(end, 0);
+        }
+        all[start..end].copy_from_slice(bytes);
+        Ok(())
     }
 
-    /// Writes all bytes at a position.
-    pub fn write(&self, offset: u64, bytes: &[u8]) -> Result<()> {
-        write_all_at(&self.file, bytes, offset).map_err(Error::io(&self.folder, "write a temporary file in"))
+    fn read(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
+        let all = self.bytes.read().unwrap_or_else(PoisonError::into_inner);
+        let (start, end) = range(offset, bytes.len())?;
+        let held = all.get(start..end).ok_or_else(|| Error::Limit {
+            what: "end of a read from temporary storage".to_string(),
+            value: end as u64,
+            max: all.len() as u64,
+        })?;
+        bytes.copy_from_slice(held);
+        Ok(())
     }
+}
 
-    /// Fills `bytes` from a position.
-    pub fn read(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
-        read_exact_at(&self.file, bytes, offset).map_err(Error::io(&self.folder, "read a temporary file in"))
+fn range(offset: u64, length: usize) -> Result<(usize, usize)> {
+    let start = usize::try_from(offset).ok();
+    let range = start.and_then(|start| Some((start, start.checked_add(length)?)));
+    range.filter(|&(_, end)| isize::try_from(end).is_ok()).ok_or_else(|| too_much(offset, length))
+}
+
+/// More bytes than there are addresses, or memory.
+fn too_much(offset: u64, length: usize) -> Error {
+    Error::Limit {
+        what: "bytes of temporary storage, which lies in memory here".to_string(),
+        value: offset.saturating_add(length as u64),
+        max: isize::MAX as u64,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 200 pieces of 7 bytes come back whichever way round they are written; what was skipped is 0; reading one byte too far and writing
+    /// at 2^64 - 4 are errors.
+    #[test]
+    fn bytes_come_back() {
+        let scratch = InMemory.scratch().expect("memory");
+        for piece in (0..200_u8).rev() {
+            scratch.write(u64::from(piece) * 10, &[piece; 7]).expect("written");
+        }
+        let mut bytes = [9; 1997];
+        scratch.read(0, &mut bytes).expect("read");
+        for (i, byte) in bytes.iter().enumerate() {
+            assert_eq!(usize::from(*byte), if i % 10 < 7 { i / 10 } else { 0 });
+        }
+        assert!(scratch.read(1, &mut bytes).is_err());
+        assert!(scratch.write(u64::MAX - 3, &[1; 2]).is_err());
+        assert!(scratch.write(u64::MAX - 3, &[1; 9]).is_err());
     }
 }

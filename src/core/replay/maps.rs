@@ -5,7 +5,6 @@
 //! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth.
 
 use std::collections::HashSet;
-use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -21,8 +20,10 @@ use crate::light::mirrors::left;
 use crate::light::reflector::Reflector;
 use crate::light::responder::Responder;
 use crate::light::response::{Viewer, class_index, texel_weights};
+use crate::light::scratch::ScratchSpace;
 use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
+use crate::memory::MemoryBudget;
 use crate::opened::OpenSite;
 use crate::replay::receiver_view::ReceiverView;
 use crate::replay::veil::Veil;
@@ -110,13 +111,13 @@ pub fn maps(
     site: &OpenSite,
     view: &ReceiverView,
     light: Option<&Light>,
-    memory: u64,
-    folder: &Path,
+    memory: MemoryBudget,
+    storage: &dyn ScratchSpace,
 ) -> Result<Vec<Map>> {
     let mut hit = hit_map(view);
     let mut response = None;
     if let Some(light) = light {
-        let lit = lit_cells(site, view, light, memory, folder)?;
+        let lit = lit_cells(site, view, light, memory, storage)?;
         let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
@@ -330,12 +331,18 @@ struct Shown {
 /// Cells that responses are derived for at a time: some 25 MB.
 const CELLS_AT_ONCE: usize = 1024;
 
-fn lit_cells(site: &OpenSite, view: &ReceiverView, light: &Light, memory: u64, folder: &Path) -> Result<Lit> {
+fn lit_cells(
+    site: &OpenSite,
+    view: &ReceiverView,
+    light: &Light,
+    memory: MemoryBudget,
+    storage: &dyn ScratchSpace,
+) -> Result<Lit> {
     let mut tables = Tables::of(site)?;
     // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
     tables.settings.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
-    let responder = Responder::new(&tables, light.depth, memory, folder)?;
+    let responder = Responder::new(&tables, light.depth, memory, storage)?;
     let shown = shown(view, &tables.mirrors.reflectors);
     let weights = texel_weights(&view.texels, &view.viewer);
     let mut lit = Lit {

@@ -9,7 +9,7 @@ use crate::light::fresnel::specular_mean;
 use crate::light::states::Schedule;
 use crate::site::material::{Class, Material};
 use crate::weather::calendar::Date;
-use crate::weather::formats::schedule_csv::{Column, read_schedule};
+use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
 use crate::weather::row::Row;
 
 /// What the ground reflects under snow, from the weather file.
@@ -77,7 +77,7 @@ impl Changes {
     /// Schedules over `conditions` conditions that have no date.
     pub fn constant(&self, changeable: &Changeable, conditions: usize) -> Result<Vec<Schedule>> {
         let mut schedules = self.reflecting(changeable, conditions)?;
-        schedules.extend(self.letting_through(changeable, conditions, &[])?);
+        schedules.extend(self.letting_through(changeable, conditions, None)?);
         Ok(schedules)
     }
 
@@ -87,25 +87,39 @@ impl Changes {
         self.constant.iter().map(of).collect()
     }
 
-    fn letting_through(&self, changeable: &Changeable, conditions: usize, dates: &[Date]) -> Result<Vec<Schedule>> {
+    /// `dated`: where conditions have dates, these and how the bytes of a schedule are got.
+    fn letting_through(
+        &self,
+        changeable: &Changeable,
+        conditions: usize,
+        dated: Option<(&[Date], ReadFile)>,
+    ) -> Result<Vec<Schedule>> {
         let of = |(name, follow): &(String, Follow)| {
-            let values = match follow {
-                Follow::Value(value) => vec![*value; conditions],
-                Follow::File(path) => read_schedule(path, TRANSMITTANCE, dates)?,
+            let values = match (follow, dated) {
+                (Follow::Value(value), _) => vec![*value; conditions],
+                (Follow::File(path), Some((dates, files))) => {
+                    parse_schedule(path, &files(path)?, TRANSMITTANCE, dates)?
+                }
+                (Follow::File(path), None) => {
+                    let what = "is a schedule, and the conditions have no dates that it could follow";
+                    return Err(Error::input(path, None, what, "give a number from 0 to 1"));
+                }
             };
             Ok(Schedule { materials: changeable.canopies(name)?, values })
         };
         self.transmittance.iter().map(of).collect()
     }
 
-    /// Schedules over the rows of a weather file, and what the user should know about them.
-    pub fn over(&self, changeable: &Changeable, rows: &[Row]) -> Result<(Vec<Schedule>, Vec<String>)> {
+    /// Schedules over the rows of a weather file, and what the user should know about them. `files` gives the bytes of schedules.
+    pub fn over(&self, changeable: &Changeable, rows: &[Row], files: ReadFile) -> Result<(Vec<Schedule>, Vec<String>)> {
         let materials = changeable.materials;
         let mut schedules = self.reflecting(changeable, rows.len())?;
         let mut warnings = Vec::new();
         let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
         for (name, path) in &self.scheduled {
-            schedules.push(schedule(changeable, changeable.opaque(name)?, read_schedule(path, REFLECTANCE, &dates)?)?);
+            let members = changeable.opaque(name)?;
+            let values = parse_schedule(path, &files(path)?, REFLECTANCE, &dates)?;
+            schedules.push(schedule(changeable, members, values)?);
         }
         if let Some((snow, reflectance)) = self.snow {
             let cover = |row: &Row| match snow {
@@ -133,7 +147,7 @@ impl Changes {
                 schedules.push(schedule(changeable, vec![material], values.collect())?);
             }
         }
-        schedules.extend(self.letting_through(changeable, rows.len(), &dates)?);
+        schedules.extend(self.letting_through(changeable, rows.len(), Some((&dates, files)))?);
         Ok((schedules, warnings))
     }
 }
@@ -245,6 +259,10 @@ mod tests {
         Changeable { site: Path::new("a.helio"), materials }
     }
 
+    fn no_files(name: &Path) -> Result<Vec<u8>> {
+        panic!("{} is asked for", name.display())
+    }
+
     fn rows() -> Vec<Row> {
         let row = |month: u32, snow_depth_cm, albedo| {
             let date = Date::new(2021, month, 3).expect("a date");
@@ -271,7 +289,7 @@ mod tests {
         {
             let changes =
                 Changes { constant: vec![("ground".into(), 0.3)], snow: Some((snow, 0.6)), ..Changes::default() };
-            let (schedules, warnings) = changes.over(&changeable(&materials()), &rows()).expect("schedules");
+            let (schedules, warnings) = changes.over(&changeable(&materials()), &rows(), &no_files).expect("schedules");
             assert!(warnings.is_empty());
             let of =
                 |material| schedules.iter().rev().find(|s| s.materials.contains(&material)).map(|s| s.values.clone());
@@ -279,7 +297,7 @@ mod tests {
         }
         let bare = [rows()[1]];
         let changes = Changes { snow: Some((Snow::Depth, 0.6)), ..Changes::default() };
-        let (schedules, warnings) = changes.over(&changeable(&materials()), &bare).expect("schedules");
+        let (schedules, warnings) = changes.over(&changeable(&materials()), &bare, &no_files).expect("schedules");
         assert_eq!(warnings.len(), 1);
         assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
     }

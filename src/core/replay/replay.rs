@@ -10,9 +10,11 @@ use crate::light::canopies::Leafages;
 use crate::light::mirrors::MirrorTable;
 use crate::light::reflector::Reflector;
 use crate::light::responder::Responder;
+use crate::light::scratch::{InMemory, ScratchSpace};
 use crate::light::states::{Schedule, States};
 use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
+use crate::memory::MemoryBudget;
 use crate::opened::OpenSite;
 use crate::replay::components::{Component, ComponentSet};
 use crate::replay::longwave::Longwave;
@@ -29,7 +31,7 @@ const RESULT_BYTES: usize = 48 << 20;
 
 /// Choices of a replay that the weather does not make.
 #[derive(Clone, Copy, Debug)]
-pub struct ReplaySettings {
+pub struct ReplaySettings<'s> {
     pub sky: SkyModel,
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
@@ -37,18 +39,21 @@ pub struct ReplaySettings {
     /// What results hold; components that nothing here needs may stay zero.
     pub components: ComponentSet,
     /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
-    pub memory_bytes: u64,
+    pub memory: MemoryBudget,
+    /// Where radiosities go that do not fit.
+    pub storage: &'s dyn ScratchSpace,
 }
 
-impl Default for ReplaySettings {
-    /// Perez skies of 577 patches, all bounces, all components, 4 GiB.
+impl Default for ReplaySettings<'_> {
+    /// Perez skies of 577 patches, all bounces, all components, 4 GiB, and what does not fit stays in memory all the same.
     fn default() -> Self {
         ReplaySettings {
             sky: SkyModel::Perez,
             patches: 577,
             depth: Depth::All,
             components: ComponentSet::ALL,
-            memory_bytes: 4 << 30,
+            memory: MemoryBudget::DEFAULT,
+            storage: &InMemory,
         }
     }
 }
@@ -147,7 +152,7 @@ impl<'a> Replay<'a> {
         let tables = Tables::of(site)?;
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         let lets_through: Vec<bool> = tables.mirrors.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
-        let (memory, folder) = (settings.memory_bytes / 2, std::env::temp_dir());
+        let (memory, storage) = (settings.memory, settings.storage);
         let states_of = |finer| States::new(&stored, &lets_through, schedules, conditions.len(), finer);
         let ways = |states: &States| {
             let leafages = Leafages::split(&tables.mirrors.reflectors, &mut states.reflectances.clone());
@@ -160,7 +165,7 @@ impl<'a> Replay<'a> {
         let solved = |finer| -> Result<(States, Responder)> {
             let states = states_of(finer)?;
             let of_states = states.reflectances.clone();
-            let responder = Responder::with_states(&tables, of_states, settings.depth, memory, &folder)?;
+            let responder = Responder::with_states(&tables, of_states, settings.depth, memory, storage)?;
             Ok((states, responder))
         };
         let (mut states, mut responder) = solved(false)?;

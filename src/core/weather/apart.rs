@@ -29,13 +29,13 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::weather::formats::weather_file::read_weather;
+    use crate::weather::formats::weather_file::parse_weather;
 
     /// The weather of Golden is 7,750 km from The Hague, which is said with both places, and 16 km from Denver, which is not.
     #[test]
     fn golden() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
-        let weather = read_weather(&path).expect("weather");
+        let weather = parse_weather(&path, &std::fs::read(&path).expect("data")).expect("weather");
         let place =
             |latitude_deg, longitude_deg| Place { latitude_deg, longitude_deg, convergence_deg: 0.0, epsg: None };
         let said = far_apart(&place(52.095, 4.264), &weather).expect("far");

@@ -92,13 +92,9 @@ const COLUMNS: [&str; 5] = ["condition", "sun_azimuth_deg", "sun_altitude_deg", 
 /// No irradiance on Earth comes near; above it the number is a slip of units or of columns.
 const MAX_IRRADIANCE_W_M2: f64 = 1e6;
 
-/// Reads and checks `conditions.csv` (UTF-8, with or without byte order mark, any line ending).
-pub fn read_conditions(path: &Path) -> Result<ConditionsFile> {
-    let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(path, &bytes)
-}
-
-fn parse(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
+/// Reads and checks the bytes of `conditions.csv` (UTF-8, with or without byte order mark, any line ending); `path` is its name in
+/// messages.
+pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
     let header = reader.headers().map_err(|e| csv_error(path, &e))?.clone();
@@ -176,7 +172,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<ConditionsFile> {
-        parse(Path::new("c.csv"), text.as_bytes())
+        parse_conditions(Path::new("c.csv"), text.as_bytes())
     }
 
     /// Columns in another order, a byte order mark, CRLF and an extra column give the same condition: sun in the south at 30
@@ -225,7 +221,7 @@ mod tests {
             assert!(read(empty).is_err());
         }
         let bytes = [header.as_bytes(), b"\xff\xfe,1,1,1,1\n"].concat();
-        assert!(parse(Path::new("c.csv"), &bytes).is_err());
+        assert!(parse_conditions(Path::new("c.csv"), &bytes).is_err());
     }
 
     /// DNI with the sun at or below the horizon is accepted with one warning a row; there are no suns, and the sky's sun is

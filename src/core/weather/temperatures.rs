@@ -7,7 +7,7 @@ use std::str::FromStr;
 use crate::error::{Error, Result};
 use crate::site::material::Class;
 use crate::weather::emission::{Emission, black_body_w_m2};
-use crate::weather::formats::schedule_csv::{Column, read_schedule};
+use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
 use crate::weather::weather::Weather;
 
 /// Temperatures of a schedule; below lies no surface on Earth, and above a kelvin stands where a degree Celsius is asked for.
@@ -63,12 +63,20 @@ impl FromStr for Temperature {
 }
 
 /// What is sent in the rows of a weather file, read from `file` with its air, that are chosen. Surfaces without a given temperature
-/// have that of the air; of several given ones the last counts.
-pub fn emissions(weather: &Weather, file: &Path, chosen: &[bool], given: &[Temperature]) -> Result<Vec<Emission>> {
+/// have that of the air; of several given ones the last counts. `files` gives the bytes of schedules.
+pub fn emissions(
+    weather: &Weather,
+    file: &Path,
+    chosen: &[bool],
+    given: &[Temperature],
+    files: ReadFile,
+) -> Result<Vec<Emission>> {
     let dates: Vec<_> = weather.rows.iter().map(|row| row.interval.date).collect();
     let schedule = |class| match given.iter().rev().find(|temperature| temperature.class == class) {
         Some(Temperature { of: Given::Constant(celsius), .. }) => Ok(Some(vec![*celsius; dates.len()])),
-        Some(Temperature { of: Given::Schedule(path), .. }) => read_schedule(path, CELSIUS, &dates).map(Some),
+        Some(Temperature { of: Given::Schedule(path), .. }) => {
+            parse_schedule(path, &files(path)?, CELSIUS, &dates).map(Some)
+        }
         None => Ok(None),
     };
     let (ground, obstruction) = (schedule(Class::Ground)?, schedule(Class::Obstruction)?);
@@ -104,7 +112,7 @@ pub fn emissions(weather: &Weather, file: &Path, chosen: &[bool], given: &[Tempe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::weather::formats::epw::read_epw_with_air;
+    use crate::weather::formats::epw::parse_epw_with_air;
 
     /// 12.5 is a constant, a name a file; 6 wrong ones are refused with what is allowed, a number in kelvin among them.
     #[test]
@@ -132,11 +140,16 @@ mod tests {
     #[test]
     fn golden() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
-        let weather = read_epw_with_air(&path).expect("weather");
+        let weather = parse_epw_with_air(&path, &std::fs::read(&path).expect("data")).expect("weather");
         let chosen: Vec<bool> = (0..72).map(|i| i < 24).collect();
+        let walls = |name: &Path| {
+            assert_eq!(name, Path::new("walls.csv"));
+            let months: String = (1..=12).map(|m| if m == 3 { "20\n" } else { "-9\n" }).collect();
+            Ok(format!("temperature_c\n{months}").into_bytes())
+        };
         let first = |given: &[&str]| {
             let given: Vec<Temperature> = given.iter().map(|text| text.parse().expect("a temperature")).collect();
-            let emissions = emissions(&weather, &path, &chosen, &given).expect("emissions");
+            let emissions = emissions(&weather, &path, &chosen, &given, &walls).expect("emissions");
             assert_eq!(emissions.len(), 24);
             [emissions[0].sky_w_m2, emissions[0].ground_w_m2, emissions[0].obstruction_w_m2]
         };
@@ -145,10 +158,6 @@ mod tests {
         };
         near(first(&[]), [237.0, 290.12, 290.12]);
         near(first(&["ground=12.5", "ground=0"]), [237.0, 315.66, 290.12]);
-        let folder = tempfile::tempdir().expect("a folder");
-        let walls = folder.path().join("walls.csv");
-        let months: String = (1..=12).map(|m| if m == 3 { "20\n" } else { "-9\n" }).collect();
-        std::fs::write(&walls, format!("temperature_c\n{months}")).expect("written");
-        near(first(&[&format!("obstruction={}", walls.display())]), [237.0, 290.12, 418.77]);
+        near(first(&["obstruction=walls.csv"]), [237.0, 290.12, 418.77]);
     }
 }

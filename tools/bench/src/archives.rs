@@ -3,14 +3,16 @@
 use std::path::Path;
 use std::time::Instant;
 
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::kind_name;
 use heliotile_core::archive::{Access, Archive, Manifest, encode};
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
-use heliotile_core::weather::conditions::read_conditions;
+use heliotile::files::read_conditions;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
 
@@ -56,7 +58,8 @@ pub fn query(archive: &Path, conditions: &Path) {
         patches: 577,
         depth: Depth::All,
         components: ComponentSet::ALL,
-        memory_bytes: 1 << 30,
+        memory: MemoryBudget::new(1 << 30),
+        storage: &InMemory,
     };
     let whole = median_ms(|| {
         let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay");

@@ -9,7 +9,7 @@ use heliotile_core::archive::Archive;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::formats::epw::read_epw;
+use heliotile::files::read_weather;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::light::states::Schedule;
 use ndarray::Array2;
@@ -45,7 +45,7 @@ pub fn run(path: &Path, weather: &Path) {
     let (peak, copy) = machine();
     println!("one core: product of matrices {peak:.1} GFLOP/s, copy {copy:.1} GB/s");
     let archive = Archive::open(path).expect("an archive");
-    let conditions = read_epw(weather).expect("weather").conditions(1);
+    let conditions = read_weather(weather).expect("weather").conditions(1);
     let receivers = archive.manifest().receivers.count as f64;
     println!("{}: {receivers} receivers, {} hours", path.display(), conditions.len());
     let year = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };

@@ -18,13 +18,15 @@ use heliotile_core::layers::mosaic::Mosaic;
 use heliotile_core::layers::response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::scratch::InMemory;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::replay::{Replay, ReplaySettings};
 use heliotile_core::sky::sky::SkyModel;
-use heliotile_core::weather::conditions::read_conditions;
+use heliotile_core::weather::conditions::parse_conditions;
 use heliotile_core::weather::emission::Emission;
-use heliotile_core::weather::formats::epw::{read_epw, read_epw_with_air};
+use heliotile_core::weather::formats::epw::{parse_epw, parse_epw_with_air};
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_scene::Scene;
 use heliotile_scene::receivers::read_receivers_with_warnings;
@@ -137,7 +139,7 @@ fn read_all(path: &Path) {
         }
     }
     let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
-    let conditions = read_conditions(&file("conditions.csv", sunny)).expect("a condition").conditions;
+    let conditions = parse_conditions(Path::new("conditions.csv"), sunny).expect("a condition").conditions;
     let Ok(site) = OpenSite::of(&archive) else { return };
     for depth in [Depth::All, Depth::Count(1)] {
         let settings = ReplaySettings {
@@ -145,7 +147,8 @@ fn read_all(path: &Path) {
             patches: 145,
             depth,
             components: ComponentSet::ALL,
-            memory_bytes: 1 << 27,
+            memory: MemoryBudget::new(1 << 27),
+            storage: &InMemory,
         };
         let Ok(replay) = Replay::new(&site, &conditions, settings) else { continue };
         let _ = replay.run(0..replay.tiles().min(2));
@@ -408,25 +411,30 @@ fn receivers(data: &[u8]) {
 }
 
 fn conditions(data: &[u8]) {
-    let _ = read_conditions(&file("conditions.csv", data));
+    let _ = parse_conditions(Path::new("conditions.csv"), data);
 }
 
 fn epw(data: &[u8]) {
-    let path = file("year.epw", data);
-    let light = read_epw(&path);
-    let Ok(weather) = read_epw_with_air(&path) else { return };
+    let path = Path::new("year.epw");
+    let light = parse_epw(path, data);
+    let Ok(weather) = parse_epw_with_air(path, data) else { return };
     // Air takes nothing of the light away.
     assert!(light.is_ok_and(|light| light.rows == weather.rows) && weather.air.len() == weather.rows.len());
-    if let Ok(emissions) = emissions(&weather, &path, &vec![true; weather.rows.len()], &[]) {
+    if let Ok(emissions) = emissions(&weather, path, &vec![true; weather.rows.len()], &[], &no_file) {
         let finite =
             |e: &Emission| [e.sky_w_m2, e.ground_w_m2, e.obstruction_w_m2].iter().all(|x| x.is_finite() && *x > 0.0);
         assert!(emissions.len() == weather.rows.len() && emissions.iter().all(finite));
     }
 }
 
+/// No schedule is given.
+fn no_file(name: &Path) -> heliotile_core::error::Result<Vec<u8>> {
+    panic!("{} is asked for", name.display())
+}
+
 /// Weather as it is replayed: with the sun's places within each interval.
 fn weather(data: &[u8]) {
-    if let Ok(weather) = read_epw(&file("year.epw", data)) {
+    if let Ok(weather) = parse_epw(Path::new("year.epw"), data) {
         assert_eq!(weather.conditions(2).len(), weather.rows.len());
     }
 }

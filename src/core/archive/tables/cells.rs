@@ -134,11 +134,11 @@ pub fn check_keys(name: &str, voxel: &[[i32; 3]], tag: &[u32], material: &[u16])
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
     use crate::archive::tables::tests::{block, hostile};
-    use crate::archive::{codec, format};
+    use crate::archive::{encode, format};
 
     fn known() -> Cells {
         Cells {
@@ -202,7 +202,7 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = Cells::from_block(&block(&codec::encode(5, 0, 2, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = Cells::from_block(&block(&encode(5, 0, 2, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block probes/0"), "{number}: {error}");
         }
     }

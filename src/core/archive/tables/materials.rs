@@ -50,11 +50,11 @@ impl Materials {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
     use crate::archive::tables::tests::{block, hostile};
-    use crate::archive::{codec, format};
+    use crate::archive::{encode, format};
 
     fn known() -> Materials {
         Materials {
@@ -91,7 +91,7 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = Materials::from_block(&block(&codec::encode(10, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = Materials::from_block(&block(&encode(10, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block materials/0"), "{number}: {error}");
         }
     }

@@ -62,7 +62,7 @@ impl Mirrors {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
     use crate::archive::format;

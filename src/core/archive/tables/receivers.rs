@@ -94,11 +94,11 @@ impl Receivers {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
     use crate::archive::tables::tests::{block, hostile};
-    use crate::archive::{codec, format};
+    use crate::archive::{encode, format};
 
     fn known() -> Receivers {
         Receivers {
@@ -152,7 +152,7 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = Receivers::from_block(&block(&codec::encode(1, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = Receivers::from_block(&block(&encode(1, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block receivers/0"), "{number}: {error}");
         }
     }
@@ -171,7 +171,7 @@ mod tests {
     fn other_blocks_are_refused() {
         let raw = known().to_bytes().unwrap();
         let refused = [(10, 1, 2), (1, 2, 2), (1, 1, 3)].into_iter().filter(|&(kind, schema, items)| {
-            Receivers::from_block(&block(&codec::encode(kind, 0, schema, items, &raw, 9).unwrap())).is_err()
+            Receivers::from_block(&block(&encode(kind, 0, schema, items, &raw, 9).unwrap())).is_err()
         });
         assert_eq!(refused.count(), 3);
     }

@@ -1,4 +1,4 @@
-//! Reader of schedules: one value a line. In: a CSV file with a column such as `reflectance`, and the dates of a weather file's rows.
+//! Reader of schedules: one value a line. In: the bytes of a CSV file with a column such as `reflectance`, and the dates of a weather file's rows.
 //! Out: a checked value for each row.
 
 use std::path::Path;
@@ -21,10 +21,12 @@ impl Column {
     }
 }
 
-/// Reads a schedule with a value for each of `dates`, or with twelve values, one a month.
-pub fn read_schedule(path: &Path, column: Column, dates: &[Date]) -> Result<Vec<f64>> {
-    let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
-    let values = parse(path, &bytes, column)?;
+/// How the bytes of a schedule that a user names are got: from a disk, or from what a page was given.
+pub type ReadFile<'r> = &'r dyn Fn(&Path) -> Result<Vec<u8>>;
+
+/// Reads the bytes of a schedule with a value for each of `dates`, or with twelve values, one a month; `path` is its name in messages.
+pub fn parse_schedule(path: &Path, bytes: &[u8], column: Column, dates: &[Date]) -> Result<Vec<f64>> {
+    let values = parse(path, bytes, column)?;
     match values.len() {
         count if count == dates.len() => Ok(values),
         12 => Ok(dates.iter().filter_map(|date| values.get(date.month as usize - 1).copied()).collect()),
@@ -77,13 +79,9 @@ mod tests {
     /// the line or both numbers.
     #[test]
     fn values() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("s.csv");
         let dates = [(1, 31), (2, 1), (12, 5)].map(|(month, day)| Date::new(2021, month, day).expect("a date"));
-        let read = |text: &str| {
-            std::fs::write(&path, text).expect("written");
-            read_schedule(&path, Column { name: "reflectance", low: 0.0, high: 1.0 }, &dates)
-        };
+        let column = Column { name: "reflectance", low: 0.0, high: 1.0 };
+        let read = |text: &str| parse_schedule(Path::new("s.csv"), text.as_bytes(), column, &dates);
         let months: String = (1..=12).map(|m| format!("{m},0.{m:02}\n")).collect();
         assert_eq!(read(&format!("month, reflectance\r\n{months}")).expect("months"), [0.01, 0.02, 0.12]);
         assert_eq!(read("\u{feff}reflectance\n0\n1\n0.5\n").expect("rows"), [0.0, 1.0, 0.5]);

@@ -180,7 +180,7 @@ fn air_of(cells: &[&str], columns: &Columns) -> Air {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::weather::formats::weather_file::{read_weather, read_weather_with_air};
+    use crate::weather::formats::weather_file::{parse_weather, parse_weather_with_air};
 
     fn parse(text: &str) -> Result<Weather> {
         super::parse(Path::new("w.csv"), text.as_bytes(), false)
@@ -191,7 +191,8 @@ mod tests {
     #[test]
     fn golden() {
         let epw = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
-        let text = String::from_utf8_lossy(&std::fs::read(&epw).expect("data")).into_owned();
+        let bytes = std::fs::read(&epw).expect("data");
+        let text = String::from_utf8_lossy(&bytes).into_owned();
         let mut csv = "724666,\"GOLDEN, NREL\",CO,-7.0,39.74,-105.18,1829\n\
                        Date (MM/DD/YYYY),Time (HH:MM),ETR (W/m^2),GHI (W/m^2),GHI source,GHI uncert (%),DNI (W/m^2),DHI (W/m^2),\
                        OpqCld (tenths),Dry-bulb (C),Dew-point (C),Alb (unitless)\n"
@@ -202,10 +203,8 @@ mod tests {
             let (light, air) = (format!("0,{},2,8,{},{}", c[13], c[14], c[15]), format!("{},{},{}", c[23], c[6], c[7]));
             csv += &format!("{clock},{light},{air},{}\n", c[32]);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("golden.csv");
-        std::fs::write(&path, csv).expect("written");
-        let (one, two) = (read_weather(&epw).expect("EPW"), read_weather_with_air(&path).expect("TMY3"));
+        let one = parse_weather(&epw, &bytes).expect("EPW");
+        let two = parse_weather_with_air(Path::new("golden.csv"), csv.as_bytes()).expect("TMY3");
         assert_eq!((two.rows.len(), one.rows.len(), two.place.as_str()), (8760, 8760, "GOLDEN, NREL, CO"));
         assert_eq!(one.site.zone_hours, two.site.zone_hours);
         for (a, b) in one.rows.iter().zip(&two.rows) {

@@ -46,7 +46,7 @@ pub fn read_air(path: &Path, line: usize, cells: &[&str]) -> Result<Air> {
 mod tests {
     use super::*;
     use crate::weather::findings::Finding;
-    use crate::weather::formats::epw::read_epw_with_air;
+    use crate::weather::formats::epw::{parse_epw, parse_epw_with_air};
 
     /// Reads a row with cells for temperatures, infrared radiation and opaque sky cover.
     fn air([dry, dew, infrared, sky]: [&str; 4]) -> Result<Air> {
@@ -79,7 +79,8 @@ mod tests {
     #[test]
     fn golden_computed() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
-        let whole = read_epw_with_air(&path).expect("weather");
+        let bytes = std::fs::read(&path).expect("data");
+        let whole = parse_epw_with_air(&path, &bytes).expect("weather");
         assert_eq!((whole.report.findings.of(Finding::ComputedInfrared).rows, whole.air.len()), (0, 8760));
         let errors: Vec<f64> = whole
             .air
@@ -92,7 +93,7 @@ mod tests {
         let mean = errors.iter().sum::<f64>() / 8760.0;
         assert!(mean.abs() < 0.05 && errors.iter().all(|error| error.abs() < 0.6), "{mean}");
 
-        let text = String::from_utf8_lossy(&std::fs::read(&path).expect("data")).into_owned();
+        let text = String::from_utf8_lossy(&bytes).into_owned();
         let lines = text.lines().enumerate().map(|(i, line)| {
             let mut cells: Vec<&str> = line.split(',').collect();
             if i >= 8 {
@@ -100,15 +101,13 @@ mod tests {
             }
             cells.join(",") + "\n"
         });
-        let folder = tempfile::tempdir().expect("a folder");
-        let gone = folder.path().join("gone.epw");
-        std::fs::write(&gone, lines.collect::<String>()).expect("written");
-        let warnings = read_epw_with_air(&gone).expect("weather").report.warnings;
+        let gone = lines.collect::<String>().into_bytes();
+        let warnings = parse_epw_with_air(&path, &gone).expect("weather").report.warnings;
         assert_eq!(warnings.len(), 1, "{warnings:?}");
         assert!(
             warnings[0].contains("line 9 and on: missing infrared radiation of 8760 hours computed"),
             "{warnings:?}"
         );
-        assert!(crate::weather::formats::epw::read_epw(&gone).expect("weather").report.warnings.is_empty());
+        assert!(parse_epw(&path, &gone).expect("weather").report.warnings.is_empty());
     }
 }

@@ -24,19 +24,14 @@ use crate::error::{Error, Result};
 use crate::weather::air::Air;
 use crate::weather::weather::Weather;
 
-/// Reads and checks a weather file. The text need not be UTF-8: only its numbers are used.
-pub fn read_epw(path: &Path) -> Result<Weather> {
-    read(path, false)
+/// Reads and checks the bytes of a weather file; `path` is its name in messages. The text need not be UTF-8: only its numbers are used.
+pub fn parse_epw(path: &Path, bytes: &[u8]) -> Result<Weather> {
+    parse(path, bytes, false)
 }
 
 /// The same with the air of every row, which longwave irradiance is made of.
-pub fn read_epw_with_air(path: &Path) -> Result<Weather> {
-    read(path, true)
-}
-
-fn read(path: &Path, with_air: bool) -> Result<Weather> {
-    let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(path, &bytes, with_air)
+pub fn parse_epw_with_air(path: &Path, bytes: &[u8]) -> Result<Weather> {
+    parse(path, bytes, true)
 }
 
 pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {

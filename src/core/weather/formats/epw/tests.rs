@@ -30,7 +30,7 @@ pub(super) fn hours(days: &[(u32, u32, u32)], light: &str) -> String {
 #[test]
 fn typical_year_cut() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
-    let w = read_epw(&path).expect("valid");
+    let w = parse_epw(&path, &std::fs::read(&path).expect("data")).expect("valid");
     assert_eq!((w.rows.len(), w.interval_hours), (72, 1.0));
     assert_eq!((w.site.latitude_deg, w.site.zone_hours), (39.74, -7.0));
     assert_eq!(w.place, "Denver Centennial  Golden   Nr, USA");

@@ -1,0 +1,52 @@
+//! A file mapped into memory. In: an open file. Out: copies of its bytes. The only `unsafe` of the crate.
+//!
+//! Everything is copied out, so no reference into a mapping lives longer than a copy.
+
+use std::fs::File;
+use std::io;
+
+use memmap2::Mmap;
+
+use crate::archive::read_at::{ReadAt, range};
+
+/// Bytes of a file through a mapping.
+#[derive(Debug)]
+pub struct Mapping {
+    /// `None` for an empty file, which cannot be mapped.
+    map: Option<Mmap>,
+}
+
+impl Mapping {
+    /// Maps a whole file for reading.
+    #[allow(unsafe_code)]
+    pub fn new(file: &File) -> io::Result<Self> {
+        if file.metadata()?.len() == 0 {
+            return Ok(Mapping { map: None });
+        }
+        // SAFETY: the mapping must not change or shrink while a reference into it lives. Archives are published by rename and
+        // never written in place (`writer.rs`), so no process of ours does that. If another one does, the copies below are the only
+        // places that hold a reference, for the time of a copy: changed bytes are then a wrong checksum of that copy; a
+        // file that is shortened ends the process by SIGBUS, which `Access::Read` avoids. Test that would break it:
+        // `access_agrees`.
+        unsafe { Mmap::map(file) }.map(|map| Mapping { map: Some(map) })
+    }
+
+    fn bytes(&self) -> &[u8] {
+        self.map.as_deref().unwrap_or_default()
+    }
+}
+
+impl ReadAt for Mapping {
+    fn length(&self) -> u64 {
+        self.bytes().len() as u64
+    }
+
+    fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+        bytes.copy_from_slice(range(self.bytes(), offset, bytes.len())?);
+        Ok(())
+    }
+
+    fn copy_at(&self, offset: u64, length: usize) -> io::Result<Vec<u8>> {
+        Ok(range(self.bytes(), offset, length)?.to_vec())
+    }
+}
