@@ -7,4 +7,5 @@ pub mod patches;
 pub mod perez;
 pub mod projection;
 pub mod skies;
+#[allow(clippy::module_inception)]
 pub mod sky;

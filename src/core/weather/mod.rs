@@ -16,5 +16,6 @@ pub mod span;
 pub mod sun;
 pub mod sun_path;
 pub mod temperatures;
+#[allow(clippy::module_inception)]
 pub mod weather;
 pub mod years;
