@@ -22,7 +22,7 @@ use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Follow, Snow};
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 
@@ -176,7 +176,7 @@ pub struct RecombineArgs {
     pub patches: Option<usize>,
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
-    pub bounces: heliotile_core::light::bounces::Depth,
+    pub bounces: heliotile_core::light::radiosity::Depth,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
@@ -383,8 +383,8 @@ fn parse_bounds(text: &str) -> Result<Bounds, String> {
     Ok(Bounds { low, high })
 }
 
-fn parse_depth(text: &str) -> Result<heliotile_core::light::bounces::Depth, String> {
-    use heliotile_core::light::bounces::Depth;
+fn parse_depth(text: &str) -> Result<heliotile_core::light::radiosity::Depth, String> {
+    use heliotile_core::light::radiosity::Depth;
     match (text, text.parse::<u32>()) {
         ("all", _) => Ok(Depth::All),
         (_, Ok(count @ 1..=64)) => Ok(Depth::Count(count)),

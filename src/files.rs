@@ -5,7 +5,7 @@ use std::path::Path;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::conditions::{ConditionsFile, parse_conditions};
 use heliotile_core::weather::formats::weather_file::{parse_weather, parse_weather_with_air};
-use heliotile_core::weather::weather::Weather;
+use heliotile_core::weather::series::Weather;
 
 /// The bytes of a file.
 pub fn read_file(path: &Path) -> Result<Vec<u8>> {

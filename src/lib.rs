@@ -13,7 +13,7 @@
 //!     Quality, Receiver, ReceiverTiles, Replay, ReplaySettings, Rungs, Scene, Silent, Workspace,
 //! };
 //!
-//! # fn main() -> heliotile::Result<()> {
+//! # fn main() -> crate::Result<()> {
 //! // A ground of 100 m x 100 m with a white wall on it, 10 m wide and high; metres, x east, y north, z up.
 //! let quad = |a: DVec3, u: DVec3, v: DVec3, material: u16| [([a, a + u, a + u + v], material), ([a, a + u + v, a + v], material)];
 //! let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
@@ -40,7 +40,7 @@
 //! build.write(&plan, &Output::new(&path), &[])?;
 //!
 //! // Two conditions: the sun in the south at 40 degrees, and an overcast sky. Degrees, W/m2.
-//! let sun = heliotile::direction_from_degrees(180.0, 40.0);
+//! let sun = crate::direction_from_degrees(180.0, 40.0);
 //! let conditions =
 //!     [Condition::new("clear".into(), &[sun], sun, 800.0, 80.0), Condition::new("overcast".into(), &[sun], sun, 0.0, 150.0)];
 //! let archive = Archive::open(&path)?;
@@ -89,16 +89,16 @@ pub use heliotile_core::error::{Error, Result};
 pub use heliotile_core::memory::MemoryBudget;
 pub use heliotile_core::opened::OpenSite;
 pub use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
-pub use heliotile_core::replay::replay::{Replay, ReplaySettings, TileResult};
+pub use heliotile_core::replay::run::{Replay, ReplaySettings, TileResult};
 pub use heliotile_core::replay::values::TileValues;
 pub use heliotile_core::site::material::{Class, Glass, Material};
 pub use heliotile_core::site::place::Place;
 pub use heliotile_core::site::receiver::Receiver;
-pub use heliotile_core::sky::sky::SkyModel;
+pub use heliotile_core::sky::model::SkyModel;
 pub use heliotile_core::units::direction_from_degrees;
 pub use heliotile_core::weather::bins::Bins;
 pub use heliotile_core::weather::conditions::Condition;
-pub use heliotile_core::weather::weather::Weather;
+pub use heliotile_core::weather::series::Weather;
 pub use heliotile_scene::Scene;
 
 use std::process::ExitCode;

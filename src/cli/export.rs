@@ -9,8 +9,8 @@ use glam::DVec3;
 
 use super::{Bytes, parse_depth, parse_memory};
 use heliotile_core::archive::Access;
-use heliotile_core::light::bounces::Depth;
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::light::radiosity::Depth;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 
 /// What `export --help` says of the images.

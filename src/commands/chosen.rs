@@ -10,7 +10,7 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::replay::TileResult;
+use heliotile_core::replay::run::TileResult;
 use heliotile_core::site::receiver::Receiver;
 
 /// A choice of receivers.

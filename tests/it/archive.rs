@@ -4,8 +4,8 @@ use std::fs;
 
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
-use heliotile_core::light::bounces::Depth;
-use heliotile_core::light::responder::Responder;
+use heliotile_core::light::radiosity::Depth;
+use heliotile_core::light::response_solver::Responder;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::light::tables::Tables;
 use heliotile_core::light::tile_view::TileView;
@@ -74,7 +74,7 @@ fn bounces_add_up() {
         &fine(),
     );
     let light = |depth| {
-        site.replay(&[sun(90.0, 60.0, 800.0, 100.0)], heliotile_core::sky::sky::SkyModel::Perez, depth)["r"][0].total
+        site.replay(&[sun(90.0, 60.0, 800.0, 100.0)], heliotile_core::sky::model::SkyModel::Perez, depth)["r"][0].total
     };
     let [one, two, three, all] = [Depth::Count(1), Depth::Count(2), Depth::Count(3), Depth::All].map(light);
     assert!(one < two && two < three && three < all, "{one} {two} {three} {all}");

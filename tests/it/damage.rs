@@ -9,13 +9,13 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_OFFSETS, SLOT_SIZE, Slot};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Error;
-use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::radiosity::Depth;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::sky::model::SkyModel;
 use rayon::prelude::*;
 
 use crate::scenes::{Site, canyon, receiver, scene, site, sun, tilted, v};

@@ -1,8 +1,8 @@
 //! The endless ground of `materials.toml` against closed forms.
 
 use heliotile_builder::settings::BuildSettings;
-use heliotile_core::light::bounces::Depth;
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::light::radiosity::Depth;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_scene::Scene;
 
 use crate::scenes::*;

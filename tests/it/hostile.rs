@@ -11,13 +11,13 @@ use heliotile_core::archive::{Access, Archive, encode, format, verify};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
-use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::radiosity::Depth;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::sky::model::SkyModel;
 
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::Chain;

@@ -9,7 +9,7 @@ use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::emission::Emission;
 

@@ -9,15 +9,15 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::Entry;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter};
-use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::radiosity::Depth;
 use heliotile_core::light::fresnel;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::components::Component::{SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular};
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Glass, Material};
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_scene::Scene;
 

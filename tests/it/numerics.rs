@@ -5,8 +5,8 @@ use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::trace::lanes::Level;
 use heliotile_builder::trace::{Ray, Tracer};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, texel_direction, texels_in_blocks, unit};
-use heliotile_core::light::bounces::Depth;
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::light::radiosity::Depth;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_scene::Scene;
 

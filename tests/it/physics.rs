@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::study::wall::Wall;
 use heliotile_core::hemisphere::{Frame, mix, unit};
-use heliotile_core::light::bounces::Depth;
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::light::radiosity::Depth;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::SUN_RADIUS_RAD;
 
 use crate::scenes::*;

@@ -11,10 +11,10 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, unit};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component::Total;
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_scene::Scene;
 

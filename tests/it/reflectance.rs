@@ -9,7 +9,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;

@@ -12,10 +12,10 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, encode, format, tables};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::response::Response;
-use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::radiosity::Depth;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::sky::model::SkyModel;
 use serde_json::json;
 use tempfile::TempDir;
 

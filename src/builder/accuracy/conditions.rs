@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::weather::Weather;
+use heliotile_core::weather::series::Weather;
 
 /// Altitudes of the suns, degrees: below, hardly any energy comes; above, few places have the sun.
 const LOWEST_DEG: f64 = 4.0;

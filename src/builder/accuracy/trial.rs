@@ -13,11 +13,11 @@ use crate::settings::BuildSettings;
 use crate::spill::TempFiles;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
-use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::radiosity::Depth;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::conditions::Condition;
 

@@ -16,7 +16,7 @@ use heliotile_core::hemisphere::{Centres, jitter, texel_direction};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::{Cell, Cells};
 use heliotile_core::layers::mirror::CellPath;
-use heliotile_core::light::bounces::{centres_f32, each_ray, surround};
+use heliotile_core::light::radiosity::{centres_f32, each_ray, surround};
 use heliotile_core::light::mirrors::left;
 use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_core::site::receiver::Receiver;

@@ -1,6 +1,6 @@
 //! Named rungs of the accuracy ladder.
 
-/// A named rung of the accuracy ladder; what it means in textures and cells follows from [`Rungs::of`](super::Rungs::of).
+/// A named rung of the accuracy ladder; what it means in textures and cells follows from [`Rungs::of`](crate::settings::Rungs::of).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
     /// A quick look.

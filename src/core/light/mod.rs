@@ -1,12 +1,12 @@
 //! Light: what arrives by way of surfaces. In: layers and tables of an archive, reflectances. Out: responses, one vector per sky texel.
 //! Never: weather of an hour, rays.
 
-pub mod bounces;
+pub mod radiosity;
 pub mod canopies;
 pub mod fresnel;
 pub mod mirrors;
 pub mod reflector;
-pub mod responder;
+pub mod response_solver;
 pub mod response;
 pub mod scratch;
 mod slots;

@@ -15,10 +15,10 @@ use crate::layers::canopy::{SEEN, SKY};
 use crate::layers::hit::HitTile;
 use crate::layers::response::{CLASSES, Response};
 use crate::layers::sides::TextureSides;
-use crate::light::bounces::Depth;
+use crate::light::radiosity::Depth;
 use crate::light::mirrors::left;
 use crate::light::reflector::Reflector;
-use crate::light::responder::Responder;
+use crate::light::response_solver::Responder;
 use crate::light::response::{Viewer, class_index, texel_weights};
 use crate::light::scratch::ScratchSpace;
 use crate::light::tables::Tables;
@@ -26,12 +26,12 @@ use crate::light::tile_view::TileView;
 use crate::memory::MemoryBudget;
 use crate::opened::OpenSite;
 use crate::replay::receiver_view::ReceiverView;
-use crate::replay::veil::Veil;
+use crate::replay::canopy_transmittance::Veil;
 use crate::site::cells::CellKey;
 use crate::sky::disc::disc_texels;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
-use crate::sky::sky::SkyModel;
+use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 
 /// Frames that textures are in.

@@ -7,13 +7,12 @@ pub mod longwave;
 pub mod maps;
 pub mod receiver_view;
 pub mod reflectances;
-#[allow(clippy::module_inception)]
-pub mod replay;
-pub mod shaded;
+pub mod run;
+pub mod through_canopy;
 pub mod sources;
 pub mod specular;
 pub mod suns;
 pub mod tile;
 pub mod tile_layers;
 pub mod values;
-pub mod veil;
+pub mod canopy_transmittance;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::specular::MirrorView;
-use crate::replay::veil::Veil;
+use crate::replay::canopy_transmittance::Veil;
 use crate::sky::disc::disc_texels;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;

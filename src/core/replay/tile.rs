@@ -14,7 +14,7 @@ use crate::replay::components::Component::{
 };
 use crate::replay::components::ComponentSet;
 use crate::replay::longwave::Longwave;
-use crate::replay::shaded::Shaded;
+use crate::replay::through_canopy::Shaded;
 use crate::replay::sources::Sources;
 use crate::replay::suns::Suns;
 use crate::replay::tile_layers::TileLayers;
@@ -23,7 +23,7 @@ use crate::site::receiver::TILE;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
-use crate::sky::sky::SkyModel;
+use crate::sky::model::SkyModel;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 

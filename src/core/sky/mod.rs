@@ -7,5 +7,4 @@ pub mod patches;
 pub mod perez;
 pub mod projection;
 pub mod skies;
-#[allow(clippy::module_inception)]
-pub mod sky;
+pub mod model;

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use crate::error::Error;
 use crate::sky::distribution::Distribution;
-use crate::sky::sky::SkyModel;
+use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 
 /// Patches of Tregenza's rows, from the horizon up; the cap makes 145.

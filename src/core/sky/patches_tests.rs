@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::sky::projection::Projection;
-use crate::sky::sky::CieType;
+use crate::sky::model::CieType;
 use crate::units::direction_from_degrees;
 
 fn condition(altitude_deg: f64, dni: f64, dhi: f64) -> Condition {

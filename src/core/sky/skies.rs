@@ -12,7 +12,7 @@ use crate::layers::mosaic::Mosaic;
 use crate::layers::sky::half_texel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
-use crate::sky::sky::SkyModel;
+use crate::sky::model::SkyModel;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 

@@ -1,7 +1,7 @@
 //! Conditions: what the sun and the sky do in one result row. In: `conditions.csv`. Out: checked [`Condition`]s.
 //!
 //! A query row is one condition with one sun. A replay hour is one condition with the suns of its sub-steps (see
-//! [`crate::weather::weather`]). The mean over the interval of the sun on a surface is DNI x sum of weight x cos over the suns.
+//! [`crate::weather::series`]). The mean over the interval of the sun on a surface is DNI x sum of weight x cos over the suns.
 
 use std::collections::HashMap;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //! position, and what is doubtful about them. Never: layers, reflectances, results.
 
 pub mod air;
-pub mod apart;
+pub mod distance;
 pub mod bins;
 pub mod calendar;
 pub mod closure;
@@ -16,6 +16,5 @@ pub mod span;
 pub mod sun;
 pub mod sun_path;
 pub mod temperatures;
-#[allow(clippy::module_inception)]
-pub mod weather;
+pub mod series;
 pub mod years;

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::weather::calendar::Date;
 use crate::weather::row::Row;
 use crate::weather::sun::Interval;
-use crate::weather::weather::Weather;
+use crate::weather::series::Weather;
 use crate::weather::years::Years;
 
 /// A day or a time of one, `2019-03-01`, `03-01`, `2019-03-01T06:30`, in the local standard time of the file.
@@ -166,7 +166,7 @@ impl fmt::Display for Span {
 mod tests {
     use super::*;
     use crate::weather::sun::Site;
-    use crate::weather::weather::Report;
+    use crate::weather::series::Report;
 
     /// Hours of some days, given as (year, month, day).
     fn weather(days: &[(i32, u32, u32)]) -> Weather {

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::site::material::Class;
 use crate::weather::emission::{Emission, black_body_w_m2};
 use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
-use crate::weather::weather::Weather;
+use crate::weather::series::Weather;
 
 /// Temperatures of a schedule; below lies no surface on Earth, and above a kelvin stands where a degree Celsius is asked for.
 const CELSIUS: Column = Column { name: "temperature_c", low: -100.0, high: 150.0 };

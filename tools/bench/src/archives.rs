@@ -9,12 +9,12 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::kind_name;
 use heliotile_core::archive::{Access, Archive, Manifest, encode};
 use heliotile_builder::writing::{Job, Writer};
-use heliotile_core::light::bounces::Depth;
+use heliotile_core::light::radiosity::Depth;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile::files::read_conditions;
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
-use heliotile_core::sky::sky::SkyModel;
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::sky::model::SkyModel;
 
 /// Median of some runs, milliseconds.
 fn median_ms(mut run: impl FnMut()) -> f64 {

@@ -10,7 +10,7 @@ use heliotile_core::weather::bins::Bins;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::weather::conditions::Condition;
 use heliotile::files::read_weather;
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::light::states::Schedule;
 use ndarray::Array2;
 

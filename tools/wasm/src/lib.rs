@@ -11,7 +11,7 @@ use std::path::Path;
 use heliotile_core::archive::{Archive, verify_bytes};
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
-use heliotile_core::replay::replay::{Replay, ReplaySettings};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::parse_conditions;
 
 thread_local! {

@@ -1,4 +1,4 @@
-//! Formats of weather. In: bytes. Out: [`Weather`](crate::weather::weather::Weather) and schedules, each row checked.
+//! Formats of weather. In: bytes. Out: [`Weather`](crate::weather::series::Weather) and schedules, each row checked.
 
 pub mod epw;
 pub mod schedule_csv;

@@ -15,7 +15,7 @@ use crate::weather::formats::epw::judge::judged;
 use crate::weather::formats::epw::row::{LOWEST_OFFSET_W_M2, RawRow};
 use crate::weather::formats::epw::warn_of_part;
 use crate::weather::sun::{Interval, Site};
-use crate::weather::weather::Weather;
+use crate::weather::series::Weather;
 
 /// From this down a number means that there is none.
 const MISSING: f64 = -9900.0;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::weather::formats::{epw, tmy3};
-use crate::weather::weather::Weather;
+use crate::weather::series::Weather;
 
 /// Reads and checks the bytes of a weather file, EPW or TMY3; `path` is its name in messages. The text need not be UTF-8: only its numbers
 /// are used.

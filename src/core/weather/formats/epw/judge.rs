@@ -13,7 +13,7 @@ use crate::weather::formats::epw::header::Header;
 use crate::weather::formats::epw::row::RawRow;
 use crate::weather::row::Row;
 use crate::weather::sun::{Site, extraterrestrial_w_m2};
-use crate::weather::weather::{Report, Weather};
+use crate::weather::series::{Report, Weather};
 
 /// Clocks are further than this from the sun nowhere on Earth; the west of China comes close, with 2.9 h.
 const FARTHEST_CLOCK_HOURS: f64 = 3.0;

@@ -22,7 +22,7 @@ use row::{DHI, RawRow};
 
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
-use crate::weather::weather::Weather;
+use crate::weather::series::Weather;
 
 /// Reads and checks the bytes of a weather file; `path` is its name in messages. The text need not be UTF-8: only its numbers are used.
 pub fn parse_epw(path: &Path, bytes: &[u8]) -> Result<Weather> {

@@ -12,11 +12,11 @@ use crate::replay::components::ComponentSet;
 use crate::replay::suns::Suns;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{TileValues, put};
-use crate::replay::veil::Veil;
+use crate::replay::canopy_transmittance::Veil;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive};
-use crate::sky::sky::SkyModel;
+use crate::sky::model::SkyModel;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::layers::response::Response;
-use crate::light::bounces::Depth;
+use crate::light::radiosity::Depth;
 use crate::light::canopies;
 use crate::light::canopies::Leafages;
 use crate::light::mirrors::MirrorTable;
 use crate::light::reflector::Reflector;
-use crate::light::responder::Responder;
+use crate::light::response_solver::Responder;
 use crate::light::scratch::{InMemory, ScratchSpace};
 use crate::light::states::{Schedule, States};
 use crate::light::tables::Tables;
@@ -22,7 +22,7 @@ use crate::replay::tile::Forcing;
 use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::replay::values::TileValues;
 use crate::sky::patches::Patches;
-use crate::sky::sky::SkyModel;
+use crate::sky::model::SkyModel;
 use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 

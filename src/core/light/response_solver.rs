@@ -16,10 +16,7 @@ use crate::layers::canopy::SEEN;
 use crate::layers::cells::Cells;
 use crate::layers::mirror::CellMirrors;
 use crate::layers::response::{CLASSES, Response};
-use crate::light::bounces::{
-    BLOCK, Block, Closed, Depth, Lit, Rules, Surround, Weighted, add_block, centres_f32, each_ray, in_mirrors_lit, rho,
-    seen, surround,
-};
+use crate::light::radiosity::{BLOCK, Block, Closed, Depth, Lit, Rules, Surround, Weighted, add_block, centres_f32, each_ray, in_mirrors_lit, rho, seen, surround};
 use crate::light::canopies::{Leafages, Shade};
 use crate::light::mirrors::{Chains, Lookout, left};
 use crate::light::reflector::{Reflectance, Reflector};
@@ -442,7 +439,7 @@ impl Group<'_> {
     }
 }
 
-/// Finer cells from those that they see, in a block of columns, compiled as [`crate::light::bounces`] compiles its steps.
+/// Finer cells from those that they see, in a block of columns, compiled as [`crate::light::radiosity`] compiles its steps.
 struct Follow<'a> {
     group: &'a Group<'a>,
     rows: &'a [Row],

@@ -1,7 +1,7 @@
 //! Whether a weather file is of a scene's place. In: both. Out: a sentence if they are far apart.
 
 use crate::site::place::Place;
-use crate::weather::weather::Weather;
+use crate::weather::series::Weather;
 
 /// Weather is taken from this far without a word, km: between stations of a typical-year set.
 const FAR_KM: f64 = 100.0;
