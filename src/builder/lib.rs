@@ -1,4 +1,40 @@
-//! Traces a site and writes its archive.
+//! Traces a scene's receivers once and writes their archive.
+//!
+//! # Map
+//!
+//! ```text
+//! observer settings spill receiver_tiles | trace | writing pack | accuracy build | transfer store study
+//! ```
+//!
+//! | room | in | out |
+//! | --- | --- | --- |
+//! | [`settings`] | a quality, names and numbers | numbers in range |
+//! | [`trace`] | a mesh, points to look from | raw hemispheres: sky bits, cells that are seen; the only place where rays are cast |
+//! | [`writing`] | encoded blocks | an archive, whole or not there, which an interrupted build goes on with |
+//! | [`build`] | a prepared scene, receivers | a plan with its forecast, then an archive |
+//! | [`accuracy`] | a target in percent | the cheapest settings that keep within it |
+//! | [`transfer`] | archives | parts, unions and differences of them, without a ray |
+//! | [`store`] | finished archives | those that a build can look things up in |
+//!
+//! # What never happens
+//!
+//! - Nothing is printed and no command line is known: an [`observer::Observer`] is told, and asked whether to stop.
+//! - A cell depends on the scene and its key only, never on who asked first, on threads or on the order of tiles: equal inputs give equal
+//!   bytes, and parts of a site fit together.
+//! - After a failed sync nothing more is written.
+//!
+//! # Ten words
+//!
+//! - **prepared scene**: a scene with its tree of boxes, its mirrors and canopies.
+//! - **packet**: sixteen rays that go through the tree together.
+//! - **viewpoint**: a receiver's place and normal, where its rays start.
+//! - **surroundings**: the cells that a probe or bounce cell sees.
+//! - **plan**: the settings of a build and the forecast they rest on; **effect**: a kind of light path that may be left out.
+//! - **rung**: one step of the ladder of a source of error.
+//! - **pilot**: some receivers built with several settings, to choose among them.
+//! - **checkpoint**: what is on the disk from then on, whatever happens.
+//! - **journal**: the list of checkpoints beside an archive that is not finished.
+//! - **spill**: sorting with temporary files what memory does not hold.
 
 pub mod accuracy;
 pub mod build;

@@ -1,10 +1,49 @@
-//! What an archive is and how it is replayed.
+//! What an archive is, and how it is replayed: the only place of every formula.
 //!
-//! It opens no file by itself but in [`archive::Archive::open`] and [`archive::verify()`]: bytes of archives come through
-//! [`archive::ReadAt`], weather and conditions are parsed from bytes, and temporary storage is what the caller gives
-//! ([`light::scratch`]). Features, both on by default: `zstd` packs and decodes blocks with the C library, otherwise `ruzstd` decodes them
-//! and none can be packed; `mmap` reads archives of a file system through a mapping. Without them nothing here is C, and it compiles for
-//! `wasm32-unknown-unknown`, where `rayon` works on the one thread there is (`tools/wasm`).
+//! # Map
+//!
+//! Rooms from left to right; none imports one to its right, and no two import each other (a test reads the imports).
+//!
+//! ```text
+//! error units text memory hemisphere | site | layers | archive | opened weather | sky | light | replay
+//! ```
+//!
+//! | room | in | out |
+//! | --- | --- | --- |
+//! | [`site`] | numbers of readers and archives | the nouns: cell keys, materials, receivers, chains of mirrors, the place |
+//! | [`layers`] | bits, keys, vectors | raw bytes of a tile's blocks, and back |
+//! | [`archive`] | bytes held anywhere | checked blocks by (kind, tile), the manifest, the settings |
+//! | [`opened`] | an archive, or blocks that are being written | a site that was checked once: settings, materials, mirrors, layers of tiles |
+//! | [`weather`] | bytes of weather files | conditions with the sun's positions, and what is doubtful about them |
+//! | [`sky`] | a condition, a model | radiances of the sky's patches and texels |
+//! | [`light`] | layers and tables of an open site, reflectances | responses: what arrives by way of surfaces, one vector a sky texel |
+//! | [`replay`] | an open site, conditions | irradiance of each receiver by component |
+//!
+//! # What never happens
+//!
+//! - No ray is cast: nothing here could.
+//! - Nothing is printed, and without the feature `mmap` no file is opened: bytes come through [`archive::ReadAt`], text as bytes.
+//! - Nothing is allocated from a number that was not checked; a changed byte is an error that names the block.
+//! - What is opened is checked once ([`opened::OpenSite`]) and trusted from then on.
+//! - Results do not depend on the number of threads; without threads everything runs on one.
+//!
+//! # Ten words
+//!
+//! - **receiver**: a point with a normal that gets irradiance.
+//! - **cell**: the surfaces of one material that face one way inside one voxel; its key is its name.
+//! - **probe**: what is known of a cell that receivers see: which part of the sky it sees, and which cells around it.
+//! - **bounce cell**: a coarser cell that probes see; the closed system of radiosity is made of them.
+//! - **texture**: a square map of a hemisphere, Shirley-Chiu, texels of equal solid angle.
+//! - **layer**: one kind of texture; **tile**: 64 neighbouring receivers, whose layers are compressed together.
+//! - **response**: per sky texel the vector whose product with a direction is the diffuse light that a receiver gets from there.
+//! - **condition**: the sun's direction, DNI, DHI and what else holds for an hour; **weather**: a series of them.
+//! - **component**: one light path, a column of results; the six add up to `total`.
+//! - **state**: one set of reflectances and transmittances; conditions of one state share a response.
+//!
+//! # Features
+//!
+//! `zstd` (default) reads and writes blocks with the C library; without it `ruzstd` reads them. `mmap` (default) opens files through a
+//! mapping. Without both the crate needs no C compiler and builds for `wasm32-unknown-unknown`.
 
 pub mod archive;
 pub mod error;

@@ -1,5 +1,29 @@
-//! Scene: checked geometry, materials and receivers. In: files of the user. Out: types that can only hold checked values.
-//! It never casts a ray and knows nothing of archives.
+//! Files of the world become checked geometry, materials and receivers.
+//!
+//! # Map
+//!
+//! `formats` (a folder or file each: CityJSON, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus) and `terrain` give polygons; `load` merges them and
+//! [`mesh`] brings them to one canonical form; [`materials`] gives every surface its optics; [`surfaces`] and [`cover`] put receivers on them.
+//!
+//! # What never happens
+//!
+//! - Nothing that is not finite, of length 1 or within its range leaves a reader.
+//! - No ray is cast, nothing is known of archives, nothing is printed: what was odd stands in [`LoadReport`].
+//! - Equal scenes are equal meshes, whatever the order of faces, vertices and files.
+//!
+//! # Ten words
+//!
+//! - **site**: scene files with their materials, places and scales, as `site.toml` or a command line lists them.
+//! - **scene**: one mesh with a material for every triangle.
+//! - **soup**: polygons as they were read, with the objects that they belong to, before they are a mesh.
+//! - **object**: a building, a tree, an `o` of OBJ; **surface**: neighbouring faces of an object in one plane.
+//! - **palette**: the materials of several files, told apart where one name means two things.
+//! - **class**: ground or obstruction; **group**: materials that follow one schedule at replay.
+//! - **focus**: where positions keep their millimetres beside far terrain.
+//! - **thinning**: leaving out samples of terrain that no horizon shows.
+//! - **buried**: inside a neighbour or below the terrain.
+//! - **endless ground**: a plane that goes on beyond the scene.
+
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
 mod assumed;
