@@ -22,7 +22,8 @@
 //! # What never happens
 //!
 //! - No ray is cast: nothing here could.
-//! - Nothing is printed, and without the feature `mmap` no file is opened: bytes come through [`archive::ReadAt`], text as bytes.
+//! - Nothing is printed, and no file is opened but by [`archive::Archive::open`] and [`archive::verify()`]: bytes of archives come through
+//!   [`archive::ReadAt`], weather and conditions as bytes, temporary storage is what the caller gives ([`light::scratch`]).
 //! - Nothing is allocated from a number that was not checked; a changed byte is an error that names the block.
 //! - What is opened is checked once ([`opened::OpenSite`]) and trusted from then on.
 //! - Results do not depend on the number of threads; without threads everything runs on one.
