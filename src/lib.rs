@@ -78,9 +78,10 @@ pub mod book;
 
 pub use glam::DVec3;
 pub use heliotile_builder::build::{
-    Build, BuildReport, ErrorTarget, Forecast, Output, Plan, PlanRequest, PreparedScene, RayCounts, Start, Workspace,
+    Build, BuildReport, Forecast, Output, Plan, PreparedScene, RayCounts, Start, Workspace,
 };
 pub use heliotile_builder::observer::{Observer, Silent};
+pub use heliotile_builder::planning::{ErrorTarget, PlanReport, PlanRequest};
 pub use heliotile_builder::receiver_tiles::ReceiverTiles;
 pub use heliotile_builder::settings::{BuildSettings, Effect, EffectChoice, Effects, Quality, Rungs, Share};
 pub use heliotile_builder::transfer::{Bounds, Selection, diff, extract, merge};

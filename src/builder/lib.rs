@@ -3,7 +3,7 @@
 //! # Map
 //!
 //! ```text
-//! observer settings spill receiver_tiles | trace | writing pack | accuracy build | transfer store study
+//! observer settings spill receiver_tiles | trace | writing pack | build | accuracy | planning | transfer store study
 //! ```
 //!
 //! | room | in | out |
@@ -40,6 +40,7 @@ pub mod accuracy;
 pub mod build;
 pub mod observer;
 pub mod pack;
+pub mod planning;
 pub mod receiver_tiles;
 pub mod settings;
 pub mod spill;

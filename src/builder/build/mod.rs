@@ -1,5 +1,5 @@
 //! Building: scene -> trace -> layers -> archive. In: a prepared scene, its receivers, settings. Out: a finished archive, and what was
-//! done. The chain is [`Build::plan`] (which looks: [`Build::forecast`]), then [`Build::write`]. Never: printing, command lines.
+//! done. The chain is [`Build::plan`](crate::planning), which looks first ([`Build::forecast`]), then [`Build::write`]. Never: printing, command lines.
 
 mod canopies;
 mod cells;
@@ -37,7 +37,7 @@ use site_tracer::SiteTracer;
 pub use forecast::{Forecast, Line, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
 pub use manifest::BuildCounts;
 pub use output::{Output, Start};
-pub use plan::{ErrorTarget, Plan, PlanRequest};
+pub use plan::Plan;
 pub use prepared::PreparedScene;
 pub use report::{BuildReport, RayCounts};
 

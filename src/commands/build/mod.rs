@@ -10,7 +10,8 @@ use super::{
     workspace_beside,
 };
 use crate::cli::{AccuracyArgs, BuildArgs, Percent, PlanArgs};
-use heliotile_builder::build::{Build, ErrorTarget, Output, Plan, PlanRequest, PreparedScene, Start};
+use heliotile_builder::build::{Build, Output, PreparedScene, Start};
+use heliotile_builder::planning::{ErrorTarget, PlanReport, PlanRequest};
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Rungs};
 use heliotile_builder::store::{Folder, Store, StoreKey, open_all};
 use heliotile_core::error::Result;
@@ -59,7 +60,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
         build.receivers.count(),
         scene.mesh.triangles.len(),
         counted(rayon::current_num_threads() as u64, "thread"),
-        plan.forecast.as_ref().map_or_else(String::new, tables::forecast)
+        tables::forecast(&plan.forecast)
     ))?;
     Ok(Outcome::Fine)
 }
@@ -75,28 +76,32 @@ pub struct BuildRequest<'a> {
 /// Plans, builds, and says what is done.
 pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -> Result<()> {
     interrupt::watch();
-    let plan = decide(&mut build, asked.settings, asked.accuracy, asked.effects)?;
-    if let Some(forecast) = &plan.forecast {
-        say(&tables::forecast(forecast))?;
-    }
+    let planned = decide(&mut build, asked.settings, asked.accuracy, asked.effects)?;
+    say(&tables::forecast(&planned.forecast))?;
+    let plan = &planned.plan;
     let scene = build.scene.scene;
     let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
     let earlier = asked.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, build.observer))?;
-    let report = build.write(&plan, output, &earlier)?;
+    let report = build.write(plan, output, &earlier)?;
     if let Some(store) = &asked.store {
         store.add(&key, &output.path, &report.root)?;
     }
     report.warnings.iter().for_each(|w| warn(w));
     say(&tables::summary(&report, scene, &output.path))?;
-    if let (Some(choice), Some(forecast)) = (&plan.choice, &plan.forecast) {
+    if let Some(choice) = &planned.choice {
         let taken = report.seconds.iter().map(|stage| stage.1).sum();
-        say(&tables::outcome(choice, forecast.seconds(), taken))?;
+        say(&tables::outcome(choice, planned.forecast.seconds(), taken))?;
     }
     Ok(())
 }
 
 /// The plan of a build; says which settings were chosen, if an error is to be kept within.
-fn decide(build: &mut Build, settings: BuildSettings, accuracy: &AccuracyArgs, effects: EffectChoice) -> Result<Plan> {
+fn decide(
+    build: &mut Build,
+    settings: BuildSettings,
+    accuracy: &AccuracyArgs,
+    effects: EffectChoice,
+) -> Result<PlanReport> {
     let suns = accuracy.error.map(|_| read_suns(accuracy.error_weather.as_deref())).transpose()?;
     let target = |(Percent(percent), suns)| ErrorTarget { percent, suns };
     let target = accuracy.error.zip(suns.as_ref()).map(target);
