@@ -16,8 +16,8 @@ use std::str::FromStr;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
+use crate::outputs::tables::layout::By;
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 use heliotile_core::replay::components::ComponentList;

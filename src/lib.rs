@@ -97,9 +97,9 @@ pub use heliotile_core::site::place::Place;
 pub use heliotile_core::site::receiver::Receiver;
 pub use heliotile_core::sky::model::SkyModel;
 pub use heliotile_core::units::direction_from_degrees;
-pub use heliotile_core::weather::bins::Bins;
 pub use heliotile_core::weather::conditions::Condition;
 pub use heliotile_core::weather::series::Weather;
+pub use heliotile_core::weather::time::bins::Bins;
 pub use heliotile_scene::Scene;
 
 use std::process::ExitCode;
@@ -122,5 +122,5 @@ pub fn program() -> ExitCode {
 /// For tests of what the program writes.
 #[doc(hidden)]
 pub mod pictures {
-    pub use crate::outputs::fisheye;
+    pub use crate::outputs::pictures::fisheye;
 }

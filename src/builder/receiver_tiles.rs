@@ -10,7 +10,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::morton::{morton_key, receiver_of_key};
 use heliotile_core::site::receiver::{Receiver, TILE};
-use heliotile_scene::receivers::{ReceiverRows, duplicate, no_receivers};
+use heliotile_scene::covering::receivers::{ReceiverRows, duplicate, no_receivers};
 
 /// Receivers in Morton order, on disk where they are many.
 pub struct ReceiverTiles {
@@ -22,7 +22,7 @@ pub struct ReceiverTiles {
 }
 
 impl ReceiverTiles {
-    /// Reads a file as [`read_receivers`](heliotile_scene::receivers::read_receivers) does. Sorted around `origin`, with temporary
+    /// Reads a file as [`read_receivers`](heliotile_scene::covering::receivers::read_receivers) does. Sorted around `origin`, with temporary
     /// files in `folder` where `budget_bytes` do not suffice. `warnings` gets the columns that are passed over.
     pub fn open(
         path: &Path,
@@ -186,7 +186,7 @@ mod tests {
 
     use super::*;
     use heliotile_core::site::morton::morton_order;
-    use heliotile_scene::receivers::read_receivers_with_warnings;
+    use heliotile_scene::covering::receivers::read_receivers_with_warnings;
 
     const ORIGIN: DVec3 = DVec3::new(78_002.0, 457_002.0, 1.0);
 

@@ -4,8 +4,8 @@ use heliotile_builder::settings::{Quality, Share};
 use heliotile_core::archive::Access;
 use heliotile_core::replay::reflectances::Snow;
 
-use crate::outputs::layout::By;
 use crate::outputs::periods::Every;
+use crate::outputs::tables::layout::By;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 

@@ -8,8 +8,8 @@ use serde_json::{Map, Value, json};
 use super::{Outcome, guard_output, warn};
 use crate::cli::ExportArgs;
 use crate::files::read_weather;
-use crate::outputs::exr::exr;
-use crate::outputs::fisheye::{Overlay, fisheye};
+use crate::outputs::pictures::exr::exr;
+use crate::outputs::pictures::fisheye::{Overlay, fisheye};
 use crate::outputs::sink::Sink;
 use crate::outputs::view_factors::ViewFactorTable;
 use heliotile_builder::spill::TempFiles;
@@ -22,8 +22,8 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::maps::{Illumination, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::sun::Location;
-use heliotile_core::weather::sun_path::SunPath;
+use heliotile_core::weather::time::sun::Location;
+use heliotile_core::weather::time::sun_path::SunPath;
 
 /// Kinds of images.
 enum Image {

@@ -22,10 +22,10 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
-use heliotile_scene::cover::{Density, MOST_POINTS, Piece, cover};
+use heliotile_scene::covering::cover::{Density, MOST_POINTS, Piece, cover};
+use heliotile_scene::covering::surfaces::{Surface, SurfaceKind, Surfaces};
 use heliotile_scene::load::Soup;
 use heliotile_scene::site::Site;
-use heliotile_scene::surfaces::{Surface, SurfaceKind, Surfaces};
 
 /// Surfaces and the receivers on them.
 pub(super) struct Covered {

@@ -8,10 +8,11 @@ use super::terminal::Terminal;
 use super::{Outcome, guard_output, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather, read_weather_with_air};
-use crate::outputs::layout::{By, Labels, Layout};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::surfaces::{SurfaceGroups, SurfaceMeans};
-use crate::outputs::table::{Format, Places, TableWriter, files_of};
+use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::table::Places;
+use crate::outputs::tables::writer::{Format, TableWriter, files_of};
 use heliotile_builder::observer::Stage;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
@@ -21,13 +22,13 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes, ConstantOrFile};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::row::WeatherRow;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::temperatures::emissions;
-use heliotile_core::weather::years::Years;
+use heliotile_core::weather::time::bins::Bins;
+use heliotile_core::weather::time::years::Years;
 
 /// What results are made of.
 struct Series<'a> {

@@ -33,10 +33,10 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::series::Weather;
-use heliotile_core::weather::years::Years;
+use heliotile_core::weather::time::years::Years;
 use heliotile_scene::Scene;
-use heliotile_scene::cover::Piece;
-use heliotile_scene::surfaces::SurfaceKind;
+use heliotile_scene::covering::cover::Piece;
+use heliotile_scene::covering::surfaces::SurfaceKind;
 
 /// Files of the folder.
 struct Files {

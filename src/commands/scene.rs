@@ -6,9 +6,9 @@ use super::{Outcome, say, say_report};
 use heliotile_core::error::Result;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
+use heliotile_scene::covering::surfaces::{SurfaceKind, Surfaces};
 use heliotile_scene::objects::twins;
 use heliotile_scene::site::Site;
-use heliotile_scene::surfaces::{SurfaceKind, Surfaces};
 
 /// Pairs of objects that are named.
 const MOST_PAIRS: usize = 5;

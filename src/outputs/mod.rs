@@ -5,22 +5,10 @@
 //! sums.
 
 pub mod annual;
-mod arrow;
-mod canvas;
-mod csv;
-pub mod exr;
-pub mod fisheye;
-#[cfg(test)]
-mod format_tests;
-pub mod layout;
-mod npy;
-mod npz;
-mod parquet;
 pub mod periods;
-pub mod plot;
-mod plot_scale;
+pub mod pictures;
 pub mod receivers;
 pub mod sink;
 pub mod surfaces;
-pub mod table;
+pub mod tables;
 pub mod view_factors;

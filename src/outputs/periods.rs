@@ -5,9 +5,9 @@ use std::str::FromStr;
 
 use heliotile_core::error::Error;
 use heliotile_core::units::kwh_from_w;
-use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Stamp;
-use heliotile_core::weather::years::Years;
+use heliotile_core::weather::time::bins::Bins;
+use heliotile_core::weather::time::years::Years;
 
 /// What a row of a replay's results stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -102,7 +102,7 @@ impl Periods {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_core::weather::calendar::Date;
+    use heliotile_core::weather::time::calendar::Date;
 
     fn series(days: &[(i32, u32, u32)]) -> Vec<(String, Stamp)> {
         days.iter()

@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::csv::quoted;
 use super::sink::Sink;
+use crate::outputs::tables::quoted;
 use heliotile_core::error::{Error, Result};
 
 /// The columns; the last four sum to 1.

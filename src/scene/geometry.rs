@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::materials::MaterialTable;
+use crate::materials::select::MaterialTable;
 use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
 

@@ -26,25 +26,18 @@
 
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
-mod assumed;
-pub mod cover;
+pub mod covering;
 mod endless_ground;
 mod formats;
 mod geometry;
 pub mod load;
 pub mod materials;
-mod materials_toml;
 pub mod mesh;
 pub mod mirrors;
 pub mod objects;
-mod palette;
 mod polygon;
-pub mod receiver_ids;
-pub mod receivers;
 pub mod reference;
-mod rows;
 pub mod site;
-pub mod surfaces;
 mod terrain;
 #[cfg(test)]
 mod tests;
@@ -136,7 +129,7 @@ impl Scene {
                 "give positions in metres",
             );
         }
-        let mut table: materials::MaterialTable =
+        let mut table: materials::select::MaterialTable =
             materials.into_iter().map(|material| (material.name.clone(), material)).collect();
         let uses = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
         let materials = uses.iter().filter_map(|entry| table.remove(&entry.name)).collect();

@@ -23,8 +23,8 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
 
 use crate::scenes::*;

@@ -18,8 +18,8 @@ use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
-use heliotile_core::weather::sun::Location as Place;
-use heliotile_core::weather::sun_path::SunPath;
+use heliotile_core::weather::time::sun::Location as Place;
+use heliotile_core::weather::time::sun_path::SunPath;
 use heliotile_scene::Scene;
 
 use crate::cli::{Folder, golden, stdout};

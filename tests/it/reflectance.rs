@@ -11,8 +11,8 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
 
 use crate::scenes::*;

@@ -16,8 +16,8 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::sky::patches::Patches;
 use heliotile_core::sky::projection::Projection;
 use heliotile_core::units::direction_from_degrees;
-use heliotile_core::weather::bins::Bins;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::time::bins::Bins;
 use rayon::prelude::*;
 
 use crate::response::respond;

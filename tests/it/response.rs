@@ -23,7 +23,7 @@ use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::bins::Bins;
+use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
 
 use crate::scenes::*;

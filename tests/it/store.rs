@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, format};
 use heliotile_scene::Scene;
-use heliotile_scene::receivers::read_receivers;
+use heliotile_scene::covering::receivers::read_receivers;
 
 use crate::scenes::{data, hague, hague_of, tiles};
 

@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 use heliotile_builder::settings::BuildSettings;
-use heliotile_core::weather::calendar::Date;
-use heliotile_core::weather::sun::Location as Place;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::sun::Location as Place;
 
 use crate::scenes::{Site, ground, receiver, scene, site, v};
 

@@ -11,7 +11,7 @@ use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
-use heliotile_scene::receiver_ids::ReceiverIds;
+use heliotile_scene::covering::receiver_ids::ReceiverIds;
 
 /// Names that a message holds.
 const NAMED: usize = 10;

@@ -9,9 +9,9 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::writing::disk::{Disk, Handle};
+use heliotile_core::archive::codec::pack;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, MAJOR, MAX_ENTRIES, MAX_RAW, MINOR};
-use heliotile_core::archive::pack;
 use heliotile_core::error::{Error, Result};
 
 /// First bytes of a journal.

@@ -83,8 +83,10 @@ pub fn encoded() -> Vec<EncodedBlock> {
 pub fn blocks() -> Vec<(u32, u32, Vec<u8>)> {
     let path: Arc<Path> = PathBuf::from("site.helio").into();
     let raw = |block: EncodedBlock| {
-        let bytes =
-            heliotile_core::archive::codec::decode(&path, block.entry(), &block.stored).unwrap().bytes().to_vec();
+        let bytes = heliotile_core::archive::codec::block::decode(&path, block.entry(), &block.stored)
+            .unwrap()
+            .bytes()
+            .to_vec();
         (block.entry().kind, block.entry().tile, bytes)
     };
     encoded().into_iter().map(raw).collect()

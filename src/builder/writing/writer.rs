@@ -12,8 +12,8 @@ use crate::writing::disk::{Disk, Handle, SystemDisk};
 use crate::writing::journal;
 use crate::writing::journal::{Found, Job, Journal, Progress};
 use heliotile_core::archive::Blocks;
-use heliotile_core::archive::codec;
-use heliotile_core::archive::codec::{Block, EncodedBlock};
+use heliotile_core::archive::codec::block;
+use heliotile_core::archive::codec::block::{Block, EncodedBlock};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{COMPLETE, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_ENTRIES, SLOT_OFFSETS, Slot};
 use heliotile_core::archive::manifest;
@@ -216,7 +216,7 @@ impl Writer {
             return Err(Error::input(self.partial.path(), None, what, FAULT));
         };
         let stored = self.partial.read(entry.offset, usize::try_from(entry.stored).unwrap_or(0))?;
-        codec::decode(self.partial.path(), entry, &stored)
+        block::decode(self.partial.path(), entry, &stored)
     }
 
     /// Whether so much was written since the last checkpoint that the next one is worth its syncs.

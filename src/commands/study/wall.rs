@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::cli::{Rays, WallArgs};
 use crate::commands::{Outcome, guard_output, say};
-use crate::outputs::plot::{Axis, Plot, Series, Style};
+use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::sink::write_texts;
 use heliotile_builder::study::mapping::{MappedRay, Mapping};
 use heliotile_builder::study::wall::Wall;

@@ -16,7 +16,7 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::weather::bins::Bins;
+use heliotile_core::weather::time::bins::Bins;
 
 /// One rung and what it is worth. Errors are RMSE of hourly totals in percent of their mean.
 pub struct Step {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::ladder::{Ladder, Step};
 use super::sources::Point;
-use crate::outputs::plot::{Axis, Plot, Series, Style};
+use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use heliotile_core::error::Result;
 
 /// The page that shows everything.

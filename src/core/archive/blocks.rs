@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::archive::codec::Block;
+use crate::archive::codec::block::Block;
 use crate::archive::reader::Archive;
 use crate::error::Result;
 

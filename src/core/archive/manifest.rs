@@ -227,7 +227,7 @@ mod tests {
         manifest.settings.closed_m = 0.1 + 0.2;
         let settings = manifest.settings.clone();
         let name = |settings: &Settings| format::hex(&settings.hash().unwrap());
-        assert_eq!(name(&settings)[..16], *"1c1b075d68560249");
+        assert_eq!(name(&settings)[..16], *"c1f8ea61f45d2345");
         let back = Manifest::from_json(&manifest.to_json().unwrap()).unwrap();
         assert_eq!(name(&back.settings), name(&settings));
         let changes: [fn(&mut Settings); 3] =

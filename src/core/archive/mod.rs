@@ -29,27 +29,23 @@ pub mod accuracy;
 pub mod blocks;
 pub mod codec;
 pub mod format;
-mod frame;
 pub mod header;
 pub mod manifest;
 #[cfg(all(feature = "mmap", any(unix, windows)))]
 mod mapping;
-#[cfg(feature = "zstd")]
-pub mod pack;
 pub mod read_at;
 pub mod reader;
 pub mod record;
 pub mod settings;
 pub mod source;
 pub mod tables;
-mod unpack;
 pub mod verify;
 
 pub use blocks::Blocks;
-pub use codec::{Block, EncodedBlock};
-pub use manifest::Manifest;
+pub use codec::block::{Block, EncodedBlock};
 #[cfg(feature = "zstd")]
-pub use pack::encode;
+pub use codec::pack::encode;
+pub use manifest::Manifest;
 pub use read_at::ReadAt;
 pub use reader::Archive;
 pub use source::Access;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::archive::codec;
-use crate::archive::codec::{Block, EncodedBlock};
+use crate::archive::codec::block;
+use crate::archive::codec::block::{Block, EncodedBlock};
 use crate::archive::format;
 use crate::archive::format::{ALIGNMENT, CODEC_RAW, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_RAW, Slot};
 use crate::archive::header;
@@ -125,13 +125,13 @@ impl Archive {
     /// A block as it is stored, for another archive: of any kind, packed in any way.
     pub fn copy(&self, entry: &Entry) -> Result<EncodedBlock> {
         let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
-        codec::check_stored(self.path(), entry, &stored)?;
+        block::check_stored(self.path(), entry, &stored)?;
         Ok(EncodedBlock { entry: *entry, stored })
     }
 
     pub fn fetch(&self, entry: &Entry) -> Result<Block> {
         let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
-        let block = codec::decode(self.source.path(), entry, &stored)?;
+        let block = block::decode(self.source.path(), entry, &stored)?;
         // A layout that this release does not know must not be read as the one it knows.
         if format::schema_of(entry.kind).is_some() { block.require(entry.kind).map(|()| block) } else { Ok(block) }
     }
@@ -147,7 +147,7 @@ impl Archive {
 
 /// Whether the directory is in order and no entry points where it must not: section 4 step 7 of the format.
 pub fn check_entries(path: &Path, entries: &[Entry], slot: &Slot) -> Result<()> {
-    let wrong = |entry: &Entry, got: String, expected: String| Err(codec::corrupt(path, entry, got, expected));
+    let wrong = |entry: &Entry, got: String, expected: String| Err(block::corrupt(path, entry, got, expected));
     for (entry, next) in entries.iter().zip(entries.iter().skip(1)) {
         if entry.key() >= next.key() {
             return wrong(next, format!("an entry after {}", entry.name()), "entries sorted by kind, tile".to_string());

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::archive::codec::Block;
+use crate::archive::codec::block::Block;
 use crate::archive::format;
 use crate::archive::format::{
     BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS, OPTICS,

@@ -5,7 +5,7 @@ use crate::layers::canopy::{Powers, SEEN, SKY};
 use crate::layers::cells::Cells;
 use crate::light::reflector::{Reflectance, Reflector};
 use crate::site::material::Material;
-use crate::weather::bins::Bins;
+use crate::weather::time::bins::Bins;
 
 /// The transmittances that some states have, each set of them once.
 #[derive(Clone, Debug, Default)]

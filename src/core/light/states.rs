@@ -7,7 +7,7 @@
 
 use crate::error::{Error, Result};
 use crate::light::reflector::Reflectance;
-use crate::weather::bins::Bins;
+use crate::weather::time::bins::Bins;
 
 /// Nodes of an interpolation, and of a finer one; the former are among the latter.
 const NODES: [usize; 2] = [5, 9];

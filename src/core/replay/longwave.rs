@@ -7,9 +7,9 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
 use crate::weather::emission::Emission;
+use crate::weather::time::bins::Bins;
 
 /// Emissions of the results of a replay.
 pub struct Longwave {

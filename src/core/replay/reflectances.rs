@@ -8,9 +8,9 @@ use crate::error::{Error, Result};
 use crate::light::fresnel::specular_mean;
 use crate::light::states::Schedule;
 use crate::site::material::{Class, Material};
-use crate::weather::calendar::Date;
 use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
 use crate::weather::row::WeatherRow;
+use crate::weather::time::calendar::Date;
 
 /// What the ground reflects under snow, from the weather file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -247,7 +247,7 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::weather::sun::Interval;
+    use crate::weather::time::sun::Interval;
     use glam::DVec3;
 
     fn materials() -> Vec<Material> {

@@ -23,8 +23,8 @@ use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::replay::values::TileValues;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
-use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
+use crate::weather::time::bins::Bins;
 
 /// Bytes of results and responses that are made at a time, beyond one tile a core.
 const RESULT_BYTES: usize = 48 << 20;
@@ -69,13 +69,15 @@ impl Default for ReplaySettings<'_> {
 /// use std::path::Path;
 /// use heliotile_core::opened::OpenSite;
 /// use heliotile_core::replay::components::Component;
-/// use heliotile_core::weather::formats::epw::read_epw;
+/// use heliotile_core::weather::formats::weather_file::parse_weather;
 /// use heliotile_core::archive::Archive;
-/// use heliotile_core::replay::replay::{Replay, ReplaySettings};
+/// use heliotile_core::replay::run::{Replay, ReplaySettings};
 ///
 /// # fn main() -> heliotile_core::error::Result<()> {
 /// let archive = Archive::open(Path::new("site.helio"))?;
-/// let conditions = read_epw(Path::new("x.epw"))?.conditions(1);
+/// let name = Path::new("x.epw");
+/// let bytes = std::fs::read(name).expect("a weather file");
+/// let conditions = parse_weather(name, &bytes)?.conditions(1);
 /// let replay = Replay::new(&OpenSite::of(&archive)?, &conditions, ReplaySettings::default())?;
 /// for tile in replay.results(0..replay.tiles()) {
 ///     let (ids, values) = tile?;

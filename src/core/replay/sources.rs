@@ -4,8 +4,8 @@
 use glam::DVec3;
 
 use crate::hemisphere::bilinear;
-use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
+use crate::weather::time::bins::Bins;
 
 /// Suns made ready for receivers' responses. Light is linear in its sources, so those of a sum are added before any receiver is asked.
 pub struct Sources {

@@ -11,8 +11,8 @@ use crate::layers::sides::TextureSides;
 use crate::replay::canopy_transmittance::CanopyTransmittance;
 use crate::replay::specular::MirrorView;
 use crate::sky::disc::disc_texels;
-use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
+use crate::weather::time::bins::Bins;
 
 /// One position of the sun.
 #[derive(Clone, Debug)]

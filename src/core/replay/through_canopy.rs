@@ -17,8 +17,8 @@ use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive};
-use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
+use crate::weather::time::bins::Bins;
 
 /// Weather of each leafage.
 pub struct DirectThroughCanopy {

@@ -24,8 +24,8 @@ use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
-use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
+use crate::weather::time::bins::Bins;
 
 /// Points per texel side when textures are projected on patches.
 const PROJECTION_SAMPLES: usize = 8;

@@ -13,8 +13,8 @@ use crate::layers::sky::half_texel;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
-use crate::weather::bins::Bins;
 use crate::weather::conditions::Condition;
+use crate::weather::time::bins::Bins;
 
 /// Skies made at a time.
 const PART: usize = 64;

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use crate::weather::row::WeatherRow;
-use crate::weather::sun::Location;
+use crate::weather::time::sun::Location;
 
 /// Shifts tried: half a day each way, first coarsely (the residual changes over hours), then by the minute.
 const HALF_DAY_MIN: i32 = 720;

@@ -10,9 +10,9 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::units::direction_from_degrees;
-use crate::weather::calendar::Date;
 use crate::weather::emission::Emission;
-use crate::weather::sun::SOLAR_CONSTANT_W_M2;
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::SOLAR_CONSTANT_W_M2;
 
 /// One position of the sun in a condition.
 #[derive(Clone, Copy, Debug, PartialEq)]

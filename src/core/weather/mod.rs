@@ -2,8 +2,6 @@
 //! position, and what is doubtful about them. Never: layers, reflectances, results.
 
 pub mod air;
-pub mod bins;
-pub mod calendar;
 pub mod closure;
 pub mod conditions;
 pub mod distance;
@@ -14,7 +12,5 @@ pub mod formats;
 pub mod row;
 pub mod series;
 pub mod span;
-pub mod sun;
-pub mod sun_path;
 pub mod temperatures;
-pub mod years;
+pub mod time;

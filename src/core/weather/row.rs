@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::weather::sun::Interval;
+use crate::weather::time::sun::Interval;
 
 /// One interval of a weather file.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@ use crate::weather::closure::Closure;
 use crate::weather::conditions::{Condition, Stamp};
 use crate::weather::findings::Findings;
 use crate::weather::row::WeatherRow;
-use crate::weather::sun::{Location, extraterrestrial_w_m2};
+use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
 /// What the reader found, for the user.
 #[derive(Clone, Debug, Default)]
@@ -67,8 +67,8 @@ impl Weather {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::weather::calendar::Date;
-    use crate::weather::sun::Interval;
+    use crate::weather::time::calendar::Date;
+    use crate::weather::time::sun::Interval;
 
     fn weather(site: Location, rows: &[(f64, f64, f64)]) -> Weather {
         let date = Date::new(2021, 3, 21).expect("a date");

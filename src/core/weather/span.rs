@@ -5,11 +5,11 @@ use std::path::Path;
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::weather::calendar::Date;
 use crate::weather::row::WeatherRow;
 use crate::weather::series::Weather;
-use crate::weather::sun::Interval;
-use crate::weather::years::Years;
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::Interval;
+use crate::weather::time::years::Years;
 
 /// A day or a time of one, `2019-03-01`, `03-01`, `2019-03-01T06:30`, in the local standard time of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,7 +166,7 @@ impl fmt::Display for Span {
 mod tests {
     use super::*;
     use crate::weather::series::WeatherReport;
-    use crate::weather::sun::Location;
+    use crate::weather::time::sun::Location;
 
     /// Hours of some days, given as (year, month, day).
     fn weather(days: &[(i32, u32, u32)]) -> Weather {

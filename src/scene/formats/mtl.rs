@@ -3,12 +3,12 @@
 //! An MTL file was made for pictures, so it is the fallback: diffuse is the plain mean of the three `Kd` channels; specular
 //! is the mean of `Ks` where `illum` is 3 or above (the models with true mirrors) and 0 otherwise, as `Ks` is mere gloss there.
 
-use crate::materials::class_of_name;
+use crate::materials::select::class_of_name;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::formats::obj::Library;
-use crate::materials::MaterialTable;
+use crate::materials::select::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;

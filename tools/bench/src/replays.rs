@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use heliotile_core::opened::OpenSite;
 use heliotile_core::archive::Archive;
-use heliotile_core::weather::bins::Bins;
+use heliotile_core::weather::time::bins::Bins;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::weather::conditions::Condition;
 use heliotile::files::read_weather;

@@ -20,7 +20,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_scene::Scene;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
-use heliotile_scene::receivers::read_receivers;
+use heliotile_scene::covering::receivers::read_receivers;
 
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 5 5 0\nv 9 5 0\nv 9 5 6\nv 5 5 6\n\
                    usemtl ground\nf 1 2 3 4\n# steep\nusemtl wall\nf 5/1/1 6//2 7/3 -1\nf 1 3 \\\n 2\n";

@@ -29,7 +29,7 @@ use heliotile_core::weather::emission::Emission;
 use heliotile_core::weather::formats::epw::{parse_epw, parse_epw_with_air};
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_scene::Scene;
-use heliotile_scene::receivers::read_receivers_with_warnings;
+use heliotile_scene::covering::receivers::read_receivers_with_warnings;
 use heliotile_scene::site::Site;
 
 /// A reader of foreign bytes.

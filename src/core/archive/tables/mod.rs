@@ -135,12 +135,13 @@ use table;
 mod tests {
     use std::path::Path;
 
-    use crate::archive::{Block, EncodedBlock, codec, format};
+    use crate::archive::codec::block;
+    use crate::archive::{Block, EncodedBlock, format};
     use crate::error::Result;
 
     /// A block as a reader gets it.
     pub fn block(encoded: &EncodedBlock) -> Block {
-        codec::decode(&Path::new("site.helio").into(), encoded.entry(), &encoded.stored).unwrap()
+        block::decode(&Path::new("site.helio").into(), encoded.entry(), &encoded.stored).unwrap()
     }
 
     /// Reads every single-bit change of raw bytes, with right checksums, and a cut of every length: (refused, accepted).

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::weather::calendar::Date;
+use crate::weather::time::calendar::Date;
 
 /// The column that is read, and what its values can be; further columns (a time, a note) are ignored.
 #[derive(Clone, Copy, Debug)]

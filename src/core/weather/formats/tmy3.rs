@@ -9,13 +9,13 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
-use crate::weather::calendar::Date;
 use crate::weather::formats::epw::header::EpwHeader;
 use crate::weather::formats::epw::judge::judged;
 use crate::weather::formats::epw::row::{LOWEST_OFFSET_W_M2, RawRow};
 use crate::weather::formats::epw::warn_of_part;
 use crate::weather::series::Weather;
-use crate::weather::sun::{Interval, Location};
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::{Interval, Location};
 
 /// From this down a number means that there is none.
 const MISSING: f64 = -9900.0;

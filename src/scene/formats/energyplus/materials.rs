@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::notes::Notes;
 use crate::geometry::Geometry;
-use crate::materials::MaterialTable;
+use crate::materials::select::MaterialTable;
 use heliotile_core::error::Result;
 use heliotile_core::site::material::{Class, Glass, Material};
 

@@ -4,7 +4,7 @@
 //! channels of `baseColorFactor`, which are linear, times 1 - `metallicFactor` (specification, section 3.9.2 and appendix B).
 //! Where a picture gives the colour, the factor says nothing of it and the material counts as not described.
 
-use crate::materials::class_of_name;
+use crate::materials::select::class_of_name;
 use std::path::Path;
 
 use crate::formats::Asked;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::weather::erbs::diffuse_fraction;
 use crate::weather::findings::Finding;
 use crate::weather::formats::epw::row::RawRow;
-use crate::weather::sun::{Location, extraterrestrial_w_m2};
+use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
 /// Below this cosine GHI says nothing about DNI: (GHI - DHI) / cos z would blow up.
 const SMALLEST_COSINE: f64 = 0.05;

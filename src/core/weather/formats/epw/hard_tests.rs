@@ -1,10 +1,10 @@
 //! Hard cases of weather files: gaps, impossible values, clocks that are wrong, high latitudes. More of [`super`]'s tests.
 
-use crate::weather::calendar::Date;
 use crate::weather::findings::Finding;
 use crate::weather::formats::epw::tests::{HEADER, file, hours, read, row};
 use crate::weather::formats::epw::*;
-use crate::weather::sun::Location;
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::Location;
 
 /// Columns of GHI, DNI, DHI.
 const LIGHT: [usize; 3] = [13, 14, 15];

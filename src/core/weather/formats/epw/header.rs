@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::weather::sun::Location;
+use crate::weather::time::sun::Location;
 
 /// What the header lines say.
 pub struct EpwHeader {

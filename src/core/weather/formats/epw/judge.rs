@@ -13,7 +13,7 @@ use crate::weather::formats::epw::header::EpwHeader;
 use crate::weather::formats::epw::row::RawRow;
 use crate::weather::row::WeatherRow;
 use crate::weather::series::{Weather, WeatherReport};
-use crate::weather::sun::{Location, extraterrestrial_w_m2};
+use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
 /// Clocks are further than this from the sun nowhere on Earth; the west of China comes close, with 2.9 h.
 const FARTHEST_CLOCK_HOURS: f64 = 3.0;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::weather::calendar::Date;
-use crate::weather::sun::Interval;
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::Interval;
 
 /// Places of the columns in a data row.
 const MINUTE: usize = 4;

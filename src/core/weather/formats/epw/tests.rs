@@ -1,7 +1,7 @@
 //! Tests of [`super`].
 
-use crate::weather::calendar::Date;
 use crate::weather::formats::epw::*;
+use crate::weather::time::calendar::Date;
 
 pub(super) const HEADER: &str = "LOCATION,Town,S,Country,X,0,45.0,8.0,1.0,250\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n\
                       GROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,\nCOMMENTS 2,\n";

@@ -19,10 +19,10 @@ use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedW
 use parquet::schema::types::{ColumnDescPtr, ColumnPath, Type};
 use rayon::prelude::*;
 
-use super::arrow;
-use super::layout::Layout;
-use super::sink::Sink;
-use super::table::Table;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::arrow;
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::values::TileValues;

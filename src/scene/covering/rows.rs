@@ -13,21 +13,21 @@ use heliotile_core::error::{Error, Result};
 const MAX_ROW: usize = 16 << 20;
 
 /// Records one after the other, with true line numbers: the library's count blank lines to the record after them.
-pub(super) struct CsvRows<'a> {
-    pub(super) file: &'a Path,
+pub(crate) struct CsvRows<'a> {
+    pub(crate) file: &'a Path,
     reader: csv::Reader<Ahead<'a>>,
-    pub(super) record: StringRecord,
+    pub(crate) record: StringRecord,
     /// 1-based line of `record`.
-    pub(super) line: usize,
+    pub(crate) line: usize,
 }
 
 impl<'a> CsvRows<'a> {
-    pub(super) fn open(file: &'a Path) -> Result<Self> {
+    pub(crate) fn open(file: &'a Path) -> Result<Self> {
         let input = File::open(file).map_err(Error::io(file, "read"))?;
         CsvRows::new(Box::new(input), file)
     }
 
-    pub(super) fn new(mut input: Box<dyn Read + 'a>, file: &'a Path) -> Result<Self> {
+    pub(crate) fn new(mut input: Box<dyn Read + 'a>, file: &'a Path) -> Result<Self> {
         let mut start = Vec::new();
         input.by_ref().take(3).read_to_end(&mut start).map_err(Error::io(file, "read"))?;
         let start = io::Cursor::new(without_byte_order_mark(&start).to_vec());
@@ -41,7 +41,7 @@ impl<'a> CsvRows<'a> {
         Ok(CsvRows { file, reader, record: StringRecord::new(), line: 1 })
     }
 
-    pub(super) fn advance(&mut self) -> Result<bool> {
+    pub(crate) fn advance(&mut self) -> Result<bool> {
         let start = self.reader.position().byte();
         let result = self.reader.read_record(&mut self.record);
         // Only now: blank lines in front of the record may not have been read before.
@@ -56,17 +56,17 @@ impl<'a> CsvRows<'a> {
         })
     }
 
-    pub(super) fn error(&self, what: impl Into<String>, hint: impl Into<String>) -> Error {
+    pub(crate) fn error(&self, what: impl Into<String>, hint: impl Into<String>) -> Error {
         Error::input(self.file, self.line, what, hint)
     }
 
-    pub(super) fn cell_error(&self, column: &str, text: &str, why: &str, hint: &str) -> Error {
+    pub(crate) fn cell_error(&self, column: &str, text: &str, why: &str, hint: &str) -> Error {
         cell_error(self.file, self.line, column, text, why, hint)
     }
 }
 
 /// An error in one cell.
-pub(super) fn cell_error(file: &Path, line: usize, column: &str, text: &str, why: &str, hint: &str) -> Error {
+pub(crate) fn cell_error(file: &Path, line: usize, column: &str, text: &str, why: &str, hint: &str) -> Error {
     Error::input(file, line, format!("column `{column}` is `{}`, {why}", excerpt(text.as_bytes())), hint)
 }
 

@@ -4,9 +4,9 @@ use std::io::Write;
 
 use rayon::prelude::*;
 
-use super::layout::{Labels, Layout};
-use super::sink::Sink;
-use super::table::Table;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::layout::{Labels, Layout};
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::values::TileValues;
@@ -84,7 +84,7 @@ impl Table for CsvTable {
 }
 
 /// A cell, quoted if it holds a comma, a quote or a line end.
-pub(super) fn quoted(cell: &str) -> String {
+pub fn quoted(cell: &str) -> String {
     if cell.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_string() }
 }
 

@@ -5,19 +5,19 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use crate::LoadReport;
-use crate::assumed::assumed;
 use crate::endless_ground;
 use crate::endless_ground::EndlessGround;
 use crate::formats::stem;
 use crate::geometry::Geometry;
-use crate::materials::{MaterialTable, select};
-use crate::materials_toml::read_toml;
+use crate::materials::assumed::assumed;
+use crate::materials::select::{MaterialTable, select};
+use crate::materials::toml_file::read_toml;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 
 #[derive(Default)]
-pub(super) struct Palette {
+pub(crate) struct Palette {
     entries: Vec<Entry>,
     /// Entries by name in the scene, and by name in their files: hostile files hold tens of thousands.
     by_name: HashMap<String, usize>,
@@ -40,7 +40,7 @@ struct Entry {
 
 impl Palette {
     /// Reads a `materials.toml` if it was not read before.
-    pub(super) fn open(&mut self, path: &Path) -> Result<()> {
+    pub(crate) fn open(&mut self, path: &Path) -> Result<()> {
         if self.tables.contains_key(path) {
             return Ok(());
         }
@@ -58,7 +58,7 @@ impl Palette {
 
     /// Adds the materials of a file, described by a `materials.toml` that was opened or, without one, by the file itself. Gives the
     /// scene's number of each.
-    pub(super) fn add(&mut self, file: &Path, geometry: &Geometry, materials: Option<&Path>) -> Vec<u32> {
+    pub(crate) fn add(&mut self, file: &Path, geometry: &Geometry, materials: Option<&Path>) -> Vec<u32> {
         let names = geometry.materials.as_slice();
         names.iter().map(|name| self.add_one(name, file, &geometry.stated, materials)).collect()
     }
@@ -90,19 +90,19 @@ impl Palette {
     }
 
     /// The endless ground, if a table describes it, and the number of its material.
-    pub(super) fn ground(&mut self) -> Option<(EndlessGround, u32)> {
+    pub(crate) fn ground(&mut self) -> Option<(EndlessGround, u32)> {
         let (path, ground) = self.ground.clone()?;
         let none = MaterialTable::new();
         Some((ground, self.add_one(endless_ground::NAME, &path, &none, Some(&path))))
     }
 
     /// Names in the scene, by number.
-    pub(super) fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         self.entries.iter().map(|entry| entry.name.clone()).collect()
     }
 
     /// The materials in use, in that order, and warnings: what is assumed of which, and what is described for nothing.
-    pub(super) fn select(&self, report: &mut LoadReport) -> Result<Vec<Material>> {
+    pub(crate) fn select(&self, report: &mut LoadReport) -> Result<Vec<Material>> {
         let LoadReport { materials: used, warnings, .. } = report;
         let entry_of = |name: &str| self.by_name.get(name).and_then(|i| self.entries.get(*i));
         let described = self.entries.iter().filter_map(|entry| {

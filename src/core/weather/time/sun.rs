@@ -7,7 +7,7 @@ use solar_positioning::SolarPositions;
 use solar_positioning::time::JulianDate;
 
 use crate::units::direction_from_degrees;
-use crate::weather::calendar::Date;
+use crate::weather::time::calendar::Date;
 
 /// Solar constant of the Perez model and of gendaylit, W/m2.
 pub const SOLAR_CONSTANT_W_M2: f64 = 1367.0;

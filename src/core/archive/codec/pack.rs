@@ -2,7 +2,7 @@
 
 use zstd::zstd_safe::{self, CParameter};
 
-use crate::archive::codec::EncodedBlock;
+use crate::archive::codec::block::EncodedBlock;
 use crate::archive::format;
 use crate::archive::format::{CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW};
 use crate::error::{Error, Result};

@@ -12,9 +12,9 @@ use arrow_ipc::CompressionType;
 use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
 use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema};
 
-use super::layout::Layout;
-use super::sink::Sink;
-use super::table::Table;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::values::TileValues;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::rows::CsvRows;
+use crate::covering::rows::CsvRows;
 use heliotile_core::error::{Error, Result};
 
 /// The column that is read; all others are passed over.

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use rkyv::util::AlignedVec;
 
+use crate::archive::codec::frame::Frame;
+use crate::archive::codec::unpack::{UNPACK, Unpack};
 use crate::archive::format;
 use crate::archive::format::{CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW};
-use crate::archive::frame::Frame;
-use crate::archive::unpack::{UNPACK, Unpack};
 use crate::error::{Error, Result};
 
 /// Raw bytes of a block, aligned for the numbers of any table.
@@ -170,8 +170,8 @@ pub fn corrupt(path: &Path, entry: &Entry, got: impl Into<String>, expected: imp
 #[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
-    use crate::archive::pack::{DEFAULT_LEVEL, encode};
-    use crate::archive::unpack::{by_ruzstd, by_zstd};
+    use crate::archive::codec::pack::{DEFAULT_LEVEL, encode};
+    use crate::archive::codec::unpack::{by_ruzstd, by_zstd};
 
     fn path() -> Arc<Path> {
         Arc::from(Path::new("site.helio"))

@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 
-use crate::weather::calendar::Date;
-use crate::weather::sun::Location;
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::Location;
 
 /// The days between which the sun's paths lie, and the one amid them; in autumn the sun takes the path of spring.
 pub const DAYS: [(u32, u32, &str); 3] = [(6, 21, "21 Jun"), (3, 20, "20 Mar"), (12, 21, "21 Dec")];

@@ -1,5 +1,5 @@
 //! Tables as arrays of NumPy: f32, `[receiver][label][component]`, C order. What the places of an axis mean stands in
-//! `NAME.axes.json` beside `NAME.npy`, or in further arrays of an `.npz` file (see [`crate::outputs::npz`]).
+//! `NAME.axes.json` beside `NAME.npy`, or in further arrays of an `.npz` file (see [`crate::outputs::tables::npz`]).
 //!
 //! Format: NumPy enhancement proposal 1 (Kern 2007), version 1.0: magic, length of the header, a Python dictionary, values.
 
@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::layout::Layout;
-use super::sink::Sink;
-use super::table::Table;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;

@@ -11,8 +11,8 @@ use arrow_schema::{DataType, Schema};
 use parquet::arrow::parquet_to_arrow_schema;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 
-use super::layout::{By, Labels, Layout};
-use super::table::tests::{create, names, tile, value};
+use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::writer::tests::{create, names, tile, value};
 use heliotile_core::replay::components::Component;
 
 /// Two columns, the last one first.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::weather::calendar::Date;
+use crate::weather::time::calendar::Date;
 
 /// Years of a series of dates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

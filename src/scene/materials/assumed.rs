@@ -1,6 +1,6 @@
 //! What is assumed of materials that nobody describes. In: a name. Out: plain reflectances of its kind, for a warning to list.
 
-use crate::materials::class_of_name;
+use crate::materials::select::class_of_name;
 use heliotile_core::site::material::{Class, Material};
 
 /// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output Reference, `Solar Absorptance`).
@@ -16,7 +16,7 @@ const WINDOW: f64 = 0.15;
 const CROWN: f64 = 0.17;
 
 /// A material of usual reflectance for its name.
-pub(super) fn assumed(name: &str) -> Material {
+pub(crate) fn assumed(name: &str) -> Material {
     let lower = name.to_lowercase();
     let has = |words: &[&str]| words.iter().any(|word| lower.contains(word));
     let class = class_of_name(name);

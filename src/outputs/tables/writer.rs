@@ -1,17 +1,15 @@
-//! The one row model of all results: a label, a receiver, components.
-//!
-//! In: tiles of values, `[component][receiver][label]`, f32. Out: rows, receiver-major inside a tile (all labels of receiver
-//! 0, then of receiver 1), in a format by the ending of the file's name.
+//! A table in a format by the ending of its name. In: tiles of values. Out: a file, whole or not there.
 
 use std::path::{Path, PathBuf};
 
-use super::arrow::ArrowTable;
-use super::csv::CsvTable;
-use super::layout::Layout;
-use super::npy::NpyTable;
-use super::npz::NpzTable;
-use super::parquet::ParquetTable;
-use super::sink::Sink;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::arrow::ArrowTable;
+use crate::outputs::tables::csv::CsvTable;
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::npy::NpyTable;
+use crate::outputs::tables::npz::NpzTable;
+use crate::outputs::tables::parquet::ParquetTable;
+use crate::outputs::tables::table::{Places, Table};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::values::TileValues;
 
@@ -61,27 +59,6 @@ impl Format {
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
     let axes = matches!(Format::of(path), Ok(Format::Npy)).then(|| NpyTable::axes_of(path));
     [Some(path.to_path_buf()), axes].into_iter().flatten().collect()
-}
-
-/// Receivers or surfaces that rows will come for.
-pub struct Places<'a> {
-    pub count: u64,
-    /// Their names in order; only some formats ask.
-    pub names: &'a dyn Fn() -> Result<Vec<String>>,
-}
-
-/// What each format does.
-pub(super) trait Table {
-    /// Appends the rows of a tile of the right shape, which is not empty.
-    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()>;
-
-    /// Whether nobody reads any more.
-    fn is_closed(&self) -> bool {
-        false
-    }
-
-    /// Completes the table and gives its size in bytes.
-    fn finish(self: Box<Self>) -> Result<u64>;
 }
 
 /// A table being written.
@@ -144,4 +121,4 @@ impl TableWriter {
 
 #[cfg(test)]
 #[path = "table_tests.rs"]
-pub(super) mod tests;
+pub(crate) mod tests;

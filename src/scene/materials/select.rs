@@ -31,11 +31,11 @@ pub struct MaterialUse {
 }
 
 /// Materials by name, used or not.
-pub(super) type MaterialTable = BTreeMap<String, Material>;
+pub(crate) type MaterialTable = BTreeMap<String, Material>;
 
 /// Takes the materials in use, in their order, out of a table that `source` (`materials.toml`, or the OBJ file whose
 /// libraries were read) has filled.
-pub(super) fn select(
+pub(crate) fn select(
     mut table: MaterialTable,
     used: &[MaterialUse],
     source: &Path,
@@ -76,7 +76,7 @@ pub(super) fn select(
 }
 
 /// The line that opens the table of a name, quoted where TOML asks for it.
-pub(super) fn table_header(name: &str) -> String {
+pub(crate) fn table_header(name: &str) -> String {
     let bare = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_".contains(&byte));
     // Whole as far as possible: the line is there to be copied.
     let whole = name.len() <= 200 && !name.contains(char::is_control);
@@ -87,7 +87,7 @@ pub(super) fn table_header(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::materials_toml::parse_toml;
+    use crate::materials::toml_file::parse_toml;
 
     fn parse(text: &str) -> Result<MaterialTable> {
         parse_toml(text, Path::new("materials.toml")).map(|read| read.0)

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::surfaces::{Surface, SurfaceKind, area_vector};
+use crate::covering::surfaces::{Surface, SurfaceKind, area_vector};
 
 /// How many points go on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

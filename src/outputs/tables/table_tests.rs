@@ -1,7 +1,7 @@
 //! Tests of [`super`].
 
 use super::*;
-use crate::outputs::layout::{By, Labels};
+use crate::outputs::tables::layout::{By, Labels};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
 use heliotile_core::replay::components::{Component, ComponentList};

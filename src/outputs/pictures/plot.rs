@@ -13,7 +13,7 @@ use plotters::prelude::{
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::plot_scale::Scale;
+use crate::outputs::pictures::plot_scale::Scale;
 use heliotile_core::error::{Error, Result};
 
 /// A picture to be drawn.

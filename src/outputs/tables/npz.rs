@@ -1,4 +1,4 @@
-//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`crate::outputs::npy`]), names of
+//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`crate::outputs::tables::npy`]), names of
 //! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone string `unit`.
 
 use std::io::{self, Write};
@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipWriter};
 
-use super::layout::Layout;
-use super::npy::{array_bytes, header, incomplete};
-use super::sink::Sink;
-use super::table::Table;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::npy::{array_bytes, header, incomplete};
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::values::TileValues;
 

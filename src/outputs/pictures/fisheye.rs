@@ -8,13 +8,13 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use super::canvas::{Canvas, Rgb, Side};
+use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{Frame, texel_of};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::site::material::Class;
 use heliotile_core::units::direction_from_degrees;
-use heliotile_core::weather::sun_path::{DAYS, SunPath};
+use heliotile_core::weather::time::sun_path::{DAYS, SunPath};
 
 /// Width and height of the picture.
 pub const SIZE: (usize, usize) = (900, 980);

@@ -2,7 +2,7 @@
 //! neighbouring triangles of an object and a material that lie in one plane; terrain as a whole. Neither the order of files, objects
 //! and faces nor the way faces are cut into triangles (but for the order of ties) matters.
 
-use crate::materials::class_of_name;
+use crate::materials::select::class_of_name;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
@@ -189,7 +189,7 @@ fn is_terrain(material: &Material) -> bool {
 }
 
 /// Half the cross product of two edges: as long as the area, along the normal.
-pub(super) fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
+pub(crate) fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
     0.5 * (*b - *a).cross(*c - *a)
 }
 
@@ -377,7 +377,7 @@ mod tests {
             ("brick", 0.6, SurfaceKind::Roof),
             ("brick", 0.4, SurfaceKind::Wall),
         ] {
-            let material = crate::assumed::assumed(name);
+            let material = crate::materials::assumed::assumed(name);
             assert_eq!(SurfaceKind::of(&material, up), kind, "{name} {up}");
         }
     }

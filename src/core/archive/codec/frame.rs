@@ -73,7 +73,7 @@ fn after_blocks(mut bytes: &[u8]) -> Option<&[u8]> {
 #[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
-    use crate::archive::unpack::tests::{frames, mutations};
+    use crate::archive::codec::unpack::tests::{frames, mutations};
     use zstd::zstd_safe;
 
     /// Of 56 frames of three levels and 16,800 changed ones, content size and stored size are those that the reference library

@@ -1,6 +1,6 @@
 //! In: `materials.toml`. Out: checked materials by name, used or not.
 
-use crate::materials::class_of_name;
+use crate::materials::select::class_of_name;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 use crate::endless_ground;
 use crate::endless_ground::EndlessGround;
 use crate::geometry::MAX_COORDINATE_M;
-use crate::materials::{MaterialTable, table_header};
+use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Glass, Material};
@@ -19,7 +19,7 @@ use heliotile_core::site::material::{Class, Glass, Material};
 const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1), `glass` (true, \"single\" or \
                     \"double\"), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
 
-pub(super) fn read_toml(path: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
+pub(crate) fn read_toml(path: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
     let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
     let bytes = without_byte_order_mark(&bytes);
     let text = std::str::from_utf8(bytes).map_err(|bad| {
@@ -29,7 +29,7 @@ pub(super) fn read_toml(path: &Path) -> Result<(MaterialTable, Option<EndlessGro
 }
 
 /// Checks every table, used or not: a misspelt key must not wait for the next scene. The endless ground is a material too.
-pub(super) fn parse_toml(text: &str, file: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
+pub(crate) fn parse_toml(text: &str, file: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
     let reader = Reader { text, file };
     let document = DeTable::parse(text).map_err(|error| {
         let hint = "write one table per material, names with blanks or dots in quotes: [\"flat roof\"]";

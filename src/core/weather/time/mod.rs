@@ -1,0 +1,8 @@
+//! Time: dates, years, the sun above a place, and which condition counts for which period. In: numbers of files. Out: instants and
+//! directions.
+
+pub mod bins;
+pub mod calendar;
+pub mod sun;
+pub mod sun_path;
+pub mod years;
