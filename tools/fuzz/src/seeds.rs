@@ -1,7 +1,7 @@
 //! Valid inputs for every target, from a tiny site: run it after a change of the format.
 
 use std::fs;
-use std::path::MirrorPath;
+use std::path::Path;
 
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE};
@@ -9,7 +9,7 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::extras;
-use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath as MirrorPath, ReceiverMirrors, Window};
+use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath, ReceiverMirrors, Window};
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::Chain;
@@ -194,7 +194,7 @@ pub fn write() {
     seed("materials", MATERIALS.as_bytes());
     seed("receivers", RECEIVERS.as_bytes());
     seed("conditions", CONDITIONS.as_bytes());
-    let weather = MirrorPath::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
+    let weather = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
     let epw = fs::read_to_string(weather).expect("weather");
     let day: Vec<&str> = epw.lines().take(8 + 24).collect();
     let day = day.join("\r\n");
@@ -235,7 +235,7 @@ fn seed(target: &str, bytes: &[u8]) {
 }
 
 fn save(target: &str, name: &str, bytes: &[u8]) {
-    let folder = MirrorPath::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/corpus").join(target);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/corpus").join(target);
     fs::create_dir_all(&folder).expect("a folder");
     fs::write(folder.join(name), bytes).expect("written");
 }
