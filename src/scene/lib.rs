@@ -33,7 +33,7 @@ use glam::DVec3;
 use geometry::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
-use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::material::Material;
 use heliotile_core::site::place::Place;
 use materials::MaterialUse;
 use mesh::{Canonical, Mesh, RawTriangle, canonical};
@@ -150,10 +150,7 @@ impl Scene {
             content.bytes(material.name.as_bytes());
             content.number(material.diffuse);
             content.number(material.specular);
-            content.raw(&[match material.class {
-                Class::Ground => 0,
-                Class::Obstruction => 1,
-            }]);
+            content.raw(&[material.class.code()]);
             // A name of length 0 is none: groups are never empty.
             content.bytes(material.group.as_deref().unwrap_or_default().as_bytes());
             if let Some(glass) = material.glass {

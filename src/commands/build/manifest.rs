@@ -6,7 +6,7 @@ use heliotile_core::archive::manifest;
 use heliotile_core::archive::manifest::{Creator, Manifest, ReceiverSummary, SceneSummary};
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
-use heliotile_core::site::material::{Class, Glass};
+use heliotile_core::site::material::Glass;
 use heliotile_core::site::receiver::TILE;
 
 /// What a build counted.
@@ -25,7 +25,7 @@ impl Job<'_> {
             name: materials.iter().map(|m| m.name.clone()).collect(),
             diffuse: materials.iter().map(|m| m.diffuse).collect(),
             specular: materials.iter().map(|m| m.specular).collect(),
-            class: materials.iter().map(|m| u8::from(m.class == Class::Ground)).collect(),
+            class: materials.iter().map(|m| m.class.code()).collect(),
             group: materials.iter().map(|m| m.group.clone().unwrap_or_default()).collect(),
         };
         table.encode(format::MATERIALS, 0, COMPRESSION)

@@ -63,7 +63,7 @@ pub fn cell_extras(kind: u32) -> [u32; 2] {
     if kind == PROBES { [PROBE_MIRROR, PROBE_CANOPY] } else { [BOUNCE_MIRROR, BOUNCE_CANOPY] }
 }
 
-/// Kinds that this release knows: id, name, schema id of their raw bytes.
+/// Kinds that this release knows: id, name, schema id of the raw bytes that it writes.
 pub const KINDS: [(u32, &str, u16); 16] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
@@ -74,7 +74,7 @@ pub const KINDS: [(u32, &str, u16); 16] = [
     (INDEX, "index", 1),
     (MIRROR, "mirror", 1),
     (CANOPY, "canopy", 1),
-    (MATERIALS, "materials", 1),
+    (MATERIALS, "materials", 2),
     (OPTICS, "optics", 1),
     (PROBE_MIRROR, "probe-mirror", 1),
     (BOUNCE_MIRROR, "bounce-mirror", 1),
@@ -82,6 +82,9 @@ pub const KINDS: [(u32, &str, u16); 16] = [
     (BOUNCE_CANOPY, "bounce-canopy", 1),
     (MIRRORS, "mirrors", 1),
 ];
+
+/// Older schema ids that are still read. Blocks of another one are refused by name.
+const OLDER: [(u32, u16); 1] = [(MATERIALS, 1)];
 
 /// Name of a kind; a kind of a later release gets its number.
 pub fn kind_name(kind: u32) -> String {
@@ -91,9 +94,15 @@ pub fn kind_name(kind: u32) -> String {
     }
 }
 
-/// Schema id that this release reads and writes for a kind; `None` for an unknown kind.
+/// Schema id that this release writes for a kind; `None` for an unknown kind.
 pub fn schema_of(kind: u32) -> Option<u16> {
     KINDS.iter().find(|known| known.0 == kind).map(|known| known.2)
+}
+
+/// Schema ids that this release reads for a kind, the current one last; none for an unknown kind.
+pub fn schemas_read(kind: u32) -> Vec<u16> {
+    let older = OLDER.iter().filter(|known| known.0 == kind).map(|known| known.1);
+    older.chain(schema_of(kind)).collect()
 }
 
 /// Name of a block in messages: `sky/3`.

@@ -25,7 +25,7 @@ use crate::light::bounces::{
 use crate::light::canopies::{Leafages, Shade};
 use crate::light::load::{Tables, TileView};
 use crate::light::mirrors::{Chains, left};
-use crate::light::response::{Reflector, Shape, Viewer, class_index, hit_weights, texel_weights};
+use crate::light::response::{Reflector, Shape, Viewer, hit_weights, texel_weights};
 use crate::light::slots::Slots;
 use crate::site::cells::{CellKey, CellMap, CellSet};
 
@@ -319,7 +319,7 @@ impl Group<'_> {
             let Some(reflector) = reflectors.get(usize::from(seen_first)) else { continue };
             // The group holds all keys of its tiles' palettes.
             let Ok(probe) = self.probes.keys.binary_search(&key) else { continue };
-            let class = class_index(reflector.class);
+            let class = reflector.class.index();
             let (slot, fixed) = slots.of(key.material);
             let worth = weight * fixed;
             if worth == 0.0 {

@@ -61,7 +61,7 @@ impl Reflector {
     pub fn of_tables(materials: &Materials, optics: Option<&Optics>) -> Vec<Self> {
         let reflector = |row: usize| Reflector {
             diffuse: materials.diffuse[row],
-            class: if materials.class[row] == 1 { Class::Ground } else { Class::Obstruction },
+            class: materials.class_of(row),
             specular: materials.specular[row],
             panes: optics.map_or(0, |o| o.panes[row]),
             transmittance: optics.and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
@@ -144,16 +144,8 @@ pub fn view_factors(texels: &[u32], tile: &HitTile, reflectors: &[Reflector], vi
     let mut shares = [0.0; CLASSES];
     for (cell, weight) in hit_weights(texels, viewer, None).cells {
         if let Some(reflector) = reflectors.get(usize::from(tile.palette[cell].material)) {
-            shares[class_index(reflector.class)] += weight;
+            shares[reflector.class.index()] += weight;
         }
     }
     shares
-}
-
-/// Place of a first-hit class in a response.
-pub fn class_index(class: Class) -> usize {
-    match class {
-        Class::Ground => 0,
-        Class::Obstruction => 1,
-    }
 }

@@ -20,7 +20,7 @@ use crate::light::bounces::Depth;
 use crate::light::load::{Tables, TileView, sides};
 use crate::light::mirrors::left;
 use crate::light::responder::Responder;
-use crate::light::response::{Reflector, Viewer, class_index, texel_weights};
+use crate::light::response::{Reflector, Viewer, texel_weights};
 use crate::replay::receiver_view::ReceiverView;
 use crate::replay::shaded::Veil;
 use crate::replay::tile::TextureSides;
@@ -269,7 +269,7 @@ fn sky_texel(normal: DVec3, light: Option<&Light>, side: usize, t: usize) -> Sky
 fn hit_map(view: &ReceiverView) -> Map {
     let side = view.texels.len().isqrt();
     let mut map = Map { name: "hit", frame: SURFACE, side, channels: Vec::new() };
-    let class = |t| view.class(t).map_or(0.0, |class| 1.0 + class_index(class) as f32);
+    let class = |t| view.class(t).map_or(0.0, |class| 1.0 + f32::from(class.code()));
     let material = |t| view.cell(t).map_or(0.0, |cell| 1.0 + f32::from(cell.material));
     let texels = 0..view.texels.len();
     map.add("class", "0 nothing, 1 ground, 2 obstruction", texels.clone().map(class).collect());
@@ -377,7 +377,7 @@ fn lit_cells(archive: &Archive, view: &ReceiverView, light: &Light, memory: u64,
 
 /// All cells that texels show, by cell.
 fn shown(view: &ReceiverView, reflectors: &[Reflector]) -> Vec<Shown> {
-    let class_of = |material: u16| reflectors.get(usize::from(material)).map_or(0, |r| class_index(r.class));
+    let class_of = |material: u16| reflectors.get(usize::from(material)).map_or(0, |r| r.class.index());
     let through = view.canopy.through(SEEN, view.texels.len(), &view.powers);
     let direct = (0..view.texels.len()).filter_map(|texel| {
         let cell = *view.cell(texel)?;

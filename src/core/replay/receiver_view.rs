@@ -96,8 +96,8 @@ impl ReceiverView {
 
     /// The class of what it meets.
     pub fn class(&self, texel: usize) -> Option<Class> {
-        let class = self.materials.class.get(usize::from(self.cell(texel)?.material))?;
-        Some(if *class == 1 { Class::Ground } else { Class::Obstruction })
+        let material = usize::from(self.cell(texel)?.material);
+        (material < self.materials.rows()).then(|| self.materials.class_of(material))
     }
 }
 

@@ -7,6 +7,7 @@ use std::str::FromStr;
 use crate::archive::tables::Materials;
 use crate::error::{Error, Result};
 use crate::light::states::Schedule;
+use crate::site::material::Class;
 use crate::weather::calendar::Date;
 use crate::weather::formats::schedule_csv::{Column, read_schedule};
 use crate::weather::weather::Row;
@@ -126,7 +127,7 @@ impl Changes {
                 });
             }
             let before = schedules.clone();
-            let snowy = |&m: &usize| materials.class.get(m) == Some(&GROUND) && !changeable.is_canopy(m);
+            let snowy = |&m: &usize| materials.class_of(m) == Class::Ground && !changeable.is_canopy(m);
             for material in (0..materials.rows()).filter(snowy) {
                 let scheduled = before.iter().rev().find(|schedule| schedule.materials.contains(&material));
                 let bare = |row: usize| scheduled.map_or(materials.diffuse[material], |s| s.values[row]);
@@ -174,19 +175,15 @@ impl Changeable<'_> {
     }
 }
 
-/// Classes in the table of materials.
-const GROUND: u8 = 1;
-const OBSTRUCTION: u8 = 0;
-
 /// Materials of a group; where there is no such group, the material of that name, or else those of that class.
 fn members(site: &Path, materials: &Materials, name: &str) -> Result<Vec<usize>> {
     let all = |names: &[String]| (0..names.len()).filter(|&i| names[i] == name).collect::<Vec<_>>();
-    let of_class = |class| (0..materials.rows()).filter(|&m| materials.class.get(m) == Some(&class)).collect();
+    let of_class = |class: Class| (0..materials.rows()).filter(|&m| materials.class_of(m) == class).collect();
     let found = [all(&materials.group), all(&materials.name)].into_iter().find(|members| !members.is_empty());
     let found: Vec<usize> = match (found, name) {
         (Some(found), _) if !name.is_empty() => found,
-        (_, "ground") => of_class(GROUND),
-        (_, "obstruction") => of_class(OBSTRUCTION),
+        (_, "ground") => of_class(Class::Ground),
+        (_, "obstruction") => of_class(Class::Obstruction),
         _ => Vec::new(),
     };
     if found.is_empty() {
@@ -238,7 +235,7 @@ mod tests {
             name: ["lawn", "street", "wall", "glass"].map(String::from).to_vec(),
             diffuse: vec![0.2, 0.1, 0.4, 0.1],
             specular: vec![0.0, 0.0, 0.0, 0.5],
-            class: vec![1, 1, 0, 0],
+            class: vec![0, 0, 1, 1],
             group: ["", "ground", "facade", "facade"].map(String::from).to_vec(),
         }
     }
