@@ -133,8 +133,9 @@ impl Scene {
     /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal
     /// scenes, whatever the order of faces, vertices and materials in their files.
     pub fn content_hash(&self) -> [u8; 32] {
-        let mut content = ContentHasher::new("heliotile scene 1");
+        let mut content = ContentHasher::new("heliotile scene 2");
         content.point(&self.mesh.origin);
+        content.number(self.mesh.step_m);
         content.length(self.mesh.vertices.len());
         self.mesh.vertices.iter().for_each(|vertex| content.point(vertex));
         content.length(self.mesh.triangles.len());

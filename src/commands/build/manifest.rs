@@ -68,6 +68,7 @@ impl Job<'_> {
                 materials: self.scene.materials.len() as u64,
                 degenerate_dropped: self.scene.report.degenerate_dropped as u64,
                 origin_m: mesh.origin.to_array(),
+                grid_step_m: mesh.step_m,
                 bounds_m: [(mesh.origin + low).to_array(), (mesh.origin + high).to_array()],
                 ..SceneSummary::default()
             },

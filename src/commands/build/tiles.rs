@@ -230,7 +230,7 @@ impl Job<'_> {
     }
 
     pub(super) fn viewpoint(&self, receiver: &Receiver) -> Viewpoint {
-        Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal }
+        Viewpoint { position: receiver.position, normal: receiver.normal }
     }
 
     fn trace_receiver(&self, receiver: &Receiver, centres: &Centres) -> Traced {
@@ -269,8 +269,7 @@ impl Job<'_> {
         if self.inside(receiver, traced.viewer.sky_view) {
             return Some(Misplaced::Inside(receiver.id.clone()));
         }
-        let place = receiver.position - self.scene.mesh.origin;
-        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.offset_m(place));
+        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.grid().offset_m(receiver.position));
         (nearest_m < 2.0 * offset_m).then(|| Misplaced::Touching(receiver.id.clone(), nearest_m + offset_m))
     }
 

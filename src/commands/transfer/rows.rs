@@ -7,13 +7,13 @@ use rayon::prelude::*;
 
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::{Archive, format, tables};
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::extras::{Extras, MIRROR};
 use heliotile_core::layers::mirror::ReceiverMirrors;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
-use heliotile_core::light::load::{CellSource, cached_responses, hits_of, origin, settings, tile_extras, tile_sky};
+use heliotile_core::light::load::{CellSource, cached_responses, hits_of, settings, tile_extras, tile_sky};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::morton::morton_key;
 use heliotile_core::site::receiver::Receiver;
@@ -145,15 +145,23 @@ impl<'a, L: Layers> Rows<'a, L> {
     }
 }
 
+/// Refuses an archive of format 1.0: its cells and the order of its receivers are those of its own scene's origin.
+fn check_format(archive: &Archive) -> Result<()> {
+    if !archive.entries_of(format::MATERIALS).iter().any(format::is_older) {
+        return Ok(());
+    }
+    let what = "is of format 1.0, whose cells and order of receivers hang on the middle of its scene";
+    let hint = "query, replay, export, info and verify read it as ever; to cut, merge or compare it, build it again";
+    Err(Error::input(archive.path(), None, what, hint))
+}
+
 /// The receivers of one tile.
 fn read_tile<L: Layers>(archive: &Archive, tile: u32) -> Result<Vec<Row<L>>> {
+    check_format(archive)?;
     let table = tables::Receivers::from_block(&archive.block(format::RECEIVERS, tile)?)?;
-    let origin = origin(archive.manifest());
     let layers = L::of_tile(archive, tile, table.rows())?;
     let rows = table.receivers().into_iter().zip(table.views()).zip(layers);
-    Ok(rows
-        .map(|((receiver, views), layers)| Row { key: morton_key(&receiver, origin), receiver, views, layers })
-        .collect())
+    Ok(rows.map(|((receiver, views), layers)| Row { key: morton_key(&receiver), receiver, views, layers }).collect())
 }
 
 impl<L: Layers> Iterator for Rows<'_, L> {

@@ -57,8 +57,11 @@ pub struct SceneSummary {
     pub materials: u64,
     /// Triangles without area that were left out.
     pub degenerate_dropped: u64,
-    /// Input coordinates of the point that cell keys and rays are relative to.
+    /// Input coordinates of the point that vertices and rays are relative to; in format 1.0 voxels too.
     pub origin_m: [f64; 3],
+    /// Step of the grid that vertices lie on, metres; 0 in format 1.0, which had none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub grid_step_m: f64,
     /// Lowest and highest corner, input coordinates.
     pub bounds_m: [[f64; 3]; 2],
     #[serde(flatten)]
@@ -117,8 +120,8 @@ pub struct Settings {
     pub other: Unknown,
 }
 
-fn is_zero(number: &u16) -> bool {
-    *number == 0
+fn is_zero<T: Default + PartialEq>(number: &T) -> bool {
+    *number == T::default()
 }
 
 impl Settings {

@@ -44,12 +44,15 @@ impl TileView {
     /// A tile of an archive, or of blocks read back while one is built; `origin` of the scene.
     pub fn of(blocks: &dyn Blocks, tile: u32, origin: DVec3, settings: &Settings) -> Result<Self> {
         let table = tables::Receivers::from_block(&blocks.block(format::RECEIVERS, tile)?)?;
-        let hits = hits_of(&blocks.block(format::HIT, tile)?, table.rows(), settings.hit as usize)?;
+        let hits = blocks.block(format::HIT, tile)?;
+        // Format 1.0 jittered hit rays by the place relative to the scene's origin.
+        let from = if format::is_older(hits.entry()) { origin } else { DVec3::ZERO };
+        let hits = hits_of(&hits, table.rows(), settings.hit as usize)?;
         let mirrored = receiver_mirrors(blocks, tile, table.rows(), settings)?.into_iter().map(|m| m.paths).collect();
         let viewer = |i: usize| {
             let (position, normal) = (DVec3::from(table.position[i]), DVec3::from(table.normal[i]));
             let sky_view = f64::from(table.sky_view[i]);
-            Viewer { normal, seed: receiver_seed(position - origin, normal), sky_view }
+            Viewer { normal, seed: receiver_seed(position - from, normal), sky_view }
         };
         let viewers = (0..table.ids.len()).map(viewer).collect();
         let canopies = tile_canopies(blocks, settings, tile, table.ids.len())?;
