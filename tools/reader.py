@@ -8,7 +8,7 @@ Exit code 0: whole; 1: opened, but blocks are damaged, each is named; 2: cannot 
 and, before Python 3.14, `zstandard`.
 
 Canonical bytes of an array are its values without gaps, little-endian; strings: u32 length, UTF-8 bytes. Arrays:
-  tables     the columns under their names, as the tables of heliotile-1.md list them
+  tables     the columns under their names, as the tables of heliotile-1.md list them and as the block holds them
   sky        sky: R planes of sky_fine^2 bits, each packed row-major, lowest bit first, and filled up to a byte
   hit        level i8, facing u8, material u16, voxel 3 x i32, one a key; texels u32 [receiver][texel], 0 or key + 1
   response   g: f32 [receiver][class][axis][texel]
@@ -61,11 +61,13 @@ MATERIALS = [("name", "s", text(1)), ("diffuse", "1d", share), ("specular", "1d"
 # kind: name, schema, columns of a table.
 OPTICS = [("panes", "1B", lambda p: p <= 2), ("canopy", "1B", share), ("transmittance", "1d", share)]
 MIRRORS = [("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("material", "1H", None)]
-KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 2, None), 4: ("response", 1, None),
-         5: ("probes", 2, CELLS), 6: ("bounce", 2, CELLS), 7: ("index", 1, KEY), 8: ("mirror", 1, None),
-         9: ("canopy", 1, None), 10: ("materials", 1, MATERIALS), 11: ("optics", 1, OPTICS),
-         12: ("probe-mirror", 1, None), 13: ("bounce-mirror", 1, None), 14: ("probe-canopy", 1, None),
+KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 1, None),
+         5: ("probes", 3, CELLS), 6: ("bounce", 3, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
+         9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
+         12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS)}
+# Kinds of which the schema before is that of format 1.0, with the same layout (3.10).
+SINCE_1_1 = {3, 5, 6, 7, 8, 10, 12, 13}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
 # Which cells are seen in mirrors.
 MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}
@@ -411,7 +413,8 @@ class Archive:
 
     def block(self, e):
         """Raw bytes of a block, section 4, last paragraphs."""
-        need(e.kind not in KINDS or e.schema == KINDS[e.kind][1], f"unknown schema {e.schema}")
+        need(e.kind not in KINDS or e.schema in (KINDS[e.kind][1], KINDS[e.kind][1] - (e.kind in SINCE_1_1)),
+             f"unknown schema {e.schema}")
         stored = self.bytes[e.offset:end_of(e)]
         need(blake3(stored).digest(8) == e.checksum, "checksum of the stored bytes differs")
         need(e.codec in (0, 1), f"unknown codec {e.codec}")

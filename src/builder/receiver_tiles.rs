@@ -38,7 +38,7 @@ impl ReceiverTiles {
             match rows.read() {
                 Ok(Some(receiver)) => {
                     by_id.push(receiver.id.as_bytes(), &(rows.line() as u64).to_le_bytes())?;
-                    push(&mut by_place, &receiver, origin)?;
+                    push(&mut by_place, &receiver)?;
                 }
                 Ok(None) => break Ok(()),
                 Err(error) => break Err(error),
@@ -56,7 +56,7 @@ impl ReceiverTiles {
     /// Tiles of receivers that are in memory already; their names are not checked.
     pub fn from_receivers(receivers: &[Receiver], origin: DVec3, folder: &Path, budget_bytes: usize) -> Result<Self> {
         let mut by_place = Sorter::new(folder, budget_bytes);
-        receivers.iter().try_for_each(|receiver| push(&mut by_place, receiver, origin))?;
+        receivers.iter().try_for_each(|receiver| push(&mut by_place, receiver))?;
         ReceiverTiles::of_sorted(by_place.finish()?, origin, folder)
     }
 
@@ -130,11 +130,11 @@ impl Iterator for Tiles<'_> {
     }
 }
 
-fn push(sorter: &mut Sorter, receiver: &Receiver, origin: DVec3) -> Result<()> {
+fn push(sorter: &mut Sorter, receiver: &Receiver) -> Result<()> {
     // Areas are above zero where they are given, names of surfaces not empty.
     let mut payload = receiver.area.unwrap_or_default().to_le_bytes().to_vec();
     payload.extend_from_slice(receiver.surface.as_deref().unwrap_or_default().as_bytes());
-    sorter.push(&morton_key(receiver, origin), &payload)
+    sorter.push(&morton_key(receiver), &payload)
 }
 
 fn pull(key: &[u8], payload: &[u8]) -> Option<Receiver> {
@@ -234,7 +234,7 @@ mod tests {
         let (folder, path) = Folder::with(&file(&rows));
         let mut plain_warnings = Vec::new();
         let receivers = read_receivers_with_warnings(&path, &mut plain_warnings).expect("readable");
-        let order = morton_order(&receivers, ORIGIN);
+        let order = morton_order(&receivers);
         let plain: Vec<Vec<Receiver>> =
             order.chunks(TILE).map(|tile| tile.iter().map(|&i| receivers[i].clone()).collect()).collect();
         let (mut tiles, warnings) = folder.open(&path, 128 << 10).expect("readable");

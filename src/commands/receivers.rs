@@ -166,7 +166,7 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
 }
 
 fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {
-    let position = piece.position + piece.normal * offset_m - scene.mesh.origin;
+    let position = piece.position + piece.normal * offset_m;
     lying(&Viewpoint { position, normal: piece.normal }, offset_m, &scene.mesh, tracer)
 }
 

@@ -13,6 +13,9 @@ pub(super) const NAME: &str = "endless_ground";
 const BEYOND_M: f64 = 20_000.0;
 const HEIGHTS: f64 = 400.0;
 
+/// And no farther than this to each side: scenes end there. From 2.5 km up that is 0.0025 rad below the horizon.
+const MOST_M: f64 = 1e6;
+
 /// What the table says besides the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndlessGround {
@@ -37,6 +40,7 @@ impl EndlessGround {
         let z = self.elevation_m.unwrap_or(low.z);
         let middle = (low + high) / 2.0;
         let half = (high - low).truncate().max_element() / 2.0 + BEYOND_M.max(HEIGHTS * (high.z - z));
+        let half = half.min(MOST_M);
         let first = corners.len() as u32;
         for (x, y) in [(-half, -half), (half, -half), (half, half), (-half, half)] {
             corners.push(DVec3::new(middle.x + x, middle.y + y, z));

@@ -50,7 +50,7 @@ use glam::DVec3;
 use geometry::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
-use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::material::Material;
 use heliotile_core::site::place::Place;
 use materials::MaterialUse;
 use mesh::{Canonical, Mesh, RawTriangle, canonical};
@@ -150,8 +150,9 @@ impl Scene {
     /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal
     /// scenes, whatever the order of faces, vertices and materials in their files.
     pub fn content_hash(&self) -> [u8; 32] {
-        let mut content = ContentHasher::new("heliotile scene 1");
+        let mut content = ContentHasher::new("heliotile scene 2");
         content.point(&self.mesh.origin);
+        content.number(self.mesh.step_m);
         content.length(self.mesh.vertices.len());
         self.mesh.vertices.iter().for_each(|vertex| content.point(vertex));
         content.length(self.mesh.triangles.len());
@@ -167,10 +168,7 @@ impl Scene {
             content.bytes(material.name.as_bytes());
             content.number(material.diffuse);
             content.number(material.specular);
-            content.raw(&[match material.class {
-                Class::Ground => 0,
-                Class::Obstruction => 1,
-            }]);
+            content.raw(&[material.class.code()]);
             // A name of length 0 is none: groups are never empty.
             content.bytes(material.group.as_deref().unwrap_or_default().as_bytes());
             if let Some(glass) = material.glass {

@@ -1,7 +1,8 @@
-//! In: positions and triangles in any order. Out: one mesh in canonical form; degenerate and repeated triangles are
-//! dropped and counted.
+//! In: positions and triangles in any order. Out: one mesh in canonical form, its vertices on the absolute grid; degenerate and repeated
+//! triangles are dropped and counted.
 
 use glam::DVec3;
+use heliotile_core::site::grid::{Grid, MOST_M};
 use heliotile_core::site::morton::lexicographic;
 use rayon::slice::ParallelSliceMut;
 
@@ -13,17 +14,19 @@ pub const MAX_TRIANGLES: u64 = 1 << 31;
 /// A face whose area is below this share of its longest extent squared has none.
 pub(super) const NO_AREA: f64 = 1e-12;
 
-/// Dropping a sliver may shrink the bounding box and so move the origin and the f32 grid; the origin settles within this
-/// many rounds on any sane scene and is simply taken as it is on others.
+/// Dropping a sliver may shrink the bounding box and so move the origin; it settles within this many rounds on any sane scene and is
+/// simply taken as it is on others.
 const ORIGIN_ROUNDS: usize = 4;
 
 /// Triangles in canonical order: equal scenes are equal meshes, whatever the order of faces and vertices in the file.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// Subtracted from every vertex: the centre of the bounding box in input coordinates or, beside far terrain, that of everything
-    /// else.
+    /// Subtracted from every vertex: the multiple of 256 m in input coordinates that is nearest to the centre of the bounding box or,
+    /// beside far terrain, to that of everything else.
     pub origin: DVec3,
-    /// Positions relative to `origin`, metres, exact in f32, finite, sorted lexicographically, no two equal.
+    /// Step of the grid that vertices lie on, metres: [`Grid::step`].
+    pub step_m: f64,
+    /// Positions relative to `origin`, metres, on the grid, exact in f32, finite, sorted lexicographically, no two equal.
     pub vertices: Vec<DVec3>,
     /// Corners in the winding of the file, each triple rotated so that its smallest index is first; sorted.
     pub triangles: Vec<[u32; 3]>,
@@ -38,6 +41,11 @@ impl Mesh {
     #[allow(clippy::indexing_slicing)] // `canonical` makes only corners that are in range
     pub fn triangle_points(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|corner| self.vertices[corner as usize])
+    }
+
+    /// The frame that vertices and origins of rays lie in.
+    pub fn grid(&self) -> Grid {
+        Grid { origin: self.origin, step: self.step_m }
     }
 
     /// Least and greatest corner of the bounding box, relative to `origin`, metres.
@@ -79,8 +87,9 @@ pub(super) struct Canonical {
 
 /// Brings triangles over finite positions to the form that [`Mesh`] promises. The mesh may be empty.
 ///
-/// Relative to its centre a scene is exact to 6e-8 of its size. Where much of it is far terrain, `focus` takes the place of the centre: near
-/// it positions keep their millimetres, and what is far keeps its direction.
+/// Vertices lie on an absolute grid of 61 um (finer in scenes of less than 4 m), so that all scenes that hold a triangle hold the same one.
+/// Beyond 1024 m from the origin f32 rounds them further, to 6e-8 of that distance. Where much of a scene is far terrain, `focus` takes the
+/// place of its centre: near it positions keep their millimetres, and what is far keeps its direction.
 pub(super) fn canonical(
     positions: &[DVec3],
     mut triangles: Vec<RawTriangle>,
@@ -96,19 +105,24 @@ pub(super) fn canonical(
     let given = triangles.len();
     let position = |corner: u32| positions.get(corner as usize).copied().unwrap_or(DVec3::NAN);
     triangles.retain(|triangle| has_area(triangle.corners.map(position)));
-    let mut origin = DVec3::ZERO;
+    let mut grid = Grid::default();
     for _ in 0..ORIGIN_ROUNDS {
         let before = triangles.len();
         let (least, greatest) = bounds(triangles.iter().flat_map(|triangle| triangle.corners).map(position));
-        origin = focus.unwrap_or(0.5 * (least + greatest));
-        triangles.retain(|triangle| survives_f32(triangle.corners.map(|corner| position(corner) - origin)));
+        if triangles.is_empty() {
+            break;
+        }
+        grid = Grid::of(focus.unwrap_or(0.5 * (least + greatest)), (greatest - least).max_element());
+        check_reach(grid, least, greatest)?;
+        // As rays and normals see it.
+        triangles.retain(|triangle| has_area(triangle.corners.map(|corner| grid.relative(position(corner)))));
         if triangles.len() == before {
             break;
         }
     }
     let degenerate = given - triangles.len();
 
-    let vertices = number_vertices(positions, origin, &mut triangles);
+    let vertices = number_vertices(positions, grid, &mut triangles);
     let rotated = triangles.len();
     triangles.par_sort_unstable();
     triangles.dedup();
@@ -117,7 +131,8 @@ pub(super) fn canonical(
 
     let (used, triangle_material) = number_materials(&triangles)?;
     let mut mesh = Mesh {
-        origin: if triangles.is_empty() { DVec3::ZERO } else { origin },
+        origin: if triangles.is_empty() { DVec3::ZERO } else { grid.origin },
+        step_m: grid.step,
         vertices,
         triangles: triangles.iter().map(|triangle| triangle.corners).collect(),
         triangle_material,
@@ -128,7 +143,7 @@ pub(super) fn canonical(
 }
 
 /// Replaces corners by ranks among the distinct relative positions, least corner first; returns those positions.
-fn number_vertices(positions: &[DVec3], origin: DVec3, triangles: &mut [RawTriangle]) -> Vec<DVec3> {
+fn number_vertices(positions: &[DVec3], grid: Grid, triangles: &mut [RawTriangle]) -> Vec<DVec3> {
     let mut rank_of = vec![u32::MAX; positions.len()];
     let mut sorted: Vec<(DVec3, u32)> = Vec::new();
     for corner in triangles.iter().flat_map(|triangle| triangle.corners) {
@@ -137,9 +152,8 @@ fn number_vertices(positions: &[DVec3], origin: DVec3, triangles: &mut [RawTrian
             && *rank == u32::MAX
         {
             *rank = 0;
-            // Snapped to the f32 grid that rays see: what coincides there is one vertex, and all stages see one surface.
-            // + 0.0 turns -0.0 into 0.0.
-            sorted.push(((input - origin).as_vec3().as_dvec3() + 0.0, corner));
+            // What coincides on the grid is one vertex, and all stages see one surface.
+            sorted.push((grid.relative(input), corner));
         }
     }
     sorted.par_sort_unstable_by(|(a, _), (b, _)| lexicographic(*a, *b));
@@ -197,9 +211,21 @@ pub(super) fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     })
 }
 
-/// Whether a triangle is still one where rays are traced (corners in f32) and where normals are taken (f64).
-fn survives_f32(relative: [DVec3; 3]) -> bool {
-    has_area(relative) && has_area(relative.map(|corner| corner.as_vec3().as_dvec3()))
+/// Refuses scenes so wide that keys of cells would repeat in them.
+fn check_reach(grid: Grid, least: DVec3, greatest: DVec3) -> Result<()> {
+    let reach_m = (least - grid.origin).abs().max((greatest - grid.origin).abs()).max_element();
+    if reach_m <= MOST_M {
+        return Ok(());
+    }
+    Err(Error::Limit {
+        what:
+            "the distance in metres from the middle of the scene to its farthest vertex (look for stray geometry, or \
+               state the unit of the file with `scale` in site.toml)"
+                .to_owned(),
+        // `as` saturates.
+        value: reach_m as u64,
+        max: MOST_M as u64,
+    })
 }
 
 fn has_area([a, b, c]: [DVec3; 3]) -> bool {
@@ -218,17 +244,17 @@ mod tests {
         canonical(&positions, raw, None).expect("within limits")
     }
 
-    /// National grid coordinates with millimetres come back within 1e-6 m (the f32 grid at +-5 m around the origin).
+    /// National grid coordinates with millimetres come back within 0.87 steps of the grid (53 um), relative to a multiple of 256 m.
     #[test]
     fn national_grid() {
         let input = [[78_000.125, 457_000.001, 7.717], [78_010.125, 457_000.002, 7.3], [78_003.5, 457_008.033, -1.0]];
         let Canonical { mesh, .. } = build(&input, &[([0, 1, 2], 0)]);
-        assert_eq!(mesh.origin.x, 78_005.125);
-        assert_eq!(mesh.bounds().0.x, -5.0);
-        assert_eq!(mesh.bounds().1.x, 5.0);
+        assert_eq!(mesh.origin, DVec3::new(78_080.0, 456_960.0, 0.0));
+        assert_eq!(mesh.bounds().0.x, -79.875);
+        assert_eq!(mesh.bounds().1.x, -69.875);
         for (found, given) in mesh.triangle_points(0).iter().zip(input) {
             let (found, given) = (*found + mesh.origin, DVec3::from(given));
-            assert!((found - given).length() < 1e-6, "{found} {given}");
+            assert!((found - given).length() < 0.87 * mesh.step_m, "{found} {given}");
         }
     }
 
@@ -238,7 +264,7 @@ mod tests {
         let positions = [[2., 0., 0.], [0., 2., 0.], [0., 0., 0.], [9., 9., 9.], [2., 0., -0.0], [2., 2., 0.]];
         let Canonical { mesh, used, .. } = build(&positions, &[([0, 5, 1], 7), ([4, 1, 2], 3)]);
         let found: Vec<[f64; 3]> = mesh.vertices.iter().map(DVec3::to_array).collect();
-        assert_eq!(found, [[-1., -1., 0.], [-1., 1., 0.], [1., -1., 0.], [1., 1., 0.]]);
+        assert_eq!(found, [[0., 0., 0.], [0., 2., 0.], [2., 0., 0.], [2., 2., 0.]]);
         assert!(mesh.vertices.iter().all(|vertex| vertex.z.is_sign_positive()));
         assert_eq!(mesh.triangles, [[0, 2, 1], [1, 2, 3]]);
         assert_eq!((mesh.triangle_material, used), (vec![0, 1], vec![3, 7]));
@@ -254,7 +280,7 @@ mod tests {
         }
     }
 
-    /// Of five slivers the two that vanish in f32 and the two without area go; a needle of aspect 1e6 stays.
+    /// Of five slivers the two that vanish on the grid and the two without area go; a needle of aspect 1e6 stays.
     #[test]
     fn degenerate_and_needles() {
         let positions = [
@@ -262,12 +288,12 @@ mod tests {
             [1000., 0., 0.],
             [1000., 1000., 0.],
             [0., 1000., 0.], // a square that sets the grid
-            [500., 500., 10.],
-            [510., 500., 10.],
-            [505., 500.000_01, 10.], // needle near the centre
+            [470., 500., 10.],
+            [530., 500., 10.],
+            [500., 500.000_06, 10.], // needle, one step wide
             [3., 3., 0.],
             [3.000_000_1, 3., 0.],
-            [3., 4., 0.], // two corners coincide in f32
+            [3., 4., 0.], // two corners coincide on the grid
             [100., 100., 0.],
             [200., 200., 0.],
             [300., 300., 0.], // in line
@@ -283,7 +309,28 @@ mod tests {
         ];
         let Canonical { mesh, dropped, .. } = build(&positions, &triangles);
         assert_eq!((dropped.degenerate, mesh.triangles.len(), mesh.vertices.len()), (4, 3, 7));
-        assert_eq!(mesh.origin, DVec3::new(500.0, 500.0, 5.0));
+        assert_eq!(mesh.origin, DVec3::new(512.0, 512.0, 0.0));
+    }
+
+    /// A triangle of two scenes whose origins lie 512 m apart has the same corners and the same normal in both, to the bit, at a place
+    /// that no f32 relative to the middle of either would share; a scene 3,000 km wide is refused with its reach.
+    #[test]
+    fn equal_in_two_scenes() {
+        let house = [[85_333.333, 446_111.111, 1.7], [85_341.37, 446_118.02, 4.123], [85_336.1, 446_120.9, 9.081]];
+        let with = |x: f64| {
+            let far = [[x, 446_000., 0.], [x + 3., 446_000., 0.], [x, 446_300., 0.]];
+            build(&[house, far].concat(), &[([0, 1, 2], 0), ([3, 4, 5], 0)]).mesh
+        };
+        let [west, east] = [84_800.0, 85_900.0].map(with);
+        assert_eq!(east.origin - west.origin, DVec3::new(512.0, 0.0, 0.0));
+        let corners = |mesh: &Mesh, triangle: usize| mesh.triangle_points(triangle).map(|p| p + mesh.origin);
+        assert_eq!(corners(&west, 1), corners(&east, 0));
+        assert_eq!(west.normal(1).to_array().map(f64::to_bits), east.normal(0).to_array().map(f64::to_bits));
+
+        let far = [[0., 0., 0.], [3e6, 0., 0.], [0., 3e6, 0.]].map(DVec3::from);
+        let wide = canonical(&far, vec![RawTriangle { corners: [0, 1, 2], material: 0 }], None);
+        let message = wide.expect_err("too wide").to_string();
+        assert!(message.ends_with("is 1500096, the limit is 1048576"), "{message}");
     }
 
     /// A repeated triangle goes if the material agrees, whichever corner it starts at; a flipped one is another triangle.

@@ -45,7 +45,7 @@ fn order_does_not_matter() {
     assert_eq!(one.mesh.triangles.len(), 4);
     assert_eq!(one.mesh.triangles, other.mesh.triangles);
     assert_eq!(one.mesh.vertices, other.mesh.vertices);
-    assert_eq!(one.mesh.origin, DVec3::new(78005.125, 457005.5, 6.5));
+    assert_eq!(one.mesh.origin, DVec3::new(78_080.0, 456_960.0, 0.0));
     assert_eq!(one.content_hash(), other.content_hash());
 }
 
@@ -193,7 +193,8 @@ fn damaged_files() {
             continue;
         };
         let cut = polygon::triangulate(&obj).expect("small faces");
-        let mesh = canonical(&obj.vertices, cut.triangles, None).expect("few triangles").mesh;
+        // A digit or an exponent more may put a vertex too far away.
+        let Ok(Canonical { mesh, .. }) = canonical(&obj.vertices, cut.triangles, None) else { continue };
         assert!(mesh.vertices.is_sorted_by(|a, b| heliotile_core::site::morton::lexicographic(*a, *b).is_lt()));
         for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
             assert!(a < b && a < c && mesh.normal(i).is_normalized());

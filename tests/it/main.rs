@@ -22,6 +22,7 @@ mod replay;
 mod response;
 mod results;
 mod scenes;
+mod shared;
 mod site;
 mod store;
 mod study;

@@ -7,7 +7,7 @@ use heliotile_core::archive::manifest;
 use heliotile_core::archive::manifest::{Creator, Manifest, ReceiverSummary, SceneSummary};
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
-use heliotile_core::site::material::{Class, Glass};
+use heliotile_core::site::material::Glass;
 use heliotile_core::site::receiver::TILE;
 
 /// What a build counted.
@@ -26,7 +26,7 @@ impl SiteTracer<'_> {
             name: materials.iter().map(|m| m.name.clone()).collect(),
             diffuse: materials.iter().map(|m| m.diffuse).collect(),
             specular: materials.iter().map(|m| m.specular).collect(),
-            class: materials.iter().map(|m| u8::from(m.class == Class::Ground)).collect(),
+            class: materials.iter().map(|m| m.class.code()).collect(),
             group: materials.iter().map(|m| m.group.clone().unwrap_or_default()).collect(),
         };
         table.encode(format::MATERIALS, 0, COMPRESSION)
@@ -74,6 +74,7 @@ impl SiteTracer<'_> {
                 materials: self.scene.materials.len() as u64,
                 degenerate_dropped: self.scene.report.degenerate_dropped as u64,
                 origin_m: mesh.origin.to_array(),
+                grid_step_m: mesh.step_m,
                 bounds_m: [(mesh.origin + low).to_array(), (mesh.origin + high).to_array()],
                 ..SceneSummary::default()
             },

@@ -167,7 +167,7 @@ const LARGE_OFFSET_M: f64 = 0.01;
 
 /// A warning if some receiver lies so far from the scene's origin that details near it are lost.
 fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> {
-    let (offset_m, o) = (tracer.offset_m(worst.position - scene.mesh.origin), scene.mesh.origin);
+    let (offset_m, o) = (tracer.grid().offset_m(worst.position), scene.mesh.origin);
     (offset_m > LARGE_OFFSET_M).then(|| {
         format!(
             "receiver {} lies far from the scene's centre ({:.0}, {:.0}, {:.0}): rays start {:.1} mm off its surface and finer \

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use rayon::prelude::*;
 
 use super::report::{Clock, RayCounts};
@@ -236,7 +238,7 @@ impl SiteTracer<'_> {
     }
 
     pub(super) fn viewpoint(&self, receiver: &Receiver) -> Viewpoint {
-        Viewpoint { position: receiver.position - self.scene.mesh.origin, normal: receiver.normal }
+        Viewpoint { position: receiver.position, normal: receiver.normal }
     }
 
     fn trace_receiver(&self, receiver: &Receiver, centres: &Centres) -> Traced {
@@ -276,9 +278,13 @@ impl SiteTracer<'_> {
         if self.inside(receiver, traced.viewer.sky_view) {
             return Some(Misplaced::Inside(receiver.id.clone()));
         }
-        let place = receiver.position - self.scene.mesh.origin;
-        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.offset_m(place));
-        (nearest_m < 2.0 * offset_m).then(|| Misplaced::Touching(receiver.id.clone(), nearest_m + offset_m))
+        let (grid, nearest_m) = (self.tracer.grid(), traced.hits.nearest_m);
+        (nearest_m < 2.0 * grid.offset_m(receiver.position)).then(|| {
+            // Rays start on the grid, so they are lifted by a little more or less.
+            let start = DVec3::from(grid.lifted(receiver.position, receiver.normal).map(f64::from));
+            let lifted_m = (grid.absolute(start) - receiver.position).dot(receiver.normal);
+            Misplaced::Touching(receiver.id.clone(), nearest_m + lifted_m)
+        })
     }
 
     /// Whether a receiver that sees this share of sky lies inside a solid. Few are blind, so few are asked.

@@ -11,7 +11,8 @@ use heliotile_core::hemisphere::Frame;
 impl Viewpoint {
     /// Form factor of everything in the scene.
     pub fn form_factor(&self, rays: &[MappedRay], tracer: &Tracer) -> f64 {
-        let (origin, frame) = (self.position.as_vec3().to_array(), Frame::of(self.normal));
+        let origin = tracer.grid().relative(self.position).as_vec3().to_array();
+        let frame = Frame::of(self.normal);
         let cast = |direction: DVec3| Ray { origin, direction: frame.to_world(direction).as_vec3().to_array() };
         let cast: Vec<Ray> = rays.iter().map(|ray| cast(ray.direction)).collect();
         let met = tracer.occluded_many(&cast).into_iter();

@@ -30,10 +30,13 @@ const BACKS: f64 = 0.9;
 /// Looks where a receiver lies that is `offset_m` off its surface.
 pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> Lying {
     let first = |direction: DVec3| {
-        let ray = Ray { origin: view.position.as_vec3().into(), direction: direction.as_vec3().into() };
+        let ray = Ray {
+            origin: tracer.grid().relative(view.position).as_vec3().into(),
+            direction: direction.as_vec3().into(),
+        };
         tracer.closest(ray).map_or(f64::INFINITY, |hit| f64::from(hit.t))
     };
-    let rounding = 2.0 * tracer.offset_m(view.position);
+    let rounding = 2.0 * tracer.grid().offset_m(view.position);
     if first(-view.normal) < offset_m - rounding || first(view.normal) < offset_m {
         return Lying::Covered;
     }

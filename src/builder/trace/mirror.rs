@@ -96,7 +96,7 @@ impl<'a> Reflections<'a> {
         cell_of(met.hit, met.direction, level, self.mesh, met.from)
     }
 
-    /// Where rays of a surface point start.
+    /// Where rays of a surface point (input coordinates) start.
     pub fn origin(&self, position: DVec3, normal: DVec3) -> [f32; 3] {
         lifted(position, normal, self.tracer)
     }
@@ -159,10 +159,16 @@ impl<'a> Reflections<'a> {
 
     /// Where a ray goes from a mirror, and in which direction.
     fn reflected(&self, at: Start, orientation: Orientation) -> (DVec3, DVec3) {
-        let point = at.from + at.direction * f64::from(at.hit.t);
-        let outward = self.mesh.normal(at.hit.triangle as usize);
+        let triangle = at.hit.triangle as usize;
+        let outward = self.mesh.normal(triangle);
         let facing = if outward.dot(at.direction) > 0.0 { -outward } else { outward };
-        let from = DVec3::from(lifted(point, facing, self.tracer).map(f64::from));
+        // Distances are known to some 1e-6 of themselves, which may be more than a ray's origin is lifted by: the point is put on the
+        // plane of the mirror.
+        let way = at.direction * f64::from(at.hit.t);
+        let [corner, ..] = self.mesh.triangle_points(triangle);
+        let way = way - outward * (way - (corner - at.from)).dot(outward);
+        let from = lifted(self.mesh.grid().absolute(at.from) + way, facing, self.tracer);
+        let from = DVec3::from(from.map(f64::from));
         (from, orientation.reflect(at.direction).normalize())
     }
 

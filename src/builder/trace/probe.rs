@@ -168,9 +168,9 @@ impl Look<'_> {
     }
 }
 
-/// Ray origin of a surface point: lifted off the surface, f32.
+/// Ray origin of a surface point (input coordinates): lifted off the surface, on the grid, relative to the scene origin.
 pub fn lifted(position: DVec3, normal: DVec3, tracer: &Tracer) -> [f32; 3] {
-    (position + normal * tracer.offset_m(position)).as_vec3().to_array()
+    tracer.grid().lifted(position, normal)
 }
 
 /// Which of 16 points a texel asks in the first round, by its place in a 4 x 4 block: each block asks all of them, in an order of

@@ -9,6 +9,7 @@ use crate::trace::packet;
 use crate::trace::tree::{Child, Node, Tree, WIDTH};
 use crate::trace::triangle::intersect;
 use heliotile_core::error::Result;
+use heliotile_core::site::grid::Grid;
 use heliotile_scene::mesh::Mesh;
 
 /// A ray.
@@ -31,6 +32,7 @@ pub struct Hit {
 pub struct Tracer {
     tree: Tree,
     level: Level,
+    grid: Grid,
 }
 
 impl Tracer {
@@ -42,23 +44,22 @@ impl Tracer {
     /// As [`Tracer::new`], with packets compiled for a given level; results are the same.
     pub fn at_level(mesh: &Mesh, level: Level) -> Result<Self> {
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        Ok(Tracer { tree: Tree::new(mesh, &all), level })
+        Ok(Tracer { tree: Tree::new(mesh, &all), level, grid: mesh.grid() })
     }
 
     /// As [`Tracer::new`], of some triangles of the mesh.
     pub fn of(mesh: &Mesh, triangles: &[u32]) -> Self {
-        Tracer { tree: Tree::new(mesh, triangles), level: Level::best() }
+        Tracer { tree: Tree::new(mesh, triangles), level: Level::best(), grid: mesh.grid() }
     }
 
-    /// Distance by which a ray's origin leaves its surface, metres: far above the rounding of f32 coordinates at that
-    /// place, far below the details of a building.
+    /// The frame of the scene.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Distance by which a ray's origin leaves its surface at a place relative to the scene origin, metres: [`Grid::offset_m`].
     pub fn offset_m(&self, point: DVec3) -> f64 {
-        (point.abs().max_element() * 2e-6).max(2e-4)
-    }
-
-    /// Largest coordinate of the scene, metres.
-    pub fn reach_m(&self) -> f64 {
-        self.tree.reach
+        self.grid.offset_m(self.grid.absolute(point))
     }
 
     /// Mesh indices of all triangles whose own box touches the given one, ascending.

@@ -58,7 +58,7 @@ fn low(column: u32, row: u32, n: usize) -> Option<DVec3> {
 /// Texels off the rim: 0.1 degrees of the coarsest ones.
 const RIM: f64 = 0.06;
 
-/// A receiver's place and normal relative to the scene origin.
+/// A receiver's place (input coordinates, metres) and normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewpoint {
     pub position: DVec3,

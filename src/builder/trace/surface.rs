@@ -3,12 +3,15 @@
 //!
 //! The points depend on the surface only, not on how it is cut into triangles: lines parallel to the axis that the cell
 //! faces are shot through the bounding box of the clipped surface, and the first surface along each line is taken.
+//!
+//! All of it is computed relative to the voxel's corner, where corners of triangles are exact, so that scenes with different origins have
+//! equal points to the bit.
 
 use glam::{DVec2, DVec3};
 
 use crate::trace::rays::Tracer;
 use heliotile_core::hemisphere::{mix, unit};
-use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
 use heliotile_scene::mesh::Mesh;
 
 /// Points that a cell's rays start from, at most.
@@ -17,7 +20,7 @@ pub const POINTS: usize = 16;
 /// Lines tried before fewer points than wanted are accepted.
 const TRIES: u32 = 160;
 
-/// A point of a cell, relative to the scene origin, and the normal on the side that the cell faces.
+/// A point of a cell (input coordinates, metres) and the normal on the side that the cell faces.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     pub position: DVec3,
@@ -37,10 +40,13 @@ struct Candidate {
 /// Up to so many points of a cell; empty only if no surface of that name exists in the voxel.
 pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
     let (axis, sign) = key.axis();
-    let (low, high) = key.bounds();
-    // A hit point is known to about 1e-6 of the coordinates: a surface in the voxel's boundary counts as inside.
-    let slack = (high.x - low.x) * 1e-4 + tracer.reach_m() * 2e-6;
-    let (low, high) = (low - slack, high + slack);
+    let grid = tracer.grid();
+    let (corner, size) = (key.corner(grid.origin), size_of(key.level));
+    // A surface in the voxel's boundary counts as inside.
+    let slack = size / 8192.0 + grid.slack_m(corner);
+    let low = -GRID_SHIFT_M - slack;
+    let high = low + (size + 2.0 * slack);
+    let to_scene = corner - grid.origin;
     let flat = |p: DVec3| match axis {
         0 => DVec2::new(p.y, p.z),
         1 => DVec2::new(p.x, p.z),
@@ -51,13 +57,13 @@ pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<
     let mut clipper = Clipper::default();
     let (mut box_low, mut box_high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let mut largest: Option<(f64, SurfacePoint)> = None;
-    for triangle in tracer.triangles_near(low, high) {
+    for triangle in tracer.triangles_near(to_scene + low, to_scene + high) {
         let i = triangle as usize;
         if mesh.triangle_material[i] != key.material {
             continue;
         }
         let Some(normal) = key.side_of(mesh.normal(i)) else { continue };
-        let corners = mesh.triangle_points(i);
+        let corners = mesh.triangle_points(i).map(|p| p - to_scene);
         let polygon = clipper.clip(&corners, low, high);
         let Some((area, centre)) = area_and_centre(polygon) else { continue };
         let (mut low2, mut high2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -101,6 +107,7 @@ pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<
     if points.is_empty() {
         points.extend(largest.map(|(_, p)| p));
     }
+    points.iter_mut().for_each(|point| point.position += corner);
     points
 }
 

@@ -89,10 +89,9 @@ pub fn surroundings(
     let below = if normals.is_empty() { 0.0 } else { ((1.0 - probe.normal.z) / 2.0).max(0.0) };
     let (up_count, down_count) = split(count, above, below);
 
-    let mut rays: Vec<(DVec3, Ray, bool)> = Vec::with_capacity(count);
+    let mut rays: Vec<(Ray, bool)> = Vec::with_capacity(count);
     let mut from = |point: usize, direction: DVec3, up: bool| {
-        let ray = Ray { origin: probe.origins[point], direction: direction.as_vec3().to_array() };
-        rays.push((probe.points[point].0.position, ray, up));
+        rays.push((Ray { origin: probe.origins[point], direction: direction.as_vec3().to_array() }, up));
     };
     let (start, mut last) = (unit(mix(seed, 11)), 0);
     let mut blocked = blocked().peekable();
@@ -120,17 +119,16 @@ pub fn surroundings(
         }
     }
 
-    let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();
+    let cast: Vec<Ray> = rays.iter().map(|r| r.0).collect();
     let mut met = Surroundings { cast: cast.len() as u64, ..Surroundings::default() };
-    for (hit, &(position, ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {
-        let direction = DVec3::from(ray.direction.map(f64::from));
+    for (hit, &(ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {
+        let [from, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
         let cell = hit.map(|hit| {
             let level = level_seen(f64::from(hit.t), key.level, closed_level);
-            cell_of(hit, direction, level, mesh, position).coarse(level)
+            cell_of(hit, direction, level, mesh, from).coarse(level)
         });
         met.seen.push(Seen { up, cell, path: hit.map(|hit| (ray, hit.t)) });
         if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
-            let from = DVec3::from(ray.origin.map(f64::from));
             met.mirrors.push((up, Start { from, direction, hit }));
         }
     }
@@ -161,12 +159,13 @@ fn split(count: usize, above: f64, below: f64) -> (usize, usize) {
     }
 }
 
-/// Cell of a hit, on the side that the ray comes from.
+/// Cell of a hit of a ray from `origin`, on the side that the ray comes from.
 pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3) -> CellKey {
     let triangle = hit.triangle as usize;
     let outward = mesh.normal(triangle);
     let back = outward.dot(direction) > 0.0;
-    let point = origin + direction * f64::from(hit.t);
+    // The first sum is exact, and the second one that of input coordinates: equal in all scenes.
+    let point = mesh.grid().absolute(origin) + direction * f64::from(hit.t);
     CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
 }
 

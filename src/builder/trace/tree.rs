@@ -15,7 +15,8 @@ use prefetch_index::prefetch_index;
 use crate::trace::triangle::EdgeTriangle;
 use heliotile_scene::mesh::Mesh;
 
-/// Boxes grow by this share of the largest coordinate: measured to close all leaks at vertices.
+/// Boxes grow by this share of the largest coordinate: measured to close all leaks at vertices. A triangle that a ray meets is so always
+/// reached, and what a ray meets does not depend on how the scene around it is cut into boxes.
 const BOX_PAD: f32 = 1e-6;
 
 /// Children of a node.
@@ -44,8 +45,6 @@ pub struct Tree {
     pub nodes: Vec<Node>,
     /// In the tree's order.
     pub triangles: Vec<EdgeTriangle>,
-    /// Largest coordinate, metres.
-    pub reach: f64,
 }
 
 impl Tree {
@@ -67,7 +66,7 @@ impl Tree {
         let placed = bvh.primitive_indices.iter().map(|&i| ids[i as usize]);
         let triangles = placed.map(|id| EdgeTriangle::new(corners_of(id), id)).collect();
         let nodes = widened(&bvh, reach as f32 * BOX_PAD);
-        Tree { nodes, triangles, reach }
+        Tree { nodes, triangles }
     }
 
     /// Asks for the memory of a child that will be visited.

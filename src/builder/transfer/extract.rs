@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::check_format;
 use crate::build::Workspace;
 use crate::observer::Observer;
 use crate::transfer::output::{ArchiveAssembly, Assembled};
@@ -40,6 +41,7 @@ pub fn extract(
 ) -> Result<Extracted> {
     let Workspace { folder, memory } = workspace;
     let site = OpenSite::of(archive)?;
+    check_format(&site)?;
     let kept = selection.resolve(&site, folder, memory.length(Use::ReceiverList))?;
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::check_format;
 use crate::build::Workspace;
 use crate::observer::Observer;
 use crate::spill::Sorter;
@@ -39,6 +40,7 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     let mut output = ArchiveAssembly::create(path, &[a, b], observer)?;
     let ids = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
     let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
+    [&of_a, &of_b].into_iter().try_for_each(check_format)?;
     let shared = merge_receivers(&of_a, &of_b, ids, &mut output, &mut conflicts)?;
 
     let settings = &a.manifest().settings;

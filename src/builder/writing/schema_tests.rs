@@ -173,7 +173,7 @@ fn follow(schema: &Value, value: &Value, at: &str) -> usize {
 }
 
 /// A real manifest holds only keys that the JSON Schema describes, all that it requires, and of its types; and the schema
-/// requires every key but `accuracy` and, among the settings, `left_out` and `steps`.
+/// requires every key but `accuracy`, `place` and, further down, `left_out`, `steps` and `grid_step_m`.
 #[test]
 fn manifests_follow_the_json_schema() {
     let schema: Value = serde_json::from_str(&text("manifest.schema.json")).unwrap();
@@ -191,7 +191,8 @@ fn manifests_follow_the_json_schema() {
     assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 2);
     for part in ["creator", "scene", "receivers", "settings", "counts"] {
         let part = &schema["properties"][part];
-        let optional = ["left_out", "steps"].iter().filter(|name| !part["properties"][**name].is_null()).count();
+        let optional =
+            ["left_out", "steps", "grid_step_m"].iter().filter(|name| !part["properties"][**name].is_null()).count();
         assert_eq!(
             part["required"].as_array().unwrap().len(),
             part["properties"].as_object().unwrap().len() - optional

@@ -40,7 +40,7 @@ pub fn materials() -> MaterialsTable {
         name: vec!["soil".to_string()],
         diffuse: vec![0.25],
         specular: vec![0.0],
-        class: vec![1],
+        class: vec![0],
         group: vec![String::new()],
     }
 }

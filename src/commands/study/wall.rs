@@ -59,8 +59,6 @@ pub fn run(args: &WallArgs) -> Result<Outcome> {
 /// A wall at one distance, ready for rays.
 struct Faced {
     wall: Wall,
-    /// Scene coordinates of the tracer's origin, metres.
-    origin: DVec3,
     tracer: Tracer,
 }
 
@@ -68,12 +66,12 @@ impl Faced {
     fn new(distance_m: f64) -> Result<Self> {
         let wall = Wall { width_m: WALL_M, height_m: WALL_M, distance_m };
         let scene = Scene::from_triangles(&wall.triangles(0), vec![Material::matt("wall", 0.0, Class::Obstruction)])?;
-        Ok(Faced { wall, origin: scene.mesh.origin, tracer: Tracer::new(&scene.mesh)? })
+        Ok(Faced { wall, tracer: Tracer::new(&scene.mesh)? })
     }
 
     /// From a point (x, z) of the receiver.
     fn form_factor(&self, point: DVec2, rays: &[MappedRay]) -> f64 {
-        let position = DVec3::new(point.x, 0.0, point.y) - self.origin;
+        let position = DVec3::new(point.x, 0.0, point.y);
         Viewpoint { position, normal: DVec3::Y }.form_factor(rays, &self.tracer)
     }
 }

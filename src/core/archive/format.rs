@@ -5,7 +5,7 @@
 pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Format version that this release reads and writes.
 pub const MAJOR: u16 = 1;
-pub const MINOR: u16 = 0;
+pub const MINOR: u16 = 1;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 pub const SLOT_SIZE: usize = 512;
@@ -60,24 +60,37 @@ pub fn cell_extras(kind: u32) -> [u32; 2] {
     if kind == PROBES { [PROBE_MIRROR, PROBE_CANOPY] } else { [BOUNCE_MIRROR, BOUNCE_CANOPY] }
 }
 
-/// Kinds that this release knows: id, name, schema id of their raw bytes.
+/// Kinds that this release knows: id, name, schema id of the raw bytes that it writes.
 pub const KINDS: [(u32, &str, u16); 16] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
-    (HIT, "hit", 2),
+    (HIT, "hit", 3),
     (RESPONSE, "response", 1),
-    (PROBES, "probes", 2),
-    (BOUNCE, "bounce", 2),
-    (INDEX, "index", 1),
-    (MIRROR, "mirror", 1),
+    (PROBES, "probes", 3),
+    (BOUNCE, "bounce", 3),
+    (INDEX, "index", 2),
+    (MIRROR, "mirror", 2),
     (CANOPY, "canopy", 1),
-    (MATERIALS, "materials", 1),
+    (MATERIALS, "materials", 2),
     (OPTICS, "optics", 1),
-    (PROBE_MIRROR, "probe-mirror", 1),
-    (BOUNCE_MIRROR, "bounce-mirror", 1),
+    (PROBE_MIRROR, "probe-mirror", 2),
+    (BOUNCE_MIRROR, "bounce-mirror", 2),
     (PROBE_CANOPY, "probe-canopy", 1),
     (BOUNCE_CANOPY, "bounce-canopy", 1),
     (MIRRORS, "mirrors", 1),
+];
+
+/// Schema ids of format 1.0, which are still read: classes of materials were numbered the other way round, and voxels and seeds of
+/// receivers were those of places relative to the scene's origin. Blocks of any other id are refused by name.
+const OLDER: [(u32, u16); 8] = [
+    (HIT, 2),
+    (PROBES, 2),
+    (BOUNCE, 2),
+    (INDEX, 1),
+    (MIRROR, 1),
+    (MATERIALS, 1),
+    (PROBE_MIRROR, 1),
+    (BOUNCE_MIRROR, 1),
 ];
 
 /// Name of a kind; a kind of a later release gets its number.
@@ -88,9 +101,20 @@ pub fn kind_name(kind: u32) -> String {
     }
 }
 
-/// Schema id that this release reads and writes for a kind; `None` for an unknown kind.
+/// Schema id that this release writes for a kind; `None` for an unknown kind.
 pub fn schema_of(kind: u32) -> Option<u16> {
     KINDS.iter().find(|known| known.0 == kind).map(|known| known.2)
+}
+
+/// Schema ids that this release reads for a kind, the current one last; none for an unknown kind.
+pub fn schemas_read(kind: u32) -> Vec<u16> {
+    let older = OLDER.iter().filter(|known| known.0 == kind).map(|known| known.1);
+    older.chain(schema_of(kind)).collect()
+}
+
+/// Whether a block of a known kind has a schema id of an older format.
+pub fn is_older(entry: &Entry) -> bool {
+    OLDER.contains(&(entry.kind, entry.schema))
 }
 
 /// Name of a block in messages: `sky/3`.

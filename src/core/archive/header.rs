@@ -137,7 +137,8 @@ mod tests {
     /// Another major and required bit 7 are refused by name.
     #[test]
     fn later_formats_are_refused_by_name() {
-        let error = read_slots([complete(1), Slot { major: 2, ..complete(1) }], 8192).unwrap_err().to_string();
+        let error =
+            read_slots([complete(1), Slot { major: 2, minor: 0, ..complete(1) }], 8192).unwrap_err().to_string();
         assert!(error.contains("format 2.0") && error.contains("supports format 1"), "{error}");
         let error = read_slots([Slot { required: 0x81, ..complete(1) }; 2], 8192).unwrap_err().to_string();
         assert!(error.contains("feature bit 7") && error.contains("0 (experimental)"), "{error}");

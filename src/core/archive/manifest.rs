@@ -11,6 +11,7 @@ use crate::archive::accuracy::Accuracy;
 use crate::archive::format;
 use crate::archive::format::{Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
 pub use crate::archive::settings::Settings;
+use crate::archive::settings::is_zero;
 use crate::error::{Error, Result};
 use crate::site::place::Place;
 
@@ -58,8 +59,11 @@ pub struct SceneSummary {
     pub materials: u64,
     /// Triangles without area that were left out.
     pub degenerate_dropped: u64,
-    /// Input coordinates of the point that cell keys and rays are relative to.
+    /// Input coordinates of the point that vertices and rays are relative to; in format 1.0 voxels too.
     pub origin_m: [f64; 3],
+    /// Step of the grid that vertices lie on, metres; 0 in format 1.0, which had none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub grid_step_m: f64,
     /// Lowest and highest corner, input coordinates.
     pub bounds_m: [[f64; 3]; 2],
     #[serde(flatten)]

@@ -161,9 +161,8 @@ macro_rules! as_f64 {
 for_each_setting!(declare);
 
 // What serde calls.
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_zero(number: &u16) -> bool {
-    *number == 0
+pub(super) fn is_zero<T: Default + PartialEq>(number: &T) -> bool {
+    *number == T::default()
 }
 
 impl Settings {

@@ -7,7 +7,6 @@ use crate::hemisphere::{Frame, jitter, texel_direction};
 use crate::layers::hit::HitTile;
 use crate::layers::response::CLASSES;
 use crate::light::reflector::Reflector;
-use crate::site::material::Class;
 
 /// What is needed of a receiver besides its hits.
 #[derive(Clone, Copy, Debug)]
@@ -83,15 +82,7 @@ pub fn view_factors(texels: &[u32], tile: &HitTile, reflectors: &[Reflector], vi
     let mut shares = [0.0; CLASSES];
     for (cell, weight) in hit_weights(texels, viewer, None).cells {
         // The palette's materials were checked when it was read, or met when it was traced.
-        shares[class_index(reflectors[usize::from(tile.palette[cell].material)].class)] += weight;
+        shares[reflectors[usize::from(tile.palette[cell].material)].class.index()] += weight;
     }
     shares
-}
-
-/// Place of a first-hit class in a response.
-pub fn class_index(class: Class) -> usize {
-    match class {
-        Class::Ground => 0,
-        Class::Obstruction => 1,
-    }
 }

@@ -23,7 +23,7 @@ use crate::light::radiosity::{
     centres_f32, each_ray, in_mirrors_lit, reflectance_of, seen, surround,
 };
 use crate::light::reflector::{Reflectance, Reflector};
-use crate::light::response::{Viewer, class_index, hit_weights, texel_weights};
+use crate::light::response::{Viewer, hit_weights, texel_weights};
 use crate::light::scratch::ScratchSpace;
 use crate::light::slots::Slots;
 use crate::light::tables::Tables;
@@ -352,7 +352,7 @@ impl Group<'_> {
             // The group holds all cells that its tiles see.
             let no_probe = |_| tables.probes.missing(&key, tile.block_that_sees(&key));
             let probe = self.probes.keys.binary_search(&key).map_err(no_probe)?;
-            let class = class_index(reflectors[usize::from(seen_first)].class);
+            let class = reflectors[usize::from(seen_first)].class.index();
             let (slot, fixed) = slots.of(key.material);
             let weight = weight * fixed;
             if weight == 0.0 {

@@ -5,12 +5,7 @@ use glam::DVec3;
 use crate::archive::{Blocks, format, tables};
 use crate::error::Result;
 use crate::site::chain::Orientation;
-use crate::site::material::{Class, Glass, Material};
-
-/// The class of a code in the table of materials, which holds 0 and 1 only.
-fn class_of(code: u8) -> Class {
-    if code == 1 { Class::Ground } else { Class::Obstruction }
-}
+use crate::site::material::{Glass, Material};
 
 /// The materials in the rows of their table; without a table of optics all are opaque and no glass.
 pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
@@ -25,7 +20,7 @@ pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
             specular: table.specular[row],
             glass: optics.as_ref().and_then(|optics| Glass::of_panes(optics.panes[row])),
             transmittance: optics.as_ref().and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
-            class: class_of(table.class[row]),
+            class: table.class_of(row),
             group: group(row),
         };
         match material.check() {

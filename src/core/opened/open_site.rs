@@ -20,7 +20,9 @@ pub struct SiteFacts {
     settings: SiteSettings,
     materials: Vec<Material>,
     orientations: Vec<Orientation>,
-    origin: DVec3,
+    /// Point that places are relative to: the scene's origin in format 1.0, zero since.
+    seed_origin: DVec3,
+    older: bool,
     receivers: u64,
     tiles: u32,
 }
@@ -39,7 +41,8 @@ impl SiteFacts {
             return Err(Error::Unsupported { what, found: origin.to_string(), supported: "finite metres".to_string() });
         }
         let settings = SiteSettings::of(stated, path)?;
-        Ok(SiteFacts { settings, materials, orientations, origin, receivers: receivers.count, tiles: receivers.tiles })
+        let (receivers, tiles) = (receivers.count, receivers.tiles);
+        Ok(SiteFacts { settings, materials, orientations, seed_origin: DVec3::ZERO, older: false, receivers, tiles })
     }
 
     pub fn materials(&self) -> &[Material] {
@@ -78,7 +81,10 @@ impl<'a> OpenSite<'a> {
             return Err(Error::defect(path, block, "chains", what));
         }
         let stated = (&manifest.settings, origin, &manifest.receivers);
-        let facts = SiteFacts::given(path, stated, materials, orientations)?;
+        let mut facts = SiteFacts::given(path, stated, materials, orientations)?;
+        if format::is_older(blocks.block(format::MATERIALS, 0)?.entry()) {
+            (facts.seed_origin, facts.older) = (origin, true);
+        }
         Ok(OpenSite { blocks, facts: Arc::new(facts) })
     }
 
@@ -106,9 +112,14 @@ impl<'a> OpenSite<'a> {
         &self.facts.orientations
     }
 
-    /// Input coordinates of the point that cell keys and rays are relative to.
-    pub fn origin(&self) -> DVec3 {
-        self.facts.origin
+    /// Point that the places of receivers are relative to where their jitter is drawn: zero but in format 1.0.
+    pub fn seed_origin(&self) -> DVec3 {
+        self.facts.seed_origin
+    }
+
+    /// Whether it is of format 1.0, whose cells and order of receivers hang on the middle of its scene.
+    pub fn is_older(&self) -> bool {
+        self.facts.older
     }
 
     /// Number of receivers, and of their tiles, which are numbered from 0.

@@ -18,7 +18,7 @@ use crate::layers::sides::TextureSides;
 use crate::light::mirrors::left;
 use crate::light::radiosity::MaxBounces;
 use crate::light::reflector::Reflector;
-use crate::light::response::{Viewer, class_index, texel_weights};
+use crate::light::response::{Viewer, texel_weights};
 use crate::light::response_solver::ResponseSolver;
 use crate::light::scratch::ScratchSpace;
 use crate::light::tables::Tables;
@@ -277,7 +277,7 @@ fn sky_texel(normal: DVec3, light: Option<&Illumination>, side: usize, t: usize)
 fn hit_map(view: &ReceiverView) -> Map {
     let side = view.texels.len().isqrt();
     let mut map = Map { name: "hit", frame: SURFACE, side, channels: Vec::new() };
-    let class = |t| view.class(t).map_or(0.0, |class| 1.0 + class_index(class) as f32);
+    let class = |t| view.class(t).map_or(0.0, |class| 1.0 + f32::from(class.code()));
     let material = |t| view.cell(t).map_or(0.0, |cell| 1.0 + f32::from(cell.material));
     let texels = 0..view.texels.len();
     map.add("class", "0 nothing, 1 ground, 2 obstruction", texels.clone().map(class).collect());
@@ -392,7 +392,7 @@ fn lit_cells(
 
 /// All cells that texels show, by cell.
 fn shown(view: &ReceiverView, reflectors: &[Reflector]) -> Vec<Shown> {
-    let class_of = |material: u16| class_index(reflectors[usize::from(material)].class);
+    let class_of = |material: u16| reflectors[usize::from(material)].class.index();
     let through = view.canopy.through(SEEN, &view.powers);
     let direct = (0..view.texels.len()).filter_map(|texel| {
         let cell = *view.cell(texel)?;

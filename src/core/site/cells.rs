@@ -12,9 +12,17 @@ use glam::DVec3;
 use crate::hemisphere::mix;
 use crate::site::morton::{BITS as MORTON_BITS, morton_cmp, spread};
 
-/// The voxel grid is shifted by this much (metres, relative to the scene origin), so that walls and floors on round
-/// coordinates do not lie in the boundary between two voxels at any level.
-const GRID_SHIFT_M: DVec3 = DVec3::new(0.138_196_6, 0.209_017_0, 0.072_949_0);
+/// The voxel grid is shifted by this much (metres), so that walls and floors on round coordinates do not lie in the boundary between
+/// two voxels at any level: odd multiples of 2^-15, half a step of the grid that vertices lie on, near the multiples of the golden
+/// ratio's powers 0.1382, 0.2090 and 0.0729.
+pub const GRID_SHIFT_M: DVec3 = DVec3::new(4529.0 / 32_768.0, 6849.0 / 32_768.0, 2391.0 / 32_768.0);
+
+/// Levels of cells that surfaces are cut into: 1 mm to 1049 km.
+const LEVELS: (i8, i8) = (-10, 20);
+
+/// Voxels are counted from the coordinates of the input modulo 2^22 m, from -2^21 to 2^21 m: 32 bits at the finest level. A scene reaches at
+/// most 2^20 m from its origin ([`grid::MOST_M`](crate::site::grid::MOST_M)), so no two of its places have one voxel.
+const WINDOW_LEVEL: i8 = 22;
 
 /// Number of facing bins of fine cells: six cube faces of 3 x 3. Codes from here on name whole faces, for coarse cells.
 const FACINGS: u8 = 54;
@@ -23,7 +31,8 @@ const FACINGS: u8 = 54;
 /// inside the solid, though both sides of two neighbours may share a voxel and a facing.
 const BACK: u8 = 64;
 
-/// Name of a surface patch: the surfaces of one material that face one way inside one voxel of edge 2^level metres.
+/// Name of a surface patch: the surfaces of one material that face one way inside one voxel of edge 2^level metres. Voxels are those of
+/// the input's coordinates, whatever scene holds the patch.
 /// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64 for the triangles' back.
 ///
 /// Keys are ordered by place first: by the Morton code of a region, then by the fields as they stand. So what is near each
@@ -85,7 +94,7 @@ impl CellKey {
     /// Bytes of [`CellKey::to_bytes`].
     pub const BYTES: usize = 24;
 
-    /// Morton code of the region that holds the cell's lowest corner; beyond 2^20 regions from the origin it is clamped.
+    /// Morton code of the region that holds the cell's lowest corner.
     fn region(self) -> u64 {
         let [x, y, z] = self.region_voxel().map(|v| spread(u64::from(v)));
         x | y << 1 | z << 2
@@ -137,12 +146,12 @@ impl CellKey {
         CellKey::from_number(u128::from_be_bytes(number))
     }
 
-    /// Cell of edge 2^level metres that holds a surface point; `outward` is the triangle's normal, `back` says that its other
-    /// side is seen.
+    /// Cell of edge 2^level metres that holds a surface point (input coordinates); `outward` is the triangle's normal, `back` says that
+    /// its other side is seen.
     pub fn new(point: DVec3, outward: DVec3, back: bool, material: u16, level: i8) -> Self {
-        let size = size_of(level);
-        let p = (point + GRID_SHIFT_M) / size;
-        CellKey { level, facing: facing_code(outward, back), material, voxel: p.to_array().map(floor) }
+        let p = (point + GRID_SHIFT_M) / size_of(level);
+        let voxel = p.to_array().map(|x| wrapped(floor(x), level));
+        CellKey { level, facing: facing_code(outward, back), material, voxel }
     }
 
     /// The coarse cell of at least level `level` that this cell lies in: a whole cube face of directions.
@@ -173,11 +182,12 @@ impl CellKey {
         if self.bin() < FACINGS { self.bin() / 9 } else { (self.bin() - FACINGS) % 6 }
     }
 
-    /// Corners of the voxel, metres relative to the scene origin.
-    pub fn bounds(self) -> (DVec3, DVec3) {
-        let size = size_of(self.level);
-        let low = DVec3::from(self.voxel.map(f64::from)) * size - GRID_SHIFT_M;
-        (low, low + size)
+    /// Lowest corner of the voxel before the shift by [`GRID_SHIFT_M`], input coordinates: of all voxels of that number the one that is
+    /// nearest to a point, such as the scene's origin. It is a multiple of the cell's size.
+    pub fn corner(self, near: DVec3) -> DVec3 {
+        let (size, window) = (size_of(self.level), size_of(WINDOW_LEVEL));
+        let corner = DVec3::from(self.voxel.map(f64::from)) * size;
+        corner + ((near - corner - 0.5 * size) / window).round() * window
     }
 
     /// Axis (0 x, 1 y, 2 z) and sign of the cube face that this cell's facing lies on.
@@ -186,9 +196,10 @@ impl CellKey {
         (usize::from(face / 2), if face.is_multiple_of(2) { 1.0 } else { -1.0 })
     }
 
-    /// Seed of everything random about this cell.
+    /// Seed of everything random about this cell. It leaves out the material, whose number is another one where a variant of the
+    /// site has one material more.
     pub fn seed(self) -> u64 {
-        let head = (u64::from(self.level as u8) << 32) | (u64::from(self.facing) << 16) | u64::from(self.material);
+        let head = (u64::from(self.level as u8) << 32) | (u64::from(self.facing) << 16);
         self.voxel.iter().fold(mix(0x6365_6c6c, head), |state, &v| mix(state, u64::from(v as u32)))
     }
 }
@@ -199,17 +210,23 @@ pub fn size_of(level: i8) -> f64 {
     f64::from_bits((1023 + i64::from(level)).cast_unsigned() << 52)
 }
 
-/// The largest integer that is not above a number, without a call of the C library; what lies beyond i32 is taken to its end.
-fn floor(x: f64) -> i32 {
-    // `as` saturates: no input can overflow.
-    let towards_zero = x as i32;
-    if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
+/// The largest integer that is not above a number, without a call of the C library; what lies beyond i64 is taken to its end.
+fn floor(x: f64) -> i64 {
+    // `as` saturates: no input can overflow. Integers that f64 does not hold come from numbers without a fraction.
+    let towards_zero = x as i64;
+    if towards_zero as f64 > x { towards_zero.saturating_sub(1) } else { towards_zero }
 }
 
-/// Level whose size is nearest (as a ratio) to `size_m`; exact exponent arithmetic, equal on every processor.
+/// Number of a voxel in the window: its lowest bits, with a sign. So the number of a coarser voxel is that of a finer one shifted.
+fn wrapped(number: i64, level: i8) -> i32 {
+    let bits = u32::from(WINDOW_LEVEL.saturating_sub(level).max(1).unsigned_abs()).min(32);
+    ((number << (64 - bits)) >> (64 - bits)) as i32
+}
+
+/// Level from -10 to 20 whose size is nearest (as a ratio) to `size_m`; exact exponent arithmetic, equal on every processor.
 pub fn level_of(size_m: f64) -> i8 {
     let exponent = ((size_m * std::f64::consts::SQRT_2).to_bits() >> 52) as i64 - 1023;
-    exponent.clamp(-12, 24) as i8
+    exponent.clamp(i64::from(LEVELS.0), i64::from(LEVELS.1)) as i8
 }
 
 /// Facing of one side of a triangle with this unit normal.
@@ -235,10 +252,16 @@ fn facing_bin(n: DVec3) -> u8 {
     (axis * 2 + u8::from(major < 0.0)) * 9 + third(p) * 3 + third(q)
 }
 
-/// Seed of a receiver's own jitter: its place to the millimetre and its normal, so that neither its name nor its order counts.
+/// Added to a receiver's place, so that round coordinates do not lie between two millimetres.
+const PLACE_SHIFT_M: DVec3 = DVec3::new(0.138_196_6, 0.209_017_0, 0.072_949_0);
+
+/// Seed of a receiver's own jitter: its place (input coordinates; in archives of format 1.0 relative to the scene's origin) to the
+/// millimetre, modulo 2^22 m as voxels are, and its normal, so that neither its name nor its order counts.
 pub fn receiver_seed(position: DVec3, normal: DVec3) -> u64 {
     let q = |v: f64, unit: f64| ((v / unit + 0.381_966).floor() as i64) as u64;
-    let p = (position + GRID_SHIFT_M).to_array().map(|v| q(v, 1e-3));
+    let window = size_of(WINDOW_LEVEL);
+    let position = position - (position / window).round() * window;
+    let p = (position + PLACE_SHIFT_M).to_array().map(|v| q(v, 1e-3));
     let n = normal.to_array().map(|v| q(v, 1e-4));
     p.iter().chain(&n).fold(0x7265_6376, |state, &v| mix(state, v))
 }
@@ -246,6 +269,7 @@ pub fn receiver_seed(position: DVec3, normal: DVec3) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hemisphere::unit;
 
     /// Grids nest: the coarse cell of a point's fine cell is the point's own, for 1,000 points and 8 levels.
     #[test]
@@ -259,8 +283,8 @@ mod tests {
                 assert_eq!(fine.coarse(level), CellKey::new(p, DVec3::Z, false, 3, level).coarse(level));
                 assert_eq!(fine.coarse(level).side_of(DVec3::Z), Some(DVec3::Z));
             }
-            let (low, high) = fine.bounds();
-            assert!(p.cmpge(low - 1e-9).all() && p.cmple(high + 1e-9).all());
+            let low = fine.corner(DVec3::ZERO) - GRID_SHIFT_M;
+            assert!(p.cmpge(low).all() && p.cmplt(low + 0.5).all());
         }
     }
 
@@ -320,12 +344,30 @@ mod tests {
         }
     }
 
-    /// Twelve numbers, also beyond i32 and none, have the floor that the library gives them.
+    /// At 12 places from -9,000 km to 9,000 km voxels of 31 levels hold the point that they were made of, to 4e-9 m, if they are looked for
+    /// around a point up to 1,000 km away; grids nest there, and seeds do not depend on the material.
+    #[test]
+    fn far_places() {
+        for i in 0..12_u64 {
+            let part = |k: u64| (unit(mix(i, k)) - 0.5) * 18e6;
+            let (p, near) = (DVec3::new(part(1), part(2), part(3)), DVec3::new(9e5, -1e6, 1e6));
+            let finest = CellKey::new(p, DVec3::X, false, 0, LEVELS.0);
+            for level in LEVELS.0..=LEVELS.1 {
+                let key = CellKey::new(p, DVec3::X, false, 7, level);
+                let low = key.corner(p + near) - GRID_SHIFT_M;
+                assert!(p.cmpge(low - 4e-9).all() && p.cmple(low + size_of(level) + 4e-9).all(), "{p} {level}");
+                assert_eq!(finest.coarse(level).voxel, key.voxel);
+                assert_eq!(key.seed(), CellKey { material: 0, ..key }.seed());
+            }
+        }
+    }
+
+    /// Twelve numbers, also beyond i32 and i64 and none, have the floor that the library gives them.
     #[test]
     fn floors() {
         let far = 2147483648.0;
         for x in [0.0, -0.0, 0.5, -0.5, 7.0, -7.0, -7.1, far, -far, -far - 0.5, 1e300, f64::NAN] {
-            assert_eq!(floor(x), x.floor() as i32, "{x}");
+            assert_eq!(floor(x), x.floor() as i64, "{x}");
         }
     }
 }

@@ -7,6 +7,29 @@ pub enum Class {
     Obstruction,
 }
 
+impl Class {
+    /// The classes in the order of their codes.
+    pub const ALL: [Class; 2] = [Class::Ground, Class::Obstruction];
+
+    /// The class as a number: in archives, in hashes, and as the place in arrays that have one value a class.
+    pub const fn code(self) -> u8 {
+        match self {
+            Class::Ground => 0,
+            Class::Obstruction => 1,
+        }
+    }
+
+    /// The class of a [`Class::code`]; `None` for any other number.
+    pub fn of_code(code: u8) -> Option<Self> {
+        Class::ALL.get(usize::from(code)).copied()
+    }
+
+    /// Place in arrays that have one value a class.
+    pub const fn index(self) -> usize {
+        self.code() as usize
+    }
+}
+
 /// Panes of clear glass, whose specular reflectance follows from the angle of incidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Glass {
@@ -95,5 +118,20 @@ impl Material {
             ));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both classes come back from their codes 0 and 1, which are their places in arrays; the other 254 numbers are none.
+    #[test]
+    fn codes() {
+        assert_eq!([Class::Ground, Class::Obstruction].map(Class::code), [0, 1]);
+        for (i, class) in Class::ALL.into_iter().enumerate() {
+            assert_eq!((Class::of_code(class.code()), class.index()), (Some(class), i));
+        }
+        assert_eq!((0..=u8::MAX).filter(|&code| Class::of_code(code).is_none()).count(), 254);
     }
 }

@@ -5,6 +5,7 @@ pub mod cells;
 pub mod chain;
 pub mod content;
 pub mod crossing;
+pub mod grid;
 pub mod material;
 pub mod morton;
 pub mod ordered;

@@ -7,26 +7,23 @@ use glam::DVec3;
 use crate::site::ordered::{from_ordered_f64, ordered_f64};
 use crate::site::receiver::Receiver;
 
-/// Edge of the curve's cells; with 21 bits an axis it spans 524 km around the origin.
+/// Edge of the curve's cells; with 21 bits an axis it repeats after 524 km.
 const CELL_M: f64 = 0.25;
 /// Bits an axis of a code of 63.
 pub const BITS: u32 = 21;
 
-/// Indices of the receivers by 63-bit Morton code of `position - origin`, then by exact position, normal and id, so that
-/// the order of the file does not matter. Beyond 262 km from the origin the code is clamped, the order stays total.
-pub fn morton_order(receivers: &[Receiver], origin: DVec3) -> Vec<usize> {
-    let mut keyed: Vec<(u64, &Receiver, usize)> = receivers
-        .iter()
-        .enumerate()
-        .map(|(i, receiver)| (morton_code(receiver.position - origin), receiver, i))
-        .collect();
+/// Indices of the receivers by 63-bit Morton code of the position (input coordinates), then by exact position, normal and id, so that
+/// neither the order of the file nor the scene around them matters. Codes repeat after 524 km, the order stays total.
+pub fn morton_order(receivers: &[Receiver]) -> Vec<usize> {
+    let mut keyed: Vec<(u64, &Receiver, usize)> =
+        receivers.iter().enumerate().map(|(i, receiver)| (morton_code(receiver.position), receiver, i)).collect();
     keyed.sort_by(|(code_a, a, _), (code_b, b, _)| code_a.cmp(code_b).then_with(|| exact_order(a, b)));
     keyed.into_iter().map(|(_, _, i)| i).collect()
 }
 
 /// Bytes that sort receivers as [`morton_order`] does: the code, the exact position and normal, the id.
-pub fn morton_key(receiver: &Receiver, origin: DVec3) -> Vec<u8> {
-    let mut key = morton_code(receiver.position - origin).to_be_bytes().to_vec();
+pub fn morton_key(receiver: &Receiver) -> Vec<u8> {
+    let mut key = morton_code(receiver.position).to_be_bytes().to_vec();
     for part in [receiver.position, receiver.normal] {
         key.extend(part.to_array().into_iter().flat_map(ordered_f64));
     }
@@ -50,12 +47,11 @@ fn exact_order(a: &Receiver, b: &Receiver) -> Ordering {
 }
 
 /// Interleaves the cell numbers of the axes, x in the lowest bit (G. M. Morton, 1966).
-fn morton_code(relative: DVec3) -> u64 {
-    let [x, y, z] = relative.to_array().map(|metres| {
+fn morton_code(position: DVec3) -> u64 {
+    let [x, y, z] = position.to_array().map(|metres| {
         let middle = f64::from(1_u32 << (BITS - 1));
-        let last = f64::from((1_u32 << BITS) - 1);
-        // `as` takes what is not a number to 0.
-        spread((metres / CELL_M + middle).floor().clamp(0.0, last) as u64)
+        // `as` takes what is not a number to 0, and `spread` the lowest 21 bits.
+        spread(((metres / CELL_M + middle).floor() as i64).cast_unsigned())
     });
     x | y << 1 | z << 2
 }
@@ -103,15 +99,18 @@ mod tests {
         Receiver { id: id.to_owned(), position: position.into(), normal: DVec3::Z, area: None, surface: None }
     }
 
-    /// The code's bits are x, y, z of the cell in turn; its middle is the origin, its ends are clamped.
+    /// The code's bits are x, y, z of the cell in turn; its middle is 0, and it repeats after 2^19 m.
     #[test]
     fn code() {
         assert_eq!(spread(0x1f_ffff), 0x1249_2492_4924_9249);
         let middle = 7 << 60;
         assert_eq!(morton_code(DVec3::ZERO), middle);
         assert_eq!(morton_code(DVec3::new(0.25, 0.5, 0.3)), middle | 0b001 | 0b010 << 3 | 0b100);
-        assert_eq!(morton_code(DVec3::splat(1e9)), (1 << 63) - 1);
-        assert_eq!(morton_code(DVec3::splat(-1e9)), 0);
+        assert_eq!(morton_code(DVec3::splat(262_143.9)), (1 << 63) - 1);
+        assert_eq!(morton_code(DVec3::splat(-262_144.0)), 0);
+        let place = DVec3::new(-7.3, 4e5, 12.0);
+        assert_eq!(morton_code(place + 524_288.0), morton_code(place));
+        assert_eq!(morton_code(place), morton_code(place - 3.0 * 524_288.0));
     }
 
     /// Any order of the file gives the same order of receivers, equal cells and equal places included.
@@ -123,9 +122,8 @@ mod tests {
                 receiver(&format!("r{i}"), [78_000.0 + scatter(7), 457_000.0 + scatter(11), scatter(13)])
             })
             .collect();
-        let origin = DVec3::new(78_002.0, 457_002.0, 1.0);
         let ids = |receivers: &[Receiver]| -> Vec<String> {
-            morton_order(receivers, origin).into_iter().map(|i| receivers[i].id.clone()).collect()
+            morton_order(receivers).into_iter().map(|i| receivers[i].id.clone()).collect()
         };
         let expected = ids(&receivers);
         assert_eq!(expected.len(), 300);
@@ -148,9 +146,11 @@ mod tests {
                 Receiver { normal: DVec3::new(0.6, 0.8 * sign, -0.0), ..receiver(&format!("r{}", i % 100), place) }
             })
             .collect();
-        for origin in [DVec3::ZERO, DVec3::new(3e5, -0.1, 0.2)] {
-            let keys: Vec<Vec<u8>> = receivers.iter().map(|r| morton_key(r, origin)).collect();
-            let order = morton_order(&receivers, origin);
+        for shift in [DVec3::ZERO, DVec3::new(3e5, -0.1, 0.2)] {
+            let moved = |r: &Receiver| Receiver { position: r.position + shift, ..r.clone() };
+            let receivers: Vec<Receiver> = receivers.iter().map(moved).collect();
+            let keys: Vec<Vec<u8>> = receivers.iter().map(morton_key).collect();
+            let order = morton_order(&receivers);
             assert!(order.is_sorted_by_key(|&i| &keys[i]));
             for (receiver, key) in receivers.iter().zip(&keys) {
                 let found = receiver_of_key(key).expect("a key");
@@ -171,7 +171,7 @@ mod tests {
                 receiver(&format!("{cluster}"), [corner[0] + f64::from(j), corner[1], corner[2]])
             })
             .collect();
-        let order = morton_order(&receivers, DVec3::ZERO);
+        let order = morton_order(&receivers);
         for tile in order.chunks(crate::site::receiver::TILE) {
             assert!(tile.iter().all(|&i| receivers[i].id == receivers[tile[0]].id));
         }

@@ -20,7 +20,7 @@ pub fn table(site: &Site, receivers: usize) {
         .iter()
         .step_by(step)
         .take(receivers)
-        .map(|&(position, normal)| Viewpoint { position, normal })
+        .map(|&(position, normal)| Viewpoint { position: position + site.scene.mesh.origin, normal })
         .collect();
     let trace = |base: usize, fine: usize| -> (Vec<BitSquare>, f64, f64) {
         let centres = Centres::new(base, fine);

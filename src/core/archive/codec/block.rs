@@ -67,14 +67,19 @@ impl Block {
         if self.entry.kind != kind {
             return Err(self.corrupt(self.entry.name(), format!("a block of kind {}", format::kind_name(kind))));
         }
-        match format::schema_of(kind) {
-            Some(schema) if schema == self.entry.schema => Ok(()),
-            known => Err(Error::Unsupported {
-                what: format!("{}: layout of block {}", self.path.display(), self.entry.name()),
-                found: format!("schema id {}", self.entry.schema),
-                supported: known.map_or("none of this kind".to_string(), |id| format!("schema id {id}")),
-            }),
+        let known = format::schemas_read(kind);
+        if known.contains(&self.entry.schema) {
+            return Ok(());
         }
+        let known: Vec<String> = known.iter().map(u16::to_string).collect();
+        Err(Error::Unsupported {
+            what: format!("{}: layout of block {}", self.path.display(), self.entry.name()),
+            found: format!("schema id {}", self.entry.schema),
+            supported: match known.as_slice() {
+                [] => "none of this kind".to_string(),
+                ids => format!("schema id {}; build the archive again with this release", ids.join(" or ")),
+            },
+        })
     }
 
     /// Whether the raw bytes are those that the directory names; the checksum of stored bytes, which every read checks,

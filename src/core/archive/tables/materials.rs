@@ -6,8 +6,9 @@ use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::format::{MATERIALS, MAX_MATERIALS, MAX_STRING};
 use crate::archive::tables::{Flaw, column, is_share, table};
+use crate::site::material::Class;
 
-/// Columns of all materials, schema 1; the row is the material's number in cell keys.
+/// Columns of all materials, schema 2; the row is the material's number in cell keys.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct MaterialsTable {
     /// Names of the input, no two equal.
@@ -16,18 +17,33 @@ pub struct MaterialsTable {
     pub diffuse: Vec<f64>,
     /// Specular reflectance; the sum with `diffuse` is at most 1.
     pub specular: Vec<f64>,
-    /// 0 obstruction, 1 ground.
+    /// [`Class::code`].
     pub class: Vec<u8>,
     /// Group whose reflectance may follow a schedule; empty is "none".
     pub group: Vec<String>,
 }
 
-table!(MaterialsTable, [MATERIALS]);
+table!(MaterialsTable, [MATERIALS], MaterialsTable::renewed);
 
 impl MaterialsTable {
     /// Number of materials.
     pub fn rows(&self) -> usize {
         self.name.len()
+    }
+
+    /// Class of a material. Panics beyond the last row, as a slice does.
+    #[allow(clippy::indexing_slicing)]
+    pub fn class_of(&self, row: usize) -> Class {
+        // `check` lets no other code pass.
+        Class::of_code(self.class[row]).unwrap_or(Class::Obstruction)
+    }
+
+    /// A checked table of an older schema, as the current one says it: schema 1 had 0 for obstruction and 1 for ground.
+    fn renewed(mut self, schema: u16) -> Self {
+        if schema == 1 {
+            self.class.iter_mut().for_each(|class| *class = 1 - *class);
+        }
+        self
     }
 
     fn check(&self) -> Result<(), Flaw> {
@@ -38,7 +54,7 @@ impl MaterialsTable {
         column("name", &self.name, rows, "1 to 1024 bytes", |name| !name.is_empty() && name.len() <= MAX_STRING)?;
         column("diffuse", &self.diffuse, rows, "0 to 1", |value| is_share(*value))?;
         column("specular", &self.specular, rows, "0 to 1", |value| is_share(*value))?;
-        column("class", &self.class, rows, "0 or 1", |class| *class <= 1)?;
+        column("class", &self.class, rows, "0 or 1", |class| Class::of_code(*class).is_some())?;
         column("group", &self.group, rows, "0 to 1024 bytes", |group| group.len() <= MAX_STRING)?;
         let sums: Vec<f64> = self.diffuse.iter().zip(&self.specular).map(|(d, s)| d + s).collect();
         column("diffuse + specular", &sums, rows, "at most 1", |sum| *sum <= 1.0 + 1e-9)?;
@@ -61,17 +77,21 @@ mod tests {
             name: vec!["soil".to_string(), "curtain wall".to_string()],
             diffuse: vec![0.25, 0.1],
             specular: vec![0.0, 0.9],
-            class: vec![1, 0],
+            class: vec![0, 1],
             group: vec!["snow".to_string(), String::new()],
         }
     }
 
-    /// The known value has the known 124 bytes, so the layout of schema 1 is what it was; it reads back as it was.
+    /// The known value has the known 124 bytes, so the layout of schema 2 is what it was; it reads back as it was. Read as of schema 1, the classes of its 2 rows
+    /// are the other way round.
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
-        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (124, "8c7a94486fea70db".to_string()));
+        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (124, "b7c1d2b4e436872d".to_string()));
         assert_eq!(MaterialsTable::from_block(&block(&known().encode(MATERIALS, 0, 9).unwrap())).unwrap(), known());
+        let old = MaterialsTable::from_block(&block(&encode(MATERIALS, 0, 1, 2, &raw, 9).unwrap())).unwrap();
+        assert_eq!([0, 1].map(|row| known().class_of(row)), [Class::Ground, Class::Obstruction]);
+        assert_eq!([0, 1].map(|row| old.class_of(row)), [Class::Obstruction, Class::Ground]);
     }
 
     /// A value out of range in any of 7 ways is refused on writing and, under right checksums, on reading.
@@ -91,7 +111,7 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = MaterialsTable::from_block(&block(&encode(10, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = MaterialsTable::from_block(&block(&encode(10, 0, 2, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block materials/0"), "{number}: {error}");
         }
     }

@@ -1,0 +1,161 @@
+//! The absolute frame: where a scene has its origin, and the grid that vertices and origins of rays lie on. In: coordinates of the
+//! input. Out: coordinates relative to the origin that f32 holds exactly, and back.
+//!
+//! Nothing here depends on the middle of a scene beyond a choice among multiples of 256 m. So two scenes that hold the same surfaces
+//! (neighbouring parts of a region, variants of a site) hold them at the same places, to the bit, and whatever is computed from
+//! differences of vertices and origins of rays is the same number in both.
+
+use glam::DVec3;
+
+/// Distance between planes of the grid: 2^-14 m, 61 um.
+pub const STEP_M: f64 = 1.0 / 16_384.0;
+
+/// The origin is a multiple of so many steps on each axis: 256 m.
+const ORIGIN_STEPS: f64 = 4_194_304.0;
+
+/// Up to so many steps from the origin f32 holds each plane of the grid: 1024 m. Beyond, f32 rounds to coarser planes of it.
+const EXACT_STEPS: f64 = 16_777_216.0;
+
+/// A scene is at least so many steps wide, or takes a finer step: one of less than 4 m.
+const LEAST_STEPS: f64 = 65_536.0;
+
+/// Rays start so many steps off their surface. Both ends of this gap are rounded, by at most 0.87 steps (half the diagonal of a step) each.
+const OFFSET_STEPS: f64 = 4.0;
+
+/// A surface that lies so many steps outside of a voxel may have been met inside of it: 1 mm.
+const SLACK_STEPS: f64 = 16.0;
+
+/// Beyond what f32 holds exactly, gaps are this share of the largest coordinate: some 30 roundings of f32.
+const FAR_SHARE: f64 = 2e-6;
+
+/// Scenes reach at most so far from their origin on each axis, metres (2^20): keys of cells repeat after four times that.
+pub const MOST_M: f64 = 1_048_576.0;
+
+/// The frame of one scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Input coordinates, metres; a multiple of 2^22 steps.
+    pub origin: DVec3,
+    /// Metres; a power of two.
+    pub step: f64,
+}
+
+impl Default for Grid {
+    fn default() -> Self {
+        Grid { origin: DVec3::ZERO, step: STEP_M }
+    }
+}
+
+impl Grid {
+    /// The frame of a scene around some middle; `extent_m` is the longest side of its bounding box.
+    pub fn of(middle: DVec3, extent_m: f64) -> Self {
+        // The largest power of two that is not above: an exponent without mantissa. Below 2^-40 m there is nothing to see.
+        let whole = f64::from_bits(extent_m.max(1e-12).to_bits() >> 52 << 52);
+        let step = (whole / LEAST_STEPS).min(STEP_M);
+        let coarse = step * ORIGIN_STEPS;
+        // + 0.0 turns -0.0 into 0.0.
+        Grid { origin: (middle / coarse).round() * coarse + 0.0, step }
+    }
+
+    /// The nearest point of the grid, relative to the origin, as f32 holds it. Up to 1024 m it is exact.
+    pub fn relative(&self, point: DVec3) -> DVec3 {
+        let snapped = DVec3::from((point / self.step).to_array().map(nearest)) * self.step;
+        (snapped - self.origin).as_vec3().as_dvec3() + 0.0
+    }
+
+    /// Input coordinates of a point relative to the origin; exact for points of the grid.
+    pub fn absolute(&self, relative: DVec3) -> DVec3 {
+        relative + self.origin
+    }
+
+    /// Where rays of a surface point (input coordinates) start, relative to the origin: off its surface, on the grid.
+    pub fn lifted(&self, point: DVec3, normal: DVec3) -> [f32; 3] {
+        self.relative(point + normal * self.offset_m(point)).as_vec3().to_array()
+    }
+
+    /// Distance by which a ray's origin leaves its surface, metres: above the rounding of coordinates at that place (input
+    /// coordinates), far below the details of a building.
+    pub fn offset_m(&self, point: DVec3) -> f64 {
+        self.gap_m(point, OFFSET_STEPS)
+    }
+
+    /// How far outside of a voxel around a point (input coordinates) surfaces count as inside, metres: a hit is known to about 1e-6 of
+    /// its distance.
+    pub fn slack_m(&self, point: DVec3) -> f64 {
+        self.gap_m(point, SLACK_STEPS)
+    }
+
+    fn gap_m(&self, point: DVec3, steps: f64) -> f64 {
+        let far = (point - self.origin).abs().max_element();
+        let near = steps * self.step;
+        if far <= EXACT_STEPS * self.step { near } else { near.max(far * FAR_SHARE) }
+    }
+}
+
+/// The nearest integer, the even one of two: without a call of the C library, since scenes have millions of vertices.
+fn nearest(x: f64) -> f64 {
+    // From 2^52 on a double has no room for a fraction.
+    const SHIFT: f64 = 1.5 * 4_503_599_627_370_496.0;
+    if x.abs() < 2_251_799_813_685_248.0 { (x + SHIFT) - SHIFT } else { x.round() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hemisphere::{mix, unit};
+
+    /// Of scenes of 4 m to 100 km the step is 2^-14 m and the origin a multiple of 256 m, at most 128 m from the middle; smaller ones, down
+    /// to a micrometre, are at least 65,536 steps wide and at most 32 times as far from the origin as they are wide.
+    #[test]
+    fn frames() {
+        let middle = DVec3::new(78_005.125, -457_005.5, 131.0);
+        for extent in [4.0, 100.0, 1e5] {
+            let grid = Grid::of(middle, extent);
+            assert_eq!((grid.step, grid.origin), (STEP_M, DVec3::new(78_080.0, -456_960.0, 256.0)));
+        }
+        for extent in [3.9, 1.0, 1e-3, 1e-6] {
+            let grid = Grid::of(middle, extent);
+            assert!(extent / grid.step >= 65_536.0 && extent / grid.step < 131_072.0, "{extent}");
+            assert!((grid.origin - middle).abs().max_element() <= 32.0 * extent, "{extent} {grid:?}");
+        }
+        assert_eq!(Grid::of(DVec3::splat(-0.1), 10.0).origin.to_array().map(f64::to_bits), [0; 3]);
+    }
+
+    /// 10,000 points within 700 m of two origins 512 m apart lie at the same place to the bit, at most 0.87 steps from where they are stated;
+    /// so do the points where their rays start, which are 3 to 5 steps off the surface.
+    #[test]
+    fn equal_in_two_frames() {
+        let [a, b] = [85_100.0, 85_612.0].map(|x| Grid::of(DVec3::new(x, 446_333.0, 10.0), 900.0));
+        assert_eq!(b.origin - a.origin, DVec3::new(512.0, 0.0, 0.0));
+        for i in 0..10_000_u64 {
+            let part = |k: u64| unit(mix(i, k)) - 0.5;
+            let point = DVec3::new(85_356.0 + 512.0 * part(1), 446_333.0 + 900.0 * part(2), 300.0 * part(3));
+            let normal = DVec3::new(part(4), part(5), part(6)).normalize();
+            let [from_a, from_b] = [a, b].map(|grid| grid.absolute(grid.relative(point)));
+            assert_eq!(from_a.to_array().map(f64::to_bits), from_b.to_array().map(f64::to_bits));
+            assert!((from_a - point).length() <= 0.87 * STEP_M);
+            let [from_a, from_b] = [a, b].map(|g| g.absolute(DVec3::from(g.lifted(point, normal).map(f64::from))));
+            assert_eq!(from_a, from_b);
+            let off = (from_a - point).dot(normal) / STEP_M;
+            assert!((3.0..5.0).contains(&off), "{off}");
+        }
+    }
+
+    /// Eleven numbers, halves and such beyond 2^51 among them, have the nearest integer that the library gives them.
+    #[test]
+    fn nearest_integers() {
+        let far = 2_251_799_813_685_248.0;
+        for x in [0.0, -0.0, 0.49, 0.5, 1.5, -2.5, -7.51, far - 0.5, far + 0.25, -far, 1e300] {
+            assert_eq!(nearest(x), x.round_ties_even(), "{x}");
+        }
+    }
+
+    /// Beyond 1024 m of the origin gaps grow with the distance: 0.24 mm at 1 km, 20 mm at 10 km.
+    #[test]
+    fn gaps() {
+        let grid = Grid::default();
+        assert_eq!(grid.offset_m(DVec3::new(0.0, -1024.0, 3.0)), 4.0 * STEP_M);
+        assert_eq!(grid.slack_m(DVec3::splat(1000.0)), 16.0 * STEP_M);
+        assert_eq!(grid.offset_m(DVec3::new(10_000.0, 0.0, 0.0)), 0.02);
+    }
+}
