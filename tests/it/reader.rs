@@ -259,9 +259,9 @@ fn small_site(path: &Path) {
         sky_fine: 256,
         hit: 16,
         probe: 16,
-        probe_hits: 300,
+        probe_hits: 450,
         bounce_sky: 8,
-        bounce_hits: 300,
+        bounce_hits: 450,
         ..fine()
     };
     build(&scene, &mut tiles(&receivers, &scene), &plan(&settings, path)).expect("a build");

@@ -1,5 +1,6 @@
 //! One tile of a build: 64 receivers traced, packed and compressed.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::known::KnownReceiver;
@@ -269,8 +270,13 @@ impl Job<'_> {
         if self.inside(receiver, traced.viewer.sky_view) {
             return Some(Misplaced::Inside(receiver.id.clone()));
         }
-        let (nearest_m, offset_m) = (traced.hits.nearest_m, self.tracer.grid().offset_m(receiver.position));
-        (nearest_m < 2.0 * offset_m).then(|| Misplaced::Touching(receiver.id.clone(), nearest_m + offset_m))
+        let (grid, nearest_m) = (self.tracer.grid(), traced.hits.nearest_m);
+        (nearest_m < 2.0 * grid.offset_m(receiver.position)).then(|| {
+            // Rays start on the grid, so they are lifted by a little more or less.
+            let start = DVec3::from(grid.lifted(receiver.position, receiver.normal).map(f64::from));
+            let lifted_m = (grid.absolute(start) - receiver.position).dot(receiver.normal);
+            Misplaced::Touching(receiver.id.clone(), nearest_m + lifted_m)
+        })
     }
 
     /// Whether a receiver that sees this share of sky lies inside a solid. Few are blind, so few are asked.
