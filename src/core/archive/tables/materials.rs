@@ -41,7 +41,7 @@ impl MaterialsTable {
     /// A checked table of an older schema, as the current one says it: schema 1 had 0 for obstruction and 1 for ground.
     fn renewed(mut self, schema: u16) -> Self {
         if schema == 1 {
-            self.class.iter_mut().for_each(|class| *class = 1 - *class);
+            self.class.iter_mut().for_each(|class| *class ^= 1);
         }
         self
     }
