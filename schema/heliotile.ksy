@@ -1,4 +1,4 @@
-# The container of heliotile-1.md for Kaitai Struct. Tests compare ids, sizes, order and numbers with src/archive/format.rs.
+# The container of heliotile-1.md for Kaitai Struct. Tests compare ids, sizes, order and numbers with src/core/archive/format.rs.
 # Kaitai computes no BLAKE3 and decodes no zstd: checksums are shown but not checked, and `raw_bytes` of a block with codec
 # zstd are the compressed ones. Apply the types of the tables and layers below to decoded bytes. `class_id` is the column `class`,
 # a word that target languages keep for themselves.

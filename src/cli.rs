@@ -34,7 +34,7 @@ pub use self::export::ExportArgs;
 pub use self::quality::{AccuracyArgs, Percent};
 pub use self::run::RunArgs;
 pub use self::scene::SceneArgs;
-pub use self::study::{Rays, StudyArgs, StudyCommand, WallArgs};
+pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
 
 /// Trace the sun and sky of a site once, replay any weather.

@@ -33,7 +33,7 @@ MAGIC = bytes.fromhex("89484c4f0d0a1a0a")
 FIRST_BLOCK, ALIGN, ENTRY_SIZE, MAX_RAW, MAX_ENTRIES, MAX_MANIFEST = 8192, 64, 80, 8388608, 67108864, 1048576
 MAX_ROWS, MAX_STRING, MAX_MATERIALS, MAX_SEEN, NOTHING = 4096, 1024, 65536, 32767, 0x7FFF
 KNOWN_REQUIRED = 1
-MAX_SIDE = 8192  # Not of the format, which states no limit: what this program holds.
+MAX_SIDE = 8192  # What this program holds; the format states smaller limits for each setting.
 SLOT = namedtuple("Slot", "magic major minor state required optional generation committed directory_offset "
                           "directory_length directory_count manifest_offset manifest_length root reserved checksum")
 ENTRY = namedtuple("Entry", "kind tile offset stored raw codec schema items checksum content reserved")

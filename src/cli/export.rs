@@ -15,15 +15,17 @@ use heliotile_core::units::direction_from_degrees;
 
 /// What `export --help` says of the images.
 const IMAGES: &str = "\
-An .exr file has three parts (f32, texels of equal solid angle, see schema/layers.md; their attribute `heliotile` says what they
+An .exr file has three parts, four where the receiver sees sky in mirrors (f32, texels of equal solid angle, see schema/layers.md; their attribute `heliotile` says what they
 hold, as JSON):
   sky       world's upper hemisphere, first line north: visible, weight_sr; with --sun sky_direct, sun_direct
-  hit       the surface's own hemisphere, first line up the surface: class (1 ground, 2 obstruction), material, cell, weight_sr;
-            with --sun sun_diffuse, sky_diffuse: the radiance of what is seen there, all bounces
+  hit       the surface's own hemisphere, first line up the surface: class (1 ground, 2 obstruction), material, cell, mirrors
+            passed, weight_sr; with --sun sun_diffuse, sky_diffuse: the radiance of what is seen there
   response  world's upper hemisphere: ground.x to obstruction.z, reflected light by the direction of its source;
             with --sun weight_sr, sky_diffuse: the radiance of the sky there
-Channels named like a column of `query` are radiances, W/m2 sr: their sum over the texels of a part, each times weight_sr, is that
-column. There are no channels of mirrored light: this release does not trace it, and its columns are 0.
+  mirror    world's upper hemisphere, by the direction that light has in the sky: weight_sr;
+            with --sun sky_specular, sun_specular
+Behind canopies `sky` also has `through`, the share of light that comes through. Channels named like a column of `query` are radiances, W/m2 sr: their sum over the texels of a part, each times weight_sr, is that
+column.
 
 A .png is a picture for people: the upper hemisphere, equidistant, zenith in the middle, north up, east right as on a map; with
 --weather or --latitude the sun's paths at the solstices and equinoxes, and its place at each full hour through the year.";

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, Subcommand};
 
-use heliotile_builder::study::mapping::Mapping;
+use heliotile_builder::study::mapping::HemisphereMapping;
 
 #[derive(Args, Debug)]
 pub struct StudyArgs {
@@ -26,10 +26,10 @@ pub struct WallArgs {
     pub output: PathBuf,
     /// Maps: longitude-latitude (equal angles), solid-angle (that of archives), cosine (every ray counts the same)
     #[arg(long, value_name = "MAPS", value_delimiter = ',', default_value = "longitude-latitude,solid-angle,cosine")]
-    pub mapping: Vec<Mapping>,
-    /// Rays a hemisphere: squares, as every map has n x n texels; the middle number is the one of wall.svg
+    pub mapping: Vec<HemisphereMapping>,
+    /// RaySquare a hemisphere: squares, as every map has n x n texels; the middle number is the one of wall.svg
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',', default_value = "256,1024,4096")]
-    pub rays: Vec<Rays>,
+    pub rays: Vec<RaySquare>,
     /// Distances, metres: 1..50 in steps of 1, or 1,2.5,10
     #[arg(long, value_name = "METRES", default_value = "1..50", allow_hyphen_values = true)]
     pub distances: Distances,
@@ -41,19 +41,19 @@ pub struct WallArgs {
 /// Most texels a side of a map.
 const MOST_SIDE: usize = 1024;
 
-/// Rays of a hemisphere: `side` x `side`.
+/// RaySquare of a hemisphere: `side` x `side`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Rays {
+pub struct RaySquare {
     pub side: usize,
 }
 
-impl Rays {
+impl RaySquare {
     pub fn count(self) -> usize {
         self.side * self.side
     }
 }
 
-impl FromStr for Rays {
+impl FromStr for RaySquare {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -69,7 +69,7 @@ impl FromStr for Rays {
                 "{count} rays fill no square of texels, the next that do are {below} and {above}: {hint}"
             ));
         }
-        Ok(Rays { side })
+        Ok(RaySquare { side })
     }
 }
 
@@ -128,12 +128,12 @@ mod tests {
     #[test]
     fn rays() {
         for (text, side) in [("1", 1), ("100", 10), ("4096", 64), ("1048576", 1024)] {
-            assert_eq!(text.parse(), Ok(Rays { side }));
+            assert_eq!(text.parse(), Ok(RaySquare { side }));
         }
         for text in ["0", "", "-4", "1000", "2.25", "18446744073709551615"] {
-            assert!(text.parse::<Rays>().is_err_and(|message| message.contains("256,1024,4096")), "{text}");
+            assert!(text.parse::<RaySquare>().is_err_and(|message| message.contains("256,1024,4096")), "{text}");
         }
-        let message = "1000".parse::<Rays>().expect_err("no square");
+        let message = "1000".parse::<RaySquare>().expect_err("no square");
         assert!(message.contains("961 and 1024"), "{message}");
     }
 }

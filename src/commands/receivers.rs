@@ -16,7 +16,7 @@ use crate::outputs::sink::Sink;
 use heliotile_builder::observer::Stage;
 use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::canopy::Canopies;
-use heliotile_builder::trace::lying::{Lying, lying};
+use heliotile_builder::trace::placement::{Lying, lying};
 use heliotile_builder::trace::receiver::Viewpoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;

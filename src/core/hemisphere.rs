@@ -233,7 +233,7 @@ pub fn bilinear(direction: DVec3, n: usize) -> [(usize, f64); 4] {
 mod tests {
     use super::*;
 
-    /// Square and hemisphere are inverse to each other to 1e-9, over the whole square with its diagonals and axes.
+    /// Square and hemisphere are inverse to each other to 1e-7, over the whole square with its diagonals and axes.
     #[test]
     fn round_trip() {
         let mut worst = 0.0_f64;

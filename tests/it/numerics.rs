@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::trace::lanes::Level;
+use heliotile_builder::trace::kernel::lanes::Level;
 use heliotile_builder::trace::{Ray, Tracer};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, texel_direction, texels_in_blocks, unit};
 use heliotile_core::light::radiosity::MaxBounces;

@@ -73,6 +73,31 @@ fn rooms_have_no_circles() {
     assert!(imports.is_empty(), "circles: {imports:#?}");
 }
 
+/// No two public types of the engine's crates share a name, so that a word means one thing wherever it is met: over 150 types.
+#[test]
+fn public_types_have_names_of_their_own() {
+    let mut homes = BTreeMap::<String, PathBuf>::new();
+    for (path, text) in sources() {
+        let of_engine = room_of(&path).is_some_and(|(of_crate, _)| of_crate != "program");
+        let for_tests = path.file_stem().is_some_and(|name| name.to_string_lossy().contains("test"));
+        // What a reader of one format calls its parts stays in its file.
+        if !of_engine || for_tests || path.components().any(|part| part.as_os_str() == "formats") {
+            continue;
+        }
+        let shipped = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+        for line in shipped.lines() {
+            let mut words = line.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
+            let (first, kind) = (words.next(), words.next());
+            let is_type = line.starts_with("pub ") && matches!(kind, Some("struct" | "enum" | "trait" | "type"));
+            if let (Some("pub"), true, Some(name)) = (first, is_type, words.next()) {
+                let other = homes.insert(name.to_string(), path.clone());
+                assert!(other.is_none(), "{name} in {} and {}", path.display(), other.unwrap_or_default().display());
+            }
+        }
+    }
+    assert!(homes.len() > 150, "only {} types found", homes.len());
+}
+
 /// No file is longer than 600 lines, and the median is below 300.
 #[test]
 fn files_are_short() {

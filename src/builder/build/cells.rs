@@ -17,7 +17,7 @@ use crate::spill::Sorter;
 use crate::trace::bounce::trace_bounce;
 use crate::trace::canopy::CellCrossings;
 use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
-use crate::trace::surroundings::{Seen, SurroundingSettings, Surroundings, surroundings};
+use crate::trace::surroundings::{SeenCell, SurroundingSettings, Surroundings, surroundings};
 use crate::writing::Writer;
 use heliotile_core::archive::{Blocks, format, tables};
 use heliotile_core::error::{Error, Result};
@@ -220,6 +220,6 @@ fn trace_missing(
     (known, cast)
 }
 
-fn pairs(seen: Vec<Seen>) -> Vec<(bool, Option<CellKey>)> {
+fn pairs(seen: Vec<SeenCell>) -> Vec<(bool, Option<CellKey>)> {
     seen.into_iter().map(|s| (s.up, s.cell)).collect()
 }

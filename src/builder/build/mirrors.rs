@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::site_tracer::SiteTracer;
 use crate::settings::Effect;
-use crate::trace::mirror::{End, Look, Met, Reflections, Start};
+use crate::trace::mirror::{End, Look, Met, MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, lifted};
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::surroundings::{Surroundings, level_seen};
@@ -23,7 +23,7 @@ impl SiteTracer<'_> {
         };
         let cells = CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m };
         let texel_angle = (HEMISPHERE_SR / (self.settings.hit * self.settings.hit) as f64).sqrt();
-        let starts: Vec<Start> = hits.mirrors.iter().map(|(_, start)| *start).collect();
+        let starts: Vec<MirrorRay> = hits.mirrors.iter().map(|(_, start)| *start).collect();
         let mut paths = Vec::new();
         let mut lost = 0.0;
         for ((texel, start), (met, end)) in hits.mirrors.iter().zip(reflections.follow(&starts, rays)) {
@@ -90,7 +90,7 @@ impl SiteTracer<'_> {
         rays: &mut u64,
     ) -> CellMirrors {
         let Some(reflections) = &self.reflections else { return CellMirrors::default() };
-        let starts: Vec<Start> = surroundings.mirrors.iter().map(|(_, start)| *start).collect();
+        let starts: Vec<MirrorRay> = surroundings.mirrors.iter().map(|(_, start)| *start).collect();
         let closed = level_of(self.settings.closed_m);
         let mut paths = Vec::new();
         let mut lost = 0.0;

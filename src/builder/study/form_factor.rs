@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::study::mapping::MappedRay;
-use crate::trace::rays::{Ray, Tracer};
+use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::receiver::Viewpoint;
 use heliotile_core::hemisphere::Frame;
 

@@ -13,7 +13,7 @@ use heliotile_core::hemisphere::{HEMISPHERE_SR, texel_direction};
 
 /// How the texels of a square lie on the hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mapping {
+pub enum HemisphereMapping {
     /// Columns of equal longitude about the normal, rows of equal angle from it.
     LongitudeLatitude,
     /// Every texel has the same solid angle.
@@ -31,14 +31,15 @@ pub struct MappedRay {
     pub weight: f64,
 }
 
-impl Mapping {
-    pub const ALL: [Mapping; 3] = [Mapping::LongitudeLatitude, Mapping::SolidAngle, Mapping::Cosine];
+impl HemisphereMapping {
+    pub const ALL: [HemisphereMapping; 3] =
+        [HemisphereMapping::LongitudeLatitude, HemisphereMapping::SolidAngle, HemisphereMapping::Cosine];
 
     pub fn name(self) -> &'static str {
         match self {
-            Mapping::LongitudeLatitude => "longitude-latitude",
-            Mapping::SolidAngle => "solid-angle",
-            Mapping::Cosine => "cosine",
+            HemisphereMapping::LongitudeLatitude => "longitude-latitude",
+            HemisphereMapping::SolidAngle => "solid-angle",
+            HemisphereMapping::Cosine => "cosine",
         }
     }
 
@@ -46,12 +47,12 @@ impl Mapping {
     pub fn direction(self, column: usize, row: usize, n: usize) -> DVec3 {
         let equal_solid_angle = || texel_direction(column, row, n, DVec2::splat(0.5));
         match self {
-            Mapping::LongitudeLatitude => {
+            HemisphereMapping::LongitudeLatitude => {
                 let (longitude, angle) = (2.0 * PI * (column as f64 + 0.5) / n as f64, ring(row as f64 + 0.5, n));
                 DVec3::new(angle.sin() * longitude.cos(), angle.sin() * longitude.sin(), angle.cos())
             }
-            Mapping::SolidAngle => equal_solid_angle(),
-            Mapping::Cosine => {
+            HemisphereMapping::SolidAngle => equal_solid_angle(),
+            HemisphereMapping::Cosine => {
                 // The same point of the unit disc, of radius sqrt(1 - z), lifted straight up to the sphere (Nusselt's analogue, so
                 // equal areas of the disc are equal form factors) in place of Shirley's and Chiu's lift.
                 let d = equal_solid_angle();
@@ -64,11 +65,11 @@ impl Mapping {
     /// Solid angle of a texel, sr.
     pub fn solid_angle_sr(self, column: usize, row: usize, n: usize) -> f64 {
         match self {
-            Mapping::LongitudeLatitude => {
+            HemisphereMapping::LongitudeLatitude => {
                 2.0 * PI / n as f64 * (ring(row as f64, n).cos() - ring(row as f64 + 1.0, n).cos())
             }
-            Mapping::SolidAngle => HEMISPHERE_SR / (n * n) as f64,
-            Mapping::Cosine => PI / (n * n) as f64 / self.direction(column, row, n).z,
+            HemisphereMapping::SolidAngle => HEMISPHERE_SR / (n * n) as f64,
+            HemisphereMapping::Cosine => PI / (n * n) as f64 / self.direction(column, row, n).z,
         }
     }
 
@@ -87,21 +88,21 @@ fn ring(row: f64, n: usize) -> f64 {
     FRAC_PI_2 * row / n as f64
 }
 
-impl fmt::Display for Mapping {
+impl fmt::Display for HemisphereMapping {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name())
     }
 }
 
-impl FromStr for Mapping {
+impl FromStr for HemisphereMapping {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let unknown = || {
-            let names = Mapping::ALL.map(Mapping::name).join(", ");
+            let names = HemisphereMapping::ALL.map(HemisphereMapping::name).join(", ");
             format!("there is no map `{}`: give some of {names}, with commas between them", text.trim())
         };
-        Mapping::ALL.into_iter().find(|mapping| mapping.name() == text.trim()).ok_or_else(unknown)
+        HemisphereMapping::ALL.into_iter().find(|mapping| mapping.name() == text.trim()).ok_or_else(unknown)
     }
 }
 
@@ -114,17 +115,17 @@ mod tests {
     /// within 1e-12.
     #[test]
     fn weights() {
-        for (mapping, n) in Mapping::ALL.into_iter().flat_map(|m| [16, 32, 64].map(|n| (m, n))) {
+        for (mapping, n) in HemisphereMapping::ALL.into_iter().flat_map(|m| [16, 32, 64].map(|n| (m, n))) {
             let rays = mapping.rays(n);
             let (sum, texels) = (rays.iter().map(|ray| ray.weight).sum::<f64>(), (n * n) as f64);
             assert!(rays.iter().all(|ray| (ray.direction.length() - 1.0).abs() < 1e-12 && ray.direction.z > 0.0));
             let bound = match mapping {
-                Mapping::LongitudeLatitude => 0.32 / texels,
-                Mapping::SolidAngle => 2.1 / texels,
-                Mapping::Cosine => 1e-12,
+                HemisphereMapping::LongitudeLatitude => 0.32 / texels,
+                HemisphereMapping::SolidAngle => 2.1 / texels,
+                HemisphereMapping::Cosine => 1e-12,
             };
             assert!((sum - 1.0).abs() < bound, "{mapping} {n}: {sum}");
-            if mapping == Mapping::Cosine {
+            if mapping == HemisphereMapping::Cosine {
                 assert!(rays.iter().all(|ray| (ray.weight * texels - 1.0).abs() < 1e-12));
             } else {
                 let whole: f64 = (0..n * n).map(|t| mapping.solid_angle_sr(t % n, t / n, n)).sum();
@@ -136,10 +137,10 @@ mod tests {
     /// Names come back as they were written, 3 of 3; an unknown one is refused with all three.
     #[test]
     fn names() {
-        for mapping in Mapping::ALL {
+        for mapping in HemisphereMapping::ALL {
             assert_eq!(mapping.to_string().parse(), Ok(mapping));
         }
-        let message = "fisheye".parse::<Mapping>().expect_err("unknown");
-        assert!(Mapping::ALL.into_iter().all(|mapping| message.contains(mapping.name())), "{message}");
+        let message = "fisheye".parse::<HemisphereMapping>().expect_err("unknown");
+        assert!(HemisphereMapping::ALL.into_iter().all(|mapping| message.contains(mapping.name())), "{message}");
     }
 }

@@ -5,9 +5,9 @@
 //! axis the least and the greatest reciprocal direction bound where the rays enter and leave. Rounding is monotone, so a beam
 //! never refuses a box that one of its rays meets by the same arithmetic.
 
-use crate::trace::lanes::{LANES, Lanes, Sixteen};
-use crate::trace::packet::FAR_PAD;
-use crate::trace::tree::{Node, WIDTH};
+use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
+use crate::trace::kernel::packet::FAR_PAD;
+use crate::trace::kernel::tree::{Node, WIDTH};
 
 /// Bounds of some rays. Lanes 0 to 7 are where the rays enter the eight boxes, lanes 8 to 15 where they leave, with their
 /// sign turned.
@@ -33,7 +33,7 @@ impl<F: Copy> Beam<F> {
 
     /// Two rays of a packet, or twice the same one.
     #[inline(always)]
-    pub fn of_two<L: Lanes<F = F>>(l: L, origin: &[Sixteen; 3], inverse: &[Sixteen; 3], a: usize, b: usize) -> Self {
+    pub fn of_two<L: Lanes<F = F>>(l: L, origin: &[F32x16; 3], inverse: &[F32x16; 3], a: usize, b: usize) -> Self {
         let (a, b) = (a % LANES, b % LANES);
         let mut axes = [Axis::default(); 3];
         for i in 0..3 {
@@ -60,7 +60,7 @@ impl<F: Copy> Beam<F> {
 
     /// Children whose boxes the rays may meet before `reach`, one bit each, and where they enter at the earliest.
     #[inline(always)]
-    pub fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, reach: f32) -> (u16, Sixteen) {
+    pub fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, reach: f32) -> (u16, F32x16) {
         // Children that are not there are entered at infinity, and so refused.
         let reach = reach.min(f32::MAX / 2.0);
         let mut bounds = l.select(ENTERING, l.splat(0.0), l.splat(-reach));
@@ -71,7 +71,7 @@ impl<F: Copy> Beam<F> {
             bounds = l.max(bounds, l.min(l.mul(from, self.inverse[i][0]), l.mul(from, self.inverse[i][1])));
         }
         let far = l.mul(l.sub(l.splat(0.0), l.swap(bounds)), l.splat(FAR_PAD));
-        (l.not_above(bounds, far) & ENTERING, l.store(bounds))
+        (l.less_equal(bounds, far) & ENTERING, l.store(bounds))
     }
 }
 

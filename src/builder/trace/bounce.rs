@@ -1,9 +1,9 @@
 //! Bounce cells: the coarse cells that carry second and later bounces. In: a cell that a probe or another such cell sees. Out: its
 //! sky bits and a list of what it sees.
 
+use crate::trace::kernel::rays::Tracer;
 use crate::trace::mirror::Reflections;
 use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
-use crate::trace::rays::Tracer;
 use crate::trace::surroundings::{SurroundingSettings, Surroundings, surroundings};
 use heliotile_core::site::cells::CellKey;
 use heliotile_scene::mesh::Mesh;

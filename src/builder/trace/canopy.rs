@@ -5,10 +5,10 @@
 //! of a leaf drawn from both sides, crosses once. Where faces meet without a corner in common, a ray through that very line may
 //! count twice.
 
+use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::probe::{Directions, ProbeTrace};
-use crate::trace::rays::{Hit, Ray, Tracer};
 use crate::trace::receiver::Viewpoint;
-use crate::trace::surroundings::Seen;
+use crate::trace::surroundings::SeenCell;
 use heliotile_core::hemisphere::{bit, jitter, mix, texel_direction};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::crossing::Crossing;
@@ -129,7 +129,7 @@ impl CellCrossings {
         key: CellKey,
         probe: &ProbeTrace,
         texture: &Directions,
-        seen: &[Seen],
+        seen: &[SeenCell],
     ) -> Self {
         let Some(canopies) = canopies.filter(|_| !probe.points.is_empty()) else { return CellCrossings::default() };
         let directions = texture.of(key);
@@ -140,9 +140,9 @@ impl CellCrossings {
         };
         let open = |&texel: &usize| bit(&probe.bits, texel);
         let sky: Vec<Path> = texture.texels().filter(open).map(sky).collect();
-        let mut order: Vec<&Seen> = seen.iter().collect();
+        let mut order: Vec<&SeenCell> = seen.iter().collect();
         order.sort_by_key(|seen| (!seen.up, seen.cell.is_none(), seen.cell));
-        let path = |(seen, place): (&Seen, u32)| seen.path.map(|(ray, reach_m)| Path { place, ray, reach_m });
+        let path = |(seen, place): (&SeenCell, u32)| seen.path.map(|(ray, reach_m)| Path { place, ray, reach_m });
         let seen: Vec<Path> = order.into_iter().zip(0..).filter_map(path).collect();
         CellCrossings {
             rays: (sky.len() + seen.len()) as u64,

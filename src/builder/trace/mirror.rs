@@ -1,7 +1,7 @@
-//! Light by way of mirrors. In: rays whose first hit is a mirror, or a looker. Out: what lies behind up to three mirrors, and through
+//! Light by way of mirrors. In: rays whose first hit is a mirror, or a observer. Out: what lies behind up to three mirrors, and through
 //! which parts of the sky light comes by which chain of them.
 //!
-//! A chain maps directions of the sky to directions of the looker ([`Chain::seen_from`]), so its texture is one of the sky's
+//! A chain maps directions of the sky to directions of the observer ([`Chain::seen_from`]), so its texture is one of the sky's
 //! texels, as the sky texture is: a texel is 1 if the ray in the direction that it maps to meets the chain's mirrors, one after
 //! the other, and leaves in the texel's own direction.
 
@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
 
+use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::probe::lifted;
-use crate::trace::rays::{Hit, Ray, Tracer};
 use crate::trace::surroundings::cell_of;
 use heliotile_core::hemisphere::{Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use heliotile_core::site::cells::CellKey;
@@ -53,7 +53,7 @@ pub enum End {
 
 /// A ray and the mirror that it meets.
 #[derive(Clone, Copy, Debug)]
-pub struct Start {
+pub struct MirrorRay {
     pub from: DVec3,
     pub direction: DVec3,
     pub hit: Hit,
@@ -70,7 +70,7 @@ pub struct Look {
 
 /// One ray on its way.
 struct Way {
-    at: Start,
+    at: MirrorRay,
     chain: Chain,
     steps: Vec<MirrorStep>,
     length_m: f64,
@@ -102,7 +102,7 @@ impl<'a> Reflections<'a> {
     }
 
     /// Which of some rays meet a mirror first, and where.
-    pub fn starts(&self, rays: &[(DVec3, Ray)]) -> Vec<(usize, Start)> {
+    pub fn starts(&self, rays: &[(DVec3, Ray)]) -> Vec<(usize, MirrorRay)> {
         let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();
         let near: Vec<usize> =
             self.alone.occluded_many(&cast).into_iter().enumerate().filter(|m| m.1).map(|m| m.0).collect();
@@ -111,15 +111,16 @@ impl<'a> Reflections<'a> {
         hits.filter_map(|(hit, i)| {
             let hit = hit.filter(|&hit| self.orientation(hit).is_some())?;
             let (direction, from) = (rays[i].0, DVec3::from(rays[i].1.origin.map(f64::from)));
-            Some((i, Start { from, direction, hit }))
+            Some((i, MirrorRay { from, direction, hit }))
         })
         .collect()
     }
 
     /// Follows rays that met a mirror, [`MOST_MIRRORS`] of them at most: the surfaces that each meets and how it ends. `rays` counts.
-    pub fn follow(&self, starts: &[Start], rays: &mut u64) -> Vec<(Vec<Met>, End)> {
+    pub fn follow(&self, starts: &[MirrorRay], rays: &mut u64) -> Vec<(Vec<Met>, End)> {
         let mut done: Vec<(Vec<Met>, End)> = starts.iter().map(|_| (Vec::new(), End::Dark)).collect();
-        let start = |at: Start| Way { at, chain: Chain::default(), steps: Vec::new(), length_m: f64::from(at.hit.t) };
+        let start =
+            |at: MirrorRay| Way { at, chain: Chain::default(), steps: Vec::new(), length_m: f64::from(at.hit.t) };
         let mut ways: Vec<(usize, Way)> = starts.iter().map(|&at| start(at)).enumerate().collect();
         for _ in 0..=MOST_MIRRORS {
             let mut next: Vec<(usize, Way)> = Vec::with_capacity(ways.len());
@@ -133,7 +134,7 @@ impl<'a> Reflections<'a> {
                 let cos = orientation.normal.dot(at.direction).abs().min(1.0);
                 way.steps.push((orientation.material, (cos * 255.0).round() as u8));
                 let (from, direction) = self.reflected(at, orientation);
-                way.at = Start { from, direction, hit: at.hit };
+                way.at = MirrorRay { from, direction, hit: at.hit };
                 way.chain = chain;
                 next.push((i, way));
             }
@@ -149,7 +150,7 @@ impl<'a> Reflections<'a> {
                 };
                 way.length_m += f64::from(hit.t);
                 way.at.hit = hit;
-                let Start { from, direction, .. } = way.at;
+                let MirrorRay { from, direction, .. } = way.at;
                 done[i].0.push(Met { from, direction, hit, length_m: way.length_m, steps: way.steps.clone() });
                 ways.push((i, way));
             }
@@ -158,7 +159,7 @@ impl<'a> Reflections<'a> {
     }
 
     /// Where a ray goes from a mirror, and in which direction.
-    fn reflected(&self, at: Start, orientation: Orientation) -> (DVec3, DVec3) {
+    fn reflected(&self, at: MirrorRay, orientation: Orientation) -> (DVec3, DVec3) {
         let triangle = at.hit.triangle as usize;
         let outward = self.mesh.normal(triangle);
         let facing = if outward.dot(at.direction) > 0.0 { -outward } else { outward };
@@ -175,15 +176,15 @@ impl<'a> Reflections<'a> {
     /// Whether light from directions of the sky reaches points by chains, each with its map. `rays` counts.
     pub fn lit(&self, chains: &[(Chain, DMat3)], looks: &[Look], rays: &mut u64) -> Vec<bool> {
         let mut lit = vec![false; looks.len()];
-        let mut ways: Vec<(usize, Start)> = Vec::with_capacity(looks.len());
+        let mut ways: Vec<(usize, MirrorRay)> = Vec::with_capacity(looks.len());
         for (i, look) in looks.iter().enumerate() {
             let direction = (chains[look.chain].1 * look.sky).normalize();
             if look.normal.dot(direction) > 0.0 {
                 let from = DVec3::from(look.origin.map(f64::from));
-                ways.push((i, Start { from, direction, hit: Hit { t: 0.0, triangle: 0 } }));
+                ways.push((i, MirrorRay { from, direction, hit: Hit { t: 0.0, triangle: 0 } }));
             }
         }
-        let cast = |ways: &[(usize, Start)], rays: &mut u64| -> Vec<Ray> {
+        let cast = |ways: &[(usize, MirrorRay)], rays: &mut u64| -> Vec<Ray> {
             *rays += ways.len() as u64;
             ways.iter().map(|(_, at)| ray(at.from, at.direction)).collect()
         };
@@ -200,8 +201,8 @@ impl<'a> Reflections<'a> {
                 .filter_map(|(hit, (i, at))| {
                     let hit = hit.filter(|&hit| self.orientation(hit) == next(i))?;
                     let orientation = self.mirrors.orientations[usize::from(next(i)?)];
-                    let (from, direction) = self.reflected(Start { hit, ..at }, orientation);
-                    Some((i, Start { from, direction, hit }))
+                    let (from, direction) = self.reflected(MirrorRay { hit, ..at }, orientation);
+                    Some((i, MirrorRay { from, direction, hit }))
                 })
                 .collect();
         }
@@ -216,7 +217,7 @@ impl<'a> Reflections<'a> {
     /// The chains by which some rays reach the sky, and the texels of an n x n sky that they reach, with those around them.
     pub fn reached(&self, rays: &[(DVec3, Ray)], n: usize, count: &mut u64) -> BTreeMap<Chain, Vec<(u32, u32)>> {
         *count += rays.len() as u64;
-        let starts: Vec<Start> = self.starts(rays).into_iter().map(|s| s.1).collect();
+        let starts: Vec<MirrorRay> = self.starts(rays).into_iter().map(|s| s.1).collect();
         let mut found: BTreeMap<Chain, Vec<(u32, u32)>> = BTreeMap::new();
         for (_, end) in self.follow(&starts, count) {
             let End::Sky(chain, direction) = end else { continue };

@@ -4,18 +4,12 @@
 pub mod beam;
 pub mod bounce;
 pub mod canopy;
-pub mod lanes;
-pub mod lying;
+pub mod kernel;
 pub mod mirror;
-pub mod packet;
-pub mod planes;
+pub mod placement;
 pub mod probe;
-pub mod rays;
 pub mod receiver;
 pub mod surface;
 pub mod surroundings;
-pub mod tree;
-pub mod triangle;
-pub mod walk;
 
-pub use rays::{Ray, Tracer};
+pub use kernel::rays::{Ray, Tracer};

@@ -10,7 +10,7 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 
-use crate::trace::rays::{Ray, Tracer};
+use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::surface::{POINTS, SurfacePoint, sample};
 use heliotile_core::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
 use heliotile_core::site::cells::CellKey;

@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::trace::mirror::{Reflections, Start};
+use crate::trace::kernel::rays::{Ray, Tracer};
+use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::lifted;
-use crate::trace::rays::{Ray, Tracer};
 use crate::trace::surroundings::cell_of;
 use heliotile_core::hemisphere::{Centres, Frame, jitter, texel_direction, texels_in_blocks};
 use heliotile_core::site::cells::{CellKey, level_of, receiver_seed};
@@ -37,7 +37,7 @@ pub struct HitTrace {
     /// Distance of the nearest surface met, metres.
     pub nearest_m: f64,
     /// Texels whose ray meets a mirror.
-    pub mirrors: Vec<(usize, Start)>,
+    pub mirrors: Vec<(usize, MirrorRay)>,
     /// `[texel]`: distance of what is met, metres; infinite where nothing is.
     pub distances_m: Vec<f32>,
 }
@@ -118,7 +118,7 @@ impl Viewpoint {
             let level = cells.level(f64::from(hit.t), texel_angle);
             keys[texel] = Some(cell_of(hit, direction, level, mesh, lifted_position));
             if reflections.is_some_and(|r| r.orientation(hit).is_some()) {
-                mirrors.push((texel, Start { from: lifted_position, direction, hit }));
+                mirrors.push((texel, MirrorRay { from: lifted_position, direction, hit }));
             }
         }
         HitTrace { cells: keys, nearest_m, mirrors, distances_m }

@@ -9,7 +9,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::trace::rays::Tracer;
+use crate::trace::kernel::rays::Tracer;
 use heliotile_core::hemisphere::{mix, unit};
 use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
 use heliotile_scene::mesh::Mesh;

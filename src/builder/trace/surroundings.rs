@@ -6,16 +6,16 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::trace::mirror::{Reflections, Start};
+use crate::trace::kernel::rays::{Hit, Ray, Tracer};
+use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
-use crate::trace::rays::{Hit, Ray, Tracer};
 use heliotile_core::hemisphere::{Frame, bit, direction_of, mix, unit};
 use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_scene::mesh::Mesh;
 
 /// What one ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct SeenCell {
     /// Whether the ray goes above the horizon.
     pub up: bool,
     /// The coarse cell, if any surface was met.
@@ -37,9 +37,9 @@ pub struct SurroundingSettings {
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
     /// One for each ray.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<SeenCell>,
     /// Of those rays that met a mirror: whether they go above the horizon, and where they met it.
-    pub mirrors: Vec<(bool, Start)>,
+    pub mirrors: Vec<(bool, MirrorRay)>,
     /// Rays that were cast.
     pub cast: u64,
 }
@@ -47,14 +47,14 @@ pub struct Surroundings {
 impl Surroundings {
     /// Nothing is met by so many rays, and none is cast.
     pub fn none(rays: usize) -> Self {
-        Surroundings { seen: vec![Seen { up: true, cell: None, path: None }; rays], ..Surroundings::default() }
+        Surroundings { seen: vec![SeenCell { up: true, cell: None, path: None }; rays], ..Surroundings::default() }
     }
 }
 
 /// Surfaces at distance t are cut into cells of about t / 4, the footprint of a ray.
 const FAR_SHARE: f64 = 0.25;
 
-/// Nearby surfaces are cut into cells of about t / 2: in a light well light falls off over the well's width.
+/// Nearby surfaces are cut into cells of about t at most: in a light well light falls off over the well's width.
 const NEAR_SHARE: f64 = 1.0;
 
 /// A part of the hemisphere smaller than this gets no ray.
@@ -127,12 +127,12 @@ pub fn surroundings(
             let level = level_seen(f64::from(hit.t), key.level, closed_level);
             cell_of(hit, direction, level, mesh, from).coarse(level)
         });
-        met.seen.push(Seen { up, cell, path: hit.map(|hit| (ray, hit.t)) });
+        met.seen.push(SeenCell { up, cell, path: hit.map(|hit| (ray, hit.t)) });
         if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
-            met.mirrors.push((up, Start { from, direction, hit }));
+            met.mirrors.push((up, MirrorRay { from, direction, hit }));
         }
     }
-    met.seen.resize(count, Seen { up: true, cell: None, path: None });
+    met.seen.resize(count, SeenCell { up: true, cell: None, path: None });
     met
 }
 

@@ -6,11 +6,11 @@ use std::fs;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::cli::{Rays, WallArgs};
+use crate::cli::{RaySquare, WallArgs};
 use crate::commands::{Outcome, guard_output, say};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::sink::write_texts;
-use heliotile_builder::study::mapping::{MappedRay, Mapping};
+use heliotile_builder::study::mapping::{HemisphereMapping, MappedRay};
 use heliotile_builder::study::wall::Wall;
 use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::receiver::Viewpoint;
@@ -31,8 +31,8 @@ const PICTURE: (u32, u32) = (720, 440);
 
 /// One row of the table.
 struct Row {
-    mapping: Mapping,
-    rays: Rays,
+    mapping: HemisphereMapping,
+    rays: RaySquare,
     distance_m: f64,
     form_factor: f64,
     analytic: f64,
@@ -103,12 +103,12 @@ fn spread(points: u32) -> Vec<DVec2> {
 }
 
 /// The rows of a map and a number of rays.
-fn of(rows: &[Row], mapping: Mapping, rays: Rays) -> impl Iterator<Item = &Row> {
+fn of(rows: &[Row], mapping: HemisphereMapping, rays: RaySquare) -> impl Iterator<Item = &Row> {
     rows.iter().filter(move |row| row.mapping == mapping && row.rays == rays)
 }
 
 /// Mean over the distances of what is made of the error, percent.
-fn mean_error(rows: &[Row], mapping: Mapping, rays: Rays, of_error: fn(f64) -> f64) -> f64 {
+fn mean_error(rows: &[Row], mapping: HemisphereMapping, rays: RaySquare, of_error: fn(f64) -> f64) -> f64 {
     let (sum, count) =
         of(rows, mapping, rays).fold((0.0, 0.0), |(s, n), row| (s + of_error(row.error_percent()), n + 1.0));
     sum / count
@@ -131,7 +131,7 @@ fn curves(rows: &[Row], args: &WallArgs) -> Plot {
     let rays = sorted[sorted.len() / 2];
     let line =
         |name: &str, points: Vec<(f64, f64)>, style| Series { name: name.into(), points, labels: Vec::new(), style };
-    let by_map = |mapping: Mapping| {
+    let by_map = |mapping: HemisphereMapping| {
         let points = of(rows, mapping, rays).map(|row| (row.distance_m, row.form_factor)).collect();
         line(mapping.name(), points, Style::Marks)
     };
@@ -153,7 +153,7 @@ fn curves(rows: &[Row], args: &WallArgs) -> Plot {
 
 /// Mean error against rays, one line a map.
 fn errors(rows: &[Row], args: &WallArgs) -> Plot {
-    let by_map = |mapping: Mapping| Series {
+    let by_map = |mapping: HemisphereMapping| Series {
         name: mapping.to_string(),
         points: sorted(args)
             .into_iter()
@@ -171,12 +171,12 @@ fn errors(rows: &[Row], args: &WallArgs) -> Plot {
 }
 
 /// Maps, each once.
-fn maps(args: &WallArgs) -> Vec<Mapping> {
-    Mapping::ALL.into_iter().filter(|mapping| args.mapping.contains(mapping)).collect()
+fn maps(args: &WallArgs) -> Vec<HemisphereMapping> {
+    HemisphereMapping::ALL.into_iter().filter(|mapping| args.mapping.contains(mapping)).collect()
 }
 
 /// Numbers of rays, rising, each once.
-fn sorted(args: &WallArgs) -> Vec<Rays> {
+fn sorted(args: &WallArgs) -> Vec<RaySquare> {
     let mut rays = args.rays.clone();
     rays.sort_unstable();
     rays.dedup();

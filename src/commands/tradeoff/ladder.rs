@@ -64,7 +64,7 @@ impl Step {
 }
 
 /// All rungs, from coarse to fine.
-pub struct Ladder {
+pub struct LadderTable {
     pub steps: Vec<Step>,
     pub receivers: usize,
     /// Mean total, W/m2.
@@ -91,7 +91,7 @@ fn rungs() -> Vec<(String, Rungs)> {
     ]
 }
 
-impl Ladder {
+impl LadderTable {
     pub fn climb(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Self> {
         let rungs = rungs();
         let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
@@ -120,7 +120,7 @@ impl Ladder {
             let here = (steps[i].seconds(), steps[i].error);
             steps[i].frontier = !steps.iter().any(|other| other.seconds() < here.0 && other.error < here.1);
         }
-        Ok(Ladder { steps, receivers: bench.receivers.len(), mean_w_m2: truth.mean(), truth_percent })
+        Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: truth.mean(), truth_percent })
     }
 
     /// The rung of the frontier that lies farthest below the line from its first to its last one, both axes logarithmic: where another

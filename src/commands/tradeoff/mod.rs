@@ -15,7 +15,7 @@ use heliotile_builder::build::{Build, PreparedScene};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
-use ladder::Ladder;
+use ladder::LadderTable;
 
 /// `heliotile tradeoff`.
 pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
@@ -39,7 +39,7 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
         workspace: &workspace(trials.path(), args.memory),
         observer: &terminal,
     };
-    let ladder = Ladder::climb(&bench, left_out, &suns)?;
+    let ladder = LadderTable::climb(&bench, left_out, &suns)?;
     say(&ladder.table())?;
     let sources = match args.sources {
         true => Some(sources::each_alone(&bench, left_out, &suns)?),
@@ -48,7 +48,7 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
     if let Some(sources) = &sources {
         say(&sources::table(sources))?;
     }
-    let site = report::Site {
+    let site = report::SiteSummary {
         scene: args.scene.first(),
         receivers: receivers.count(),
         sample: some.len(),

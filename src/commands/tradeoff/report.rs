@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::ladder::{Ladder, Step};
+use super::ladder::{LadderTable, Step};
 use super::sources::Point;
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use heliotile_core::error::Result;
@@ -11,7 +11,7 @@ use heliotile_core::error::Result;
 pub const PAGE: &str = "index.html";
 
 /// What was looked at.
-pub struct Site<'a> {
+pub struct SiteSummary<'a> {
     pub scene: &'a Path,
     pub receivers: usize,
     pub sample: usize,
@@ -23,7 +23,11 @@ pub struct Site<'a> {
 const SIZE: (u32, u32) = (760, 460);
 
 /// All files.
-pub fn files(site: &Site, ladder: &Ladder, sources: Option<&[Point]>) -> Result<Vec<(&'static str, String)>> {
+pub fn files(
+    site: &SiteSummary,
+    ladder: &LadderTable,
+    sources: Option<&[Point]>,
+) -> Result<Vec<(&'static str, String)>> {
     let time = picture(ladder, "Error against time", "CPU seconds a receiver: build and a year's replay", |step| {
         step.seconds() / ladder.receivers as f64
     })?;
@@ -41,7 +45,7 @@ pub fn files(site: &Site, ladder: &Ladder, sources: Option<&[Point]>) -> Result<
     Ok(files)
 }
 
-fn picture(ladder: &Ladder, title: &str, x: &str, at: impl Fn(&Step) -> f64) -> Result<String> {
+fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&Step) -> f64) -> Result<String> {
     // Rungs that some other one beats in time stand apart.
     let some = |frontier: bool| {
         let mut steps: Vec<&Step> = ladder.steps.iter().filter(|s| s.frontier == frontier).collect();
@@ -89,7 +93,7 @@ fn sources_picture(points: &[Point]) -> Result<String> {
     plot.svg(SIZE.0, SIZE.1)
 }
 
-fn ladder_csv(ladder: &Ladder) -> String {
+fn ladder_csv(ladder: &LadderTable) -> String {
     let mut out = String::from(
         "rung,sky_base,sky_fine,hit,cell_factor,cell_floor_m,probe,probe_hits,closed_m,bounce_sky,bounce_hits,patches,steps,\
          error_percent,bias_percent,yearly_percent,sky_percent,seen_percent,bounced_percent,trace_cpu_s,compress_cpu_s,replay_cpu_s,rays,\
@@ -142,7 +146,7 @@ fn sources_csv(points: &[Point]) -> String {
 }
 
 /// What a person should know, in words.
-fn words(site: &Site, ladder: &Ladder) -> String {
+fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
     let watts = |step: &Step| step.error / 100.0 * ladder.mean_w_m2;
     let named = |name: &str| ladder.steps.iter().find(|step| step.name == name);
     let mut text = format!(
@@ -180,7 +184,7 @@ fn words(site: &Site, ladder: &Ladder) -> String {
     text
 }
 
-fn page(site: &Site, ladder: &Ladder, pictures: &[(&str, String)]) -> String {
+fn page(site: &SiteSummary, ladder: &LadderTable, pictures: &[(&str, String)]) -> String {
     let scene = escaped(&site.scene.display().to_string());
     let drawn: String = pictures.iter().map(|(_, svg)| format!("<figure>{svg}</figure>\n")).collect();
     format!(

@@ -11,24 +11,24 @@ use crate::archive::read_at::{ReadAt, range};
 
 /// Bytes of a file through a mapping.
 #[derive(Debug)]
-pub struct Mapping {
+pub struct MappedFile {
     /// `None` for an empty file, which cannot be mapped.
     map: Option<Mmap>,
 }
 
-impl Mapping {
+impl MappedFile {
     /// Maps a whole file for reading.
     #[allow(unsafe_code)]
     pub fn new(file: &File) -> io::Result<Self> {
         if file.metadata()?.len() == 0 {
-            return Ok(Mapping { map: None });
+            return Ok(MappedFile { map: None });
         }
         // SAFETY: the mapping must not change or shrink while a reference into it lives. Archives are published by rename and
         // never written in place (`writer.rs`), so no process of ours does that. If another one does, the copies below are the only
         // places that hold a reference, for the time of a copy: changed bytes are then a wrong checksum of that copy; a
         // file that is shortened ends the process by SIGBUS, which `Access::Read` avoids. Test that would break it:
         // `access_agrees`.
-        unsafe { Mmap::map(file) }.map(|map| Mapping { map: Some(map) })
+        unsafe { Mmap::map(file) }.map(|map| MappedFile { map: Some(map) })
     }
 
     fn bytes(&self) -> &[u8] {
@@ -36,7 +36,7 @@ impl Mapping {
     }
 }
 
-impl ReadAt for Mapping {
+impl ReadAt for MappedFile {
     fn length(&self) -> u64 {
         self.bytes().len() as u64
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 #[cfg(all(feature = "mmap", any(unix, windows)))]
-use crate::archive::mapping::Mapping;
+use crate::archive::mapping::MappedFile;
 #[cfg(any(unix, windows))]
 use crate::archive::read_at::OpenFile;
 use crate::archive::read_at::ReadAt;
@@ -73,7 +73,7 @@ impl Source {
 #[cfg(all(feature = "mmap", any(unix, windows)))]
 fn bytes_of(file: File, access: Access) -> io::Result<Box<dyn ReadAt>> {
     Ok(match access {
-        Access::Mapped => Box::new(Mapping::new(&file)?),
+        Access::Mapped => Box::new(MappedFile::new(&file)?),
         Access::Read => Box::new(OpenFile::new(file)?),
     })
 }
@@ -87,7 +87,7 @@ fn bytes_of(file: File, _: Access) -> io::Result<Box<dyn ReadAt>> {
 mod tests {
     use super::*;
 
-    /// Mapping, plain reads, a vector and shared memory give the same bytes for all 10 011 ranges of 140 bytes, copied out and read into a
+    /// MappedFile, plain reads, a vector and shared memory give the same bytes for all 10 011 ranges of 140 bytes, copied out and read into a
     /// buffer, and the same error outside them.
     #[test]
     fn access_agrees() {

@@ -35,7 +35,7 @@ impl MirrorTable {
 pub struct Reflection {
     /// From a direction of the sky to the one in which it is seen.
     map: DMat3,
-    /// From the looker on.
+    /// From the observer on.
     mirrors: Vec<(Orientation, Reflector)>,
 }
 

@@ -32,7 +32,7 @@ impl Orientation {
 /// A mirror on the way to a surface: the number of its material, and the cosine of the angle of incidence in 255ths.
 pub type MirrorStep = (u16, u8);
 
-/// Orientations met one after the other from the looker on; at most [`MOST_MIRRORS`].
+/// Orientations met one after the other from the observer on; at most [`MOST_MIRRORS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Chain {
     /// Numbers + 1; 0 is none.
@@ -65,7 +65,7 @@ impl Chain {
         self.links == [0; MOST_MIRRORS]
     }
 
-    /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the looker
+    /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the observer
     /// sees it; `None` if an orientation does not exist.
     pub fn seen_from(&self, orientations: &[Orientation]) -> Option<DMat3> {
         self.numbers().try_fold(DMat3::IDENTITY, |map, number| Some(map * orientations.get(usize::from(number))?.map()))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rkyv::util::AlignedVec;
 
-use crate::archive::codec::frame::Frame;
+use crate::archive::codec::frame::ZstdFrame;
 use crate::archive::codec::unpack::{UNPACK, Unpack};
 use crate::archive::format;
 use crate::archive::format::{CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW};
@@ -147,7 +147,7 @@ pub fn check_stored(path: &Path, entry: &Entry, stored: &[u8]) -> Result<()> {
 
 /// One whole frame that says it holds `length` bytes: a bomb is refused before anything is decoded.
 fn check_frame(stored: &[u8], length: usize) -> std::result::Result<(), (String, String)> {
-    let frame = Frame::at_start_of(stored);
+    let frame = ZstdFrame::at_start_of(stored);
     let frame = frame.ok_or_else(|| ("no zstd frame".to_string(), format!("a zstd frame of {length} bytes")))?;
     match frame.content {
         Some(size) if size == length as u64 => {}

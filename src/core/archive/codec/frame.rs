@@ -3,7 +3,7 @@
 
 /// What the header and the blocks' lengths of one frame say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Frame {
+pub struct ZstdFrame {
     /// Bytes that it decodes to, where it says so.
     pub content: Option<u64>,
     /// Bytes that it is stored in; `None` if it has no end in the bytes given.
@@ -15,7 +15,7 @@ const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 /// A window of 2^31 bytes is the largest that the reference decoder knows; that is 10 more than the exponent says.
 const MAX_WINDOW_EXPONENT: u8 = 21;
 
-impl Frame {
+impl ZstdFrame {
     /// The frame at the start of `bytes`; `None` if there is none.
     pub fn at_start_of(bytes: &[u8]) -> Option<Self> {
         let rest = bytes.strip_prefix(&MAGIC)?;
@@ -47,7 +47,7 @@ impl Frame {
         };
         let checksum = if descriptor & 4 != 0 { 4 } else { 0 };
         let after = after_blocks(rest).and_then(|after| after.get(checksum..));
-        Some(Frame { content, stored: after.and_then(|after| bytes.len().checked_sub(after.len())) })
+        Some(ZstdFrame { content, stored: after.and_then(|after| bytes.len().checked_sub(after.len())) })
     }
 }
 
@@ -86,7 +86,7 @@ mod tests {
             let theirs = zstd_safe::get_frame_content_size(&frame).ok();
             // A frame to be skipped has no content for them, and is none for us.
             let skipped = frame.get(1..4) == Some(&[0x2a, 0x4d, 0x18]);
-            let ours = Frame::at_start_of(&frame);
+            let ours = ZstdFrame::at_start_of(&frame);
             assert!(skipped || ours.map(|f| f.content) == theirs, "{ours:?} {theirs:?}");
             if let Some(ours) = ours {
                 assert_eq!(ours.stored, zstd_safe::find_frame_compressed_size(&frame).ok(), "{ours:?}");

@@ -1,12 +1,12 @@
 //! Triangles in lanes. In: a triangle and the rays of a packet. Out: which lanes hit it and where; the arithmetic of
-//! [`crate::trace::triangle`] lane by lane.
+//! [`crate::trace::kernel::triangle`] lane by lane.
 
-use crate::trace::lanes::Lanes;
-use crate::trace::packet::Packet;
-use crate::trace::triangle::{EdgeTriangle, intersect_f64};
+use crate::trace::kernel::lanes::Lanes;
+use crate::trace::kernel::packet::Packet;
+use crate::trace::kernel::triangle::{EdgeTriangle, intersect_f64};
 
 /// Vectors of a packet in registers.
-pub struct Rays<F> {
+pub struct PacketRays<F> {
     pub origin: [F; 3],
     pub direction: [F; 3],
     pub inverse: [F; 3],
@@ -18,7 +18,7 @@ pub fn intersect<L: Lanes, const SHARED: bool>(
     l: L,
     triangle: &EdgeTriangle,
     wanted: u16,
-    rays: &Rays<L::F>,
+    rays: &PacketRays<L::F>,
     packet: &Packet,
 ) -> (u16, L::F) {
     let seen = if SHARED { shared(l, triangle, packet.ray(0).origin) } else { apart(l, triangle, &rays.origin) };

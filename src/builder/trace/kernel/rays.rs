@@ -1,13 +1,13 @@
 //! Rays: what a scene answers. In: rays, f32, relative to the scene origin, directions of about unit length. Out: what they
-//! meet first, or whether they meet anything. Many rays go in packets of sixteen ([`crate::trace::packet`]); rays one by one
+//! meet first, or whether they meet anything. Many rays go in packets of sixteen ([`crate::trace::kernel::packet`]); rays one by one
 //! are the reference that packets are judged against.
 
 use glam::DVec3;
 
-use crate::trace::lanes::Level;
-use crate::trace::packet;
-use crate::trace::tree::{Child, Node, Tree, WIDTH};
-use crate::trace::triangle::intersect;
+use crate::trace::kernel::lanes::Level;
+use crate::trace::kernel::packet;
+use crate::trace::kernel::tree::{Child, Node, Tree, WIDTH};
+use crate::trace::kernel::triangle::intersect;
 use heliotile_core::error::Result;
 use heliotile_core::site::grid::Grid;
 use heliotile_scene::mesh::Mesh;

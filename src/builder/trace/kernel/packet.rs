@@ -6,11 +6,11 @@
 
 use std::cell::RefCell;
 
-use crate::trace::lanes::{Kernel, LANES, Lanes, Level, Sixteen, dispatch};
-use crate::trace::planes::bits;
-use crate::trace::rays::{Hit, Ray};
-use crate::trace::tree::Tree;
-use crate::trace::walk::{Stack, Walk};
+use crate::trace::kernel::lanes::{F32x16, Kernel, LANES, Lanes, Level, dispatch};
+use crate::trace::kernel::planes::bits;
+use crate::trace::kernel::rays::{Hit, Ray};
+use crate::trace::kernel::tree::Tree;
+use crate::trace::kernel::walk::{Stack, Walk};
 
 /// Distances to the far side of a box are widened by this factor.
 pub const FAR_PAD: f32 = 1.000_000_4;
@@ -30,8 +30,8 @@ pub fn inverse(d: f32) -> f32 {
 /// Up to sixteen rays that agree on the sign of each axis; lanes beyond them repeat the last one and are not active.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
-    pub(super) origin: [Sixteen; 3],
-    pub(super) direction: [Sixteen; 3],
+    pub(super) origin: [F32x16; 3],
+    pub(super) direction: [F32x16; 3],
     pub(super) active: u16,
     /// All rays start at one point.
     shared: bool,
@@ -47,8 +47,8 @@ impl Packet {
         let from = ray(0).origin;
         let shared = (1..=last).all(|lane| ray(lane).origin == from);
         let mut packet = Packet {
-            origin: from.map(|x| Sixteen([x; LANES])),
-            direction: [Sixteen([0.0; LANES]); 3],
+            origin: from.map(|x| F32x16([x; LANES])),
+            direction: [F32x16([0.0; LANES]); 3],
             active: u16::MAX >> (LANES - 1 - last),
             shared,
             places: std::array::from_fn(|lane| places[lane.min(last)]),
@@ -67,7 +67,7 @@ impl Packet {
 
     /// The ray of a lane.
     pub(super) fn ray(&self, lane: usize) -> Ray {
-        let at = |v: &[Sixteen; 3]| [0, 1, 2].map(|i| v[i].0[lane]);
+        let at = |v: &[F32x16; 3]| [0, 1, 2].map(|i| v[i].0[lane]);
         Ray { origin: at(&self.origin), direction: at(&self.direction) }
     }
 }

@@ -27,7 +27,7 @@ pub const DOUBT: f32 = 3e-6;
 
 /// Everything about a triangle that depends on the ray's origin but not on its direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct TriangleAtOrigin {
     /// Normals of the planes through the origin and each edge.
     pub edges: [[f32; 3]; 3],
     /// The triangle's normal, not unit, and corner 0 relative to the origin dotted with it.
@@ -71,7 +71,7 @@ impl EdgeTriangle {
 
     /// The triangle as seen from an origin.
     #[inline(always)]
-    pub fn seen_from(&self, origin: [f32; 3]) -> Seen {
+    pub fn seen_from(&self, origin: [f32; 3]) -> TriangleAtOrigin {
         let fixed = self.fixed();
         let [a, b, c] = [0, 1, 2].map(|i| sub(self.corners[i], origin));
         // The lower end of each edge, whichever triangle asks.
@@ -80,7 +80,7 @@ impl EdgeTriangle {
         let height = dot(a, fixed.normal);
         // An origin in the plane of the triangle sees it edge-on from everywhere.
         let edge_on = if height.abs() < fixed.flat * reach { f32::INFINITY } else { fixed.flat };
-        Seen { edges, normal: fixed.normal, height, doubt: fixed.doubt * reach, edge_on }
+        TriangleAtOrigin { edges, normal: fixed.normal, height, doubt: fixed.doubt * reach, edge_on }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Sixteen f32 lanes on the processor at hand. In: a kernel written once over [`Lanes`]. Out: the kernel compiled for AVX-512, for
+//! F32x16 f32 lanes on the processor at hand. In: a kernel written once over [`Lanes`]. Out: the kernel compiled for AVX-512, for
 //! AVX2 and for any processor, and run on the best that this machine has.
 //!
 //! All levels give the same bits: additions, products, quotients, minima and comparisons only, never a fused product.
@@ -6,10 +6,10 @@
 /// Lanes of a packet.
 pub const LANES: usize = 16;
 
-/// Sixteen values in memory.
+/// F32x16 values in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Sixteen(pub [f32; LANES]);
+pub struct F32x16(pub [f32; LANES]);
 
 /// Half of the lanes in memory.
 pub type Half = [f32; LANES / 2];
@@ -18,8 +18,8 @@ pub type Half = [f32; LANES / 2];
 pub trait Lanes: Copy {
     type F: Copy;
     fn splat(self, x: f32) -> Self::F;
-    fn load(self, x: &Sixteen) -> Self::F;
-    fn store(self, x: Self::F) -> Sixteen;
+    fn load(self, x: &F32x16) -> Self::F;
+    fn store(self, x: Self::F) -> F32x16;
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
@@ -30,7 +30,7 @@ pub trait Lanes: Copy {
     /// Lanes where a < b.
     fn less(self, a: Self::F, b: Self::F) -> u16;
     /// Lanes where a <= b.
-    fn not_above(self, a: Self::F, b: Self::F) -> u16;
+    fn less_equal(self, a: Self::F, b: Self::F) -> u16;
     /// `a` where the mask is set, `b` elsewhere.
     fn select(self, mask: u16, a: Self::F, b: Self::F) -> Self::F;
     /// Lanes 0 to 7 and 8 to 15.
@@ -119,12 +119,12 @@ impl Lanes for Baseline {
         [x; LANES]
     }
     #[inline(always)]
-    fn load(self, x: &Sixteen) -> Self::F {
+    fn load(self, x: &F32x16) -> Self::F {
         x.0
     }
     #[inline(always)]
-    fn store(self, x: Self::F) -> Sixteen {
-        Sixteen(x)
+    fn store(self, x: Self::F) -> F32x16 {
+        F32x16(x)
     }
     #[inline(always)]
     fn add(self, a: Self::F, b: Self::F) -> Self::F {
@@ -159,7 +159,7 @@ impl Lanes for Baseline {
         mask2(a, b, |a, b| a < b)
     }
     #[inline(always)]
-    fn not_above(self, a: Self::F, b: Self::F) -> u16 {
+    fn less_equal(self, a: Self::F, b: Self::F) -> u16 {
         mask2(a, b, |a, b| a <= b)
     }
     #[inline(always)]
@@ -191,7 +191,7 @@ mod x86 {
     use pulp::x86::{V3, V4};
     use pulp::{NullaryFnOnce, cast};
 
-    use super::{Half, Kernel, LANES, Lanes, Sixteen};
+    use super::{F32x16, Half, Kernel, LANES, Lanes};
 
     /// A kernel with the level it is compiled for.
     pub(super) struct Run<L, K>(pub L, pub K);
@@ -211,12 +211,12 @@ mod x86 {
             self.avx512f._mm512_set1_ps(x)
         }
         #[inline(always)]
-        fn load(self, x: &Sixteen) -> __m512 {
+        fn load(self, x: &F32x16) -> __m512 {
             cast(x.0)
         }
         #[inline(always)]
-        fn store(self, x: __m512) -> Sixteen {
-            Sixteen(cast(x))
+        fn store(self, x: __m512) -> F32x16 {
+            F32x16(cast(x))
         }
         #[inline(always)]
         fn add(self, a: __m512, b: __m512) -> __m512 {
@@ -251,7 +251,7 @@ mod x86 {
             self.avx512f._mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b)
         }
         #[inline(always)]
-        fn not_above(self, a: __m512, b: __m512) -> u16 {
+        fn less_equal(self, a: __m512, b: __m512) -> u16 {
             self.avx512f._mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b)
         }
         #[inline(always)]
@@ -288,14 +288,14 @@ mod x86 {
             (half, half)
         }
         #[inline(always)]
-        fn load(self, x: &Sixteen) -> Pair {
+        fn load(self, x: &F32x16) -> Pair {
             let halves: [[f32; LANES / 2]; 2] = cast(x.0);
             (cast(halves[0]), cast(halves[1]))
         }
         #[inline(always)]
-        fn store(self, x: Pair) -> Sixteen {
+        fn store(self, x: Pair) -> F32x16 {
             let halves: [[f32; LANES / 2]; 2] = [cast(x.0), cast(x.1)];
-            Sixteen(cast(halves))
+            F32x16(cast(halves))
         }
         #[inline(always)]
         fn add(self, a: Pair, b: Pair) -> Pair {
@@ -333,7 +333,7 @@ mod x86 {
             bits(self, low, high)
         }
         #[inline(always)]
-        fn not_above(self, a: Pair, b: Pair) -> u16 {
+        fn less_equal(self, a: Pair, b: Pair) -> u16 {
             let low = self.avx._mm256_cmp_ps::<_CMP_LE_OQ>(a.0, b.0);
             let high = self.avx._mm256_cmp_ps::<_CMP_LE_OQ>(a.1, b.1);
             bits(self, low, high)
@@ -382,7 +382,7 @@ mod tests {
     use super::*;
 
     /// All operations on 16 lanes of signed values.
-    struct Everything(Sixteen, Sixteen);
+    struct Everything(F32x16, F32x16);
 
     impl Kernel for Everything {
         type Output = (Vec<u32>, Vec<u16>);
@@ -407,7 +407,7 @@ mod tests {
                 l.add(l.mul(a, b), l.mul(b, b)),
             ];
             let bits = values.iter().flat_map(|&v| l.store(v).0.map(f32::to_bits)).collect();
-            (bits, vec![l.less(a, b), l.not_above(a, b), l.less(b, a)])
+            (bits, vec![l.less(a, b), l.less_equal(a, b), l.less(b, a)])
         }
     }
 
@@ -419,8 +419,8 @@ mod tests {
                 let h = (i as u32 + 17 * round + salt).wrapping_mul(2_654_435_761);
                 (h as f32 / u32::MAX as f32 - 0.5) * 10.0_f32.powi((h % 7) as i32)
             };
-            let a = Sixteen(std::array::from_fn(|i| number(i, 0)));
-            let b = Sixteen(std::array::from_fn(|i| if i % 5 == 0 { a.0[i] } else { number(i, 99) }));
+            let a = F32x16(std::array::from_fn(|i| number(i, 0)));
+            let b = F32x16(std::array::from_fn(|i| if i % 5 == 0 { a.0[i] } else { number(i, 99) }));
             let reference = Everything(a, b).run(Baseline);
             for level in Level::available() {
                 assert_eq!(dispatch(level, Everything(a, b)), reference, "{level:?}");

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use crate::trace::rays::{Hit, Ray, Tracer};
+use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::receiver::Viewpoint;
 use heliotile_scene::mesh::Mesh;
 

@@ -4,10 +4,10 @@
 //! child waits for its own lanes only. Where no more than two lanes are left the beam is drawn around these.
 
 use crate::trace::beam::Beam;
-use crate::trace::lanes::{LANES, Lanes, Sixteen};
-use crate::trace::packet::{FAR_PAD, Packet};
-use crate::trace::planes::{Rays, bits, intersect};
-use crate::trace::tree::{Child, Node, Tree, WIDTH};
+use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
+use crate::trace::kernel::packet::{FAR_PAD, Packet};
+use crate::trace::kernel::planes::{PacketRays, bits, intersect};
+use crate::trace::kernel::tree::{Child, Node, Tree, WIDTH};
 
 /// A child that waits for those lanes that met its box.
 #[derive(Clone, Copy)]
@@ -47,8 +47,8 @@ impl Entry {
 /// A packet on its way.
 pub struct Walk<'a, F> {
     pub packet: &'a Packet,
-    rays: Rays<F>,
-    inverse: [Sixteen; 3],
+    rays: PacketRays<F>,
+    inverse: [F32x16; 3],
     beam: Beam<F>,
     backwards: [bool; 3],
     /// Serves one packet after the other.
@@ -82,7 +82,7 @@ impl<'a, F: Copy> Walk<'a, F> {
         stack.push(Waiting { child: Child::default(), entry: Entry::new(0.0, 0, packet.active) });
         Walk {
             packet,
-            rays: Rays { origin, direction, inverse },
+            rays: PacketRays { origin, direction, inverse },
             inverse: [l.store(inverse[0]), l.store(inverse[1]), l.store(inverse[2])],
             beam: Beam::whole(l, &origin, &inverse),
             backwards: [x.0[0] < 0.0, y.0[0] < 0.0, z.0[0] < 0.0],
@@ -100,7 +100,7 @@ impl<'a, F: Copy> Walk<'a, F> {
     pub fn step<L: Lanes<F = F>, const ANY: bool, const SHARED: bool>(&mut self, l: L, tree: &Tree) -> bool {
         let (child, lanes) = loop {
             let Some(Waiting { child, entry }) = self.stack.pop() else { return false };
-            let wanted = if ANY { !self.met } else { l.not_above(l.splat(entry.near()), self.limit) };
+            let wanted = if ANY { !self.met } else { l.less_equal(l.splat(entry.near()), self.limit) };
             if entry.lanes() & wanted != 0 {
                 break (child, entry.lanes() & wanted);
             }
@@ -124,7 +124,7 @@ impl<'a, F: Copy> Walk<'a, F> {
     #[inline(always)]
     fn keep<L: Lanes<F = F>>(&mut self, l: L, hit: u16, t: F, id: u32) {
         let mut better = hit & l.less(t, self.limit);
-        let equal = hit & !better & l.not_above(t, self.limit);
+        let equal = hit & !better & l.less_equal(t, self.limit);
         for lane in bits(equal) {
             better |= u16::from(id < self.triangle[lane]) << lane;
         }
@@ -181,7 +181,7 @@ impl<'a, F: Copy> Walk<'a, F> {
             near = l.max(near, plane(first));
             far = l.min(far, plane(last));
         }
-        l.not_above(near, l.min(l.mul(far, l.splat(FAR_PAD)), self.limit))
+        l.less_equal(near, l.min(l.mul(far, l.splat(FAR_PAD)), self.limit))
     }
 }
 

@@ -12,7 +12,7 @@ use obvhs::triangle::Triangle;
 
 use prefetch_index::prefetch_index;
 
-use crate::trace::triangle::EdgeTriangle;
+use crate::trace::kernel::triangle::EdgeTriangle;
 use heliotile_scene::mesh::Mesh;
 
 /// Boxes grow by this share of the largest coordinate: measured to close all leaks at vertices. A triangle that a ray meets is so always

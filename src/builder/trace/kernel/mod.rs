@@ -1,0 +1,10 @@
+//! The kernel: rays against triangles. In: a mesh, rays. Out: what they meet first, or whether they meet anything. Packets of sixteen rays
+//! walk the tree together; single rays are the reference that they are judged by.
+
+pub mod lanes;
+pub mod packet;
+pub mod planes;
+pub mod rays;
+pub mod tree;
+pub mod triangle;
+pub mod walk;
