@@ -27,7 +27,7 @@ pub struct WallArgs {
     /// Maps: longitude-latitude (equal angles), solid-angle (that of archives), cosine (every ray counts the same)
     #[arg(long, value_name = "MAPS", value_delimiter = ',', default_value = "longitude-latitude,solid-angle,cosine")]
     pub mapping: Vec<HemisphereMapping>,
-    /// RaySquare a hemisphere: squares, as every map has n x n texels; the middle number is the one of wall.svg
+    /// Rays a hemisphere: squares, as every map has n x n texels; the middle number is the one of wall.svg
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',', default_value = "256,1024,4096")]
     pub rays: Vec<RaySquare>,
     /// Distances, metres: 1..50 in steps of 1, or 1,2.5,10
@@ -41,7 +41,7 @@ pub struct WallArgs {
 /// Most texels a side of a map.
 const MOST_SIDE: usize = 1024;
 
-/// RaySquare of a hemisphere: `side` x `side`.
+/// Rays of a hemisphere: `side` x `side`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RaySquare {
     pub side: usize,

@@ -1,4 +1,4 @@
-//! F32x16 f32 lanes on the processor at hand. In: a kernel written once over [`Lanes`]. Out: the kernel compiled for AVX-512, for
+//! Sixteen f32 lanes on the processor at hand. In: a kernel written once over [`Lanes`]. Out: the kernel compiled for AVX-512, for
 //! AVX2 and for any processor, and run on the best that this machine has.
 //!
 //! All levels give the same bits: additions, products, quotients, minima and comparisons only, never a fused product.
@@ -6,7 +6,7 @@
 /// Lanes of a packet.
 pub const LANES: usize = 16;
 
-/// F32x16 values in memory.
+/// Sixteen values in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct F32x16(pub [f32; LANES]);
