@@ -13,7 +13,7 @@
 //!     Quality, Receiver, ReceiverTiles, Replay, ReplaySettings, Rungs, Scene, Silent, Workspace,
 //! };
 //!
-//! # fn main() -> crate::Result<()> {
+//! # fn main() -> heliotile::Result<()> {
 //! // A ground of 100 m x 100 m with a white wall on it, 10 m wide and high; metres, x east, y north, z up.
 //! let quad = |a: DVec3, u: DVec3, v: DVec3, material: u16| [([a, a + u, a + u + v], material), ([a, a + u + v, a + v], material)];
 //! let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
@@ -40,7 +40,7 @@
 //! build.write(&plan, &Output::new(&path), &[])?;
 //!
 //! // Two conditions: the sun in the south at 40 degrees, and an overcast sky. Degrees, W/m2.
-//! let sun = crate::direction_from_degrees(180.0, 40.0);
+//! let sun = heliotile::direction_from_degrees(180.0, 40.0);
 //! let conditions =
 //!     [Condition::new("clear".into(), &[sun], sun, 800.0, 80.0), Condition::new("overcast".into(), &[sun], sun, 0.0, 150.0)];
 //! let archive = Archive::open(&path)?;

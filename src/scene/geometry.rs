@@ -11,13 +11,10 @@ use crate::materials::select::MaterialTable;
 use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
 
-/// Largest coordinate that is taken for a position in metres and not for an accident.
-pub(super) const MAX_COORDINATE_M: f64 = 1e9;
-
 /// Polygons of one file, in its order.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
-    /// Input coordinates, metres; finite, at most [`MAX_COORDINATE_M`] in size.
+    /// Input coordinates, metres; finite, at most [`MAX_COORDINATE_M`](crate::coordinate::MAX_COORDINATE_M) in size.
     pub vertices: Vec<DVec3>,
     /// Corners of all faces one after the other, outline before holes: indices into `vertices`, all in range.
     corners: Vec<u32>,
@@ -80,7 +77,7 @@ impl<'a> Polygon<'a> {
 impl Geometry {
     /// Adds a vertex and gives its index. The caller has checked it with [`is_position`].
     pub(super) fn push_vertex(&mut self, file: &Path, position: DVec3) -> Result<u32> {
-        debug_assert!(is_position(position));
+        debug_assert!(crate::coordinate::is_position(position));
         let index = u32::try_from(self.vertices.len()).ok().filter(|i| *i < u32::MAX).ok_or_else(|| Error::Limit {
             what: format!("the number of vertices of {}", file.display()),
             value: self.vertices.len() as u64 + 1,
@@ -152,12 +149,6 @@ impl Geometry {
             polygon
         })
     }
-}
-
-/// Whether a position may be one on Earth: finite and of metres.
-pub(super) fn is_position(position: DVec3) -> bool {
-    // NaN compares false.
-    position.to_array().iter().all(|metres| metres.abs() <= MAX_COORDINATE_M)
 }
 
 /// Names in the order of their first use, each once.

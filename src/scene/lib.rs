@@ -26,6 +26,7 @@
 
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
+mod coordinate;
 pub mod covering;
 mod endless_ground;
 mod formats;
@@ -35,6 +36,7 @@ pub mod materials;
 pub mod mesh;
 pub mod mirrors;
 pub mod objects;
+mod palette;
 mod polygon;
 pub mod reference;
 pub mod site;
@@ -47,7 +49,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use geometry::MAX_COORDINATE_M;
+use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::material::Material;

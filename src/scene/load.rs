@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::endless_ground::EndlessGround;
 use crate::formats;
 use crate::formats::{Asked, Content};
-use crate::geometry::{Geometry, Names, is_position};
-use crate::materials::palette::Palette;
+use crate::geometry::{Geometry, Names};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
+use crate::palette::Palette;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
 use crate::reference::{Reference, horizontal};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::Deserialize;
 
-use crate::geometry::is_position;
+use crate::coordinate::is_position;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 

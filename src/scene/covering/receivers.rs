@@ -6,8 +6,8 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::rows::{CsvRows, cell_error};
-use crate::geometry::MAX_COORDINATE_M;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 

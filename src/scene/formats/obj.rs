@@ -5,9 +5,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::mtl;
 use crate::formats::{Asked, stem};
-use crate::geometry::{Geometry, MAX_COORDINATE_M};
+use crate::geometry::Geometry;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
 use heliotile_core::error::{Error, Result};
 

@@ -8,11 +8,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::formats::obj::DEFAULT_MATERIAL;
 use crate::formats::ply_body::Body;
 use crate::formats::ply_header::{Element, Header, Property};
 use crate::formats::{Asked, stem};
-use crate::geometry::{Geometry, is_position};
+use crate::geometry::Geometry;
 use heliotile_core::error::{Error, Result};
 
 pub(super) fn read(path: &Path, _asked: &Asked) -> Result<Geometry> {

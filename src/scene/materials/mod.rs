@@ -2,7 +2,6 @@
 //! material for each name in use.
 
 pub(crate) mod assumed;
-pub(crate) mod palette;
 pub(crate) mod select;
 pub(crate) mod toml_file;
 

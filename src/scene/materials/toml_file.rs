@@ -8,9 +8,9 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::endless_ground;
 use crate::endless_ground::EndlessGround;
-use crate::geometry::MAX_COORDINATE_M;
 use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::geometry::is_position;
+use crate::coordinate::is_position;
 use crate::reference::Reference;
 use crate::site::Part;
 use heliotile_core::error::{Error, Result};

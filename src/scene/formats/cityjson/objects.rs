@@ -4,11 +4,12 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
+use crate::coordinate::is_position;
 use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text};
 use crate::formats::cityjson::frame::Frame;
 use crate::formats::cityjson::surfaces::{VIRTUAL, by_tilt, depth_of, is_building, plain, semantic};
 use crate::formats::cityjson::templates::{MAX_CORNERS, Template, matrix};
-use crate::geometry::{Geometry, is_position};
+use crate::geometry::Geometry;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 

@@ -4,10 +4,10 @@
 
 use std::path::Path;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::energyplus::layout::{Layout, Version};
 use crate::formats::energyplus::model::{Model, Object, Value};
 use crate::formats::energyplus::vertex_error;
-use crate::geometry::MAX_COORDINATE_M;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::energyplus::layout::{Layout, Version};
-use crate::geometry::MAX_COORDINATE_M;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 

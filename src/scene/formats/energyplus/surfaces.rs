@@ -5,13 +5,14 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::formats::energyplus::holes;
 use crate::formats::energyplus::holes::Fit;
 use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::notes::Notes;
 use crate::formats::energyplus::place::{Frame, Of, Place, area_vector};
-use crate::geometry::{Geometry, is_position};
+use crate::geometry::Geometry;
 use heliotile_core::error::Result;
 
 pub(super) const TOO_FEW: &str = "with fewer than three corners";

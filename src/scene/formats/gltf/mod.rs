@@ -15,11 +15,12 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
+use crate::coordinate::is_position;
 use crate::formats::Asked;
 use crate::formats::gltf::buffers::{Buffers, Values};
 use crate::formats::gltf::json::{Mesh, Node, Primitive, Root};
 use crate::formats::gltf::materials::Materials;
-use crate::geometry::{Geometry, is_position};
+use crate::geometry::Geometry;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
