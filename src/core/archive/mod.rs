@@ -26,11 +26,11 @@
 )]
 
 pub mod accuracy;
-pub mod blocks;
+mod blocks;
 pub mod codec;
 pub mod format;
 mod frame;
-pub mod header;
+mod header;
 pub mod manifest;
 #[cfg(all(feature = "mmap", any(unix, windows)))]
 mod mapping;
@@ -40,13 +40,14 @@ pub mod read_at;
 pub mod reader;
 pub mod record;
 pub mod settings;
-pub mod source;
+mod source;
 pub mod tables;
 mod unpack;
 pub mod verify;
 
 pub use blocks::Blocks;
 pub use codec::{Block, EncodedBlock};
+pub use header::Header;
 pub use manifest::Manifest;
 #[cfg(feature = "zstd")]
 pub use pack::encode;

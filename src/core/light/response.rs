@@ -12,6 +12,7 @@ use crate::site::material::Class;
 /// What is needed of a receiver besides its hits.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewer {
+    /// Unit normal, world frame.
     pub normal: DVec3,
     /// Seed of its hit rays' jitter.
     pub seed: u64,

@@ -42,10 +42,12 @@ impl SiteFacts {
         Ok(SiteFacts { settings, materials, orientations, origin, receivers: receivers.count, tiles: receivers.tiles })
     }
 
+    /// By the numbers in cell keys.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
+    /// By the numbers in chains of mirrors.
     pub fn orientations(&self) -> &[Orientation] {
         &self.orientations
     }
@@ -92,6 +94,7 @@ impl<'a> OpenSite<'a> {
         self.blocks.path()
     }
 
+    /// Sides of textures, rays of cells, the closed level, all in range.
     pub fn settings(&self) -> &SiteSettings {
         &self.facts.settings
     }
@@ -116,6 +119,7 @@ impl<'a> OpenSite<'a> {
         self.facts.receivers
     }
 
+    /// Number of tiles: those from 0 up to it exist.
     pub fn tiles(&self) -> u32 {
         self.facts.tiles
     }
