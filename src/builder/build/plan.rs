@@ -12,6 +12,7 @@ use heliotile_core::error::Result;
 pub struct PlanRequest<'a> {
     /// Settings to begin with; what they leave out is decided anew.
     pub settings: BuildSettings,
+    /// Effects that are traced: what the scene calls for, or those of a list.
     pub effects: EffectChoice,
     /// An error to keep within; settings are then chosen by a pilot.
     pub target: Option<ErrorTarget<'a>>,
@@ -29,6 +30,7 @@ pub struct ErrorTarget<'a> {
 /// What will be built.
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// What the build will use.
     pub settings: BuildSettings,
     /// What the settings are known to be off by, for the manifest.
     pub accuracy: Option<Accuracy>,

@@ -32,8 +32,10 @@ pub struct MappedRay {
 }
 
 impl Mapping {
+    /// All mappings, in the order of their numbers.
     pub const ALL: [Mapping; 3] = [Mapping::LongitudeLatitude, Mapping::SolidAngle, Mapping::Cosine];
 
+    /// As options and tables name it.
     pub fn name(self) -> &'static str {
         match self {
             Mapping::LongitudeLatitude => "longitude-latitude",

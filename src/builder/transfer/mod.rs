@@ -23,5 +23,5 @@ pub use diff::{Differences, Names, Parted, diff};
 pub use extract::{Extracted, Whole, extract};
 pub use merge::{Merged, merge};
 pub use output::Assembled;
-pub use rows::ArchiveReceivers;
+pub use rows::{ArchiveReceivers, LayeredReceiver, Layers};
 pub use selection::{Bounds, Selection};
