@@ -69,6 +69,8 @@
 //! - Bytes of an archive do not depend on threads, on the order of receivers or faces, on the machine or on time.
 //! - No input ends the program: what cannot be used is an [`Error`] that says what was found, where, and what to do.
 
+#![deny(missing_docs)]
+
 mod cli;
 mod commands;
 pub mod files;

@@ -36,6 +36,8 @@
 //! - **journal**: the list of checkpoints beside an archive that is not finished.
 //! - **spill**: sorting with temporary files what memory does not hold.
 
+#![deny(missing_docs)]
+
 pub mod accuracy;
 pub mod build;
 pub mod observer;

@@ -12,45 +12,84 @@ pub type Result<T> = std::result::Result<T, Error>;
 pub enum Error {
     /// A file given by the user holds something that cannot be used.
     Input {
+        /// The file, as it was named.
         file: PathBuf,
         /// 1-based line, where the format has lines.
         line: Option<usize>,
+        /// What was found.
         what: String,
+        /// What to do.
         hint: String,
     },
     /// An interrupted build lies where an archive is to be written; what can be done depends on the command.
-    Incomplete { partial: PathBuf, what: String, hint: String },
-    /// The operating system refused; `action` is what was tried ("read", "create", "sync", ...).
-    Io { path: PathBuf, action: &'static str, source: io::Error },
+    Incomplete {
+        /// The file of the interrupted build.
+        partial: PathBuf,
+        /// What it is.
+        what: String,
+        /// What to do.
+        hint: String,
+    },
+    /// The operating system refused.
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was tried: `read`, `create`, `sync`.
+        action: &'static str,
+        /// What the system said.
+        source: io::Error,
+    },
     /// An archive's bytes are not what was written.
     Corrupt {
+        /// The archive.
         path: PathBuf,
         /// Name of the block, such as `sky/3`, or of the part (`header`, `directory`, `manifest`).
         block: String,
+        /// Where that starts in the file, bytes.
         offset: u64,
+        /// What was found.
         got: String,
+        /// What stands there in a good archive.
         expected: String,
     },
     /// Blocks that are each as they were written do not fit together: what was checked when they were read does not hold.
     Defect {
+        /// The archive.
         path: PathBuf,
         /// Name of the block that says something of another, such as `probes/3`.
         block: String,
         /// Its part.
         field: &'static str,
+        /// What does not hold.
         what: String,
     },
     /// An option or an argument has a value that cannot be used.
     Argument {
         /// As the user writes it: `--set`.
         argument: String,
+        /// What is wrong with it.
         what: String,
+        /// What to do.
         hint: String,
     },
     /// The file or the request is valid, but this release cannot do it.
-    Unsupported { what: String, found: String, supported: String },
+    Unsupported {
+        /// What was being done, to which file.
+        what: String,
+        /// What was found.
+        found: String,
+        /// What this release can do.
+        supported: String,
+    },
     /// A number is beyond a stated limit.
-    Limit { what: String, value: u64, max: u64 },
+    Limit {
+        /// What the number counts.
+        what: String,
+        /// The number.
+        value: u64,
+        /// The largest one allowed.
+        max: u64,
+    },
 }
 
 impl Error {

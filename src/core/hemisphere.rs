@@ -185,8 +185,11 @@ impl Centres {
 /// For a vertical normal u = east, v = north (up) or south (down).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
+    /// Horizontal, unit: the direction in which columns of a texture grow.
     pub u: DVec3,
+    /// Up the surface, unit: the direction in which rows grow.
     pub v: DVec3,
+    /// The normal, unit.
     pub n: DVec3,
 }
 

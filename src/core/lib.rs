@@ -46,6 +46,8 @@
 //! `zstd` (default) reads and writes blocks with the C library; without it `ruzstd` reads them. `mmap` (default) opens files through a
 //! mapping. Without both the crate needs no C compiler and builds for `wasm32-unknown-unknown`.
 
+#![deny(missing_docs)]
+
 pub mod archive;
 pub mod error;
 pub mod hemisphere;

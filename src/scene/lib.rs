@@ -24,6 +24,7 @@
 //! - **buried**: inside a neighbour or below the terrain.
 //! - **endless ground**: a plane that goes on beyond the scene.
 
+#![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
 mod coordinate;
@@ -60,17 +61,20 @@ use mesh::{Canonical, Mesh, RawTriangle, canonical};
 /// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    /// The triangles.
     pub mesh: Mesh,
     /// The materials in use, sorted by name.
     pub materials: Vec<Material>,
     /// Where on Earth it lies, if its files say so; no part of its content.
     pub place: Option<Place>,
+    /// What loading came across.
     pub report: LoadReport,
 }
 
 /// What loading a scene came across; no part of its content.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadReport {
+    /// Faces in the files, before they are cut into triangles.
     pub faces_read: usize,
     /// Triangles kept.
     pub triangles: usize,
@@ -84,6 +88,7 @@ pub struct LoadReport {
     pub materials: Vec<MaterialUse>,
     /// Names of materials that nobody describes.
     pub assumed: Vec<String>,
+    /// Sentences for the user.
     pub warnings: Vec<String>,
     /// What was decided that the user did not ask for, such as how terrain was thinned.
     pub notes: Vec<String>,

@@ -29,11 +29,13 @@ use heliotile_core::site::place::Place;
 pub struct Soup {
     /// Input coordinates, metres.
     pub positions: Vec<DVec3>,
+    /// Corners, indices into `positions`.
     pub triangles: Vec<[u32; 3]>,
     /// Indices into `Scene::materials`, `u16::MAX` for one that no triangle of the scene bears.
     pub materials: Vec<u16>,
     /// Indices into `object_names`.
     pub objects: Vec<u32>,
+    /// Names of the objects in the files.
     pub object_names: Vec<String>,
 }
 

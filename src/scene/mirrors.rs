@@ -22,6 +22,7 @@ const MOST_ORIENTATIONS: usize = 1 << 16;
 /// The mirrors of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Mirrors {
+    /// `[number]`: normal and material of each kind of mirror; chains name them by number.
     pub orientations: Vec<Orientation>,
     /// `[triangle]`: number + 1; 0 is no mirror. Empty if there is none.
     of_triangle: Vec<u32>,
@@ -84,6 +85,7 @@ impl Mirrors {
         Ok(found)
     }
 
+    /// Whether the scene has no mirror.
     pub fn is_empty(&self) -> bool {
         self.orientations.is_empty()
     }

@@ -11,7 +11,12 @@ pub enum Reference {
     /// Number of a coordinate reference system in the EPSG register; a compound one counts by its horizontal part.
     Epsg(u32),
     /// Degrees, north and east positive; coordinates are those of a local system, y to true north.
-    Place { latitude_deg: f64, longitude_deg: f64 },
+    Place {
+        /// -90..=90.
+        latitude_deg: f64,
+        /// -180..=180.
+        longitude_deg: f64,
+    },
 }
 
 /// Compound systems and their horizontal parts (EPSG register, 2024); the crate of definitions lists few of them.

@@ -14,12 +14,14 @@ use heliotile_core::error::{Error, Result};
 /// Files that make up one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Site {
+    /// Each file, in the order in which it was named.
     pub parts: Vec<Part>,
 }
 
 /// One file of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
+    /// The file; its ending says its format.
     pub file: PathBuf,
     /// Its `materials.toml`; without one, what the file itself says.
     pub materials: Option<PathBuf>,

@@ -61,7 +61,7 @@ fn mirrored_bits(i: u32) -> f64 {
 
 /// Where conditions come from.
 pub enum ErrorConditions {
-    /// All sides: [`spread`].
+    /// Suns from all sides, with no place on Earth in mind.
     Spread,
     /// A file by its name.
     Weather(String, Box<Weather>),

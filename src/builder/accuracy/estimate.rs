@@ -34,6 +34,7 @@ const fn typical(source: ErrorSource) -> Typical {
 /// Error by rung of one source, percent of the mean total.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
+    /// `[rung]`, from coarse to fine.
     pub percent: Vec<f64>,
 }
 
@@ -70,6 +71,7 @@ impl Curve {
 pub struct Errors {
     /// In the order of [`ErrorSource::ALL`].
     pub curves: [Curve; 3],
+    /// `[rung]` of the sky's patches: 145, 577, 2305.
     pub patches: [f64; PATCH_RUNGS],
 }
 

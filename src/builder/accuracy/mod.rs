@@ -44,16 +44,20 @@ const ROUNDS: usize = 3;
 
 /// What is looked for.
 pub struct PilotRequest<'a> {
+    /// Largest RMSE of hourly totals, percent of their mean.
     pub target_percent: f64,
     /// What errors are estimated under.
     pub suns: &'a ErrorConditions,
+    /// Effects that no build of the pilot traces.
     pub left_out: Effects,
 }
 
 /// What was found.
 #[derive(Clone, Debug)]
 pub struct SettingsChoice {
+    /// The cheapest settings that keep within the target, as far as is known.
     pub settings: BuildSettings,
+    /// What they were found to be off by, for the manifest.
     pub accuracy: Accuracy,
     /// RMSE of each source that was expected, percent of the mean total: [`ErrorSource::ALL`], then the sky's patches.
     pub sources_percent: [f64; 4],

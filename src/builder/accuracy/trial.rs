@@ -23,11 +23,15 @@ use heliotile_core::weather::conditions::Condition;
 
 /// What trials of one site have in common.
 pub struct Bench<'a> {
+    /// What is traced.
     pub scene: &'a PreparedScene<'a>,
+    /// The receivers that are built, in this order.
     pub receivers: &'a [Receiver],
+    /// Suns and skies that irradiances are compared under.
     pub conditions: &'a [Condition],
     /// Its folder holds archives of trials until they are not needed any more.
     pub workspace: &'a Workspace,
+    /// Asked whether to stop, and told of warnings.
     pub observer: &'a dyn Observer,
 }
 
@@ -47,10 +51,15 @@ impl Observer for Quiet<'_> {
 /// What was built and how it looks.
 #[derive(Clone, Debug)]
 pub struct Trial {
+    /// What it was built with.
     pub settings: BuildSettings,
+    /// The archive, in the folder of the workspace.
     pub archive: PathBuf,
+    /// What its receivers get.
     pub light: Irradiances,
+    /// Rays that the build cast.
     pub rays: RayCounts,
+    /// Length of the archive.
     pub bytes: u64,
     /// CPU seconds of the build, compression included.
     pub build_s: f64,
@@ -59,6 +68,7 @@ pub struct Trial {
 /// Irradiances, W/m2, by what they tell of errors: `[receiver][condition]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Irradiances {
+    /// Number of conditions, the faster axis of `rows`.
     pub conditions: usize,
     /// The six components, and sun_diffuse and sky_diffuse of a single reflection.
     pub rows: Vec<[f32; 8]>,
@@ -136,6 +146,7 @@ pub enum ErrorSource {
 }
 
 impl ErrorSource {
+    /// All sources, in the order of their numbers.
     pub const ALL: [ErrorSource; 3] = [ErrorSource::Sky, ErrorSource::Seen, ErrorSource::Bounced];
 
     fn of(self, row: &[f32; 8]) -> f64 {
@@ -151,8 +162,11 @@ impl ErrorSource {
 /// How two lights differ, W/m2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorMeasures {
+    /// Square root of the mean square.
     pub rmse: f64,
+    /// Mean with its sign: above 0 where the first is larger.
     pub bias: f64,
+    /// Mean of the absolute values.
     pub mean_absolute: f64,
 }
 

@@ -16,8 +16,9 @@ use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
 use heliotile_core::site::chain::MOST_MIRRORS;
 
-/// Light that bounds are stated for, W/m2: of the sun at normal incidence and of a uniform sky on open ground.
+/// Irradiance of the sun at normal incidence that bounds are stated for.
 pub const SUN_W_M2: f64 = 1000.0;
+/// Irradiance of a uniform sky on open ground that bounds are stated for.
 pub const SKY_W_M2: f64 = 100.0;
 
 /// An effect is left out if that costs no more than this.
@@ -36,7 +37,9 @@ const SOLVING: f64 = 0.3;
 /// What is to be traced, effect by effect.
 #[derive(Clone, Debug)]
 pub struct Forecast {
+    /// Number of receivers that the forecast is for.
     pub receivers: u64,
+    /// What is always traced, and each effect.
     pub lines: Vec<Line>,
     /// What is left out although the scene has it.
     pub left_out: Effects,
@@ -45,14 +48,19 @@ pub struct Forecast {
 /// One effect, or what is always traced.
 #[derive(Clone, Debug)]
 pub struct Line {
+    /// The light path, as people read it.
     pub name: &'static str,
     /// `None` is always on.
     pub effect: Option<Effect>,
+    /// Whether it will be traced.
     pub on: bool,
+    /// Rays that it takes, or would take; scaled up from a sample.
     pub rays: f64,
+    /// Seconds that it takes, or would take, on this machine.
     pub seconds: f64,
     /// The most that any receiver could lose without it, W/m2.
     pub bound_w_m2: Option<f64>,
+    /// Why it is on or off.
     pub why: String,
 }
 

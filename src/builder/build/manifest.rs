@@ -13,9 +13,13 @@ use heliotile_core::site::receiver::TILE;
 /// What a build counted.
 #[derive(Clone, Copy, Debug)]
 pub struct BuildCounts {
+    /// Number of receivers.
     pub receivers: u64,
+    /// Number of tiles that they make.
     pub tiles: u32,
+    /// Cells that receivers see.
     pub probes: u64,
+    /// Coarser cells that probes and each other see.
     pub bounce_cells: u64,
 }
 

@@ -52,9 +52,13 @@ pub struct Workspace {
 
 /// A scene with its receivers, about to be traced.
 pub struct Build<'a> {
+    /// What is traced.
     pub scene: &'a PreparedScene<'a>,
+    /// The receivers, cut into tiles.
     pub receivers: &'a mut ReceiverTiles,
+    /// Where it may put files, and how much memory it may take.
     pub workspace: &'a Workspace,
+    /// Told of progress and warnings, and asked whether to stop.
     pub observer: &'a dyn Observer,
 }
 

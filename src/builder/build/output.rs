@@ -10,7 +10,9 @@ use heliotile_core::error::{Error, Result};
 /// The archive that a build writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
+    /// The archive; it has this name once it is finished, `PATH.partial` until then.
     pub path: PathBuf,
+    /// What to do where an interrupted build lies.
     pub start: Start,
     /// What a crash costs at most.
     pub checkpoint_every: Duration,
@@ -40,7 +42,9 @@ pub enum Start {
     /// Refuse, and say what can be done.
     #[default]
     New,
+    /// Go on with it; refused if it was for something else.
     Resume,
+    /// Throw it away, and begin anew.
     Fresh,
     /// As `Resume`, for a command without options of that kind.
     GoOn,

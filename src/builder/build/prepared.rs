@@ -11,6 +11,7 @@ use heliotile_scene::mirrors::Mirrors;
 
 /// A scene with all that does not depend on settings.
 pub struct PreparedScene<'a> {
+    /// The scene as it was loaded.
     pub scene: &'a Scene,
     /// Of all that stops rays.
     pub(super) tracer: Tracer,

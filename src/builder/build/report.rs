@@ -7,13 +7,17 @@ use super::manifest::BuildCounts;
 /// What a build did.
 #[derive(Clone, Debug)]
 pub struct BuildReport {
+    /// How much the archive holds.
     pub counts: BuildCounts,
     /// Cast by this run: a build that was resumed cast others before.
     pub rays: RayCounts,
     /// Seconds by stage.
     pub seconds: Vec<(&'static str, f64)>,
+    /// Length of the archive.
     pub bytes: u64,
+    /// Root hash of the archive: names its content.
     pub root: [u8; 32],
+    /// Sentences for the user.
     pub warnings: Vec<String>,
     /// Largest share of a receiver's light, and of a cell's, that was lost behind the last mirror followed.
     pub lost_in_mirrors: [f64; 2],
@@ -22,9 +26,13 @@ pub struct BuildReport {
 /// Rays cast, by purpose.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RayCounts {
+    /// Of receivers to the texels of the sky.
     pub sky: u64,
+    /// Of receivers to what they see.
     pub hit: u64,
+    /// Of probes.
     pub probe: u64,
+    /// Of bounce cells.
     pub bounce: u64,
     /// By way of mirrors, for receivers and cells.
     pub mirror: u64,

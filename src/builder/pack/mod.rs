@@ -4,9 +4,9 @@
 mod chunks;
 mod tile;
 
-pub use chunks::Chunks;
+pub(crate) use chunks::Chunks;
 use tile::extra;
-pub use tile::{responses, tile};
+pub(crate) use tile::{responses, tile};
 
 /// Level of the block compressor: textures are written once and read for years.
 pub const COMPRESSION: i32 = 9;

@@ -17,8 +17,10 @@ pub enum Effect {
 }
 
 impl Effect {
+    /// All effects, in the order of their numbers.
     pub const ALL: [Effect; 4] = [Effect::Diffuse, Effect::Bounces, Effect::Mirrors, Effect::Canopies];
 
+    /// As options and the manifest name it.
     pub fn name(self) -> &'static str {
         match self {
             Effect::Diffuse => "diffuse",
@@ -34,9 +36,12 @@ impl Effect {
 pub struct Effects(u8);
 
 impl Effects {
+    /// No effect.
     pub const NONE: Effects = Effects(0);
+    /// Every effect.
     pub const ALL: Effects = Effects(0b1111);
 
+    /// Whether an effect is among them.
     pub fn contains(self, effect: Effect) -> bool {
         self.0 & 1 << effect as u8 != 0
     }
@@ -65,6 +70,7 @@ impl Effects {
 pub enum EffectChoice {
     /// What the scene calls for.
     Auto,
+    /// These and no others.
     These(Effects),
 }
 

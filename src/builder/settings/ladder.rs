@@ -24,10 +24,13 @@ pub const fn rungs_of(ladder: Ladder) -> usize {
     0
 }
 
-/// Rungs of each ladder.
+/// Rungs of the ladder of the receivers' sky textures.
 pub const SKY_RUNGS: usize = rungs_of(Ladder::Sky);
+/// Rungs of the ladder of the cells that receivers see.
 pub const SEEN_RUNGS: usize = rungs_of(Ladder::Seen);
+/// Rungs of the ladder of what those cells see.
 pub const BOUNCED_RUNGS: usize = rungs_of(Ladder::Bounced);
+/// Rungs of the ladder of the sky's patches.
 pub const PATCH_RUNGS: usize = rungs_of(Ladder::Patches);
 
 /// Sky patches of each rung.
@@ -38,9 +41,13 @@ pub fn patches() -> [usize; PATCH_RUNGS] {
 /// A rung of each ladder, from 0, the coarsest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rungs {
+    /// Of the receivers' sky textures, below [`SKY_RUNGS`].
     pub sky: usize,
+    /// Of the cells that receivers see, below [`SEEN_RUNGS`].
     pub seen: usize,
+    /// Of what those cells see, below [`BOUNCED_RUNGS`].
     pub bounced: usize,
+    /// Of the sky's patches, below [`PATCH_RUNGS`].
     pub patches: usize,
 }
 

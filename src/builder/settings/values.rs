@@ -34,6 +34,7 @@ macro_rules! declare {
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct BuildSettings {
             $(#[doc = $meaning] pub $name: $native,)*
+            /// Whether receivers share cells, or every hit has one of its own.
             pub share: Share,
             /// What is not traced although the scene has it.
             pub left_out: Effects,

@@ -9,6 +9,6 @@ mod run;
 mod scratch;
 mod sorter;
 
-pub use merge::Sorted;
+pub(crate) use merge::Sorted;
 pub use scratch::TempFiles;
-pub use sorter::Sorter;
+pub(crate) use sorter::Sorter;

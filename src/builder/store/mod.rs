@@ -17,8 +17,9 @@ use heliotile_core::error::Result;
 /// What decides which archives can serve a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StoreKey {
-    /// Content hash of the scene, and hash of the settings.
+    /// Content hash of the scene.
     pub scene: [u8; 32],
+    /// Hash of the build's settings.
     pub settings: [u8; 32],
 }
 
@@ -39,7 +40,9 @@ impl StoreKey {
 /// An archive in a store.
 #[derive(Clone, Debug)]
 pub struct Stored {
+    /// Where it is.
     pub path: PathBuf,
+    /// Its length.
     pub bytes: u64,
     /// Last used by a build.
     pub used: SystemTime,

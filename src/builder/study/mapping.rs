@@ -32,9 +32,11 @@ pub struct MappedRay {
 }
 
 impl HemisphereMapping {
+    /// All mappings, in the order of their numbers.
     pub const ALL: [HemisphereMapping; 3] =
         [HemisphereMapping::LongitudeLatitude, HemisphereMapping::SolidAngle, HemisphereMapping::Cosine];
 
+    /// As options and tables name it.
     pub fn name(self) -> &'static str {
         match self {
             HemisphereMapping::LongitudeLatitude => "longitude-latitude",

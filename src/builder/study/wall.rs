@@ -8,8 +8,11 @@ use glam::{DVec2, DVec3};
 /// A rectangle at y = `distance_m`, its middle at x = z = 0; receivers lie at y = 0 and look along y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall {
+    /// Along x.
     pub width_m: f64,
+    /// Along z.
     pub height_m: f64,
+    /// Between receivers and wall, along y; above 0.
     pub distance_m: f64,
 }
 

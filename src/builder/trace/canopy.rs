@@ -20,9 +20,10 @@ const ONE_PLACE: f32 = 1e-4;
 
 /// A ray of a list, and where it ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Path {
+pub(crate) struct Path {
     /// Place in the list.
     pub place: u32,
+    /// Where it starts and its direction.
     pub ray: Ray,
     /// What lies at this distance or beyond is not crossed; infinite towards the sky.
     pub reach_m: f32,
@@ -48,7 +49,7 @@ impl<'a> Canopies<'a> {
     }
 
     /// What some rays cross, by place and material.
-    pub fn crossings(&self, paths: &[Path]) -> Vec<Crossing> {
+    pub(crate) fn crossings(&self, paths: &[Path]) -> Vec<Crossing> {
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         // Most rays meet no leaf at all, and packets find that out fast.
         let met = self.tracer.occluded_many(&rays);
@@ -87,7 +88,7 @@ impl<'a> Canopies<'a> {
 impl Viewpoint {
     /// A jittered ray through each of some texels of an n x n world-frame texture; of those whose ray goes behind the surface, one
     /// along it.
-    pub fn sky_paths(&self, n: usize, texels: impl Iterator<Item = usize>, tracer: &Tracer) -> Vec<Path> {
+    pub(crate) fn sky_paths(&self, n: usize, texels: impl Iterator<Item = usize>, tracer: &Tracer) -> Vec<Path> {
         let (origin, seed) = (self.origin(tracer), mix(self.seed(), 0x6c65_6166));
         let path = |texel: usize| {
             let d = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
@@ -100,7 +101,7 @@ impl Viewpoint {
     }
 
     /// The rays of an n x n hit texture that meet a surface, as far as they go.
-    pub fn hit_paths(&self, n: usize, distances_m: &[f32], tracer: &Tracer) -> Vec<Path> {
+    pub(crate) fn hit_paths(&self, n: usize, distances_m: &[f32], tracer: &Tracer) -> Vec<Path> {
         let (origin, direction) = (self.origin(tracer), self.hit_directions(n));
         let met = distances_m.iter().enumerate().filter(|(_, distance)| distance.is_finite());
         let path = |(texel, &reach_m): (usize, &f32)| {
@@ -113,7 +114,7 @@ impl Viewpoint {
 
 /// What the rays of a cell cross.
 #[derive(Clone, Debug, Default)]
-pub struct CellCrossings {
+pub(crate) struct CellCrossings {
     /// By texel of the sky, where it is seen.
     pub sky: Vec<Crossing>,
     /// By ray to what else is seen; rays are numbered in ascending order of what they meet, as tables of cells hold them.

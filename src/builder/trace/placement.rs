@@ -10,6 +10,7 @@ use heliotile_scene::mesh::Mesh;
 /// How a receiver lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lying {
+    /// Nothing covers it: light can arrive.
     Free,
     /// Another surface lies between it and its own, or as close in front of it.
     Covered,

@@ -15,6 +15,7 @@ use heliotile_scene::mesh::Mesh;
 pub struct CellSettings {
     /// Edge of a cell in units of the hit texel's footprint; 0 gives every hit a cell of its own (about 1 mm).
     pub factor: f64,
+    /// Smallest edge of a cell.
     pub floor_m: f64,
 }
 
@@ -61,7 +62,9 @@ const RIM: f64 = 0.06;
 /// A receiver's place (input coordinates, metres) and normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewpoint {
+    /// Relative to the scene origin, metres.
     pub position: DVec3,
+    /// Unit.
     pub normal: DVec3,
 }
 

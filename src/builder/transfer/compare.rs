@@ -16,6 +16,7 @@ const LONGEST: usize = 70;
 pub struct Difference {
     /// `settings.hit`.
     pub item: String,
+    /// In the first archive and in the second, shortened for messages.
     pub values: [String; 2],
 }
 

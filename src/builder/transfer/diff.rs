@@ -23,11 +23,15 @@ const NAMED: usize = 20;
 pub struct Differences {
     /// Scene, settings, materials, and all else that the manifest states.
     pub statements: Vec<Difference>,
+    /// Receivers, matched by id.
     pub receivers: Parted,
+    /// Cells that receivers see, matched by key.
     pub probes: Parted,
+    /// Coarser cells, matched by key.
     pub bounces: Parted,
     /// Blocks of kinds that this release does not know.
     pub unknown: Parted,
+    /// Whether both archives have the same root hash.
     pub same_root: bool,
 }
 
@@ -42,7 +46,9 @@ impl Differences {
 /// Things of one kind by where they are.
 #[derive(Clone, Debug, Default)]
 pub struct Parted {
+    /// In the first archive only.
     pub only_a: Names,
+    /// In the second archive only.
     pub only_b: Names,
     /// In both, with different content.
     pub different: Names,
@@ -70,7 +76,9 @@ impl Parted {
 /// A number of things, the first few by name.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
+    /// How many there are.
     pub count: u64,
+    /// Names of the first few.
     pub first: Vec<String>,
 }
 

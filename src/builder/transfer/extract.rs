@@ -19,15 +19,20 @@ use heliotile_core::opened::{CellSource, OpenSite};
 /// What an extract did.
 #[derive(Clone, Debug)]
 pub struct Extracted {
+    /// What the new archive holds.
     pub written: Assembled,
+    /// What the archive held that it was taken from.
     pub of: Whole,
 }
 
 /// How much the archive holds that was extracted from.
 #[derive(Clone, Copy, Debug)]
 pub struct Whole {
+    /// Number of receivers.
     pub receivers: u64,
+    /// Cells that receivers see.
     pub probes: u64,
+    /// Coarser cells that probes and each other see.
     pub bounce_cells: u64,
 }
 

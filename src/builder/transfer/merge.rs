@@ -26,9 +26,11 @@ const MAY_DIFFER: [&str; 2] = ["scene.degenerate_dropped", "accuracy"];
 /// What a merge did.
 #[derive(Clone, Debug)]
 pub struct Merged {
+    /// What the union holds.
     pub written: Assembled,
-    /// Receivers of each archive, and those that both hold.
+    /// Receivers of each archive.
     pub of_each: [u64; 2],
+    /// Receivers that both archives hold.
     pub shared: u64,
 }
 

@@ -31,9 +31,13 @@ pub struct ArchiveAssembly<'a> {
 /// What was written.
 #[derive(Clone, Debug)]
 pub struct Assembled {
+    /// Number of receivers.
     pub receivers: u64,
+    /// Number of tiles that they make.
     pub tiles: u32,
+    /// Number of cells of both kinds.
     pub cells: manifest::CellCounts,
+    /// Length and root of the archive.
     pub summary: Summary,
 }
 

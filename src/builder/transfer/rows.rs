@@ -20,13 +20,16 @@ use heliotile_core::site::receiver::Receiver;
 pub struct LayeredReceiver<L> {
     /// Sorts as receivers do.
     pub key: Vec<u8>,
+    /// Its id, place and normal.
     pub receiver: Receiver,
     /// Shares of its hemisphere: sky, ground, obstruction.
     pub views: [f32; 3],
+    /// What was read of it besides: `()` for nothing.
     pub layers: L,
 }
 
 impl<L> LayeredReceiver<L> {
+    /// The order that receivers of all archives share.
     pub fn order(&self, other: &Self) -> Ordering {
         self.key.cmp(&other.key)
     }
@@ -100,6 +103,7 @@ pub struct ArchiveReceivers<'a, L> {
 }
 
 impl<'a, L: Layers> ArchiveReceivers<'a, L> {
+    /// All receivers of a site, in the archive's order.
     pub fn new(site: &OpenSite<'a>) -> Self {
         let tiles: Vec<_> = (0..site.tiles()).map(|tile| (tile, None)).collect();
         ArchiveReceivers { site: site.clone(), tiles: tiles.into_iter(), ready: VecDeque::new(), last: Vec::new() }

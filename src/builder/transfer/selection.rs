@@ -19,7 +19,9 @@ const NAMED: usize = 10;
 /// A box of positions, its faces included; metres, input coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
+    /// Lowest coordinates.
     pub low: DVec3,
+    /// Highest coordinates.
     pub high: DVec3,
 }
 

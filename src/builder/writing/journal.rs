@@ -34,13 +34,16 @@ pub(super) const REMOVE: &str = "remove it to start again";
 pub struct Job {
     /// Geometry and materials.
     pub scene: [u8; 32],
+    /// Hash of all receivers, in the order of tiles.
     pub receivers: [u8; 32],
+    /// Hash of the build's settings.
     pub settings: [u8; 32],
 }
 
 /// How much of a build is on the disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
+    /// Number of blocks in the partial file.
     pub blocks: u64,
     /// Length of the partial file.
     pub bytes: u64,

@@ -22,9 +22,9 @@
 )]
 
 pub mod copy;
-pub mod disk;
-pub mod journal;
-pub mod writer;
+pub(crate) mod disk;
+pub(crate) mod journal;
+pub(crate) mod writer;
 
 #[cfg(test)]
 mod damage_tests;

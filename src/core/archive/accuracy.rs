@@ -16,20 +16,24 @@ pub struct Accuracy {
     pub predicted_percent: f64,
     /// What was found, the finer settings' own error included.
     pub rmse_percent: f64,
+    /// Mean error of the totals, percent of their mean: above 0 if they come out too large.
     pub bias_percent: f64,
     /// Of the means over all conditions.
     pub yearly_percent: f64,
     /// RMSE of each component, in percent of the mean total, by its column's name.
     pub components_percent: BTreeMap<String, f64>,
+    /// Number of receivers that the figures rest on.
     pub sample: u64,
-    /// Number of conditions, and where they come from.
+    /// Number of conditions.
     pub conditions: u64,
+    /// Where they come from: the name of a weather file, or `suns from all sides`.
     pub weather: String,
     /// Mean total of the sample, W/m2.
     pub mean_w_m2: f64,
     /// RMSE of receivers of the sample by tiles; tiles between two are like the nearest.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileError>,
+    /// Keys that this release does not know, kept as they are.
     #[serde(flatten)]
     pub other: BTreeMap<String, Value>,
 }
@@ -38,7 +42,9 @@ pub struct Accuracy {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TileError {
+    /// Number of the tile in the archive.
     pub tile: u32,
+    /// Receivers of the sample in this tile.
     pub receivers: u32,
     /// The six components and the total, in the order of results.
     pub rmse_w_m2: [f64; 7],

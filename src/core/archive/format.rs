@@ -5,9 +5,11 @@
 pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Format version that this release reads and writes.
 pub const MAJOR: u16 = 1;
+/// Minor format version that this release writes; readers take larger ones, and read what they know.
 pub const MINOR: u16 = 1;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
+/// Bytes of a slot, its checksum included.
 pub const SLOT_SIZE: usize = 512;
 /// Slot bytes before its own checksum.
 const SLOT_CHECKED: usize = 504;
@@ -15,19 +17,25 @@ const SLOT_CHECKED: usize = 504;
 pub const FIRST_BLOCK: u64 = 8192;
 /// Blocks, directory and manifest start at multiples of this.
 pub const ALIGNMENT: u64 = 64;
+/// Bytes of a directory entry.
 pub const ENTRY_SIZE: usize = 80;
 
 /// Largest block before compression.
 pub const MAX_RAW: usize = 8 << 20;
+/// Most entries of a directory.
 pub const MAX_ENTRIES: u64 = 1 << 26;
+/// Longest manifest, bytes: 1 MiB.
 pub const MAX_MANIFEST: u64 = 1 << 20;
+/// Most receivers of a tile that a manifest may state; this release writes [`TILE`](crate::site::receiver::TILE).
 pub const MAX_TILE_RECEIVERS: u32 = 4096;
 /// Longest string of a table, bytes.
 pub const MAX_STRING: usize = 1024;
+/// Most materials: cell keys hold their numbers in 16 bits.
 pub const MAX_MATERIALS: usize = 1 << 16;
 
-/// Slot states.
+/// State of a slot that is being written.
 pub const BUILDING: u32 = 0;
+/// State of a slot whose generation is whole; readers take no other.
 pub const COMPLETE: u32 = 1;
 
 /// Required feature bit 0: written before release 1.0.
@@ -35,24 +43,42 @@ pub const EXPERIMENTAL: u64 = 1;
 /// Names of the required feature bits that this release knows, lowest first.
 pub const REQUIRED_BITS: [&str; 1] = ["experimental"];
 
+/// Codec of blocks that are stored as they are.
 pub const CODEC_RAW: u16 = 0;
+/// Codec of blocks that are one zstd frame.
 pub const CODEC_ZSTD: u16 = 1;
 
+/// Kind: ids, places, normals, areas, surfaces and view factors of a tile's receivers.
 pub const RECEIVERS: u32 = 1;
+/// Kind: bits of the sky that a tile's receivers see, refined at edges.
 pub const SKY: u32 = 2;
+/// Kind: the cells that each texel of a tile's receivers meets.
 pub const HIT: u32 = 3;
+/// Kind: a tile's responses, derived from all else for the stored reflectances.
 pub const RESPONSE: u32 = 4;
+/// Kind: a chunk of the cells that receivers see.
 pub const PROBES: u32 = 5;
+/// Kind: a chunk of the coarser cells that probes and each other see.
 pub const BOUNCE: u32 = 6;
+/// Kind: first keys of all chunks of one kind of cells.
 pub const INDEX: u32 = 7;
+/// Kind: what a tile's receivers see in mirrors.
 pub const MIRROR: u32 = 8;
+/// Kind: how often rays of a tile's receivers cross leaves and screens.
 pub const CANOPY: u32 = 9;
+/// Kind: the materials, one block; cell keys hold their rows.
 pub const MATERIALS: u32 = 10;
+/// Kind: what materials do besides reflecting diffusely, one block, row by row as the materials.
 pub const OPTICS: u32 = 11;
+/// Kind: what a chunk of probes sees in mirrors.
 pub const PROBE_MIRROR: u32 = 12;
+/// Kind: what a chunk of bounce cells sees in mirrors.
 pub const BOUNCE_MIRROR: u32 = 13;
+/// Kind: how often rays of a chunk of probes cross leaves and screens.
 pub const PROBE_CANOPY: u32 = 14;
+/// Kind: how often rays of a chunk of bounce cells cross leaves and screens.
 pub const BOUNCE_CANOPY: u32 = 15;
+/// Kind: orientations of the mirrors, one block; chains hold their rows.
 pub const MIRRORS: u32 = 16;
 
 /// Kinds of the layers of a chunk of cells of a kind that only some scenes call for: mirrors, canopies; their tile is the chunk's.
@@ -153,21 +179,31 @@ pub fn hex(bytes: &[u8]) -> String {
 crate::record! {
     /// A header slot without its reserved bytes and checksum.
     Slot {
+        /// [`MAGIC`].
         magic: [u8; 8],
+        /// Major format version.
         major: u16,
+        /// Minor format version.
         minor: u16,
         /// [`BUILDING`] or [`COMPLETE`].
         state: u32,
         /// Feature bits that a reader must know.
         required: u64,
+        /// Feature bits that a reader may ignore.
         optional: u64,
+        /// 0 before the first commit; the highest one counts.
         generation: u64,
         /// Length of the file up to the end of the manifest.
         committed: u64,
+        /// Where the directory starts in the file.
         directory_offset: u64,
+        /// Its length in bytes: [`ENTRY_SIZE`] an entry.
         directory_length: u64,
+        /// Number of its entries, at most [`MAX_ENTRIES`].
         directory_count: u64,
+        /// Where the manifest starts in the file.
         manifest_offset: u64,
+        /// Its length in bytes, at most [`MAX_MANIFEST`].
         manifest_length: u64,
         /// [`root_hash`] of directory and manifest.
         root: [u8; 32],
@@ -177,8 +213,11 @@ crate::record! {
 crate::record! {
     /// A directory entry: where a block stands and how to check it.
     Entry {
+        /// What the block holds, such as [`SKY`].
         kind: u32,
+        /// Number among the blocks of its kind: the tile of its receivers, the chunk of its cells; 0 for a table of the whole site.
         tile: u32,
+        /// Where it starts in the file, a multiple of [`ALIGNMENT`].
         offset: u64,
         /// Length in the file.
         stored: u32,

@@ -23,12 +23,17 @@ pub type Unknown = BTreeMap<String, Value>;
 pub struct Manifest {
     /// `heliotile`.
     pub format: String,
+    /// Program and version that wrote it.
     pub creator: Creator,
     /// True before release 1.0.
     pub experimental: bool,
+    /// What was traced.
     pub scene: SceneSummary,
+    /// How many receivers, and how they are cut into tiles.
     pub receivers: ReceiverSummary,
+    /// Sizes of textures and cells, effects left out: what decides the content beside scene and receivers.
     pub settings: Settings,
+    /// How many cells the archive holds.
     pub counts: CellCounts,
     /// One row a kind, by rising kind; [`summarize`] makes them.
     pub layers: Vec<LayerSummary>,
@@ -38,6 +43,7 @@ pub struct Manifest {
     /// Where on Earth the scene lies, if its files say so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,
+    /// Keys of later releases at the top of the manifest.
     #[serde(flatten)]
     pub other: Unknown,
 }
@@ -45,7 +51,9 @@ pub struct Manifest {
 /// The program that wrote the archive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Creator {
+    /// Name of the program: `heliotile`.
     pub name: String,
+    /// Its version, such as `0.1.0`.
     pub version: String,
 }
 
@@ -54,8 +62,11 @@ pub struct Creator {
 pub struct SceneSummary {
     /// BLAKE3 of the checked geometry and materials, hexadecimal.
     pub content_hash: String,
+    /// Number of triangles, those left out not counted.
     pub triangles: u64,
+    /// Number of distinct corners.
     pub vertices: u64,
+    /// Number of materials that triangles bear.
     pub materials: u64,
     /// Triangles without area that were left out.
     pub degenerate_dropped: u64,
@@ -66,6 +77,7 @@ pub struct SceneSummary {
     pub grid_step_m: f64,
     /// Lowest and highest corner, input coordinates.
     pub bounds_m: [[f64; 3]; 2],
+    /// Keys of later releases about the scene.
     #[serde(flatten)]
     pub other: Unknown,
 }
@@ -73,10 +85,13 @@ pub struct SceneSummary {
 /// The receivers and how they are cut into tiles.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReceiverSummary {
+    /// Number of receivers.
     pub count: u64,
     /// Most receivers of a tile, 1 to 4096.
     pub tile_size: u32,
+    /// Number of tiles, which are numbered from 0.
     pub tiles: u32,
+    /// Keys of later releases about the receivers.
     #[serde(flatten)]
     pub other: Unknown,
 }
@@ -84,17 +99,24 @@ pub struct ReceiverSummary {
 /// How much was traced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellCounts {
+    /// Cells that receivers see.
     pub probes: u64,
+    /// Coarser cells that probes and each other see.
     pub bounce_cells: u64,
 }
 
 /// Number and size of the blocks of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LayerSummary {
+    /// Name of the kind, as in names of blocks.
     pub name: String,
+    /// Number of the kind, as in [`format::KINDS`].
     pub kind: u32,
+    /// Number of blocks.
     pub blocks: u64,
+    /// Sum of their lengths after decoding.
     pub raw_bytes: u64,
+    /// Sum of their lengths in the file.
     pub stored_bytes: u64,
 }
 
@@ -117,7 +139,9 @@ pub fn summarize<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<LayerS
 /// What is wrong with a manifest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mismatch {
+    /// What the manifest says.
     pub got: String,
+    /// What it must say.
     pub expected: String,
 }
 

@@ -26,10 +26,10 @@
 )]
 
 pub mod accuracy;
-pub mod blocks;
+mod blocks;
 pub mod codec;
 pub mod format;
-pub mod header;
+mod header;
 pub mod manifest;
 #[cfg(all(feature = "mmap", any(unix, windows)))]
 mod mapping;
@@ -37,7 +37,7 @@ pub mod read_at;
 pub mod reader;
 pub mod record;
 pub mod settings;
-pub mod source;
+mod source;
 pub mod tables;
 pub mod verify;
 
@@ -45,6 +45,7 @@ pub use blocks::Blocks;
 pub use codec::block::{Block, EncodedBlock};
 #[cfg(feature = "zstd")]
 pub use codec::pack::encode;
+pub use header::Header;
 pub use manifest::Manifest;
 pub use read_at::ReadAt;
 pub use reader::Archive;

@@ -70,10 +70,12 @@ impl Archive {
         Ok(Archive { source, header, entries, manifest })
     }
 
+    /// The file's path, or the name that the bytes were given.
     pub fn path(&self) -> &Path {
         self.source.path()
     }
 
+    /// The manifest, read when the archive was opened.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
@@ -129,6 +131,7 @@ impl Archive {
         Ok(EncodedBlock { entry: *entry, stored })
     }
 
+    /// Reads, checks and decodes the block of a directory entry; one whose layout this release does not know is an error.
     pub fn fetch(&self, entry: &Entry) -> Result<Block> {
         let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
         let block = block::decode(self.source.path(), entry, &stored)?;
@@ -136,10 +139,12 @@ impl Archive {
         if format::schema_of(entry.kind).is_some() { block.require(entry.kind).map(|()| block) } else { Ok(block) }
     }
 
-    pub fn source(&self) -> &Source {
+    /// The bytes that it is read from.
+    pub(crate) fn source(&self) -> &Source {
         &self.source
     }
 
+    /// Both header slots as they were when it was opened.
     pub fn header(&self) -> &Header {
         &self.header
     }

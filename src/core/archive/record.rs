@@ -2,6 +2,7 @@
 
 /// A number or byte string of fixed size, little-endian.
 pub trait Plain: Sized {
+    /// Adds its bytes.
     fn put(&self, out: &mut Vec<u8>);
     /// The value and the bytes after it.
     fn take(bytes: &[u8]) -> Option<(Self, &[u8])>;

@@ -1,4 +1,4 @@
-//! The settings of a build. Each number is declared once, in [`for_each_setting`]: its name, its type in the manifest and in a program,
+//! The settings of a build. Each number is declared once, in [`for_each_setting`](crate::for_each_setting): its name, its type in the manifest and in a program,
 //! its range, the rungs of its accuracy ladder from coarse to fine, and its meaning. The manifest's fields, `--set`, `info`, the ladder and
 //! the descriptions in `schema/manifest.schema.json` follow from that.
 
@@ -48,9 +48,13 @@ macro_rules! for_each_setting {
 /// What a number may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SettingRange {
+    /// A power of two, from the first to the second.
     PowerOfTwo(u32, u32),
+    /// A whole number, from the first to the second.
     Whole(u32, u32),
+    /// Any number from the first to the second.
     Real(f64, f64),
+    /// One of a list.
     OneOf(&'static [u32]),
 }
 
@@ -107,9 +111,13 @@ pub enum Ladder {
 /// The declaration of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
+    /// Its key in the manifest, and in `--set`.
     pub name: &'static str,
+    /// A sentence that says what it is, with its unit.
     pub meaning: &'static str,
+    /// Values that a build accepts.
     pub range: SettingRange,
+    /// The source of error that it belongs to.
     pub ladder: Ladder,
     /// Its value on each rung of its ladder, from coarse to fine.
     pub rungs: &'static [f64],

@@ -36,10 +36,13 @@ pub struct VerifyReport {
     pub blocks: u64,
     /// Blocks among them of kinds that this release does not know: their content was compared, their meaning was not.
     pub unknown_blocks: u64,
+    /// Their length in the file, all blocks together.
     pub stored_bytes: u64,
+    /// Their length after decoding, as their entries state it, all blocks together.
     pub raw_bytes: u64,
     /// Bytes after the end of the archive; they are ignored.
     pub trailing_bytes: u64,
+    /// All that is wrong.
     pub problems: Vec<Problem>,
 }
 
@@ -50,6 +53,7 @@ pub struct Problem {
     pub part: String,
     /// Where it starts in the file.
     pub offset: u64,
+    /// What is wrong with it.
     pub reason: String,
 }
 

@@ -12,6 +12,7 @@ pub struct BitSquare {
 }
 
 impl BitSquare {
+    /// A square of `n` x `n` bits, all 0.
     pub fn new(n: usize) -> Self {
         let stride = n.div_ceil(64);
         BitSquare { n, stride, words: vec![0; stride * n] }
@@ -22,11 +23,13 @@ impl BitSquare {
         self.n
     }
 
+    /// The bit at a column and a row, both below the side.
     #[inline]
     pub fn get(&self, column: usize, row: usize) -> bool {
         self.words[row * self.stride + column / 64] >> (column % 64) & 1 == 1
     }
 
+    /// Sets the bit at a column and a row, both below the side.
     #[inline]
     pub fn set(&mut self, column: usize, row: usize, value: bool) {
         let word = &mut self.words[row * self.stride + column / 64];

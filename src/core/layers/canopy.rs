@@ -10,8 +10,9 @@ use crate::site::crossing::Crossing;
 /// Rays of a block.
 const BLOCK: usize = 64;
 
-/// The two lists of rays that a receiver or a cell has: towards the texels of the sky, and to what else is seen.
+/// Number of the list of rays towards the texels of the sky; a receiver or a cell has two lists.
 pub const SKY: usize = 0;
+/// Number of the list of rays to what else is seen: the texels of a receiver's hits, the rays of a cell.
 pub const SEEN: usize = 1;
 
 /// Shares that come through 0, 1, ... 255 crossings, by material.

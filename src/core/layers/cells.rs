@@ -10,13 +10,13 @@ use crate::site::cells::{CellKey, CellMap};
 pub struct Cells {
     /// Sorted, no two equal.
     pub keys: Vec<CellKey>,
-    /// Mean unit normal of the cell's points.
+    /// `[cell]`: mean of the unit normals of its points, at most 1 long.
     pub normals: Vec<[f32; 3]>,
-    /// [cell][texel / 8], world frame, row-major, lowest bit first.
+    /// `[cell][texel / 8]`, world frame, row-major, lowest bit first.
     pub bits: Vec<u8>,
     /// The coarse cells that rays of these cells met: sorted, no two equal.
     pub seen: Vec<CellKey>,
-    /// [cell][ray], equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the horizon; [`MISS`] for nothing.
+    /// `[cell][ray]`, equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the horizon; [`MISS`] for nothing.
     pub hits: Vec<u32>,
     /// `[cell]`: what it sees in mirrors; empty where no cell sees any.
     pub mirrors: Vec<CellMirrors>,
@@ -42,10 +42,15 @@ pub fn cells_per_chunk(rays: usize) -> usize {
 /// One traced cell: its key, mean normal, sky bits, and for each ray whether it goes up and the cell it met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
+    /// Its name.
     pub key: CellKey,
+    /// Mean of the unit normals of its points, at most 1 long.
     pub normal: [f32; 3],
+    /// Sky bits, world frame, row-major, lowest bit of a byte first.
     pub bits: Vec<u8>,
+    /// `[ray]`: whether it goes above the horizon, and the bounce cell that it meets; `None` for nothing.
     pub seen: Vec<(bool, Option<CellKey>)>,
+    /// What it sees by way of mirrors.
     pub mirrors: CellMirrors,
     /// What its rays to the texels of its sky, and to what it sees, cross.
     pub canopy: Canopy,

@@ -7,7 +7,9 @@ use crate::layers::mirror::ReceiverMirrors;
 /// What one receiver has of each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReceiverExtras {
+    /// What it sees in mirrors.
     pub mirrors: ReceiverMirrors,
+    /// What its rays to the texels of the sky, and to those of its hits, cross.
     pub canopy: Canopy,
 }
 

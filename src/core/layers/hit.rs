@@ -9,7 +9,7 @@ use crate::site::cells::CellKey;
 pub struct HitTile {
     /// Cells seen by any receiver of the tile, sorted, no two equal.
     pub palette: Vec<CellKey>,
-    /// [receiver][texel], row-major, surface frame: 0 = nothing met, else palette index + 1.
+    /// `[receiver][texel]`, row-major, surface frame: 0 = nothing met, else palette index + 1.
     pub texels: Vec<u32>,
 }
 

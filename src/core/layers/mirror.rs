@@ -7,17 +7,22 @@ use crate::site::chain::{Chain, MOST_MIRRORS, MirrorStep};
 /// What a receiver sees in mirrors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReceiverMirrors {
+    /// Parts of the sky, each by one chain.
     pub windows: Vec<Window>,
+    /// Surfaces, by texels of the hit texture.
     pub paths: Vec<MirrorPath>,
 }
 
 /// The sky by one chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
+    /// The mirrors on the way, from the receiver on.
     pub chain: Chain,
-    /// First texel of the base square that is covered, and number of texels a side.
+    /// First column of the base square that is covered.
     pub column: u16,
+    /// First row of the base square that is covered.
     pub row: u16,
+    /// Texels of the base square a side.
     pub side: u16,
     /// A [`SkyTexture`](crate::layers::sky::SkyTexture) of that side, packed.
     pub texture: Vec<u8>,
@@ -26,22 +31,29 @@ pub struct Window {
 /// A surface that a texel of the hit texture shows in mirrors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MirrorPath {
+    /// Texel of the hit texture, row-major.
     pub texel: u32,
+    /// The cell that is met behind the mirrors.
     pub cell: CellKey,
+    /// The mirrors on the way, from the receiver on: 1 to 3.
     pub steps: Vec<MirrorStep>,
 }
 
 /// What a cell sees in mirrors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellMirrors {
+    /// Parts of the sky, each by one chain.
     pub windows: Vec<CellWindow>,
+    /// Surfaces, by rays of the cell.
     pub paths: Vec<CellPath>,
 }
 
 /// The sky by one chain: those texels of the cell's sky that are seen, ascending.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellWindow {
+    /// The mirrors on the way, from the cell on.
     pub chain: Chain,
+    /// Texels of the sky that light comes from, row-major.
     pub texels: Vec<u16>,
 }
 
@@ -50,7 +62,9 @@ pub struct CellWindow {
 pub struct CellPath {
     /// Whether the ray starts above the horizon.
     pub up: bool,
+    /// The bounce cell that is met behind the mirrors.
     pub cell: CellKey,
+    /// The mirrors on the way, from the cell on: 1 to 3.
     pub steps: Vec<MirrorStep>,
 }
 

@@ -23,7 +23,9 @@ pub struct Mosaic {
 /// What a base texel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Texel<'a> {
+    /// No part of it is sky.
     Closed,
+    /// All of it is sky.
     Open,
     /// Fine bits, row by row.
     Mixed(&'a [u64]),

@@ -7,10 +7,10 @@ use half::f16;
 pub const CLASSES: usize = 2;
 
 /// Response of one receiver: the diffuse irradiance from a source of direction s in texel t is (normal irradiance of the
-/// source) x s . G[t], W/m2 per W/m2, summed over classes.
+/// source) x `s . G[t]`, W/m2 per W/m2, summed over classes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// [class][axis x, y, z][texel], texels row-major, world frame.
+    /// `[class][axis x, y, z][texel]`, texels row-major, world frame.
     pub values: Vec<f32>,
 }
 
@@ -20,7 +20,7 @@ impl Response {
         CLASSES * 3 * n * n
     }
 
-    /// Both classes together: [texel][axis].
+    /// Both classes together: `[texel][axis]`.
     pub fn vectors(&self) -> Vec<[f32; 3]> {
         let (ground, obstruction) = self.values.split_at(self.values.len() / CLASSES);
         let texels = ground.len() / 3;

@@ -3,8 +3,9 @@
 /// Sides of the textures that forcing is looked up in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextureSides {
-    /// The sky before it is refined, and its finest level: the base doubled some times.
+    /// Side of the sky before it is refined; the finest level is it doubled some times.
     pub sky_base: usize,
+    /// Side of the finest level, which the sun's disc is looked up in.
     pub sky_fine: usize,
     /// The response, which has the texels of the probes' sky.
     pub response: usize,

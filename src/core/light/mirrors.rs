@@ -15,6 +15,7 @@ use crate::site::chain::{Chain, MirrorStep, Orientation};
 /// The mirrors of an archive: their orientations, and what materials reflect.
 #[derive(Clone, Debug)]
 pub struct MirrorTable {
+    /// `[number]`: the orientations that chains name.
     pub orientations: Vec<Orientation>,
     /// By material.
     pub reflectors: Vec<Reflector>,

@@ -1,7 +1,7 @@
 //! Second and later bounces. In: the closed system of coarse cells and their reflectances. Out: each cell's radiosity per unit
 //! of irradiance from each direction of the sky.
 //!
-//! X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] ) for every sky texel t (one 3-vector each, as for the receiver's response;
+//! `X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] )` for every sky texel t (one 3-vector each, as for the receiver's response;
 //! Goral et al. 1984 for the radiosity system). Only cells from the closed level up see each other in circles: they take a
 //! fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
 //! depends on the cells reachable from it, not on which others are in the table.
@@ -54,6 +54,7 @@ pub struct RadiosityOptions {
     pub side: usize,
     /// Cells from this level up see each other in circles.
     pub closed_level: i8,
+    /// How many diffuse reflections are followed.
     pub depth: MaxBounces,
 }
 
@@ -63,7 +64,7 @@ pub fn reflectance_of(reflectance: &Reflectance, key: &CellKey) -> f32 {
 }
 
 impl RadiosityOptions {
-    /// Values of one cell: [axis][texel].
+    /// Values of one cell: `[axis][texel]`.
     pub fn width(&self) -> usize {
         3 * self.side * self.side
     }
@@ -150,7 +151,7 @@ pub struct RadiositySolution {
     values: Vec<Values>,
 }
 
-/// [block of columns][cell][column].
+/// `[block of columns][cell][column]`.
 enum Values {
     Memory(Vec<Vec<ColumnBlock>>),
     Scratch(Box<dyn Scratch>),
@@ -232,7 +233,7 @@ impl RadiositySolution {
         Ok(if largest > 0.0 { sum / largest } else { 0.0 })
     }
 
-    /// Writes the values of one cell in a state, [axis][texel], to `out`.
+    /// Writes the values of one cell in a state, `[axis][texel]`, to `out`.
     fn read(&self, state: usize, cell: usize, out: &mut [f32]) -> Result<()> {
         for (block, part) in out[..self.width].chunks_mut(BLOCK).enumerate() {
             part.copy_from_slice(&self.block(state, block, cell)?[..part.len()]);

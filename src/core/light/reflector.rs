@@ -8,7 +8,9 @@ pub type Reflectance = Vec<f64>;
 /// Optical properties of a material that recombination needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector {
+    /// Diffuse reflectance, 0 to 1.
     pub diffuse: f64,
+    /// First-hit class that its light counts for.
     pub class: Class,
     /// Specular reflectance at any angle; 0 for glass.
     pub specular: f64,

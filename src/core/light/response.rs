@@ -11,6 +11,7 @@ use crate::light::reflector::Reflector;
 /// What is needed of a receiver besides its hits.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewer {
+    /// Unit normal, world frame.
     pub normal: DVec3,
     /// Seed of its hit rays' jitter.
     pub seed: u64,

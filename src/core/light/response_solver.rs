@@ -2,7 +2,7 @@
 //! texel and first-hit class: diffuse light of any source is s . G at the source's texel. Several states of the reflectances
 //! share all that does not depend on them: what is seen, and the first bounce by material.
 //!
-//! G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] ): linear in the sources, so one texture serves every sun and sky.
+//! `G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] )`: linear in the sources, so one texture serves every sun and sky.
 
 use std::collections::hash_map::Entry;
 use std::ops::Range;
@@ -100,7 +100,7 @@ impl ResponseSolver {
         Ok(true)
     }
 
-    /// Responses of all receivers of some tiles, which had better be neighbours: [tile][state][receiver].
+    /// Responses of all receivers of some tiles, which had better be neighbours: `[tile][state][receiver]`.
     pub fn derive(&self, tables: &Tables, tiles: &[TileView]) -> Result<Vec<Vec<Vec<Response>>>> {
         let Some(group) = self.group(tables, tiles)? else {
             let (first, second) = tiles.split_at(tiles.len() / 2);
@@ -393,7 +393,7 @@ impl Group<'_> {
         Ok(Transport { first, indirect: indirect.chunk_by(same).map(merge).collect() })
     }
 
-    /// Responses in a state: [tile][receiver]. A block of columns is solved at a time, so that the cells' values stay in a core's cache.
+    /// Responses in a state: `[tile][receiver]`. A block of columns is solved at a time, so that the cells' values stay in a core's cache.
     fn responses(&self, rows: &[Row], state: usize, lights: &[Vec<Transport>]) -> Result<Vec<Vec<Response>>> {
         let ResponseSolver { rules, slots, .. } = self.responder;
         let factors = slots.factors(state);

@@ -25,6 +25,7 @@ const MOST: usize = 100;
 /// Reflectances of some materials, or transmittances of some canopies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
+    /// Numbers of the materials that share the values, rows of the materials table.
     pub materials: Vec<usize>,
     /// `[condition]`: diffuse reflectance, or transmittance at each crossing, 0 to 1.
     pub values: Vec<f64>,

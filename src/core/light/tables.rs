@@ -7,9 +7,13 @@ use crate::opened::{CellSource, OpenSite, SiteSettings};
 
 /// Settings, materials, mirrors and cells of a site.
 pub struct Tables<'a> {
+    /// Sides of textures, rays of cells, the closed level.
     pub settings: SiteSettings,
+    /// Orientations of the mirrors, and what materials reflect.
     pub mirrors: MirrorTable,
+    /// The cells that receivers see.
     pub probes: CellSource<'a>,
+    /// The coarser cells that probes and each other see.
     pub bounces: CellSource<'a>,
 }
 

@@ -14,9 +14,13 @@ use crate::site::cells::{CellKey, receiver_seed};
 /// A tile of receivers.
 #[derive(Clone, Debug)]
 pub struct TileView {
+    /// Number of the tile in the archive.
     pub number: u32,
+    /// The tile's table of receivers; all lists here have its order.
     pub receivers: tables::ReceiversTable,
+    /// `[receiver]`: normal, seed and view of the sky.
     pub viewers: Vec<Viewer>,
+    /// `[receiver][texel]`: the cells that are met.
     pub hits: HitTile,
     /// `[receiver]`: what is seen in mirrors; empty where no receiver sees anything.
     pub mirrors: Vec<ReceiverMirrors>,

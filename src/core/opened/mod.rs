@@ -2,11 +2,11 @@
 //! range, and layers of receivers and cells whose references exist. What comes from here is trusted and checked no more. Never: light,
 //! weather.
 
-pub mod cell_source;
-pub mod materials;
-pub mod open_site;
-pub mod receiver_layers;
-pub mod settings;
+mod cell_source;
+mod materials;
+mod open_site;
+pub(crate) mod receiver_layers;
+mod settings;
 
 pub use cell_source::CellSource;
 pub use open_site::{OpenSite, SiteFacts};

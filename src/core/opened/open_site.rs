@@ -45,10 +45,12 @@ impl SiteFacts {
         Ok(SiteFacts { settings, materials, orientations, seed_origin: DVec3::ZERO, older: false, receivers, tiles })
     }
 
+    /// By the numbers in cell keys.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
+    /// By the numbers in chains of mirrors.
     pub fn orientations(&self) -> &[Orientation] {
         &self.orientations
     }
@@ -98,6 +100,7 @@ impl<'a> OpenSite<'a> {
         self.blocks.path()
     }
 
+    /// Sides of textures, rays of cells, the closed level, all in range.
     pub fn settings(&self) -> &SiteSettings {
         &self.facts.settings
     }
@@ -127,6 +130,7 @@ impl<'a> OpenSite<'a> {
         self.facts.receivers
     }
 
+    /// Number of tiles: those from 0 up to it exist.
     pub fn tiles(&self) -> u32 {
         self.facts.tiles
     }

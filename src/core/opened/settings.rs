@@ -15,16 +15,19 @@ const MAX_SIDES: [u32; 3] = [1024, 4096, 256];
 /// What gives the layers of a site their shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SiteSettings {
-    /// Side of the receivers' sky texture before it is refined, and of its finest level: the base doubled some times.
+    /// Side of the receivers' sky texture before it is refined.
     pub sky_base: usize,
+    /// Side of its finest level: the base doubled some times.
     pub sky_fine: usize,
     /// Side of the hit texture.
     pub hit: usize,
-    /// Side of the probes' sky texture, and of the response; rays of a probe to what is around it.
+    /// Side of the probes' sky texture, and of the response.
     pub probe: usize,
+    /// Rays of a probe to what is around it.
     pub probe_hits: usize,
-    /// The same of bounce cells.
+    /// Side of the bounce cells' sky texture.
     pub bounce_sky: usize,
+    /// Rays of a bounce cell to what is around it.
     pub bounce_hits: usize,
     /// Level of the bounce cells at middle distance: from here up cells see each other in circles.
     pub closed_level: i8,

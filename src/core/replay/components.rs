@@ -8,11 +8,17 @@ pub const SUM_SUFFIX: &str = "_kwh_m2";
 /// A value column, in the order of [`crate::replay::values::TileValues`]: W/m2 means; sums add [`SUM_SUFFIX`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Component {
+    /// The sun's disc, seen directly or through canopies.
     SunDirect,
+    /// The sky, seen directly or through canopies.
     SkyDirect,
+    /// The sun, by at least one diffuse reflection.
     SunDiffuse,
+    /// The sky, by at least one diffuse reflection.
     SkyDiffuse,
+    /// The sun, by way of mirrors only.
     SunSpecular,
+    /// The sky, by way of mirrors only.
     SkySpecular,
     /// The sum of the six.
     Total,
@@ -38,6 +44,7 @@ impl Component {
     /// Number of both; components are numbered from 0 in this order.
     pub const COUNT: usize = Component::ALL.len() + Component::FURTHER.len();
 
+    /// Its column in results of means, without unit: `sun_direct`.
     pub fn name(self) -> &'static str {
         match self {
             Component::SunDirect => "sun_direct",
@@ -60,10 +67,12 @@ impl ComponentSet {
     /// Of [`Component::ALL`].
     pub const ALL: ComponentSet = ComponentSet(0x7f);
 
+    /// The set of those listed.
     pub fn of(components: &[Component]) -> Self {
         ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u8))
     }
 
+    /// Whether a component is listed in the set.
     pub fn contains(self, component: Component) -> bool {
         self.0 & 1 << component as u8 != 0
     }
@@ -85,14 +94,17 @@ impl ComponentSet {
 pub struct ComponentList(Vec<Component>);
 
 impl ComponentList {
+    /// The six components and their total, in the order of their numbers.
     pub fn all() -> Self {
         ComponentList(Component::ALL.to_vec())
     }
 
+    /// The columns, in the order that they are asked for.
     pub fn as_slice(&self) -> &[Component] {
         &self.0
     }
 
+    /// The same without order.
     pub fn set(&self) -> ComponentSet {
         ComponentSet::of(&self.0)
     }

@@ -34,26 +34,32 @@ use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::weather::conditions::Condition;
 
-/// Frames that textures are in.
+/// The frame of all receivers: columns grow to the east, rows to the north, about the zenith.
 pub const WORLD: &str = "world";
+/// The receiver's own frame: columns grow along its surface, rows up the surface.
 pub const SURFACE: &str = "surface";
 
 /// A texture and its channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
+    /// Name of the layer that it comes from: `sky`, `hit`, `response`, `mirror`.
     pub name: &'static str,
     /// [`WORLD`] or [`SURFACE`].
     pub frame: &'static str,
     /// Texels a side.
     pub side: usize,
+    /// What is said of each texel, `weight_sr` among it.
     pub channels: Vec<Channel>,
 }
 
 /// One value for each texel, row-major as in the layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
+    /// Name of the channel, such as `sun_direct`.
     pub name: &'static str,
+    /// Unit of its values, or what they mean where they have none.
     pub unit: &'static str,
+    /// `[texel]`, row-major.
     pub values: Vec<f32>,
 }
 
@@ -81,6 +87,7 @@ pub struct Illumination {
 }
 
 impl Illumination {
+    /// The light of a condition, with a sky of 145, 577 or 2305 `patches` by `model`; `depth` says how many reflections maps hold.
     pub fn new(
         site: &OpenSite,
         condition: Condition,

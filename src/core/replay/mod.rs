@@ -2,17 +2,17 @@
 //! components and their total for every receiver and condition, and longwave irradiance where it is asked for. It never casts a ray:
 //! the crate has no code that could.
 
-pub mod canopy_transmittance;
+mod canopy_transmittance;
 pub mod components;
-pub mod longwave;
+mod longwave;
 pub mod maps;
 pub mod receiver_view;
 pub mod reflectances;
 pub mod run;
-pub mod sources;
-pub mod specular;
-pub mod suns;
-pub mod through_canopy;
+mod sources;
+mod specular;
+mod suns;
+mod through_canopy;
 pub mod tile;
-pub mod tile_layers;
+mod tile_layers;
 pub mod values;

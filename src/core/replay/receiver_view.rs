@@ -23,13 +23,17 @@ const SUGGESTED: usize = 3;
 
 /// A receiver and what it sees.
 pub struct ReceiverView {
+    /// Its id, place and normal.
     pub receiver: Receiver,
     /// Shares of its hemisphere: sky, ground, obstruction.
     pub views: [f32; 3],
+    /// The sky that it sees directly, world frame.
     pub sky: Mosaic,
-    /// What its rays cross, and what that leaves by the stored transmittances.
+    /// How often its rays cross leaves and screens.
     pub canopy: Canopy,
+    /// Shares that come through 0, 1, ... 255 crossings of each canopy, by the stored transmittances.
     pub powers: Powers,
+    /// Its normal, the seed of its hit rays, its view of the sky.
     pub viewer: Viewer,
     /// Cells that its tile sees, sorted.
     pub palette: Vec<CellKey>,
@@ -38,7 +42,8 @@ pub struct ReceiverView {
     /// Surfaces that it sees in mirrors.
     pub paths: Vec<MirrorPath>,
     /// The sky that it sees in mirrors.
-    pub mirrors: Vec<MirrorView>,
+    pub(super) mirrors: Vec<MirrorView>,
+    /// The materials, by the numbers in cell keys.
     pub materials: Vec<Material>,
     /// Whether mirrors of the scene were traced.
     has_mirrors: bool,

@@ -31,7 +31,9 @@ const COVER_CM: f64 = 1.0;
 /// What a transmittance is, or where it stands for each row of a weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConstantOrFile {
+    /// The same in all conditions, 0 to 1.
     Value(f64),
+    /// A CSV file with a value for each row of the weather file, or for each month.
     File(PathBuf),
 }
 
@@ -52,6 +54,7 @@ impl FromStr for ConstantOrFile {
 pub struct Changeable<'a> {
     /// The archive, for messages.
     pub site: &'a Path,
+    /// By the numbers in cell keys.
     pub materials: &'a [Material],
 }
 

@@ -32,9 +32,11 @@ const RESULT_BYTES: usize = 48 << 20;
 /// Choices of a replay that the weather does not make.
 #[derive(Clone, Copy, Debug)]
 pub struct ReplaySettings<'s> {
+    /// How the sky's radiance is spread.
     pub sky: SkyModel,
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
+    /// How many diffuse reflections are followed.
     pub depth: MaxBounces,
     /// What results hold; components that nothing here needs may stay zero.
     pub components: ComponentSet,
@@ -99,7 +101,7 @@ pub struct Replay<'a> {
     responder: Option<(Tables<'a>, ResponseSolver)>,
 }
 
-/// Receiver ids and irradiance of one tile: [component][receiver][result].
+/// Receiver ids and irradiance of one tile: `[component][receiver][result]`.
 pub type TileResult = (Vec<String>, TileValues);
 
 impl<'a> Replay<'a> {

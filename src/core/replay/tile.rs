@@ -31,7 +31,7 @@ use crate::weather::time::bins::Bins;
 const PROJECTION_SAMPLES: usize = 8;
 
 /// Weather made ready once for all tiles.
-pub struct Forcing {
+pub(super) struct Forcing {
     /// Number of results.
     bins: usize,
     sides: TextureSides,

@@ -54,10 +54,12 @@ impl TileValues {
         out
     }
 
+    /// Number of receivers, the second axis.
     pub fn receivers(&self) -> usize {
         self.receivers
     }
 
+    /// Number of labels, the third axis: conditions, or bins of sums.
     pub fn labels(&self) -> usize {
         self.labels
     }

@@ -39,9 +39,13 @@ const BACK: u8 = 64;
 /// other lies near each other in an archive, and a part of a site needs a part of its cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellKey {
+    /// Edge of the voxel: 2^level metres.
     pub level: i8,
+    /// Part of a cube's face that the normal points to; 64 is added for the back of triangles.
     pub facing: u8,
+    /// Row of the materials table.
     pub material: u16,
+    /// Place in the grid of its level: x, y, z in edges of a voxel.
     pub voxel: [i32; 3],
 }
 

@@ -13,6 +13,7 @@ pub const MOST_MIRRORS: usize = 3;
 pub struct Orientation {
     /// Unit normal; its sign means nothing.
     pub normal: DVec3,
+    /// Row of the materials table.
     pub material: u16,
 }
 
@@ -40,6 +41,7 @@ pub struct Chain {
 }
 
 impl Chain {
+    /// The chain of these orientations, from the looker on; those beyond [`MOST_MIRRORS`] are left out.
     pub fn new(numbers: &[u16]) -> Self {
         let mut chain = Chain::default();
         chain.links.iter_mut().zip(numbers).for_each(|(link, &number)| *link = u32::from(number) + 1);
@@ -53,14 +55,17 @@ impl Chain {
         Some(self)
     }
 
+    /// Numbers of its orientations, from the looker on.
     pub fn numbers(&self) -> impl Iterator<Item = u16> + Clone + '_ {
         self.links.iter().take_while(|link| **link > 0).map(|link| (link - 1) as u16)
     }
 
+    /// Number of its mirrors, 0 to [`MOST_MIRRORS`].
     pub fn len(&self) -> usize {
         self.numbers().count()
     }
 
+    /// Whether it has no mirror.
     pub fn is_empty(&self) -> bool {
         self.links == [0; MOST_MIRRORS]
     }

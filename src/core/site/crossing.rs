@@ -5,6 +5,7 @@
 pub struct Crossing {
     /// Place of the ray in its list.
     pub ray: u32,
+    /// Row of the materials table, one with a transmittance.
     pub material: u16,
     /// At least 1; 255 stands for more.
     pub count: u8,

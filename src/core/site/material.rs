@@ -3,7 +3,9 @@
 /// Which of the two first-hit classes a surface counts for (the five EnergyPlus factors need them apart).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
+    /// Ground: terrain, streets, water.
     Ground,
+    /// Whatever stands on it: buildings, trees.
     Obstruction,
 }
 
@@ -33,7 +35,9 @@ impl Class {
 /// Panes of clear glass, whose specular reflectance follows from the angle of incidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Glass {
+    /// One pane: two surfaces of glass.
     Single,
+    /// Two panes: four surfaces of glass.
     Double,
 }
 
@@ -59,13 +63,17 @@ impl Glass {
 /// Checked optical properties of one material; `diffuse + specular + transmittance <= 1`, each in 0..=1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
+    /// Name in the files of the scene.
     pub name: String,
+    /// Diffuse reflectance of both sides, 0 to 1.
     pub diffuse: f64,
     /// Specular reflectance at any angle; 0 for glass.
     pub specular: f64,
+    /// Clear glass, whose specular reflectance follows from the angle; `None` for all else.
     pub glass: Option<Glass>,
     /// Share of the light that goes straight on at each crossing: a canopy or a screen, which reflects nothing. `None` is opaque.
     pub transmittance: Option<f64>,
+    /// First-hit class that its light counts for.
     pub class: Class,
     /// Materials of one group may follow a schedule at replay.
     pub group: Option<String>,

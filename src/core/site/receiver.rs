@@ -8,6 +8,7 @@ pub const TILE: usize = 64;
 /// A point and its unit normal that gets irradiance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receiver {
+    /// Name in results; no two receivers of an archive have one.
     pub id: String,
     /// Input coordinates, metres.
     pub position: DVec3,
@@ -15,6 +16,7 @@ pub struct Receiver {
     pub normal: DVec3,
     /// m2, > 0 where given.
     pub area: Option<f64>,
+    /// Name of the surface that it stands for, if it has one.
     pub surface: Option<String>,
 }
 

@@ -7,11 +7,17 @@ use glam::DVec3;
 /// Seals and Michalsky (1993) equation 1; with offset exp(d pi/2) it is ISO 15469:2004.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distribution {
+    /// Factor of the gradation from zenith to horizon.
     pub a: f64,
+    /// Exponent of the gradation.
     pub b: f64,
+    /// Factor of the glow around the sun.
     pub c: f64,
+    /// Exponent of the glow by radian from the sun.
     pub d: f64,
+    /// Factor of the light scattered back, as the square of the cosine from the sun.
     pub e: f64,
+    /// Taken off the glow's exponential: 0 by Perez, exp(d pi/2) by the CIE.
     pub offset: f64,
 }
 

@@ -5,6 +5,6 @@ pub mod disc;
 pub mod distribution;
 pub mod model;
 pub mod patches;
-pub mod perez;
+mod perez;
 pub mod projection;
-pub mod skies;
+pub(crate) mod skies;

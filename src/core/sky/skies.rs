@@ -25,7 +25,7 @@ type Sums = BTreeMap<(usize, usize), Vec<f64>>;
 /// Patch radiances of the results that have a sky.
 #[derive(Default)]
 pub struct Skies {
-    /// Results with a sky, and their patch radiances: [result with a sky][patch], W/m2 sr x weight.
+    /// Results with a sky, and their patch radiances: `[result with a sky][patch]`, W/m2 sr x weight.
     bins: Vec<usize>,
     radiances: Vec<f32>,
     patches: usize,
@@ -114,7 +114,7 @@ pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &Mosaic, ou
     out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
 }
 
-/// The same for light that is reflected: d . G x solid angle; `response` is [texel][axis].
+/// The same for light that is reflected: d . G x solid angle; `response` is `[texel][axis]`.
 pub fn response_coefficients(projection: &Projection, response: &[[f32; 3]], out: &mut Vec<f32>) {
     let mut sums = vec![0.0_f64; projection.patches()];
     for (texel, (d, g)) in projection.mean_directions.iter().zip(response).enumerate() {

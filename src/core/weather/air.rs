@@ -6,7 +6,9 @@ use crate::weather::emission::{ZERO_CELSIUS_K, black_body_w_m2};
 /// What a row says; `None` where it is missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Air {
+    /// Temperature of the air, degrees Celsius.
     pub dry_bulb_c: Option<f64>,
+    /// Dew point of the air, degrees Celsius.
     pub dew_point_c: Option<f64>,
     /// Horizontal infrared radiation intensity, W/m2.
     pub infrared_w_m2: Option<f64>,

@@ -42,9 +42,12 @@ pub struct Condition {
     /// Sun position that the sky's radiance distribution is built on: unit, z >= 0. The normalised mean of the suns; when
     /// there are none, the sun's azimuth at altitude 0.
     pub sky_sun: DVec3,
-    /// Mean over the interval, also where the sun is up for a part of it only.
+    /// Direct normal irradiance, mean over the interval, also where the sun is up for a part of it only.
     pub dni_w_m2: f64,
+    /// Diffuse irradiance on an open horizontal surface, mean over the interval.
     pub dhi_w_m2: f64,
+    /// Normal irradiance outside the atmosphere, which Perez' sky brightness is relative to: the solar constant in a query, that of
+    /// the day in a replay.
     pub extraterrestrial_w_m2: f64,
     /// Present in a replay only.
     pub stamp: Option<Stamp>,
@@ -82,7 +85,9 @@ fn on_horizon(direction: DVec3) -> DVec3 {
 /// Conditions of a query, and what the user should know about them.
 #[derive(Debug)]
 pub struct ConditionsFile {
+    /// In the order of the file, at least one.
     pub conditions: Vec<Condition>,
+    /// Sentences for the user, each naming file and line.
     pub warnings: Vec<String>,
 }
 

@@ -14,8 +14,11 @@ pub fn black_body_w_m2(celsius: f64) -> f64 {
 /// What a receiver gets that sees nothing but sky, ground or obstructions, W/m2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
+    /// From the open sky, horizontal.
     pub sky_w_m2: f64,
+    /// From the ground, a black body.
     pub ground_w_m2: f64,
+    /// From obstructions, black bodies.
     pub obstruction_w_m2: f64,
 }
 

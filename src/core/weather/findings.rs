@@ -5,16 +5,23 @@ use crate::units::kwh_from_w;
 /// Kinds of oddities. The first four are gaps: which of GHI, DNI and DHI a row lacks decides what is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
+    /// DNI is missing, computed from GHI and DHI.
     ComputedDni,
+    /// DHI is missing, computed from GHI and DNI.
     ComputedDhi,
     /// DNI and DHI are both missing, GHI is split.
     SplitGhi,
     /// GHI is missing as well.
     Zeroed,
+    /// Small negative irradiances, taken as 0.
     Negative,
+    /// DNI with the sun below the horizon throughout, left out.
     BelowHorizon,
+    /// DNI above what arrives outside the atmosphere, used as it stands.
     AboveExtraterrestrial,
+    /// DHI above GHI by more than 10 %, used as it stands.
     DhiAboveGhi,
+    /// Infrared radiation is missing, computed from temperature, dew point and clouds.
     ComputedInfrared,
 }
 
@@ -33,7 +40,9 @@ const KINDS: [Finding; 9] = [
 /// Rows of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
+    /// Number of rows.
     pub rows: usize,
+    /// Their length, all together.
     pub hours: f64,
     /// DNI of these rows.
     pub dni_kwh_m2: f64,
@@ -58,6 +67,7 @@ impl Findings {
         }
     }
 
+    /// The tally of one kind; zeros where it does not occur.
     pub fn of(&self, kind: Finding) -> Tally {
         self.0.get(kind as usize).copied().unwrap_or_default()
     }

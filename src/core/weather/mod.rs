@@ -6,7 +6,7 @@ pub mod closure;
 pub mod conditions;
 pub mod distance;
 pub mod emission;
-pub mod erbs;
+mod erbs;
 pub mod findings;
 pub mod formats;
 pub mod row;

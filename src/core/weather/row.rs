@@ -9,12 +9,15 @@ use crate::weather::time::sun::Interval;
 pub struct WeatherRow {
     /// Line of the file, 1-based.
     pub line: usize,
+    /// When it is, local standard time.
     pub interval: Interval,
     /// Unit, towards the sun at mid-interval; below the horizon at night.
     pub sun: DVec3,
-    /// Interval means; `None` where the file has none.
+    /// Global horizontal irradiance, mean over the interval; `None` where the file has none.
     pub ghi_w_m2: Option<f64>,
+    /// Direct normal irradiance, mean over the interval, 0 or more; 0 where the file has none and it could not be computed.
     pub dni_w_m2: f64,
+    /// Diffuse horizontal irradiance, mean over the interval, 0 or more; 0 where the file has none and it could not be computed.
     pub dhi_w_m2: f64,
     /// Of the ground around the station, above 0 and at most 1; `None` where missing.
     pub albedo: Option<f64>,

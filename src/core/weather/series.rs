@@ -31,6 +31,7 @@ pub struct WeatherReport {
 pub struct Weather {
     /// City and country of the header.
     pub place: String,
+    /// Where the station is, and its standard time.
     pub site: Location,
     /// In file order.
     pub rows: Vec<WeatherRow>,
@@ -38,6 +39,7 @@ pub struct Weather {
     pub air: Vec<Air>,
     /// Length of every row's interval.
     pub interval_hours: f64,
+    /// What was odd about it.
     pub report: WeatherReport,
 }
 

@@ -16,13 +16,16 @@ const CELSIUS: Column = Column { name: "temperature_c", low: -100.0, high: 150.0
 /// A temperature that a user gives: `ground=12.5` degrees Celsius, or `obstruction=walls.csv`, a schedule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Temperature {
+    /// What has it: ground or obstructions.
     pub class: Class,
+    /// How warm it is.
     pub of: Given,
 }
 
 /// In degrees Celsius.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Given {
+    /// The same in all rows.
     Constant(f64),
     /// A file with a column `temperature_c`.
     Schedule(PathBuf),

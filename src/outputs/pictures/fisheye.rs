@@ -22,8 +22,11 @@ pub const SIZE: (usize, usize) = (900, 980);
 const CENTRE: (f64, f64) = (450.0, 500.0);
 const RADIUS: f64 = 390.0;
 
+/// Open sky.
 pub const SKY: Rgb = [198, 225, 247];
+/// Surfaces of class obstruction.
 pub const OBSTRUCTION: Rgb = [172, 170, 178];
+/// Surfaces of class ground.
 pub const GROUND: Rgb = [196, 172, 132];
 /// What reflects like a mirror, whatever its class.
 pub const MIRROR: Rgb = [126, 158, 186];

@@ -80,7 +80,7 @@ fn parquet_holds_the_arrow_schema() {
     check(&parquet_to_arrow_schema(metadata.schema_descr(), metadata.key_value_metadata()).expect("a schema"));
 }
 
-/// Values of an array of 3 x 48 x 2: [surface][label][column].
+/// Values of an array of 3 x 48 x 2: `[surface][label][column]`.
 fn check_values(array: &[u8]) {
     let head = b"\x93NUMPY\x01\x00\x76\x00{'descr': '<f4', 'fortran_order': False, 'shape': (3, 48, 2), }";
     assert!(array.starts_with(head) && array.len() == 128 + 3 * 48 * 2 * 4);

@@ -13,6 +13,7 @@ use crate::covering::surfaces::{Surface, SurfaceKind, area_vector};
 pub enum Density {
     /// About so far apart, metres: one for each square of this side, and along narrow surfaces too.
     Spacing(f64),
+    /// So many on every surface, whatever its size.
     PerSurface(u32),
 }
 
@@ -42,7 +43,9 @@ pub struct Piece {
     pub position: DVec3,
     /// Mean over the piece, unit length.
     pub normal: DVec3,
+    /// Area of the piece; those of a surface's pieces are equal.
     pub area_m2: f64,
+    /// What the piece is made of, input coordinates.
     pub triangles: Vec<[DVec3; 3]>,
 }
 

@@ -15,6 +15,7 @@ pub struct ReceiverIds<'a> {
 }
 
 impl<'a> ReceiverIds<'a> {
+    /// Opens the file and reads its header; without a column `receiver` that is an error.
     pub fn open(file: &'a Path) -> Result<Self> {
         let mut rows = CsvRows::open(file)?;
         let hint = format!("begin with a line that names a column `{COLUMN}`, then one id a line");

@@ -17,7 +17,7 @@ const REQUIRED: [&str; 7] = ["receiver", "x", "y", "z", "nx", "ny", "nz"];
 const OPTIONAL: [&str; 2] = ["area", "surface"];
 
 /// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row. Holds
-/// all of them in memory; [`ReceiverTiles`](heliotile_builder::receiver_tiles::ReceiverTiles) does not.
+/// all of them in memory; the builder's `ReceiverTiles` does not.
 pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
     read_receivers_with_warnings(path, &mut Vec::new())
 }
@@ -58,6 +58,7 @@ pub struct ReceiverRows<'a> {
 }
 
 impl<'a> ReceiverRows<'a> {
+    /// Opens the file and reads its header; a missing column is an error, one that nobody knows a warning.
     pub fn open(file: &'a Path, warnings: &mut Vec<String>) -> Result<Self> {
         ReceiverRows::new(CsvRows::open(file)?, warnings)
     }
@@ -71,6 +72,7 @@ impl<'a> ReceiverRows<'a> {
         Ok(ReceiverRows { rows, columns })
     }
 
+    /// The receiver of the next row, checked; `None` behind the last.
     pub fn read(&mut self) -> Result<Option<Receiver>> {
         if !self.rows.advance()? {
             return Ok(None);
@@ -78,6 +80,7 @@ impl<'a> ReceiverRows<'a> {
         Row { rows: &self.rows, columns: &self.columns }.receiver().map(Some)
     }
 
+    /// The file, for messages.
     pub fn file(&self) -> &'a Path {
         self.rows.file
     }

@@ -25,18 +25,24 @@ const NO_SURFACE_M2: f64 = 1e-6;
 /// What a surface is for who puts receivers on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SurfaceKind {
+    /// Its material is called a roof, or it looks up and is no ground.
     Roof,
+    /// Its material is called a wall or a facade, or it is about vertical.
     Wall,
+    /// Its material is called a window or glazing.
     Window,
+    /// Of class ground: terrain, streets.
     Ground,
     /// It looks down: the floor of a storey that juts out, the underside of a building.
     Floor,
 }
 
 impl SurfaceKind {
+    /// All kinds, in the order of their numbers.
     pub const ALL: [SurfaceKind; 5] =
         [SurfaceKind::Roof, SurfaceKind::Wall, SurfaceKind::Window, SurfaceKind::Ground, SurfaceKind::Floor];
 
+    /// As options and names of surfaces call it.
     pub fn name(self) -> &'static str {
         match self {
             SurfaceKind::Roof => "roof",
@@ -69,10 +75,13 @@ impl SurfaceKind {
 pub struct Surface {
     /// That of its object, with kind and number behind it where the object has several: `house/roof2`.
     pub name: String,
+    /// What it is, by material and tilt.
     pub kind: SurfaceKind,
     /// Index into the scene's materials.
     pub material: u16,
+    /// What it is made of, input coordinates; wound as in the file, but outwards where the object is closed, and upwards on terrain.
     pub triangles: Vec<[DVec3; 3]>,
+    /// Sum of the areas of its triangles.
     pub area_m2: f64,
     /// Sum of area vectors over its length.
     pub normal: DVec3,
@@ -81,11 +90,13 @@ pub struct Surface {
 /// All surfaces of a scene, by object and kind.
 #[derive(Clone, Debug, Default)]
 pub struct Surfaces {
+    /// The surfaces, sorted by object and kind.
     pub list: Vec<Surface>,
     /// Closed objects whose faces all looked inwards: they are turned.
     pub turned_objects: usize,
     /// Closed objects.
     pub closed_objects: usize,
+    /// Objects that have opaque triangles.
     pub objects: usize,
     /// Edges at which two faces of one object are turned against each other.
     pub contrary_edges: usize,

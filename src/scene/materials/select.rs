@@ -26,7 +26,9 @@ pub fn class_of_name(name: &str) -> Class {
 /// A material name of the scene and how many triangles bear it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MaterialUse {
+    /// Name in the files of the scene.
     pub name: String,
+    /// How many triangles bear it.
     pub triangles: usize,
 }
 

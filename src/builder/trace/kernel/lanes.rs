@@ -16,16 +16,27 @@ pub type Half = [f32; LANES / 2];
 
 /// Arithmetic on sixteen lanes. A mask is a `u16`, lane 0 the lowest bit. NaN must not occur.
 pub trait Lanes: Copy {
+    /// Sixteen f32 values in registers.
     type F: Copy;
+    /// One value in all lanes.
     fn splat(self, x: f32) -> Self::F;
+    /// Values from memory.
     fn load(self, x: &F32x16) -> Self::F;
+    /// Values to memory.
     fn store(self, x: Self::F) -> F32x16;
+    /// a + b.
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a - b.
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a x b.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a / b.
     fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The smaller of a and b.
     fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The larger of a and b.
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a without its sign.
     fn abs(self, a: Self::F) -> Self::F;
     /// Lanes where a < b.
     fn less(self, a: Self::F, b: Self::F) -> u16;
@@ -74,7 +85,9 @@ impl Level {
 
 /// A computation that can be compiled for any level.
 pub trait Kernel {
+    /// What comes out.
     type Output;
+    /// The computation, compiled for the level of `lanes`.
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 

@@ -2,9 +2,9 @@
 //! walk the tree together; single rays are the reference that they are judged by.
 
 pub mod lanes;
-pub mod packet;
-pub mod planes;
+pub(crate) mod packet;
+mod planes;
 pub mod rays;
-pub mod tree;
-pub mod triangle;
-pub mod walk;
+pub(crate) mod tree;
+mod triangle;
+mod walk;

@@ -1,5 +1,5 @@
 //! Rays: what a scene answers. In: rays, f32, relative to the scene origin, directions of about unit length. Out: what they
-//! meet first, or whether they meet anything. Many rays go in packets of sixteen ([`crate::trace::kernel::packet`]); rays one by one
+//! meet first, or whether they meet anything. Many rays go in packets of sixteen (`packet`); rays one by one
 //! are the reference that packets are judged against.
 
 use glam::DVec3;
@@ -15,7 +15,9 @@ use heliotile_scene::mesh::Mesh;
 /// A ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
+    /// Relative to the scene origin, metres.
     pub origin: [f32; 3],
+    /// About unit length.
     pub direction: [f32; 3],
 }
 

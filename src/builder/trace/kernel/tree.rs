@@ -33,7 +33,7 @@ pub struct Child {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// [axis][side][child]: lower ends (side 0) and upper ends with their sign turned (side 1), so that both sides read alike
+    /// `[axis][side][child]`: lower ends (side 0) and upper ends with their sign turned (side 1), so that both sides read alike
     /// from where a ray enters. Boxes of children that are not there are inside out.
     pub planes: [[[f32; WIDTH]; 2]; 3],
     pub child: [Child; WIDTH],

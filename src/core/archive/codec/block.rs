@@ -18,7 +18,9 @@ pub type AlignedBytes = AlignedVec<16>;
 /// A block that is ready to be written; its entry has no offset yet.
 #[derive(Clone, Debug)]
 pub struct EncodedBlock {
+    /// Kind, tile, lengths, checksum and content id; offset 0 until a writer places it.
     pub entry: Entry,
+    /// Bytes as they go into the file, by `entry.codec`.
     pub stored: Vec<u8>,
 }
 
@@ -53,6 +55,7 @@ impl Block {
         self.entry.items
     }
 
+    /// The directory entry that the block was found by.
     pub fn entry(&self) -> &Entry {
         &self.entry
     }

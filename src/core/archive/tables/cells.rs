@@ -36,7 +36,9 @@ pub struct CellsTable {
     pub bits: Vec<u8>,
     /// Keys of the bounce cells that rays of the chunk met.
     pub seen_voxel: Vec<[i32; 3]>,
+    /// [`pack_tag`], row by row as `seen_voxel`.
     pub seen_tag: Vec<u32>,
+    /// Row of the materials table, row by row as `seen_voxel`.
     pub seen_material: Vec<u16>,
     /// `[cell][ray]`: row of `seen`, and a flag; see `schema/layers.md`.
     pub hits: Vec<u16>,

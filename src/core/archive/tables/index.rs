@@ -10,8 +10,11 @@ use crate::site::cells::CellKey;
 /// Columns of the index of one kind of cells, schema 1: one row a chunk.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct IndexTable {
+    /// Voxel of the chunk's first key.
     pub voxel: Vec<[i32; 3]>,
+    /// Its [`pack_tag`].
     pub tag: Vec<u32>,
+    /// Its row of the materials table.
     pub material: Vec<u16>,
 }
 
@@ -20,6 +23,7 @@ table!(IndexTable, [INDEX]);
 impl IndexTable {
     /// Tile number of the index of probes, and of bounce cells.
     pub const PROBES: u32 = 0;
+    /// Tile number of the index of bounce cells.
     pub const BOUNCE: u32 = 1;
 
     /// The index of chunks that start with these keys.

@@ -9,8 +9,11 @@ use crate::weather::time::calendar::Date;
 /// The column that is read, and what its values can be; further columns (a time, a note) are ignored.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
+    /// Its name in the header.
     pub name: &'static str,
+    /// Smallest value.
     pub low: f64,
+    /// Largest value.
     pub high: f64,
 }
 

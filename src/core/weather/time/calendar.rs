@@ -3,6 +3,7 @@
 /// A checked calendar date.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Date {
+    /// Year of the calendar, with all four digits.
     pub year: i32,
     /// 1..=12.
     pub month: u32,

@@ -32,23 +32,28 @@ pub struct Location {
     pub longitude_deg: f64,
     /// Standard time of the rows, hours ahead of UT.
     pub zone_hours: f64,
+    /// Above sea level, -1000..=10000.
     pub elevation_m: f64,
 }
 
 /// A stretch of local standard time within one day.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
+    /// Day of the interval.
     pub date: Date,
     /// Minutes after local midnight.
     pub start_min: f64,
+    /// Minutes after local midnight, above `start_min`; 1440 is the next midnight.
     pub end_min: f64,
 }
 
 impl Interval {
+    /// Length in hours.
     pub fn hours(&self) -> f64 {
         (self.end_min - self.start_min) / 60.0
     }
 
+    /// Its middle, minutes after local midnight.
     pub fn middle_min(&self) -> f64 {
         0.5 * (self.start_min + self.end_min)
     }

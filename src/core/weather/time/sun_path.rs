@@ -27,6 +27,7 @@ pub struct SunPath {
 }
 
 impl SunPath {
+    /// The paths over a place.
     pub fn of(site: &Location) -> Self {
         let sun = |month, day, minutes: u32| {
             // Every one of these dates exists.

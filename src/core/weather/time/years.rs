@@ -16,6 +16,7 @@ pub enum Years {
 }
 
 impl Years {
+    /// What the years of these dates, in the order of the file, stand for.
     pub fn of(dates: impl IntoIterator<Item = Date>) -> Self {
         let mut year_of_month = HashMap::new();
         let (mut first, mut years) = (None, Years::One);
