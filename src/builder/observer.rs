@@ -21,7 +21,7 @@ pub trait Observer: Sync {
     }
 }
 
-/// Nobody is told.
+/// An observer that passes over everything and never stops the work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

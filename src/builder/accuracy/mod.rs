@@ -42,7 +42,7 @@ const FINEST_PILOT_BOUNCES: usize = 4;
 /// Rounds of choosing and trying.
 const ROUNDS: usize = 3;
 
-/// What is looked for.
+/// An error to find settings for.
 pub struct PilotRequest<'a> {
     /// Largest RMSE of hourly totals, percent of their mean.
     pub target_percent: f64,
@@ -52,7 +52,7 @@ pub struct PilotRequest<'a> {
     pub left_out: Effects,
 }
 
-/// What was found.
+/// Settings that were chosen for an error, and what they are known to be off by.
 #[derive(Clone, Debug)]
 pub struct SettingsChoice {
     /// The cheapest settings that keep within the target, as far as is known.
@@ -82,7 +82,7 @@ pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, R
     Ok(sample)
 }
 
-/// Settings for a target.
+/// The cheapest settings that keep within an error, by building samples of the receivers with several.
 pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> {
     let started = Instant::now();
     let conditions = wish.suns.some(CONDITIONS);

@@ -34,7 +34,7 @@ const FEW_RAYS: f64 = 1.25;
 const CELLS_PER_PROBE: f64 = 1.9;
 const SOLVING: f64 = 0.3;
 
-/// What is to be traced, effect by effect.
+/// What is to be traced, effect by effect, and what that takes.
 #[derive(Clone, Debug)]
 pub struct Forecast {
     /// Number of receivers that the forecast is for.
@@ -73,12 +73,12 @@ impl Forecast {
         self.lines.iter().filter(counts).filter_map(|line| line.bound_w_m2).sum()
     }
 
-    /// What is traced.
+    /// The lines of what is traced.
     pub fn on(&self) -> impl Iterator<Item = &Line> {
         self.lines.iter().filter(|line| line.on)
     }
 
-    /// Of the whole build.
+    /// Seconds of the whole build: the sum of what is traced.
     pub fn seconds(&self) -> f64 {
         self.on().map(|line| line.seconds).sum()
     }

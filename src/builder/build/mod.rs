@@ -41,12 +41,12 @@ pub use plan::Plan;
 pub use prepared::PreparedScene;
 pub use report::{BuildReport, RayCounts};
 
-/// Where a build works.
+/// Where a build works, and how much memory it may take.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Workspace {
-    /// For temporary files.
+    /// Of temporary files.
     pub folder: PathBuf,
-    /// Besides the scene and its tree.
+    /// For all that a build holds besides the scene and its tree.
     pub memory: MemoryBudget,
 }
 
@@ -76,7 +76,7 @@ impl Build<'_> {
         SiteFacts::given(path, stated, scene.materials.clone(), orientations)
     }
 
-    /// What a build with some settings would trace.
+    /// What a build with some settings would trace, from a sample of its receivers; writes no archive.
     pub fn forecast(&mut self, settings: &BuildSettings, effects: EffectChoice) -> Result<Forecast> {
         let known = (self.facts(settings, &self.workspace.folder)?, Known::default());
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, known);
@@ -84,7 +84,8 @@ impl Build<'_> {
     }
 
     /// Traces the receivers and writes the archive; nothing is traced that earlier archives of the same scene and settings hold. Equal
-    /// inputs give equal bytes, whatever the order of receivers, the number of threads or the memory.
+    /// inputs give equal bytes, whatever the order of receivers, the number of threads or the memory. Work that fails or is
+    /// stopped leaves what was written up to its last checkpoint, if there was one, for [`Start::Resume`].
     pub fn write(&mut self, plan: &Plan, output: &Output, earlier: &[Archive]) -> Result<BuildReport> {
         let (scene, settings) = (self.scene.scene, &plan.settings);
         let mut clock = Clock::after("tree", self.scene.seconds);

@@ -3,7 +3,7 @@
 use crate::settings::BuildSettings;
 use heliotile_core::archive::accuracy::Accuracy;
 
-/// What will be built.
+/// What will be built: settings, and what is known of their error.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// What is traced, how finely, and what is left out.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::manifest::BuildCounts;
 
-/// What a build did.
+/// What a build did, for people and tables.
 #[derive(Clone, Debug)]
 pub struct BuildReport {
     /// How much the archive holds.

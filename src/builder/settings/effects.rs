@@ -31,7 +31,7 @@ impl Effect {
     }
 }
 
-/// Some effects.
+/// A set of effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effects(u8);
 
@@ -53,7 +53,7 @@ impl Effects {
         Effects(self.0 | 1 << effect as u8 | implied)
     }
 
-    /// Their names.
+    /// Their names, in the order of [`Effect::ALL`].
     pub fn names(self) -> Vec<String> {
         Effect::ALL.into_iter().filter(|e| self.contains(*e)).map(|e| e.name().to_string()).collect()
     }

@@ -7,7 +7,7 @@ use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::receiver::Viewpoint;
 use heliotile_scene::mesh::Mesh;
 
-/// How a receiver lies.
+/// How a receiver that was put on a surface lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lying {
     /// Nothing covers it: light can arrive.

@@ -25,7 +25,7 @@ pub struct Bounds {
     pub high: DVec3,
 }
 
-/// A choice of receivers.
+/// Which receivers of an archive are meant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Selection {
     /// Ids in a column `receiver` of a CSV file.

@@ -25,7 +25,8 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// Opens a finished archive of a file system through a mapping.
+    /// Opens a finished archive of a file system through a mapping. An error: no archive, one that was not finished, one of a later format,
+    /// or a header, directory or manifest that is damaged.
     #[cfg(any(unix, windows))]
     pub fn open(path: &Path) -> Result<Self> {
         Archive::open_with(path, Access::default())
@@ -37,7 +38,8 @@ impl Archive {
         Archive::read(Source::open(path, access)?)
     }
 
-    /// Opens a finished archive whose bytes are held anywhere, without a file system; `name` is what messages call it.
+    /// Opens a finished archive whose bytes are held anywhere, without a file system; `name` is what messages call it. The errors
+    /// are those of `Archive::open`.
     pub fn of(name: impl AsRef<Path>, bytes: impl ReadAt + 'static) -> Result<Self> {
         Archive::read(Source::new(name.as_ref(), Box::new(bytes)))
     }
@@ -107,7 +109,7 @@ impl Archive {
         self.entries.binary_search_by_key(&(kind, tile), Entry::key).is_ok()
     }
 
-    /// A block, checked and decoded.
+    /// A block, checked and decoded; an error if it is damaged or not there.
     pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
         let found = self.entries.binary_search_by_key(&(kind, tile), Entry::key).ok();
         match found.and_then(|row| self.entries.get(row)) {

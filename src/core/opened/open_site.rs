@@ -64,12 +64,12 @@ pub struct OpenSite<'a> {
 }
 
 impl<'a> OpenSite<'a> {
-    /// The site of an archive.
+    /// The site of an archive. An error: settings out of range, tables of materials or mirrors that are damaged or name what is not there.
     pub fn of(archive: &'a Archive) -> Result<Self> {
         OpenSite::new(archive, archive.manifest())
     }
 
-    /// The site of blocks that a manifest tells of.
+    /// The site of blocks that a manifest tells of; errors as of [`OpenSite::of`].
     pub fn new(blocks: &'a dyn Blocks, manifest: &Manifest) -> Result<Self> {
         let (origin, path) = (DVec3::from(manifest.scene.origin_m), blocks.path());
         // Before any block: what the manifest says is wrong in all of them.
@@ -125,7 +125,7 @@ impl<'a> OpenSite<'a> {
         self.facts.older
     }
 
-    /// Number of receivers, and of their tiles, which are numbered from 0.
+    /// Number of receivers, of all tiles.
     pub fn receivers(&self) -> u64 {
         self.facts.receivers
     }
@@ -149,7 +149,7 @@ impl<'a> OpenSite<'a> {
         self.blocks.has(kind, tile)
     }
 
-    /// A block, checked and decoded.
+    /// A block, checked and decoded; an error if it is damaged or not there.
     pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
         self.blocks.block(kind, tile)
     }

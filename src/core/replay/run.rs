@@ -101,16 +101,17 @@ pub struct Replay<'a> {
     responder: Option<(Tables<'a>, ResponseSolver)>,
 }
 
-/// Receiver ids and irradiance of one tile: `[component][receiver][result]`.
+/// Receiver ids, in the order of the tile, and irradiance: `[component][receiver][result]`, W/m2 or what sums add up to.
 pub type TileResult = (Vec<String>, TileValues);
 
 impl<'a> Replay<'a> {
-    /// One result for every condition: means in W/m2.
+    /// One result for every condition: means in W/m2. An error: a number of patches that is not offered, longwave irradiance without
+    /// emissions, cells that do not fit together.
     pub fn new(site: &OpenSite<'a>, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
         Replay::summed(site, conditions, settings, &Bins::each(conditions.len()))
     }
 
-    /// Results that conditions add up to.
+    /// Results that conditions add up to, in the unit of the weights: kWh/m2 for hours / 1000. Errors as of [`Replay::new`].
     pub fn summed(
         site: &OpenSite<'a>,
         conditions: &[Condition],
@@ -120,7 +121,8 @@ impl<'a> Replay<'a> {
         Replay::scheduled(site, conditions, settings, bins, &[])
     }
 
-    /// The same with reflectances and transmittances that follow schedules.
+    /// The same with reflectances and transmittances that follow schedules. An error, too: schedules of an archive that was built without
+    /// diffuse reflections and has no canopies.
     pub fn scheduled(
         site: &OpenSite<'a>,
         conditions: &[Condition],
@@ -187,13 +189,14 @@ impl<'a> Replay<'a> {
         Ok(Replay { site: site.clone(), forcing, mirrors, responder })
     }
 
-    /// Number of tiles.
+    /// Number of tiles: those from 0 up to it can be asked for.
     pub fn tiles(&self) -> u32 {
         self.site.tiles()
     }
 
     /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, and
-    /// as many as neighbours that share what they see had better be, while their results are small.
+    /// as many as neighbours that share what they see had better be, while their results are small. A damaged block is an error in the
+    /// place of all that are made with it; tiles after these follow.
     pub fn results(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let cores = rayon::current_num_threads().max(1);
@@ -206,7 +209,7 @@ impl<'a> Replay<'a> {
         })
     }
 
-    /// Results of some tiles, all in memory at once.
+    /// Results of some tiles, all in memory at once; a damaged block among theirs is an error.
     pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let reads = Reads { sky: self.forcing.reads_sky(), mirrors: self.mirrors.as_ref() };
