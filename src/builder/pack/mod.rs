@@ -9,4 +9,4 @@ use tile::extra;
 pub(crate) use tile::{responses, tile};
 
 /// Level of the block compressor: textures are written once and read for years.
-pub const COMPRESSION: i32 = 9;
+pub const COMPRESSION: i32 = heliotile_core::archive::codec::pack::DEFAULT_LEVEL;

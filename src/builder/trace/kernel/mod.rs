@@ -1,6 +1,7 @@
 //! The kernel: rays against triangles. In: a mesh, rays. Out: what they meet first, or whether they meet anything. Packets of sixteen rays
 //! walk the tree together; single rays are the reference that they are judged by.
 
+pub(crate) mod beam;
 pub mod lanes;
 pub(crate) mod packet;
 mod planes;

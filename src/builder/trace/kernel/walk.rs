@@ -3,7 +3,7 @@
 //! At a node, a beam around the packet meets all eight boxes at once; the boxes that are left are met lane by lane, so that each
 //! child waits for its own lanes only. Where no more than two lanes are left the beam is drawn around these.
 
-use crate::trace::beam::Beam;
+use crate::trace::kernel::beam::Beam;
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
 use crate::trace::kernel::packet::{FAR_PAD, Packet};
 use crate::trace::kernel::planes::{PacketRays, bits, intersect};
