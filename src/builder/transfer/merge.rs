@@ -36,13 +36,13 @@ pub struct Merged {
 
 /// Writes the union of two archives. Archives of parts of a site give the bytes of the whole site's build.
 pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer: &dyn Observer) -> Result<Merged> {
+    let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
+    [&of_a, &of_b].into_iter().try_for_each(check_format)?;
     check_fit(a, b)?;
     let mut conflicts = Conflicts::default();
     unknown_conflicts(a, b, &mut conflicts);
     let mut output = ArchiveAssembly::create(path, &[a, b], observer)?;
     let ids = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
-    let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
-    [&of_a, &of_b].into_iter().try_for_each(check_format)?;
     let shared = merge_receivers(&of_a, &of_b, ids, &mut output, &mut conflicts)?;
 
     let settings = &a.manifest().settings;

@@ -17,7 +17,7 @@ use crate::site::morton::{BITS as MORTON_BITS, morton_cmp, spread};
 /// ratio's powers 0.1382, 0.2090 and 0.0729.
 pub const GRID_SHIFT_M: DVec3 = DVec3::new(4529.0 / 32_768.0, 6849.0 / 32_768.0, 2391.0 / 32_768.0);
 
-/// Levels of cells that surfaces are cut into: 1 mm to 1049 km.
+/// Levels of cells that surfaces are cut into: 1 mm to 2^20 m.
 const LEVELS: (i8, i8) = (-10, 20);
 
 /// Voxels are counted from the coordinates of the input modulo 2^22 m, from -2^21 to 2^21 m: 32 bits at the finest level. A scene reaches at
