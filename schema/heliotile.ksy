@@ -45,6 +45,7 @@ enums:
     14: probe-canopy
     15: bounce-canopy
     16: mirrors
+    17: parts
 types:
   slot:
     seq:
@@ -151,6 +152,14 @@ types:
       columns: { pos: _io.size - 16, type: 'column(_io.size - 16 + 8 * _index)', repeat: expr, repeat-expr: 2 }
       normal: { pos: 'columns[0].start', type: f8, repeat: expr, repeat-expr: 'columns[0].count * 3' }
       material: { pos: 'columns[1].start', type: u2, repeat: expr, repeat-expr: 'columns[1].count' }
+  table_parts:
+    instances:
+      columns: { pos: _io.size - 40, type: 'column(_io.size - 40 + 8 * _index)', repeat: expr, repeat-expr: 5 }
+      object: { pos: 0, type: 'string(columns[0].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[0].count' }
+      building: { pos: 0, type: 'string(columns[1].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[1].count' }
+      kind: { pos: 0, type: 'string(columns[2].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[2].count' }
+      object_type: { pos: 0, type: 'string(columns[3].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[3].count' }
+      face: { pos: 0, type: 'string(columns[4].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[4].count' }
   layer_hit:
     doc: The rest is four byte planes of the texels, lowest first.
     seq:

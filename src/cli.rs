@@ -314,7 +314,7 @@ pub struct InfoArgs {
 }
 
 #[derive(Args, Debug)]
-#[command(group(ArgGroup::new("selection").required(true).args(["receivers", "bbox", "surface"])))]
+#[command(group(ArgGroup::new("selection").required(true).args(["receivers", "bbox", "surface", "object"])))]
 pub struct ExtractArgs {
     /// Archive to read
     pub archive: PathBuf,
@@ -330,6 +330,9 @@ pub struct ExtractArgs {
     /// Keep the receivers of these surfaces
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub surface: Vec<String>,
+    /// Keep the receivers of these objects or buildings
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub object: Vec<String>,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,

@@ -26,7 +26,7 @@
 //! let scene = Scene::from_triangles(&triangles, materials)?;
 //!
 //! // One receiver that looks up and one that looks at the wall.
-//! let receiver = |id: &str, normal: DVec3| Receiver { id: id.into(), position: z, normal, area: None, surface: None };
+//! let receiver = |id: &str, normal: DVec3| Receiver::new(id.into(), z, normal);
 //! let receivers = [receiver("up", z), receiver("north", y)];
 //!
 //! // Plan, then write.

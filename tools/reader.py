@@ -58,6 +58,7 @@ RECEIVERS = [
     ("obstruction_view", "1f", share)]
 MATERIALS = [("name", "s", text(1)), ("diffuse", "1d", share), ("specular", "1d", share), ("class", "1B", share),
              ("group", "s", text(0))]
+PARTS = [(name, "s", text(0)) for name in ("object", "building", "kind", "object_type", "face")]
 # kind: name, schema, columns of a table.
 OPTICS = [("panes", "1B", lambda p: p <= 2), ("canopy", "1B", share), ("transmittance", "1d", share)]
 MIRRORS = [("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("material", "1H", None)]
@@ -65,7 +66,7 @@ KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None
          5: ("probes", 3, CELLS), 6: ("bounce", 3, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
-         15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS)}
+         15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS)}
 # Kinds of which the schema before is that of format 1.0, with the same layout (3.10).
 SINCE_1_1 = {3, 5, 6, 7, 8, 10, 12, 13}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
@@ -510,6 +511,8 @@ class Checker:
             need(e.tile == 0 and e.items == self.materials, f"optics of {e.items} of {self.materials} materials")
         elif kind == "mirrors":
             need(e.tile == 0 and all(m < self.materials for m in values["material"]), "a material that does not exist")
+        elif kind == "parts":
+            need(self.rows.get(e.tile) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")
         elif kind == "index":
             need(e.tile in (0, 1), f"index {e.tile}")
             self.first[e.tile] = self.key_column(values)

@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::spill::{Sorted, Sorter};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
+use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::{morton_key, receiver_of_key};
 use heliotile_core::site::receiver::{Receiver, TILE};
 use heliotile_scene::covering::receivers::{ReceiverRows, duplicate, no_receivers};
@@ -133,15 +134,25 @@ impl Iterator for Tiles<'_> {
 fn push(sorter: &mut Sorter, receiver: &Receiver) -> Result<()> {
     // Areas are above zero where they are given, names of surfaces not empty.
     let mut payload = receiver.area.unwrap_or_default().to_le_bytes().to_vec();
-    payload.extend_from_slice(receiver.surface.as_deref().unwrap_or_default().as_bytes());
+    for text in [receiver.surface.as_deref().unwrap_or_default()].into_iter().chain(receiver.part.texts()) {
+        payload.extend_from_slice(&(text.len() as u32).to_le_bytes());
+        payload.extend_from_slice(text.as_bytes());
+    }
     sorter.push(&morton_key(receiver), &payload)
 }
 
 fn pull(key: &[u8], payload: &[u8]) -> Option<Receiver> {
-    let (area, surface) = payload.split_first_chunk()?;
+    let (area, mut rest) = payload.split_first_chunk()?;
     let area = Some(f64::from_le_bytes(*area)).filter(|area| *area != 0.0);
-    let surface = Some(String::from_utf8(surface.to_vec()).ok()?).filter(|name| !name.is_empty());
-    Some(Receiver { area, surface, ..receiver_of_key(key)? })
+    let mut text = || {
+        let (length, behind) = rest.split_first_chunk()?;
+        let (text, behind) = behind.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        rest = behind;
+        String::from_utf8(text.to_vec()).ok()
+    };
+    let surface = Some(text()?).filter(|name| !name.is_empty());
+    let part = ModelPart::of_texts([text()?, text()?, text()?, text()?, text()?]);
+    Some(Receiver { area, surface, part, ..receiver_of_key(key)? })
 }
 
 fn add(content: &mut ContentHasher, receiver: &Receiver) {
@@ -150,6 +161,10 @@ fn add(content: &mut ContentHasher, receiver: &Receiver) {
     content.point(&receiver.normal);
     content.number(receiver.area.unwrap_or_default());
     content.bytes(receiver.surface.as_deref().unwrap_or_default().as_bytes());
+    if !receiver.part.is_empty() {
+        content.raw(b"part");
+        receiver.part.texts().iter().for_each(|text| content.bytes(text.as_bytes()));
+    }
 }
 
 /// A name that two rows have.

@@ -62,6 +62,9 @@ impl NamedValues for By {
             "One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area",
             By::Surface,
         ),
+        ("object", "One for each object of the model: city objects, zones and shades", By::Object),
+        ("building", "One for each building, with all of its parts", By::Building),
+        ("kind", "One for each kind of surface: roof, wall, window, ground, floor, shade", By::Kind),
     ];
 }
 

@@ -11,7 +11,7 @@ use super::SceneArgs;
 pub struct ReceiversArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Table to write: receiver,x,y,z,nx,ny,nz,area,surface; - for standard output
+    /// Table to write: receiver,x,y,z,nx,ny,nz,area,surface and what each stands for in its model; - for standard output
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
     #[command(flatten)]
@@ -24,9 +24,14 @@ pub struct ReceiversArgs {
 /// Where receivers are put.
 #[derive(Args, Clone, Debug)]
 pub struct CoverArgs {
-    /// Surfaces to cover: roof, wall, window, ground, floor (what looks down), all, or names of materials
-    #[arg(long, value_delimiter = ',', default_value = "roof,wall,window")]
+    /// Surfaces to cover: roof, wall, window, ground, floor (what looks down), shade, all, or names of materials [default: roofs, walls
+    /// and windows, floors outdoors of an EnergyPlus model; of those what the sun may reach]
+    #[arg(long, value_delimiter = ',')]
     pub on: Vec<String>,
+    /// Objects of a city model to cover, by their type, such as Bridge,GenericCityObject, or all [default: buildings; any for --on
+    /// ground and names of materials]
+    #[arg(long, value_delimiter = ',', value_name = "TYPES")]
+    pub types: Vec<String>,
     /// Distance between receivers, such as 2m or 50cm
     #[arg(long, value_name = "LENGTH", default_value = "2m", conflicts_with = "per_surface")]
     pub spacing: Metres,

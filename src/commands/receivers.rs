@@ -1,7 +1,7 @@
 //! `heliotile receivers`: the surfaces of a scene covered with receivers. In: a scene. Out: `receivers.csv`, without those that are
 //! buried in a neighbour or the terrain, which are counted.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -20,20 +20,26 @@ use heliotile_builder::trace::placement::{Lying, lying};
 use heliotile_builder::trace::receiver::Viewpoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
+use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{Density, MOST_POINTS, Piece, cover};
-use heliotile_scene::covering::surfaces::{Surface, SurfaceKind, Surfaces};
+use heliotile_scene::covering::surfaces::{Surface, Surfaces};
 use heliotile_scene::load::Soup;
+use heliotile_scene::semantics::{ObjectNote, SourceFace, SurfaceKind};
 use heliotile_scene::site::Site;
 
 /// Surfaces and the receivers on them.
 pub(super) struct Covered {
     pub surfaces: Surfaces,
+    /// Those of the files.
+    pub faces: Vec<SourceFace>,
     /// By surface, only those that were asked for.
     pub chosen: Vec<ChosenSurface>,
     /// Surfaces too small for a receiver, and their area in m2.
     pub small: (usize, f64),
+    /// Surfaces of objects that are no buildings, by type, and their area in m2.
+    pub beside: BTreeMap<String, f64>,
 }
 
 /// A surface that was asked for.
@@ -62,6 +68,11 @@ impl Covered {
         })
     }
 
+    /// What a receiver stands for.
+    pub fn part(&self, piece: &Piece, surface: &Surface) -> ModelPart {
+        self.surfaces.part(surface, piece.face, &self.faces)
+    }
+
     /// How many receivers lie so.
     pub fn count(&self, wanted: Lying) -> usize {
         self.chosen.iter().flat_map(|chosen| &chosen.lying).filter(|lying| **lying == wanted).count()
@@ -80,9 +91,10 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
     }
     let (scene, covered) = cover_site(&site, &args.cover)?;
     let (sink, offset_m) = (if to_file { Sink::file(&args.output)? } else { Sink::stdout() }, args.cover.offset.0);
-    write(sink, covered.free(), offset_m, false)?;
+    write(sink, &covered, covered.free(), offset_m, false)?;
     if let Some(path) = &args.buried {
-        write(Sink::file(path)?, covered.all().filter(|row| row.3 != Lying::Free), offset_m, true)?;
+        let buried = covered.all().filter(|row| row.3 != Lying::Free);
+        write(Sink::file(path)?, &covered, buried, offset_m, true)?;
     }
     let text = summary(&covered, &scene);
     // Standard output may be the table.
@@ -105,26 +117,31 @@ pub(super) fn cover_site(site: &Site, args: &CoverArgs) -> Result<(Scene, Covere
     scene.report.warnings.iter().for_each(|w| warn(w));
     // Standard output may be the table.
     scene.report.notes.iter().for_each(|note| eprint(&format!("{note}\n")));
-    let covered = cover_scene(&scene, &soup, args)?;
+    let covered = cover_scene(&scene, soup, args)?;
     Ok((scene, covered))
 }
 
-fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> {
-    let surfaces = Surfaces::find(soup, &scene.materials);
+fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
+    let surfaces = Surfaces::find(&soup, &scene.materials);
+    // The rest of the soup goes.
+    let Soup { source_faces: faces, .. } = soup;
     if surfaces.turned_objects > 0 {
         warn(&format!(
             "all faces of {} looked inwards; receivers go on the outside",
             counted(surfaces.turned_objects as u64, "closed object")
         ));
     }
-    let wanted = Wanted::of(&args.on, &scene.materials, &surfaces)?;
+    let wanted = Wanted::of(args, &scene.materials, &surfaces)?;
     let density = match args.per_surface {
         Some(count) => Density::PerSurface(count),
         None => Density::Spacing(args.spacing.0),
     };
-    let (mut chosen, mut small) = (Vec::new(), (0, 0.0));
-    for (i, surface) in surfaces.list.iter().enumerate().filter(|(_, surface)| wanted.contains(surface)) {
-        if surface.area_m2 < args.min_area {
+    let (mut chosen, mut small, mut beside) = (Vec::new(), (0, 0.0), BTreeMap::new());
+    for (i, surface) in surfaces.list.iter().enumerate().filter(|(_, surface)| wanted.asks(surface)) {
+        let note = &surfaces.objects[surface.object].1;
+        if !wanted.takes_object(surface, note) {
+            *beside.entry(note.object_type.clone()).or_default() += surface.area_m2;
+        } else if surface.area_m2 < args.min_area {
             small = (small.0 + 1, small.1 + surface.area_m2);
         } else {
             chosen.push(i);
@@ -151,7 +168,7 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
         })
         .collect();
     drop(progress);
-    let covered = Covered { surfaces, chosen, small };
+    let covered = Covered { surfaces, faces, chosen, small, beside };
     if covered.count(Lying::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
         let hint = match covered.count(Lying::Inside) {
@@ -172,52 +189,96 @@ fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {
 
 /// Surfaces that are asked for.
 struct Wanted {
+    /// Without any, what of a building the sun may reach.
     kinds: Vec<SurfaceKind>,
     /// Numbers of materials.
     materials: Vec<u16>,
+    /// Whether it was `all`, what lies in the ground too.
+    all: bool,
+    /// Types of objects, in lower case; without any, buildings.
+    types: Vec<String>,
 }
 
 impl Wanted {
-    fn of(names: &[String], materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
-        let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new() };
-        for name in names.iter().map(|name| name.trim()) {
+    fn of(args: &CoverArgs, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
+        let types = args.types.iter().map(|name| name.trim().to_lowercase()).collect();
+        let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new(), all: false, types };
+        for name in args.on.iter().map(|name| name.trim()) {
             let kind = SurfaceKind::ALL.into_iter().find(|kind| kind.name() == name.to_lowercase());
             let material = materials.iter().position(|material| material.name == name);
             match (name, kind, material) {
-                ("all", ..) => wanted.kinds.extend(SurfaceKind::ALL),
-                // A material that is called like a kind is most likely of it.
+                ("all", ..) => {
+                    wanted.kinds.extend(SurfaceKind::ALL);
+                    wanted.all = true;
+                }
                 (_, Some(kind), _) => wanted.kinds.push(kind),
                 (_, None, Some(material)) => wanted.materials.push(material as u16),
                 (_, None, None) => {
                     let what = format!("there is no kind of surface and no material `{name}`");
-                    return Err(Error::argument("--on", what, wanted.choice(materials, surfaces)));
+                    return Err(Error::argument("--on", what, choice(materials, surfaces)));
                 }
             }
         }
-        if !surfaces.list.iter().any(|surface| wanted.contains(surface)) {
-            let what = format!("the scene has no surface of {}", names.join(", "));
-            return Err(Error::argument("--on", what, wanted.choice(materials, surfaces)));
+        let mut of_type = surfaces.list.iter().map(|surface| (surface, &surfaces.objects[surface.object].1));
+        let unknown = |name: &&String| {
+            let has = |note: &ObjectNote| note.object_type.to_lowercase() == **name;
+            name.as_str() != "all" && !surfaces.objects.iter().any(|(_, note)| has(note))
+        };
+        if let Some(name) = wanted.types.iter().find(unknown) {
+            let what = format!("the scene has no object of type `{name}`");
+            return Err(Error::argument("--types", what, choice(materials, surfaces)));
+        }
+        if !of_type.any(|(surface, note)| wanted.asks(surface) && wanted.takes_object(surface, note)) {
+            let what = match args.on.as_slice() {
+                [] => "the scene has no roof, wall or window of a building".to_owned(),
+                names => format!("the scene has no surface of {}", names.join(", ")),
+            };
+            return Err(Error::argument("--on", what, choice(materials, surfaces)));
         }
         Ok(wanted)
     }
 
-    fn contains(&self, surface: &Surface) -> bool {
-        self.kinds.contains(&surface.kind) || self.materials.contains(&surface.material)
+    /// Whether it is a surface that is asked for, of whatever object.
+    fn asks(&self, surface: &Surface) -> bool {
+        let named = self.materials.contains(&surface.material);
+        let reached = self.all || surface.exposed != Some(false);
+        let of_kind = match surface.kind {
+            kind if !self.kinds.is_empty() || !self.materials.is_empty() => self.kinds.contains(&kind),
+            SurfaceKind::Roof | SurfaceKind::Wall | SurfaceKind::Window => true,
+            // The floor of a storey that juts out; that of a city model lies on the ground.
+            SurfaceKind::Floor => surface.exposed == Some(true),
+            SurfaceKind::Ground | SurfaceKind::Shade => false,
+        };
+        named || (of_kind && reached)
     }
 
-    /// What could be asked for.
-    fn choice(&self, materials: &[Material], surfaces: &Surfaces) -> String {
-        let mut count: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
-        surfaces.list.iter().for_each(|surface| *count.entry(surface.kind).or_default() += 1);
-        let kinds: Vec<String> = count.iter().map(|(kind, count)| format!("{} ({count})", kind.name())).collect();
-        let names: Vec<&str> = materials.iter().take(20).map(|material| material.name.as_str()).collect();
-        format!("there are surfaces of {}; materials are {}", kinds.join(", "), names.join(", "))
+    /// Whether it is one of the objects that are asked for.
+    fn takes_object(&self, surface: &Surface, note: &ObjectNote) -> bool {
+        let by_name = self.materials.contains(&surface.material) || surface.kind == SurfaceKind::Ground;
+        match self.types.as_slice() {
+            [] => self.all || by_name || !note.beside,
+            types => types.iter().any(|name| name == "all" || *name == note.object_type.to_lowercase()),
+        }
     }
+}
+
+/// What could be asked for.
+fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
+    let mut count: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
+    surfaces.list.iter().for_each(|surface| *count.entry(surface.kind).or_default() += 1);
+    let kinds: Vec<String> = count.iter().map(|(kind, count)| format!("{} ({count})", kind.name())).collect();
+    let types: BTreeSet<&str> = surfaces.objects.iter().map(|(_, note)| note.object_type.as_str()).collect();
+    let types: Vec<&str> = types.into_iter().filter(|name| !name.is_empty()).take(20).collect();
+    let names: Vec<&str> = materials.iter().take(20).map(|material| material.name.as_str()).collect();
+    let types =
+        if types.is_empty() { String::new() } else { format!("types of objects (--types) are {}; ", types.join(", ")) };
+    format!("there are surfaces of {}; {types}materials are {}", kinds.join(", "), names.join(", "))
 }
 
 /// Writes a table of receivers, with a reason where they are buried.
 pub(super) fn write<'a>(
     sink: Sink,
+    covered: &Covered,
     rows: impl Iterator<Item = Row<'a>>,
     offset_m: f64,
     with_reason: bool,
@@ -230,6 +291,7 @@ pub(super) fn write<'a>(
             normal: piece.normal,
             area_m2: piece.area_m2,
             surface: &surface.name,
+            part: covered.part(piece, surface),
             reason: Some(reason(lying)),
         })?;
     }
@@ -251,7 +313,7 @@ pub(super) fn summary(covered: &Covered, scene: &Scene) -> String {
         "{} on {} of {}\n",
         counted(free as u64, "receiver"),
         counted(covered.chosen.len() as u64, "surface"),
-        counted(covered.surfaces.objects as u64, "object")
+        counted(covered.surfaces.objects.len() as u64, "object")
     );
     // Writing to a string cannot fail.
     let mut line = |text: String| {
@@ -284,6 +346,11 @@ pub(super) fn summary(covered: &Covered, scene: &Scene) -> String {
             counted(covered.small.0 as u64, "surface"),
             covered.small.1
         ));
+    }
+    if !covered.beside.is_empty() {
+        let types: Vec<&str> = covered.beside.keys().map(String::as_str).collect();
+        let area: f64 = covered.beside.values().sum();
+        line(format!("left out: {area:.1} m2 of objects that are no buildings (--types {})", types.join(",")));
     }
     if !scene.report.warnings.is_empty() {
         line(format!("{} above", counted(scene.report.warnings.len() as u64, "warning")));

@@ -10,7 +10,7 @@ use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::copy::copy_whole;
 use heliotile_core::archive;
-use heliotile_core::archive::{Access, Archive, Blocks, format, tables};
+use heliotile_core::archive::{Access, Archive, format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
@@ -106,9 +106,8 @@ pub(super) fn other_receivers(archive: &Archive, receivers: &mut ReceiverTiles) 
     }
     for (tile, given) in receivers.tiles()?.enumerate() {
         let given = given?;
-        let table = Blocks::block(archive, format::RECEIVERS, tile as u32);
-        let Ok(table) = table.and_then(|block| tables::ReceiversTable::from_block(&block)) else { continue };
-        if given != table.receivers() {
+        let Ok(held) = tables::PartsTable::receivers(archive, tile as u32) else { continue };
+        if given != held {
             return Ok(Some(format!("holds other receivers than tile {tile} of the archive")));
         }
     }
@@ -119,13 +118,11 @@ pub(super) fn other_receivers(archive: &Archive, receivers: &mut ReceiverTiles) 
 fn receivers_of(archive: &Archive) -> Result<Vec<Receiver>> {
     let mut receivers = Vec::new();
     for tile in 0..archive.tiles() {
-        let table = Blocks::block(archive, format::RECEIVERS, tile)
-            .and_then(|block| tables::ReceiversTable::from_block(&block));
-        let Ok(table) = table else {
+        let Ok(held) = tables::PartsTable::receivers(archive, tile) else {
             let what = format!("the receivers of tile {tile} are damaged");
             return Err(Error::input(archive.path(), None, what, "give the receivers file with --receivers"));
         };
-        receivers.extend(table.receivers());
+        receivers.extend(held);
     }
     Ok(receivers)
 }

@@ -8,8 +8,8 @@ use super::terminal::Terminal;
 use super::{Outcome, guard_output, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather, read_weather_with_air};
+use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::periods::{Every, Periods};
-use crate::outputs::surfaces::{SurfaceGroups, SurfaceMeans};
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::table::Places;
 use crate::outputs::tables::writer::{Format, TableWriter, files_of};
@@ -182,10 +182,10 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     let layout = Layout { labels: series.kind, by: args.by, components };
     let mut means = match args.by {
         By::Receiver => None,
-        By::Surface => {
-            let surfaces = SurfaceGroups::new(chosen.receivers(archive, &site), &args.archive)?;
-            Some(SurfaceMeans::new(
-                surfaces,
+        by => {
+            let groups = Groups::new(chosen.receivers(archive, &site), by, &args.archive)?;
+            Some(GroupMeans::new(
+                groups,
                 layout.components(),
                 labels.len(),
                 MemoryBudget::new(args.memory.0).share(Use::SurfaceSums),
@@ -204,10 +204,10 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     let schedules = schedules(&site, series)?;
     let replay = Replay::scheduled(&site, series.conditions, settings, series.bins, &schedules)?;
     let names = || match &means {
-        Some(means) => Ok(means.surfaces().names().to_vec()),
+        Some(means) => Ok(means.groups().names().to_vec()),
         None => chosen.receivers(archive, &site).map(|receiver| Ok(receiver?.id)).collect(),
     };
-    let count = means.as_ref().map_or(chosen.count(), |means| means.surfaces().names().len() as u64);
+    let count = means.as_ref().map_or(chosen.count(), |means| means.groups().names().len() as u64);
     let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names })?;
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(chosen.count()));
@@ -223,8 +223,8 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
             break;
         }
     }
-    for (surfaces, values) in means.iter().flat_map(SurfaceMeans::tiles) {
-        table.write_tile(&surfaces, &values)?;
+    for (names, values) in means.iter().flat_map(GroupMeans::tiles) {
+        table.write_tile(&names, &values)?;
     }
     drop(progress);
     table.finish()?;

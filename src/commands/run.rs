@@ -2,7 +2,6 @@
 //! a map. What is there already and still fits is not traced again.
 
 use std::collections::HashMap;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +16,7 @@ use super::{
 use crate::cli::{Percent, RunArgs};
 use crate::files::read_weather;
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
+use crate::outputs::kinds_and_sides::by_kind_and_side;
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
 use heliotile_builder::build::{Build, Output, PreparedScene, Start};
@@ -36,7 +36,6 @@ use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::years::Years;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::Piece;
-use heliotile_scene::covering::surfaces::SurfaceKind;
 
 /// Files of the folder.
 struct Files {
@@ -78,14 +77,18 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
     if let Some(covered) = &covered {
         guard_output(&files.receivers, &[&args.weather])?;
-        receivers::write(Sink::file(&files.receivers)?, covered.free(), args.cover.offset.0, false)?;
+        receivers::write(Sink::file(&files.receivers)?, covered, covered.free(), args.cover.offset.0, false)?;
         say(&format!("{}: {}", files.receivers.display(), receivers::summary(covered, &scene)))?;
     }
     let archive = up_to_date(args, &files, &scene)?;
     let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
     write_table(Sink::file(&files.table)?, &rows)?;
     write_map(&files.map, &rows, covered.as_ref())?;
-    say(&table(&rows, covered.as_ref(), &args.weather))?;
+    say(&format!(
+        "\nIrradiation through {}, kWh/m2 (means by area):\n{}",
+        args.weather.display(),
+        by_kind_and_side(&rows)
+    ))?;
     say(&format!(
         "{}: {}site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
          --weather {} --every month -o months.csv\n",
@@ -181,7 +184,7 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Resu
     let patches: Vec<Patch> = rows
         .iter()
         .map(|row| Patch {
-            triangles: pieces.get(&row.receiver.id).map_or(&[][..], |(piece, _)| &piece.triangles),
+            triangles: pieces.get(&row.receiver.id).map_or(&[][..], |piece| &piece.triangles),
             middle: row.receiver.position,
             total_kwh_m2: row.total(),
         })
@@ -189,67 +192,7 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Resu
     write_ply(Sink::file(path)?, &patches)
 }
 
-fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, (&Piece, SurfaceKind)> {
+fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, &Piece> {
     let rows = covered.into_iter().flat_map(Covered::free);
-    rows.map(|(name, piece, surface, _)| (name, (piece, surface.kind))).collect()
-}
-
-/// Sums by kind of surface and side.
-fn table(rows: &[AnnualRow], covered: Option<&Covered>, weather: &Path) -> String {
-    let pieces = pieces_by_name(covered);
-    // Receivers, area, sums by area of the components.
-    let mut groups: Vec<(String, usize, f64, [f64; 7])> = Vec::new();
-    for row in rows {
-        let kind = pieces.get(&row.receiver.id).map(|found| found.1);
-        let area = row.receiver.area.unwrap_or(1.0);
-        for name in group_of(kind, row.receiver.normal) {
-            let at = groups.iter().position(|group| group.0 == name).unwrap_or_else(|| {
-                groups.push((name, 0, 0.0, [0.0; 7]));
-                groups.len() - 1
-            });
-            let group = &mut groups[at];
-            group.1 += 1;
-            group.2 += area;
-            group.3.iter_mut().zip(row.kwh_m2).for_each(|(sum, value)| *sum += area * f64::from(value));
-        }
-    }
-    groups.sort_by(|a, b| a.0.cmp(&b.0));
-    let mut out = format!("\nIrradiation through {}, kWh/m2 (means by area):\n", weather.display());
-    let _ = writeln!(
-        out,
-        "{:14} {:>9} {:>11} {:>10} {:>9} {:>9} {:>9} {:>9} {:>11}",
-        "surfaces", "receivers", "area m2", "sun_direct", "sky_direct", "reflected", "mirrored", "total", "sum, MWh"
-    );
-    for (name, count, area, sums) in groups {
-        let mean = |components: &[Component]| -> f64 {
-            components.iter().map(|component| sums[*component as usize]).sum::<f64>() / area
-        };
-        let total = mean(&[Component::Total]);
-        let _ = writeln!(
-            out,
-            "{name:14} {count:>9} {area:>11.1} {:>10.1} {:>10.1} {:>9.1} {:>9.1} {total:>9.1} {:>11.1}",
-            mean(&[Component::SunDirect]),
-            mean(&[Component::SkyDirect]),
-            mean(&[Component::SunDiffuse, Component::SkyDiffuse]),
-            mean(&[Component::SunSpecular, Component::SkySpecular]),
-            total * area / 1e3
-        );
-    }
-    out
-}
-
-/// Groups of the table that a receiver counts in: its kind, and for what stands upright the side that it looks to.
-fn group_of(kind: Option<SurfaceKind>, normal: glam::DVec3) -> Vec<String> {
-    let kind = match kind {
-        Some(kind) => kind.name(),
-        None if normal.z > 0.5 => "looking up",
-        None if normal.z < -0.5 => "looking down",
-        None => "upright",
-    };
-    let side = match normal {
-        n if n.z.abs() > 0.5 => return vec![kind.to_owned()],
-        n if n.y.abs() >= n.x.abs() => ["south", "north"][usize::from(n.y > 0.0)],
-        n => ["west", "east"][usize::from(n.x > 0.0)],
-    };
-    vec![kind.to_owned(), format!("{kind}, {side}")]
+    rows.map(|(name, piece, ..)| (name, piece)).collect()
 }

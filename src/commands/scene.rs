@@ -6,8 +6,9 @@ use super::{Outcome, say, say_report};
 use heliotile_core::error::Result;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
-use heliotile_scene::covering::surfaces::{SurfaceKind, Surfaces};
+use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::objects::twins;
+use heliotile_scene::semantics::SurfaceKind;
 use heliotile_scene::site::Site;
 
 /// Pairs of objects that are named.
@@ -35,7 +36,7 @@ pub fn info(site: &Site) -> Result<Outcome> {
         0 => String::new(),
         turned => format!(", {turned} of them inside out"),
     };
-    line!(out, "  objects     {}, {} closed{solids}", surfaces.objects, surfaces.closed_objects);
+    line!(out, "  objects     {}, {} closed{solids}", surfaces.objects.len(), surfaces.closed_objects);
     line!(
         out,
         "  faces       {}: {} triangles; dropped: {} without area, {} repeated",

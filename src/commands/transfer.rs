@@ -68,6 +68,7 @@ fn selection(args: &ExtractArgs) -> Selection {
     match (&args.receivers, args.bbox) {
         (Some(file), _) => Selection::Receivers(file.clone()),
         (None, Some(bounds)) => Selection::Bounds(bounds),
+        (None, None) if args.surface.is_empty() => Selection::Objects(args.object.clone()),
         (None, None) => Selection::Surfaces(args.surface.clone()),
     }
 }

@@ -16,3 +16,36 @@ pub fn direction_from_degrees(azimuth_deg: f64, altitude_deg: f64) -> DVec3 {
 pub fn kwh_from_w(mean_w_m2: f64, hours: f64) -> f64 {
     mean_w_m2 * hours / 1000.0
 }
+
+/// Where a surface looks: tilt in degrees, 0 up, 90 level, 180 down, and azimuth in degrees clockwise from y (north), 0 up to 360. A
+/// surface that looks straight up or down has azimuth 0.
+pub fn tilt_and_azimuth(normal: DVec3) -> (f64, f64) {
+    let level = normal.x.hypot(normal.y);
+    let azimuth = normal.x.atan2(normal.y).to_degrees();
+    // Rounding of a tiny negative angle gives 360.
+    let azimuth = if level < 1e-9 { 0.0 } else { azimuth.rem_euclid(360.0) % 360.0 };
+    (level.atan2(normal.z).to_degrees(), azimuth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Six normals have the tilt and azimuth of their compass, within 1e-12 degrees.
+    #[test]
+    fn compass() {
+        let half = 0.5_f64.sqrt();
+        for (normal, tilt, azimuth) in [
+            (DVec3::Z, 0.0, 0.0),
+            (DVec3::NEG_Z, 180.0, 0.0),
+            (DVec3::Y, 90.0, 0.0),
+            (DVec3::X, 90.0, 90.0),
+            (DVec3::NEG_X, 90.0, 270.0),
+            (DVec3::new(0.0, -half, half), 45.0, 180.0),
+        ] {
+            let (t, a) = tilt_and_azimuth(normal);
+            assert!((t - tilt).abs() < 1e-12 && (a - azimuth).abs() < 1e-12, "{normal}: {t} {a}");
+        }
+        assert_eq!(tilt_and_azimuth(DVec3::new(-1e-18, 1.0, 0.0)).1, 0.0);
+    }
+}

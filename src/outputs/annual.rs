@@ -8,7 +8,9 @@ use glam::DVec3;
 use super::sink::Sink;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
+use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::units::tilt_and_azimuth;
 
 /// A receiver and its sums, kWh/m2: the six components and their total.
 #[derive(Clone, Debug)]
@@ -23,21 +25,26 @@ impl AnnualRow {
     }
 }
 
-/// Writes `receiver,x,y,z,nx,ny,nz,area,surface` and the sums.
+/// Writes `receiver,x,y,z,nx,ny,nz,area,surface`, what the receiver stands for, its tilt and azimuth, and the sums.
 pub fn write_table(sink: Sink, rows: &[AnnualRow]) -> Result<()> {
     let path = sink.path().to_owned();
     let mut csv = ::csv::Writer::from_writer(sink);
     let failed = |error: ::csv::Error| Error::io(&path, "write to")(io::Error::from(error));
-    let places = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface"].map(str::to_owned);
+    let places = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface"].into_iter();
+    let places: Vec<String> =
+        places.chain(ModelPart::COLUMNS).chain(["tilt_deg", "azimuth_deg"]).map(str::to_owned).collect();
     let sums = Component::ALL.map(|component| format!("{}_kwh_m2", component.name()));
     csv.write_record(places.iter().chain(&sums)).map_err(failed)?;
     for row in rows {
-        let Receiver { id, position: p, normal: n, area, surface } = &row.receiver;
+        let Receiver { id, position: p, normal: n, area, surface, part } = &row.receiver;
+        let (tilt, azimuth) = tilt_and_azimuth(*n);
         let mut cells = vec![id.clone()];
         cells.extend([p.x, p.y, p.z].map(|metres| format!("{metres:.4}")));
         cells.extend([n.x, n.y, n.z].map(|share| format!("{share:.6}")));
         cells.push(area.map_or(String::new(), |area| format!("{area:.4}")));
         cells.push(surface.clone().unwrap_or_default());
+        cells.extend(part.texts().map(str::to_owned));
+        cells.extend([tilt, azimuth].map(|degrees| format!("{degrees:.2}")));
         cells.extend(row.kwh_m2.map(|sum| format!("{sum:.3}")));
         csv.write_record(&cells).map_err(failed)?;
     }

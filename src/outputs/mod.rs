@@ -5,10 +5,11 @@
 //! sums.
 
 pub mod annual;
+pub mod groups;
+pub mod kinds_and_sides;
 pub mod periods;
 pub mod pictures;
 pub mod receivers;
 pub mod sink;
-pub mod surfaces;
 pub mod tables;
 pub mod view_factors;

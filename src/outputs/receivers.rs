@@ -1,5 +1,5 @@
-//! Receivers as the table that builds read. In: points on surfaces. Out: `receiver,x,y,z,nx,ny,nz,area,surface` and, for those that are
-//! left out, a reason.
+//! Receivers as the table that builds read. In: points on surfaces. Out: `receiver,x,y,z,nx,ny,nz,area,surface`, what they stand for in
+//! their model and, for those that are left out, a reason.
 
 use std::io;
 
@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::sink::Sink;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::model_part::ModelPart;
 
 /// One row.
 pub struct ReceiverRow<'a> {
@@ -17,6 +18,7 @@ pub struct ReceiverRow<'a> {
     pub normal: DVec3,
     pub area_m2: f64,
     pub surface: &'a str,
+    pub part: ModelPart,
     /// Why it gets no light.
     pub reason: Option<&'a str>,
 }
@@ -30,8 +32,8 @@ pub struct ReceiverTable {
 impl ReceiverTable {
     pub fn create(sink: Sink, with_reason: bool) -> Result<Self> {
         let mut table = ReceiverTable { csv: Writer::from_writer(sink), with_reason };
-        let header = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface", "reason"];
-        table.record(header.iter().take(if with_reason { 10 } else { 9 }))?;
+        let header = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface"];
+        table.record(header.into_iter().chain(ModelPart::COLUMNS).chain(with_reason.then_some("reason")))?;
         Ok(table)
     }
 
@@ -42,7 +44,8 @@ impl ReceiverTable {
         let normal = [n.x, n.y, n.z].map(|share| format!("{:.6}", (share * 1e6).round() / 1e6 + 0.0));
         let area = format!("{:.4}", row.area_m2.max(1e-4));
         let cells = [row.name].into_iter().chain(numbers.iter().map(String::as_str));
-        let cells = cells.chain(normal.iter().map(String::as_str)).chain([area.as_str(), row.surface]);
+        let cells =
+            cells.chain(normal.iter().map(String::as_str)).chain([area.as_str(), row.surface]).chain(row.part.texts());
         self.record(cells.chain(row.reason.filter(|_| self.with_reason)))
     }
 

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use crate::materials::select::MaterialTable;
 use crate::reference::Reference;
+use crate::semantics::{FaceNote, ObjectNote, SourceFace};
 use heliotile_core::error::{Error, Result};
 
 /// Polygons of one file, in its order.
@@ -19,12 +20,16 @@ pub(super) struct Geometry {
     /// Corners of all faces one after the other, outline before holes: indices into `vertices`, all in range.
     corners: Vec<u32>,
     faces: Vec<Face>,
+    /// `[face]`; short where nothing is known of the last faces.
+    notes: Vec<FaceNote>,
     /// Face and place in `corners` where one of its holes begins, in order.
     holes: Vec<(usize, usize)>,
     /// Indexed by `Polygon::material`.
     pub materials: Names,
     /// Indexed by `Polygon::object`: what receivers on a face are named after.
     pub objects: Names,
+    /// What is known of objects besides, by the same numbers; of others nothing is.
+    pub object_notes: HashMap<u32, ObjectNote>,
     /// Materials that the file itself describes.
     pub stated: MaterialTable,
     /// Where on Earth the coordinates lie, if the file says so.
@@ -52,6 +57,8 @@ pub(super) struct Polygon<'a> {
     pub material: u32,
     pub object: u32,
     pub line: usize,
+    /// Place among the faces of the file.
+    pub number: usize,
 }
 
 impl<'a> Polygon<'a> {
@@ -104,6 +111,14 @@ impl Geometry {
         self.faces.push(Face { end: self.corners.len(), material, object, line });
     }
 
+    /// Notes what is known of the face that ended last.
+    pub(super) fn note_face(&mut self, note: FaceNote) {
+        self.notes.resize(self.faces.len(), FaceNote::default());
+        if let Some(last) = self.notes.last_mut() {
+            *last = note;
+        }
+    }
+
     /// Adds a whole face: its outline and then its holes.
     pub(super) fn push_face<'r>(
         &mut self,
@@ -126,6 +141,17 @@ impl Geometry {
         *self.left_out.entry(reason.to_owned()).or_default() += 1;
     }
 
+    /// The faces as receivers on them name them, in the order of [`Geometry::faces`].
+    pub(super) fn source_faces(&self) -> impl Iterator<Item = SourceFace> {
+        let cut = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
+        let face = move |(i, face): (usize, &Face)| SourceFace {
+            note: self.notes.get(i).copied().unwrap_or_default(),
+            line: cut(face.line),
+            number: cut(i + 1),
+        };
+        self.faces.iter().enumerate().map(face)
+    }
+
     pub(super) fn face_count(&self) -> usize {
         self.faces.len()
     }
@@ -144,6 +170,7 @@ impl Geometry {
                 material: face.material,
                 object: face.object,
                 line: face.line,
+                number: i,
             };
             start = face.end;
             polygon

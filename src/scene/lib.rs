@@ -40,6 +40,7 @@ pub mod objects;
 mod palette;
 mod polygon;
 pub mod reference;
+pub mod semantics;
 pub mod site;
 mod terrain;
 #[cfg(test)]

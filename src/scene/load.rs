@@ -1,6 +1,7 @@
 //! Several files, one scene. In: the parts of a site. Out: a scene, and its triangles with the objects they belong to. Rasters come
 //! last, in the light of what they are the horizon of.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -15,6 +16,7 @@ use crate::palette::Palette;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
 use crate::reference::{Reference, horizontal};
+use crate::semantics::{ObjectNote, SourceFace};
 use crate::site::{Part, Site};
 use crate::terrain::focus::Focus;
 use crate::terrain::raster::Raster;
@@ -37,6 +39,12 @@ pub struct Soup {
     pub objects: Vec<u32>,
     /// Names of the objects in the files.
     pub object_names: Vec<String>,
+    /// What is known of an object besides: `[object]`.
+    pub object_notes: Vec<ObjectNote>,
+    /// The face that each triangle is a part of: indices into `source_faces`, none for triangles that no file has.
+    pub faces: Vec<u32>,
+    /// Faces of the files.
+    pub source_faces: Vec<SourceFace>,
 }
 
 /// What was read so far.
@@ -46,6 +54,11 @@ struct Pile {
     triangles: Vec<RawTriangle>,
     objects: Vec<u32>,
     names: Names,
+    notes: HashMap<u32, ObjectNote>,
+    /// Whether faces are asked for.
+    keep: bool,
+    faces: Vec<u32>,
+    source_faces: Vec<SourceFace>,
     /// What files say of their place: reference, lowest and highest corner in their own coordinates (offsets may be taken off).
     references: Vec<(PathBuf, Reference, [DVec3; 2])>,
     report: LoadReport,
@@ -72,7 +85,7 @@ impl Scene {
 
 /// Reads all files; without `keep` the soup is empty.
 fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
-    let (mut palette, mut pile) = (Palette::default(), Pile::default());
+    let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
     let mut rasters = Vec::new();
     for part in &site.parts {
         if let Some(path) = &part.materials {
@@ -152,6 +165,15 @@ impl Pile {
             material: number(&materials, triangle.material),
         }));
         self.objects.extend(cut.objects.iter().map(|&object| number(&objects, object)));
+        if self.keep {
+            // Triangles are counted in 32 bits, and faces are no more.
+            let first = self.source_faces.len() as u32;
+            self.source_faces.extend(geometry.source_faces());
+            self.faces.extend(cut.faces.iter().map(|face| first + face));
+            for (&object, note) in &geometry.object_notes {
+                self.notes.entry(number(&objects, object)).or_insert_with(|| note.clone());
+            }
+        }
         Ok(())
     }
 
@@ -232,6 +254,7 @@ impl Pile {
     ) -> Result<(Scene, Soup)> {
         let place = self.place();
         let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, .. } = self;
+        let (notes, faces, source_faces) = (self.notes, self.faces, self.source_faces);
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {
             late.extend(ground.add(&mut positions, &mut triangles, material));
@@ -258,7 +281,12 @@ impl Pile {
             materials: soup.iter().map(|triangle| number(triangle.material)).collect(),
             triangles: soup.iter().map(|triangle| triangle.corners).collect(),
             objects,
+            object_notes: (0..names.as_slice().len() as u32)
+                .map(|i| notes.get(&i).cloned().unwrap_or_default())
+                .collect(),
             object_names: names.into_vec(),
+            faces,
+            source_faces,
         };
         Ok((Scene { mesh, materials, place, report }, soup))
     }

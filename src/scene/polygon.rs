@@ -24,6 +24,8 @@ pub(super) struct Triangulation {
     pub triangles: Vec<RawTriangle>,
     /// Object of each triangle.
     pub objects: Vec<u32>,
+    /// Number of the face that each triangle is cut from.
+    pub faces: Vec<u32>,
     pub concave_faces: usize,
     /// Faces with fewer than three distinct corners or without area.
     pub degenerate_faces: usize,
@@ -50,6 +52,7 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
         if let (&[a, b, c], false) = (corners, face.has_holes()) {
             done.triangles.push(RawTriangle { corners: [a, b, c], material: face.material });
             done.objects.push(face.object);
+            done.faces.push(face.number as u32);
             continue;
         }
         if corners.len() > MAX_CORNERS {
@@ -66,6 +69,7 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
         rings.fill(&face, &geometry.vertices);
         rings.cut(&face, &mut done);
         done.objects.resize(done.triangles.len(), face.object);
+        done.faces.resize(done.triangles.len(), face.number as u32);
     }
     Ok(done)
 }

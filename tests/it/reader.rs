@@ -9,7 +9,7 @@ use std::process::Command;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::tables::{
-    CellsTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, ReceiversTable,
+    CellsTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, PartsTable, ReceiversTable,
 };
 use heliotile_core::archive::{Archive, Block, format};
 use heliotile_core::layers::bits::BitSquare;
@@ -69,6 +69,16 @@ fn receivers(t: &ReceiversTable) -> Arrays {
         ("sky_view", le(&t.sky_view, f32::to_le_bytes)),
         ("ground_view", le(&t.ground_view, f32::to_le_bytes)),
         ("obstruction_view", le(&t.obstruction_view, f32::to_le_bytes)),
+    ]
+}
+
+fn parts(t: &PartsTable) -> Arrays {
+    vec![
+        ("object", strings(&t.object)),
+        ("building", strings(&t.building)),
+        ("kind", strings(&t.kind)),
+        ("object_type", strings(&t.object_type)),
+        ("face", strings(&t.face)),
     ]
 }
 
@@ -183,6 +193,7 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
             vec![("g", tile.iter().flat_map(|r| le(&r.values, f32::to_le_bytes)).collect())]
         }
         format::PROBES | format::BOUNCE => cells(&CellsTable::from_block(block).expect("cells")),
+        format::PARTS => parts(&PartsTable::from_block(block).expect("parts")),
         format::OPTICS => {
             let t = OpticsTable::from_block(block).expect("optics");
             vec![("panes", t.panes), ("canopy", t.canopy), ("transmittance", le(&t.transmittance, f64::to_le_bytes))]

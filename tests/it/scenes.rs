@@ -127,7 +127,7 @@ pub fn many() -> Vec<Receiver> {
 }
 
 pub fn receiver(id: &str, position: DVec3, normal: DVec3) -> Receiver {
-    Receiver { id: id.into(), position, normal: normal.normalize(), area: None, surface: None }
+    Receiver::new(id.into(), position, normal.normalize())
 }
 
 /// A receivers' normal tilted by `tilt_deg` from the zenith towards `azimuth_deg`.

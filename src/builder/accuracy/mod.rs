@@ -247,13 +247,7 @@ mod tests {
     /// 10 of 100 receivers are every tenth, in order, and tiles are those of 64: the first 7 lie in tile 0; all of 3 are asked for with 10.
     #[test]
     fn samples_are_spread() {
-        let receiver = |i: usize| Receiver {
-            id: format!("{i}"),
-            position: DVec3::new(i as f64, 0.0, 0.0),
-            normal: DVec3::Z,
-            area: None,
-            surface: None,
-        };
+        let receiver = |i: usize| Receiver::new(format!("{i}"), DVec3::new(i as f64, 0.0, 0.0), DVec3::Z);
         let of = |count: usize| {
             let all: Vec<Receiver> = (0..count).map(receiver).collect();
             let mut tiles =

@@ -13,7 +13,7 @@ use heliotile_core::layers::sky::SkyTexture;
 /// What is known of a tile before its cells are, in the order of writing.
 pub fn tile(
     number: u32,
-    receivers: &tables::ReceiversTable,
+    (receivers, parts): (&tables::ReceiversTable, Option<&tables::PartsTable>),
     sky: &[SkyTexture],
     hits: &HitTile,
     extras: &[ReceiverExtras],
@@ -23,6 +23,7 @@ pub fn tile(
         layer(format::SKY, number, receivers.rows(), &SkyTexture::pack(sky))?,
         layer(format::HIT, number, receivers.rows(), &hits.pack())?,
     ];
+    blocks.extend(parts.map(|parts| parts.encode(format::PARTS, number, COMPRESSION)).transpose()?);
     let (mirrors, canopies) = extras.iter().map(|of| (of.mirrors.to_bytes(), of.canopy.to_bytes())).unzip();
     blocks.extend(extra(format::MIRROR, number, mirrors)?);
     blocks.extend(extra(format::CANOPY, number, canopies)?);

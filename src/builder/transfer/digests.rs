@@ -23,6 +23,7 @@ impl Digests {
         let mut columns: Vec<u8> = receiver.area.unwrap_or_default().to_le_bytes().to_vec();
         columns.extend(row.views.iter().flat_map(|view| view.to_le_bytes()));
         columns.extend(receiver.surface.as_deref().unwrap_or_default().as_bytes());
+        columns.extend(receiver.part.texts().join("\0").as_bytes());
         // No key is all ones: the first bit of its bytes is 0.
         let key = |key: &Option<CellKey>| key.map_or([u8::MAX; CellKey::BYTES], CellKey::to_bytes);
         let hits: Vec<u8> = traced.hits.iter().flat_map(key).collect();

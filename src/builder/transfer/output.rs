@@ -73,7 +73,8 @@ impl<'a> ArchiveAssembly<'a> {
             let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
             let table = tables::ReceiversTable::new(rows.iter().map(|row| (&row.receiver, row.views)));
             let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
-            pack::tile(number, &table, &sky, &HitTile::new(&hits), &extras)
+            let parts = tables::PartsTable::of(rows.iter().map(|row| &row.receiver));
+            pack::tile(number, (&table, parts.as_ref()), &sky, &HitTile::new(&hits), &extras)
         })?;
         Ok(())
     }

@@ -150,7 +150,7 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
 fn read_tile<L: Layers>(site: &OpenSite, tile: u32) -> Result<Vec<LayeredReceiver<L>>> {
     let table = site.tile_receivers(tile)?;
     let layers = L::of_tile(site, tile, table.rows())?;
-    let rows = table.receivers().into_iter().zip(table.views()).zip(layers);
+    let rows = site.tile_parts(tile, &table)?.into_iter().zip(table.views()).zip(layers);
     Ok(rows
         .map(|((receiver, views), layers)| LayeredReceiver { key: morton_key(&receiver), receiver, views, layers })
         .collect())

@@ -11,6 +11,7 @@ use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
+use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::covering::receiver_ids::ReceiverIds;
 
 /// Names that a message holds.
@@ -34,33 +35,28 @@ pub enum Selection {
     Bounds(Bounds),
     /// Names of surfaces.
     Surfaces(Vec<String>),
+    /// Names of objects, or of buildings with all of their parts.
+    Objects(Vec<String>),
 }
 
 impl Selection {
     /// For each receiver of an archive whether it is meant, in the archive's order, one byte each. Nobody, and names that do
     /// not exist, are errors.
     pub fn resolve(&self, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
-        let rows = ArchiveReceivers::<()>::new(site);
+        let rows = || ArchiveReceivers::<()>::new(site);
         let kept = match self {
             Selection::Receivers(file) => listed_in(file, site, folder, budget_bytes)?,
             Selection::Bounds(Bounds { low, high }) => {
                 let inside = |p: DVec3| p.cmpge(*low).all() && p.cmple(*high).all();
-                rows.map(|row| Ok(inside(row?.receiver.position))).collect::<Result<_>>()?
+                rows().map(|row| Ok(inside(row?.receiver.position))).collect::<Result<_>>()?
             }
             Selection::Surfaces(names) => {
-                let mut missing: BTreeSet<&str> = names.iter().map(String::as_str).collect();
-                let kept = rows.map(|row| {
-                    let surface = row?.receiver.surface.unwrap_or_default();
-                    missing.remove(surface.as_str());
-                    Ok(names.contains(&surface))
-                });
-                let kept: Vec<bool> = kept.collect::<Result<_>>()?;
-                let names: Vec<String> = missing.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
-                if !names.is_empty() {
-                    let what = format!("holds no receivers of {}", listed(missing.len() as u64, "surfaces", &names));
-                    return Err(Error::input(site.path(), None, what, "name surfaces as `receivers.csv` did"));
-                }
-                kept
+                let of = |receiver: &Receiver| [receiver.surface.clone().unwrap_or_default(), String::new()];
+                named(names, "surfaces", of, site)?
+            }
+            Selection::Objects(names) => {
+                let of = |receiver: &Receiver| [receiver.part.object.clone(), receiver.part.building.clone()];
+                named(names, "objects", of, site)?
             }
         };
         if kept.contains(&true) {
@@ -69,6 +65,32 @@ impl Selection {
         let hint = "choose a larger part; positions are in the coordinates of the scene file";
         Err(Error::input(site.path(), None, "the selection holds none of the receivers", hint))
     }
+}
+
+/// The receivers that one of some names is a name of; a name of nobody is an error.
+fn named(
+    names: &[String],
+    what: &'static str,
+    of: impl Fn(&Receiver) -> [String; 2],
+    site: &OpenSite,
+) -> Result<Vec<bool>> {
+    let mut missing: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+    let kept = ArchiveReceivers::<()>::new(site).map(|row| {
+        let own = of(&row?.receiver);
+        for name in &own {
+            missing.remove(name.as_str());
+        }
+        Ok(own.iter().any(|name| names.contains(name)))
+    });
+    let kept: Vec<bool> = kept.collect::<Result<_>>()?;
+    if missing.is_empty() {
+        return Ok(kept);
+    }
+    let names: Vec<String> = missing.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
+    let found = format!("holds no receivers of {}", listed(missing.len() as u64, what, &names));
+    let hint =
+        format!("name {what} as `receivers.csv` does; `--surface` takes surfaces, `--object` objects and buildings");
+    Err(Error::input(site.path(), None, found, hint))
 }
 
 /// The receivers whose ids stand in a file.

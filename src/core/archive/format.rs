@@ -6,7 +6,7 @@ pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Format version that this release reads and writes.
 pub const MAJOR: u16 = 1;
 /// Minor format version that this release writes; readers take larger ones, and read what they know.
-pub const MINOR: u16 = 1;
+pub const MINOR: u16 = 2;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 /// Bytes of a slot, its checksum included.
@@ -80,6 +80,8 @@ pub const PROBE_CANOPY: u32 = 14;
 pub const BOUNCE_CANOPY: u32 = 15;
 /// Kind: orientations of the mirrors, one block; chains hold their rows.
 pub const MIRRORS: u32 = 16;
+/// Kind: what of the model each of a tile's receivers stands for, where anything is known.
+pub const PARTS: u32 = 17;
 
 /// Kinds of the layers of a chunk of cells of a kind that only some scenes call for: mirrors, canopies; their tile is the chunk's.
 pub fn cell_extras(kind: u32) -> [u32; 2] {
@@ -87,7 +89,7 @@ pub fn cell_extras(kind: u32) -> [u32; 2] {
 }
 
 /// Kinds that this release knows: id, name, schema id of the raw bytes that it writes.
-pub const KINDS: [(u32, &str, u16); 16] = [
+pub const KINDS: [(u32, &str, u16); 17] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
@@ -104,6 +106,7 @@ pub const KINDS: [(u32, &str, u16); 16] = [
     (PROBE_CANOPY, "probe-canopy", 1),
     (BOUNCE_CANOPY, "bounce-canopy", 1),
     (MIRRORS, "mirrors", 1),
+    (PARTS, "parts", 1),
 ];
 
 /// Schema ids of format 1.0, which are still read: classes of materials were numbered the other way round, and voxels and seeds of

@@ -8,14 +8,16 @@ use crate::archive::codec::block::Block;
 use crate::archive::format;
 use crate::archive::format::{
     BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS, OPTICS,
-    PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
+    PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SKY, SLOT_OFFSETS, SLOT_SIZE,
 };
 use crate::archive::read_at::ReadAt;
 use crate::archive::reader::{Archive, by_place};
 #[cfg(any(unix, windows))]
 use crate::archive::source::Access;
 use crate::archive::source::Source;
-use crate::archive::tables::{CellsTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, ReceiversTable};
+use crate::archive::tables::{
+    CellsTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, PartsTable, ReceiversTable,
+};
 use crate::error::{Error, Result};
 use crate::layers::canopy;
 use crate::layers::canopy::Canopy;
@@ -167,6 +169,10 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         |good: bool| if good { Ok(()) } else { Err(block.corrupt("a layer of another shape", "the manifest's")) };
     match entry.kind {
         RECEIVERS => ReceiversTable::from_block(&block).map(|_| ()),
+        PARTS => {
+            same_rows(archive, &block, RECEIVERS)?;
+            PartsTable::from_block(&block).map(|_| ())
+        }
         MATERIALS if entry.tile > 0 => Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only")),
         MATERIALS => MaterialsTable::from_block(&block).map(|_| ()),
         OPTICS => {
@@ -208,6 +214,16 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
     }
 }
 
+/// A block has as many rows as the block of another kind whose rows it is about.
+fn same_rows(archive: &Archive, block: &Block, of: u32) -> Result<()> {
+    let (tile, rows) = (block.entry().tile, block.items());
+    let of_kind = archive.entries_of(of).iter().find(|entry| entry.tile == tile).map(|entry| entry.items);
+    if of_kind == Some(rows) {
+        return Ok(());
+    }
+    Err(block.corrupt(format!("{rows} rows"), format!("as many as {}", format::block_name(of, tile))))
+}
+
 /// Crossings of the rows of a block of another kind: `sides` of both squares of rays, or a number of rays for the second.
 fn check_canopies(
     archive: &Archive,
@@ -217,11 +233,8 @@ fn check_canopies(
     seen: Option<u32>,
     site: &Site,
 ) -> Result<()> {
-    let (tile, rows) = (block.entry().tile, block.items());
-    let of_kind = archive.entries_of(of).iter().find(|entry| entry.tile == tile).map(|entry| entry.items);
-    if of_kind != Some(rows) {
-        return Err(block.corrupt(format!("{rows} rows"), format!("as many as {}", format::block_name(of, tile))));
-    }
+    let rows = block.items();
+    same_rows(archive, block, of)?;
     let [sky, square] = sides.map(|side| side.saturating_mul(side));
     let rays = [sky, seen.map_or(square, |rays| rays as usize)];
     let is_canopy = |material: u16| site.canopies.get(usize::from(material)) == Some(&1);

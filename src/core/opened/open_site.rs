@@ -145,6 +145,10 @@ impl<'a> OpenSite<'a> {
         self.facts.materials.get(usize::from(number)).is_some_and(|material| material.transmittance.is_some())
     }
 
+    pub(super) fn blocks(&self) -> &'a dyn Blocks {
+        self.blocks
+    }
+
     pub(super) fn has(&self, kind: u32, tile: u32) -> bool {
         self.blocks.has(kind, tile)
     }

@@ -13,6 +13,7 @@ use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
 use crate::opened::open_site::OpenSite;
 use crate::site::chain::{Chain, MirrorStep};
+use crate::site::receiver::Receiver;
 
 /// Most bytes of a tile's sky once it is refined, and of what it sees in mirrors: a small block can stand for large textures.
 pub const MAX_SKY: usize = 256 << 20;
@@ -21,6 +22,13 @@ impl OpenSite<'_> {
     /// The receivers of a tile.
     pub fn tile_receivers(&self, tile: u32) -> Result<tables::ReceiversTable> {
         tables::ReceiversTable::from_block(&self.block(format::RECEIVERS, tile)?)
+    }
+
+    /// The same one by one, with what they stand for in their model.
+    pub fn tile_parts(&self, tile: u32, table: &tables::ReceiversTable) -> Result<Vec<Receiver>> {
+        let mut receivers = table.receivers();
+        tables::PartsTable::join(self.blocks(), tile, &mut receivers)?;
+        Ok(receivers)
     }
 
     /// Sky textures of a tile of so many receivers, ready to be looked up.

@@ -7,6 +7,7 @@ pub mod content;
 pub mod crossing;
 pub mod grid;
 pub mod material;
+pub mod model_part;
 pub mod morton;
 pub mod ordered;
 pub mod place;

@@ -31,7 +31,7 @@ pub fn morton_key(receiver: &Receiver) -> Vec<u8> {
     key
 }
 
-/// The receiver of a [`morton_key`], which says nothing of its area and surface; `None` for other bytes.
+/// The receiver of a [`morton_key`], which says nothing of its area, surface and part; `None` for other bytes.
 pub fn receiver_of_key(key: &[u8]) -> Option<Receiver> {
     let (_code, rest) = key.split_first_chunk::<8>()?;
     let (numbers, id) = rest.split_first_chunk::<48>()?;
@@ -39,7 +39,7 @@ pub fn receiver_of_key(key: &[u8]) -> Option<Receiver> {
     let mut vector = || Some(DVec3::new(numbers.next()?, numbers.next()?, numbers.next()?));
     let (position, normal) = (vector()?, vector()?);
     let id = String::from_utf8(id.to_vec()).ok()?;
-    Some(Receiver { id, position, normal, area: None, surface: None })
+    Some(Receiver::new(id, position, normal))
 }
 
 fn exact_order(a: &Receiver, b: &Receiver) -> Ordering {
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     fn receiver(id: &str, position: [f64; 3]) -> Receiver {
-        Receiver { id: id.to_owned(), position: position.into(), normal: DVec3::Z, area: None, surface: None }
+        Receiver::new(id.to_owned(), position.into(), DVec3::Z)
     }
 
     /// The code's bits are x, y, z of the cell in turn; its middle is 0, and it repeats after 2^19 m.

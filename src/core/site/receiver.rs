@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::site::model_part::ModelPart;
+
 /// Receivers of one tile: neighbours along the Morton curve that share compressed blocks.
 pub const TILE: usize = 64;
 
@@ -18,6 +20,15 @@ pub struct Receiver {
     pub area: Option<f64>,
     /// Name of the surface that it stands for, if it has one.
     pub surface: Option<String>,
+    /// What of the model it stands for.
+    pub part: ModelPart,
+}
+
+impl Receiver {
+    /// One of which only the place is known; `normal` is of unit length.
+    pub fn new(id: String, position: DVec3, normal: DVec3) -> Self {
+        Receiver { id, position, normal, area: None, surface: None, part: ModelPart::default() }
+    }
 }
 
 /// Longest name that an archive holds.

@@ -21,6 +21,25 @@ pub enum By {
     Receiver,
     /// One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area
     Surface,
+    /// One for each object, as for surfaces: city objects, zones and shades of a model of a building
+    Object,
+    /// One for each building: what the objects of a city model are parts of
+    Building,
+    /// One for each kind of surface: roof, wall, window, ground, floor, shade
+    Kind,
+}
+
+impl By {
+    /// Name of the column that says it, in results and in tables of receivers.
+    pub fn name(self) -> &'static str {
+        match self {
+            By::Receiver => "receiver",
+            By::Surface => "surface",
+            By::Object => "object",
+            By::Building => "building",
+            By::Kind => "kind",
+        }
+    }
 }
 
 /// The columns of a table.
@@ -42,10 +61,7 @@ impl Layout {
 
     /// Name of the second column.
     pub fn place(&self) -> &'static str {
-        match self.by {
-            By::Receiver => "receiver",
-            By::Surface => "surface",
-        }
+        self.by.name()
     }
 
     pub fn components(&self) -> &[Component] {

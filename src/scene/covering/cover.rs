@@ -6,7 +6,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::covering::surfaces::{Surface, SurfaceKind, area_vector};
+use crate::covering::surfaces::{Surface, area_vector};
+use crate::semantics::SurfaceKind;
 
 /// How many points go on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +27,7 @@ impl Density {
         match self {
             Density::PerSurface(count) => f64::from(count.max(1)),
             Density::Spacing(metres) => {
-                let (low, high) = Frame::of(surface).extent(&surface.triangles);
+                let (low, high) = Frame::of(surface).extent(surface.triangles.iter());
                 let longest = (high - low).max_element();
                 // A hair less than a whole number of squares is that number.
                 let up = |x: f64| (x - 1e-6).ceil();
@@ -47,14 +48,20 @@ pub struct Piece {
     pub area_m2: f64,
     /// What the piece is made of, input coordinates.
     pub triangles: Vec<[DVec3; 3]>,
+    /// The face that the point lies on, as of [`Surface::faces`].
+    pub face: u32,
 }
+
+/// A triangle and the face that it is a part of.
+type Shard = ([DVec3; 3], u32);
 
 /// Cuts a surface into pieces of equal area, as many as [`Density::points`] says.
 pub fn cover(surface: &Surface, density: Density) -> Vec<Piece> {
     let frame = Frame::of(surface);
     let count = density.points(surface).min(MOST_POINTS) as usize;
     let mut pieces = Vec::with_capacity(count);
-    divide(surface.triangles.clone(), count, &frame, &mut pieces);
+    let shards = surface.triangles.iter().copied().zip(surface.faces.iter().copied()).collect();
+    divide(shards, count, &frame, &mut pieces);
     pieces
 }
 
@@ -83,8 +90,8 @@ impl Frame {
         DVec2::new(self.along[0].dot(p), self.along[1].dot(p))
     }
 
-    fn extent(&self, triangles: &[[DVec3; 3]]) -> (DVec2, DVec2) {
-        triangles.iter().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| {
+    fn extent<'t>(&self, triangles: impl Iterator<Item = &'t [DVec3; 3]>) -> (DVec2, DVec2) {
+        triangles.flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| {
             let p = self.flat(p);
             (low.min(p), high.max(p))
         })
@@ -115,20 +122,20 @@ fn longest_edge(surface: &Surface) -> DVec3 {
 }
 
 /// Cuts until each part has one point.
-fn divide(triangles: Vec<[DVec3; 3]>, count: usize, frame: &Frame, pieces: &mut Vec<Piece>) {
+fn divide(shards: Vec<Shard>, count: usize, frame: &Frame, pieces: &mut Vec<Piece>) {
     if count <= 1 {
-        pieces.extend(piece(triangles, frame));
+        pieces.extend(piece(shards, frame));
         return;
     }
-    let (low, high) = frame.extent(&triangles);
+    let (low, high) = frame.extent(shards.iter().map(|shard| &shard.0));
     let size = high - low;
     // By more than rounding: squares are cut across the first axis.
     let axis = if size.y > size.x * (1.0 + 1e-9) { frame.along[1] } else { frame.along[0] };
     let first = count / 2;
-    let at = cut_place(&triangles, axis, first as f64 / count as f64);
+    let at = cut_place(&shards, axis, first as f64 / count as f64);
     let (mut before, mut behind) = (Vec::new(), Vec::new());
-    for triangle in triangles {
-        split(&triangle, axis, at, &mut before, &mut behind);
+    for shard in shards {
+        split(&shard, axis, at, &mut before, &mut behind);
     }
     divide(before, first, frame, pieces);
     divide(behind, count - first, frame, pieces);
@@ -154,10 +161,10 @@ impl Span {
 }
 
 /// Where along an axis this share of the area lies before.
-fn cut_place(triangles: &[[DVec3; 3]], axis: DVec3, share: f64) -> f64 {
-    let mut spans: Vec<Span> = Vec::with_capacity(triangles.len());
+fn cut_place(shards: &[Shard], axis: DVec3, share: f64) -> f64 {
+    let mut spans: Vec<Span> = Vec::with_capacity(shards.len());
     let (mut low, mut high, mut total) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-    for triangle in triangles {
+    for (triangle, _) in shards {
         let mut places = triangle.map(|p| p.dot(axis));
         places.sort_unstable_by(f64::total_cmp);
         let area = area_vector(triangle).length();
@@ -192,13 +199,14 @@ fn cut_place(triangles: &[[DVec3; 3]], axis: DVec3, share: f64) -> f64 {
 }
 
 /// The parts of a triangle before and behind a plane across an axis.
-fn split(triangle: &[DVec3; 3], axis: DVec3, at: f64, before: &mut Vec<[DVec3; 3]>, behind: &mut Vec<[DVec3; 3]>) {
+fn split(shard: &Shard, axis: DVec3, at: f64, before: &mut Vec<Shard>, behind: &mut Vec<Shard>) {
+    let (triangle, face) = shard;
     let place = triangle.map(|p| p.dot(axis) - at);
     if place.iter().all(|d| *d <= 0.0) {
-        return before.push(*triangle);
+        return before.push(*shard);
     }
     if place.iter().all(|d| *d >= 0.0) {
-        return behind.push(*triangle);
+        return behind.push(*shard);
     }
     // One corner is alone on its side.
     for turn in 0..3 {
@@ -209,8 +217,8 @@ fn split(triangle: &[DVec3; 3], axis: DVec3, at: f64, before: &mut Vec<[DVec3; 3
         if alone {
             let (p, q) = (a.lerp(b, da / (da - db)), a.lerp(c, da / (da - dc)));
             let (own, other) = if da > 0.0 { (behind, before) } else { (before, behind) };
-            own.push([a, p, q]);
-            other.extend([[p, b, c], [p, c, q]]);
+            own.push(([a, p, q], *face));
+            other.extend([([p, b, c], *face), ([p, c, q], *face)]);
             return;
         }
     }
@@ -218,10 +226,10 @@ fn split(triangle: &[DVec3; 3], axis: DVec3, at: f64, before: &mut Vec<[DVec3; 3
 
 /// The point that stands for a part: its centre, or where that lies outside, the centre of the triangle next to it. `None` if the part
 /// has no area.
-fn piece(triangles: Vec<[DVec3; 3]>, frame: &Frame) -> Option<Piece> {
+fn piece(shards: Vec<Shard>, frame: &Frame) -> Option<Piece> {
     let (mut sum, mut vector, mut area_m2) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-    let origin = triangles.first()?[0];
-    for triangle in &triangles {
+    let origin = shards.first()?.0[0];
+    for (triangle, _) in &shards {
         let own = area_vector(triangle);
         let size = own.length();
         sum += size * (triangle.iter().map(|p| *p - origin).sum::<DVec3>() / 3.0);
@@ -234,17 +242,19 @@ fn piece(triangles: Vec<[DVec3; 3]>, frame: &Frame) -> Option<Piece> {
     }
     let centre = sum / area_m2 + origin;
     let flat = frame.flat(centre);
-    let over = triangles.iter().find(|t| contains(&t.map(|p| frame.flat(p)), flat));
-    let position = match over.and_then(|t| dropped(centre, t, frame.away)) {
-        Some(position) => position,
+    let over = shards.iter().find(|(t, _)| contains(&t.map(|p| frame.flat(p)), flat));
+    let (position, face) = match over.and_then(|(t, face)| Some((dropped(centre, t, frame.away)?, *face))) {
+        Some(found) => found,
         None => {
             let middle = |t: &[DVec3; 3]| (t[0] + t[1] + t[2]) / 3.0;
-            let largest = triangles.iter().map(|t| area_vector(t).length()).fold(0.0, f64::max);
-            let fit = triangles.iter().filter(|t| area_vector(t).length() >= 0.3 * largest);
-            fit.map(middle).min_by(|a, b| a.distance(centre).total_cmp(&b.distance(centre)))?
+            let largest = shards.iter().map(|(t, _)| area_vector(t).length()).fold(0.0, f64::max);
+            let fit = shards.iter().filter(|(t, _)| area_vector(t).length() >= 0.3 * largest);
+            let middles = fit.map(|(t, face)| (middle(t), *face));
+            middles.min_by(|a, b| a.0.distance(centre).total_cmp(&b.0.distance(centre)))?
         }
     };
-    position.is_finite().then_some(Piece { position, normal, area_m2, triangles })
+    let triangles = shards.into_iter().map(|shard| shard.0).collect();
+    position.is_finite().then_some(Piece { position, normal, area_m2, triangles, face })
 }
 
 fn contains(&[a, b, c]: &[DVec2; 3], p: DVec2) -> bool {
@@ -266,7 +276,8 @@ mod tests {
     fn surface(kind: SurfaceKind, triangles: Vec<[DVec3; 3]>) -> Surface {
         let sum: DVec3 = triangles.iter().map(area_vector).sum();
         let area_m2 = triangles.iter().map(|t| area_vector(t).length()).sum();
-        Surface { name: "s".into(), kind, material: 0, triangles, area_m2, normal: sum.normalize() }
+        let (name, faces, normal) = ("s".into(), vec![0; triangles.len()], sum.normalize());
+        Surface { name, kind, object: 0, exposed: None, material: 0, triangles, faces, area_m2, normal }
     }
 
     /// A parallelogram of two triangles.

@@ -10,14 +10,20 @@ use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::rows::{CsvRows, cell_error};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
-
+use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::receiver::{MAX_NAME_BYTES, Receiver};
 
-const REQUIRED: [&str; 7] = ["receiver", "x", "y", "z", "nx", "ny", "nz"];
+const REQUIRED: [&str; 4] = ["receiver", "x", "y", "z"];
+/// Where a receiver looks: a vector, or angles in degrees, tilt 0 up and 90 level, azimuth clockwise from y.
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+const ANGLES: [&str; 2] = ["tilt_deg", "azimuth_deg"];
+const HEADER: &str = "receiver,x,y,z,nx,ny,nz";
 const OPTIONAL: [&str; 2] = ["area", "surface"];
+/// Optional too: what the receiver stands for in its model.
+const PART: [&str; 5] = ModelPart::COLUMNS;
 
-/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2) and `surface`, columns in any order; at least one row. Holds
-/// all of them in memory; the builder's `ReceiverTiles` does not.
+/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2), `surface` and the columns of [`ModelPart`], in any order; at
+/// least one row. Holds all of them in memory; the builder's `ReceiverTiles` does not.
 pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
     read_receivers_with_warnings(path, &mut Vec::new())
 }
@@ -65,7 +71,7 @@ impl<'a> ReceiverRows<'a> {
 
     fn new(mut rows: CsvRows<'a>, warnings: &mut Vec<String>) -> Result<Self> {
         if !rows.advance()? {
-            let hint = format!("begin with the line {}", REQUIRED.join(","));
+            let hint = format!("begin with the line {HEADER}");
             return Err(Error::input(rows.file, None, "the file is empty", hint));
         }
         let columns = Columns::find(&rows, warnings)?;
@@ -93,8 +99,10 @@ impl<'a> ReceiverRows<'a> {
 
 /// Where the columns stand.
 struct Columns {
-    required: [usize; 7],
+    required: [usize; 4],
+    facing: Facing,
     optional: [Option<usize>; 2],
+    part: [Option<usize>; 5],
     count: usize,
 }
 
@@ -102,16 +110,29 @@ impl Columns {
     fn find(header: &CsvRows, warnings: &mut Vec<String>) -> Result<Columns> {
         let names: Vec<&str> = header.record.iter().collect();
         let place = |wanted: &str| names.iter().position(|name| *name == wanted);
-        let mut required = [0; 7];
-        for (slot, wanted) in required.iter_mut().zip(REQUIRED) {
-            *slot = place(wanted).ok_or_else(|| {
+        let needed = |wanted: &str| {
+            place(wanted).ok_or_else(|| {
                 let what =
                     format!("column `{wanted}` is missing; the header is `{}`", excerpt(names.join(",").as_bytes()));
-                header.error(what, format!("name the columns {}", REQUIRED.join(",")))
-            })?;
+                let hint =
+                    format!("name the columns {HEADER}, or {} in place of {}", ANGLES.join(","), NORMAL.join(","));
+                header.error(what, hint)
+            })
+        };
+        let mut required = [0; 4];
+        for (slot, wanted) in required.iter_mut().zip(REQUIRED) {
+            *slot = needed(wanted)?;
         }
+        let facing = match ANGLES.map(place) {
+            [Some(tilt), Some(azimuth)] if !NORMAL.iter().any(|name| names.contains(name)) => {
+                Facing::Angles([tilt, azimuth])
+            }
+            _ => Facing::Normal([needed("nx")?, needed("ny")?, needed("nz")?]),
+        };
+        let angles = matches!(facing, Facing::Angles(_));
         for (i, name) in names.iter().enumerate() {
-            let known = REQUIRED.contains(name) || OPTIONAL.contains(name);
+            let of_facing = if angles { ANGLES.contains(name) } else { NORMAL.contains(name) };
+            let known = of_facing || REQUIRED.contains(name) || OPTIONAL.contains(name) || PART.contains(name);
             let shown = excerpt(name.as_bytes());
             if known && place(name) != Some(i) {
                 return Err(header.error(format!("column `{shown}` stands there twice"), "remove one of the two"));
@@ -120,8 +141,14 @@ impl Columns {
                 warnings.push(format!("{}: column `{shown}` is not used", header.file.display()));
             }
         }
-        Ok(Columns { required, optional: OPTIONAL.map(place), count: names.len() })
+        Ok(Columns { required, facing, optional: OPTIONAL.map(place), part: PART.map(place), count: names.len() })
     }
+}
+
+/// Which columns say where a receiver looks.
+enum Facing {
+    Normal([usize; 3]),
+    Angles([usize; 2]),
 }
 
 struct Row<'a> {
@@ -141,12 +168,32 @@ impl Row<'_> {
             let what = format!("the row `{text}` has {} cells, the header {}", record.len(), self.columns.count);
             return Err(self.rows.error(what, hint));
         }
-        let [id, x, y, z, nx, ny, nz] = self.columns.required.map(|column| self.cell(column));
+        let [id, x, y, z] = self.columns.required.map(|column| self.cell(column));
         if id.is_empty() {
             return Err(self.rows.cell_error("receiver", id, "an empty name", "give every receiver a name"));
         }
         self.short("receiver", id)?;
         let position = DVec3::new(self.coordinate("x", x)?, self.coordinate("y", y)?, self.coordinate("z", z)?);
+        let normal = match self.columns.facing {
+            Facing::Normal(columns) => self.normal(columns.map(|column| self.cell(column)))?,
+            Facing::Angles([tilt, azimuth]) => self.direction(self.cell(tilt), self.cell(azimuth))?,
+        };
+        let [area, surface] =
+            self.columns.optional.map(|column| column.map(|column| self.cell(column)).filter(|text| !text.is_empty()));
+        self.short("surface", surface.unwrap_or_default())?;
+        let part = self.columns.part.map(|column| column.map_or("", |column| self.cell(column)));
+        PART.into_iter().zip(part).try_for_each(|(column, text)| self.short(column, text))?;
+        Ok(Receiver {
+            id: id.to_owned(),
+            position,
+            normal,
+            area: area.map(|text| self.area(text)).transpose()?,
+            surface: surface.map(str::to_owned),
+            part: ModelPart::of_texts(part.map(str::to_owned)),
+        })
+    }
+
+    fn normal(&self, [nx, ny, nz]: [&str; 3]) -> Result<DVec3> {
         let normal = DVec3::new(self.number("nx", nx)?, self.number("ny", ny)?, self.number("nz", nz)?);
         // Divided by its largest part first, so that no square under- or overflows.
         let largest = normal.abs().max_element();
@@ -155,16 +202,25 @@ impl Row<'_> {
             let why = "a normal of length zero";
             return Err(self.rows.cell_error("nx,ny,nz", &text, why, "give the direction the receiver faces"));
         }
-        let [area, surface] =
-            self.columns.optional.map(|column| column.map(|column| self.cell(column)).filter(|text| !text.is_empty()));
-        self.short("surface", surface.unwrap_or_default())?;
-        Ok(Receiver {
-            id: id.to_owned(),
-            position,
-            normal: (normal / largest).normalize(),
-            area: area.map(|text| self.area(text)).transpose()?,
-            surface: surface.map(str::to_owned),
-        })
+        Ok((normal / largest).normalize())
+    }
+
+    fn direction(&self, tilt: &str, azimuth: &str) -> Result<DVec3> {
+        let [tilt_name, azimuth_name] = ANGLES;
+        let tilt_deg = self.number(tilt_name, tilt)?;
+        if !(0.0..=180.0).contains(&tilt_deg) {
+            let why = "not from 0 to 180";
+            return Err(self.rows.cell_error(tilt_name, tilt, why, "0 looks up, 90 to the side, 180 down"));
+        }
+        let azimuth_deg = self.number(azimuth_name, azimuth)?;
+        if !(-360.0..=360.0).contains(&azimuth_deg) {
+            let why = "not from -360 to 360";
+            return Err(self.rows.cell_error(azimuth_name, azimuth, why, "degrees clockwise from north, 180 is south"));
+        }
+        // Up is exactly up, whatever the azimuth.
+        let level = if tilt_deg == 0.0 || tilt_deg == 180.0 { 0.0 } else { tilt_deg.to_radians().sin() };
+        let (east, north) = azimuth_deg.to_radians().sin_cos();
+        Ok(DVec3::new(level * east, level * north, tilt_deg.to_radians().cos()).normalize())
     }
 
     fn cell(&self, column: usize) -> &str {
@@ -250,6 +306,30 @@ mod tests {
         assert_eq!(receivers[1].normal, DVec3::NEG_Z);
         assert_eq!((receivers[1].area, &receivers[1].surface), (None, &None));
         assert_eq!(warnings, ["receivers.csv: column `note` is not used"]);
+    }
+
+    /// Tilt and azimuth stand for normals within 1e-15: 5 of 5; angles out of range, and one of the two alone, are refused: 4 of 4.
+    #[test]
+    fn tilt_and_azimuth() {
+        let file = |tilt: &str, azimuth: &str| {
+            read(&format!("receiver,x,y,z,tilt_deg,azimuth_deg\nr,0,0,0,{tilt},{azimuth}")).map(|read| read.0[0].normal)
+        };
+        let (half, third) = (0.5, 0.75_f64.sqrt());
+        for (tilt, azimuth, normal) in [
+            ("0", "77", DVec3::Z),
+            ("90", "180", DVec3::NEG_Y),
+            ("30", "180", DVec3::new(0.0, -half, third)),
+            ("90", "-90", DVec3::NEG_X),
+            ("180", "0", DVec3::NEG_Z),
+        ] {
+            let got = file(tilt, azimuth).expect("angles");
+            assert!((got - normal).length() < 1e-15, "{tilt} {azimuth}: {got}");
+        }
+        for (tilt, azimuth) in [("-1", "0"), ("181", "0"), ("30", "361"), ("x", "0")] {
+            assert!(file(tilt, azimuth).is_err(), "{tilt} {azimuth}");
+        }
+        let message = read("receiver,x,y,z,tilt_deg\nr,0,0,0,30").expect_err("no azimuth").to_string();
+        assert!(message.contains("column `nx` is missing") && message.contains("tilt_deg,azimuth_deg"), "{message}");
     }
 
     /// Every refusal names the file, the line, the column and the cell's text.

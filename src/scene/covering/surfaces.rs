@@ -9,7 +9,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::load::Soup;
+use crate::semantics::{ObjectNote, SourceFace, SurfaceKind};
 use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::lexicographic;
 
 /// Triangles lie in the plane of the first one of their surface if their normals are within this of its normal (cosine of 2 degrees) ...
@@ -22,51 +24,18 @@ const THIN_M: f64 = 1e-3;
 /// Less is no surface, m2.
 const NO_SURFACE_M2: f64 = 1e-6;
 
-/// What a surface is for who puts receivers on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SurfaceKind {
-    /// Its material is called a roof, or it looks up and is no ground.
-    Roof,
-    /// Its material is called a wall or a facade, or it is about vertical.
-    Wall,
-    /// Its material is called a window or glazing.
-    Window,
-    /// Of class ground: terrain, streets.
-    Ground,
-    /// It looks down: the floor of a storey that juts out, the underside of a building.
-    Floor,
-}
-
-impl SurfaceKind {
-    /// All kinds, in the order of their numbers.
-    pub const ALL: [SurfaceKind; 5] =
-        [SurfaceKind::Roof, SurfaceKind::Wall, SurfaceKind::Window, SurfaceKind::Ground, SurfaceKind::Floor];
-
-    /// As options and names of surfaces call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            SurfaceKind::Roof => "roof",
-            SurfaceKind::Wall => "wall",
-            SurfaceKind::Window => "window",
-            SurfaceKind::Ground => "ground",
-            SurfaceKind::Floor => "floor",
-        }
-    }
-
-    /// By the name of the material, else by its class and where the surface looks: up to 60 degrees of tilt is a roof, within 30
-    /// degrees of the vertical a wall.
-    fn of(material: &Material, up: f64) -> SurfaceKind {
-        let name = material.name.to_lowercase();
-        let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
-        match () {
-            () if has(&["window", "glazing"]) => SurfaceKind::Window,
-            () if up < -0.5 => SurfaceKind::Floor,
-            () if has(&["roof"]) => SurfaceKind::Roof,
-            () if has(&["wall", "facade"]) => SurfaceKind::Wall,
-            () if material.class == Class::Ground => SurfaceKind::Ground,
-            () if up > 0.5 => SurfaceKind::Roof,
-            () => SurfaceKind::Wall,
-        }
+/// What a surface is: by what its file says of it, else by its material's class and where it looks: up to 60 degrees of tilt is a roof,
+/// within 30 degrees of the vertical a wall. Names of materials say nothing.
+fn kind_of(stated: Option<SurfaceKind>, material: &Material, up: f64) -> SurfaceKind {
+    match stated {
+        // The underside of an eave is a part of the roof to a city model, and gets what a floor gets.
+        Some(SurfaceKind::Roof) if up < -0.5 => SurfaceKind::Floor,
+        Some(kind) => kind,
+        None if material.glass.is_some() => SurfaceKind::Window,
+        None if up < -0.5 => SurfaceKind::Floor,
+        None if material.class == Class::Ground => SurfaceKind::Ground,
+        None if up > 0.5 => SurfaceKind::Roof,
+        None => SurfaceKind::Wall,
     }
 }
 
@@ -75,12 +44,18 @@ impl SurfaceKind {
 pub struct Surface {
     /// That of its object, with kind and number behind it where the object has several: `house/roof2`.
     pub name: String,
-    /// What it is, by material and tilt.
+    /// What it is.
     pub kind: SurfaceKind,
+    /// Index into `Surfaces::objects`.
+    pub object: usize,
+    /// Whether the sun may reach it, if its file says so.
+    pub exposed: Option<bool>,
     /// Index into the scene's materials.
     pub material: u16,
     /// What it is made of, input coordinates; wound as in the file, but outwards where the object is closed, and upwards on terrain.
     pub triangles: Vec<[DVec3; 3]>,
+    /// The face that each triangle is a part of: indices into the soup's faces.
+    pub faces: Vec<u32>,
     /// Sum of the areas of its triangles.
     pub area_m2: f64,
     /// Sum of area vectors over its length.
@@ -96,8 +71,8 @@ pub struct Surfaces {
     pub turned_objects: usize,
     /// Closed objects.
     pub closed_objects: usize,
-    /// Objects that have opaque triangles.
-    pub objects: usize,
+    /// Objects that have opaque triangles, by name, and what is known of them.
+    pub objects: Vec<(String, ObjectNote)>,
     /// Edges at which two faces of one object are turned against each other.
     pub contrary_edges: usize,
 }
@@ -105,8 +80,18 @@ pub struct Surfaces {
 /// A triangle by the ranks of its corners.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Facet {
-    material: u16,
+    group: Group,
     corners: [u32; 3],
+    /// Index into the soup's faces.
+    face: u32,
+}
+
+/// What triangles of one surface have in common besides their plane.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Group {
+    material: u16,
+    kind: Option<SurfaceKind>,
+    exposed: Option<bool>,
 }
 
 impl Surfaces {
@@ -117,22 +102,45 @@ impl Surfaces {
             let p = soup.positions.get(corner as usize).copied().unwrap_or_default();
             positions.binary_search_by(|q| lexicographic(*q, p)).unwrap_or_default() as u32
         };
-        let mut objects: BTreeMap<&str, Vec<Facet>> = BTreeMap::new();
-        for ((corners, &material), &object) in soup.triangles.iter().zip(&soup.materials).zip(&soup.objects) {
+        let mut objects: BTreeMap<&str, (ObjectNote, Vec<Facet>)> = BTreeMap::new();
+        // Triangles that no file has come last and have no face.
+        let faces = soup.faces.iter().copied().chain(std::iter::repeat(u32::MAX));
+        let triangles = soup.triangles.iter().zip(&soup.materials).zip(&soup.objects).zip(faces);
+        for (((corners, &material), &object), face) in triangles {
             let Some(name) = soup.object_names.get(object as usize) else { continue };
             let opaque = materials.get(usize::from(material)).is_some_and(|m| m.transmittance.is_none());
             if opaque && name != crate::endless_ground::NAME {
                 let corners = least_first(corners.map(rank));
-                objects.entry(name).or_default().push(Facet { material, corners });
+                let note = soup.source_faces.get(face as usize).map(|face| face.note).unwrap_or_default();
+                let group = Group { material, kind: note.kind, exposed: note.exposed };
+                let known = || soup.object_notes.get(object as usize).cloned().unwrap_or_default();
+                let entry = objects.entry(name).or_insert_with(|| (known(), Vec::new()));
+                entry.1.push(Facet { group, corners, face });
             }
         }
-        let mut found = Surfaces { objects: objects.len(), ..Surfaces::default() };
-        for (name, mut facets) in objects {
+        let mut found = Surfaces::default();
+        for (name, (note, mut facets)) in objects {
             facets.sort_unstable();
-            facets.dedup();
+            facets.dedup_by_key(|facet| (facet.group, facet.corners));
+            found.objects.push((name.to_owned(), note));
             found.add_object(name, facets, &positions, materials);
         }
         found
+    }
+
+    /// What a receiver on a face of a surface stands for; `faces` are the soup's.
+    pub fn part(&self, surface: &Surface, face: u32, faces: &[SourceFace]) -> ModelPart {
+        let none = (String::new(), ObjectNote::default());
+        let (name, note) = self.objects.get(surface.object).unwrap_or(&none);
+        let or = |text: &String, other: &str| if text.is_empty() { other.to_owned() } else { text.clone() };
+        let object = or(&note.object, name);
+        ModelPart {
+            building: or(&note.building, &object),
+            object,
+            kind: surface.kind.name().to_owned(),
+            object_type: note.object_type.clone(),
+            face: faces.get(face as usize).map_or_else(String::new, |face| face.name(name)),
+        }
     }
 
     fn add_object(&mut self, name: &str, mut facets: Vec<Facet>, positions: &[DVec3], materials: &[Material]) {
@@ -151,10 +159,12 @@ impl Surfaces {
                 facets.iter_mut().for_each(|facet| facet.corners.swap(1, 2));
             }
         }
+        let object = self.objects.len().saturating_sub(1);
         let mut surfaces: Vec<Surface> = Vec::new();
-        for group in facets.chunk_by(|a, b| a.material == b.material) {
+        for group in facets.chunk_by(|a, b| a.group == b.group) {
             let Some(first) = group.first() else { continue };
-            let Some(material) = materials.get(usize::from(first.material)) else { continue };
+            let Group { material: number, kind: stated, exposed } = first.group;
+            let Some(material) = materials.get(usize::from(number)) else { continue };
             let triangles: Vec<[DVec3; 3]> = group.iter().map(|facet| facet.corners.map(point)).collect();
             // Terrain looks up, however it is wound; the slab of a building does not.
             let sheet = !closed && is_terrain(material);
@@ -168,12 +178,15 @@ impl Surfaces {
                 let area_m2: f64 = own.iter().map(|t| area_vector(t).length()).sum();
                 let normal = sum.normalize_or_zero();
                 if normal != DVec3::ZERO && area_m2 > NO_SURFACE_M2 {
-                    let kind = SurfaceKind::of(material, normal.z);
+                    let faces = members.iter().filter_map(|&i| group.get(i)).map(|facet| facet.face).collect();
                     surfaces.push(Surface {
                         name: String::new(),
-                        kind,
-                        material: first.material,
+                        kind: kind_of(stated, material, normal.z),
+                        object,
+                        exposed,
+                        material: number,
                         triangles: own,
+                        faces,
                         area_m2,
                         normal,
                     });
@@ -313,6 +326,7 @@ mod tests {
     use super::*;
     use crate::Scene;
     use crate::site::{Part, Site};
+    use heliotile_core::site::material::Glass;
 
     fn find(obj: &str) -> Surfaces {
         let folder = tempfile::tempdir().expect("a folder");
@@ -376,20 +390,24 @@ mod tests {
         assert!((wall.list[0].area_m2 - 30.0).abs() < 1e-5, "{}", wall.list[0].area_m2);
     }
 
-    /// Names decide on kinds, then class and tilt: 7 materials and tilts.
+    /// What the file says decides on kinds, then glass, class and tilt, and never a name: 9 of 9.
     #[test]
     fn kinds() {
-        for (name, up, kind) in [
-            ("RoofSurface", 0.1, SurfaceKind::Roof),
-            ("WallSurface", 0.9, SurfaceKind::Wall),
-            ("GroundSurface", -1.0, SurfaceKind::Floor),
-            ("terrain", 1.0, SurfaceKind::Ground),
-            ("Window Fixed", 0.0, SurfaceKind::Window),
-            ("brick", 0.6, SurfaceKind::Roof),
-            ("brick", 0.4, SurfaceKind::Wall),
+        let glass = Material { glass: Some(Glass::Double), ..Material::matt("front", 0.0, Class::Obstruction) };
+        let called = |name: &str| crate::materials::assumed::assumed(name);
+        let (roof, wall) = (Some(SurfaceKind::Roof), Some(SurfaceKind::Wall));
+        for (stated, material, up, kind) in [
+            (roof, called("W1"), 0.1, SurfaceKind::Roof),
+            (wall, called("RoofSurface"), 0.9, SurfaceKind::Wall),
+            (roof, called("RoofSurface"), -0.9, SurfaceKind::Floor),
+            (None, called("terrain"), 1.0, SurfaceKind::Ground),
+            (None, glass, 0.0, SurfaceKind::Window),
+            (None, called("window"), 0.0, SurfaceKind::Wall),
+            (None, called("wall"), 1.0, SurfaceKind::Roof),
+            (None, called("roof"), 0.4, SurfaceKind::Wall),
+            (None, called("brick"), -0.6, SurfaceKind::Floor),
         ] {
-            let material = crate::materials::assumed::assumed(name);
-            assert_eq!(SurfaceKind::of(&material, up), kind, "{name} {up}");
+            assert_eq!(kind_of(stated, &material, up), kind, "{} {up}", material.name);
         }
     }
 }

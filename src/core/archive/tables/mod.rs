@@ -5,6 +5,7 @@ mod cells;
 mod index;
 mod materials;
 mod optics;
+mod parts;
 mod receivers;
 
 use std::fmt::Debug;
@@ -15,6 +16,7 @@ pub use cells::{CellsTable, pack_tag, unpack_tag};
 pub use index::IndexTable;
 pub use materials::MaterialsTable;
 pub use optics::{MirrorsTable, OpticsTable};
+pub use parts::PartsTable;
 pub use receivers::ReceiversTable;
 
 /// What is wrong with a table's values.

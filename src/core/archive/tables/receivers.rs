@@ -5,6 +5,7 @@ use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::format::{MAX_STRING, MAX_TILE_RECEIVERS, RECEIVERS};
 use crate::archive::tables::{Flaw, column, is_share, length_in, table};
+use crate::site::model_part::ModelPart;
 use crate::site::receiver::Receiver;
 
 /// Columns of one tile, schema 1; a receiver keeps its row in every block of the tile.
@@ -47,7 +48,7 @@ impl ReceiversTable {
         table
     }
 
-    /// The receivers as they were given to [`ReceiversTable::new`].
+    /// The receivers as they were given to [`ReceiversTable::new`], without their parts of the model, which are another block.
     pub fn receivers(&self) -> Vec<Receiver> {
         let places = self.position.iter().zip(&self.normal);
         let rest = self.area.iter().zip(&self.surface);
@@ -57,6 +58,7 @@ impl ReceiversTable {
             normal: DVec3::from_array(normal),
             area: Some(area).filter(|area| *area > 0.0),
             surface: Some(surface.clone()).filter(|name| !name.is_empty()),
+            part: ModelPart::default(),
         };
         self.ids.iter().zip(places).zip(rest).map(receiver).collect()
     }

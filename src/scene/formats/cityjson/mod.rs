@@ -8,6 +8,7 @@ mod document;
 mod frame;
 mod nested;
 mod objects;
+mod parents;
 mod refuse;
 mod surfaces;
 mod templates;

@@ -21,8 +21,16 @@ const DEEPEST: usize = 5;
 #[derive(Debug, Default)]
 pub(super) struct Nested(pub(super) Vec<u32>);
 
-/// Where a surface's rings stand among the marks, and its semantic value.
-pub(super) type Surface = (Range<usize>, Option<u32>);
+/// A surface of boundaries.
+#[derive(Debug)]
+pub(super) struct Surface {
+    /// Where its rings stand among the marks.
+    pub rings: Range<usize>,
+    /// Its semantic value.
+    pub value: Option<u32>,
+    /// Its place in the arrays, as deep as there are any around it.
+    pub path: [u32; 3],
+}
 
 impl Nested {
     /// All surfaces where numbers stand `depth` arrays deep (3 in a MultiSurface, 4 in a Solid, 5 in a MultiSolid), each with its
@@ -30,6 +38,8 @@ impl Nested {
     pub(super) fn surfaces(&self, depth: usize, values: Option<&Nested>) -> Result<Vec<Surface>, String> {
         let mut values = Values { marks: values.map(|values| values.0.as_slice()), nulls: 0 };
         let (mut level, mut start, mut value) = (0_usize, 0, None);
+        // How many arrays ended at each level since the one around them began.
+        let mut ended = [0_u32; DEEPEST + 1];
         let mut found = Vec::new();
         for (i, &mark) in self.0.iter().enumerate() {
             match mark {
@@ -46,9 +56,18 @@ impl Nested {
                 }
                 CLOSE => {
                     if level + 1 == depth {
-                        found.push((start..i, value));
+                        let count = |level: usize| ended.get(level).filter(|_| level < depth).copied();
+                        let path = [2, 3, 4].map(|level| count(level).unwrap_or_default());
+                        found.push(Surface { rings: start..i, value, path });
                     } else if level + 1 < depth {
                         values.close()?;
+                    }
+                    if let Some(count) = ended.get_mut(level) {
+                        *count += 1;
+                    }
+                    // What ended within it is counted anew in the next.
+                    if let Some(within) = ended.get_mut(level + 1) {
+                        *within = 0;
                     }
                     level = level.saturating_sub(1);
                 }
@@ -64,7 +83,7 @@ impl Nested {
 
     /// Rings of a surface, the outline first.
     pub(super) fn rings(&self, surface: &Surface) -> impl Iterator<Item = &[u32]> {
-        let marks = self.0.get(surface.0.clone()).unwrap_or_default();
+        let marks = self.0.get(surface.rings.clone()).unwrap_or_default();
         marks.split(|mark| *mark == CLOSE).filter_map(|ring| ring.strip_prefix(&[OPEN]))
     }
 
@@ -197,7 +216,7 @@ mod tests {
         serde_json::from_str(text).expect(text)
     }
 
-    /// Two shells of 2 and 1 surfaces come back with their 4 rings and with values of which a whole shell's may be null.
+    /// Two shells of 2 and 1 surfaces come back with their places, their 4 rings and with values of which a whole shell's may be null.
     #[test]
     fn in_step() {
         let solid = nested("[[[[0,1,2],[3,4,5]],[[6,7,8]]],[[[9,10,11]]]]");
@@ -209,7 +228,11 @@ mod tests {
         ] {
             let values = values.map(nested);
             let surfaces = solid.surfaces(4, values.as_ref()).expect("in step");
-            assert_eq!(surfaces.iter().map(|surface| surface.1).collect::<Vec<_>>(), expected);
+            assert_eq!(surfaces.iter().map(|surface| surface.value).collect::<Vec<_>>(), expected);
+            assert_eq!(
+                surfaces.iter().map(|surface| surface.path).collect::<Vec<_>>(),
+                [[0, 0, 0], [0, 1, 0], [1, 0, 0]]
+            );
             let rings: Vec<&[u32]> = surfaces.iter().flat_map(|surface| solid.rings(surface)).collect();
             assert_eq!(rings, [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]);
         }

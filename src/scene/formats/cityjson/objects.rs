@@ -7,9 +7,11 @@ use std::path::Path;
 use crate::coordinate::is_position;
 use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text};
 use crate::formats::cityjson::frame::Frame;
-use crate::formats::cityjson::surfaces::{VIRTUAL, by_tilt, depth_of, is_building, plain, semantic};
+use crate::formats::cityjson::parents::Parents;
+use crate::formats::cityjson::surfaces::{VIRTUAL, by_tilt, depth_of, is_building, is_hull, kind_of, plain, semantic};
 use crate::formats::cityjson::templates::{MAX_CORNERS, Template, matrix};
 use crate::geometry::Geometry;
+use crate::semantics::{FaceNote, FaceSource, ObjectNote};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
@@ -46,10 +48,19 @@ struct Owner<'d> {
     id: &'d str,
     kind: &'d str,
     number: u32,
+    /// Which of its geometries is being read, counted from 0.
+    geometry: usize,
 }
 
 /// What an object offers: its geometries that bound something, with their levels of detail.
-type Offers<'d> = Vec<(Option<Lod>, &'d Shape<'d>)>;
+type Offers<'d> = Vec<Offer<'d>>;
+
+struct Offer<'d> {
+    lod: Option<Lod>,
+    shape: &'d Shape<'d>,
+    /// Its place among the geometries of the object.
+    number: usize,
+}
 
 impl<'h> Reader<'_, 'h> {
     /// Adds the objects of a document or of a feature.
@@ -59,16 +70,28 @@ impl<'h> Reader<'_, 'h> {
         let chosen: Vec<Offers> = document.objects.iter().map(|(_, object)| self.choose(object)).collect();
         self.count_instances(&chosen)?;
         let parts = finest_parts(&document.objects, &chosen);
+        let parents = Parents::of(&document.objects);
         for (((id, object), shapes), finest) in document.objects.iter().zip(chosen).zip(parts) {
-            let level = shapes.first().and_then(|(lod, _)| *lod);
+            let level = shapes.first().and_then(|offer| offer.lod);
             if finest > level {
                 (0..shapes.len())
                     .for_each(|_| self.geometry.leave_out("as coarser geometry of objects whose parts have finer"));
                 continue;
             }
-            for (_, shape) in shapes {
-                let number = self.geometry.objects.id(&id.0);
-                let owner = Owner { id: &id.0, kind: plain(&object.kind), number };
+            if shapes.is_empty() {
+                continue;
+            }
+            let number = self.geometry.objects.id(&id.0);
+            let kind = plain(&object.kind);
+            let note = ObjectNote {
+                building: parents.top_of(&id.0).to_owned(),
+                object_type: kind.to_owned(),
+                beside: !is_hull(kind),
+                ..ObjectNote::default()
+            };
+            self.geometry.object_notes.insert(number, note);
+            for Offer { shape, number: geometry, .. } in shapes {
+                let owner = Owner { id: &id.0, kind, number, geometry };
                 self.shape(&owner, shape, range)?;
             }
         }
@@ -77,7 +100,7 @@ impl<'h> Reader<'_, 'h> {
 
     /// Refuses more instances than memory may hold before the first is made.
     fn count_instances(&mut self, chosen: &[Offers]) -> Result<()> {
-        let instances = chosen.iter().flatten().filter_map(|(_, shape)| self.template(shape));
+        let instances = chosen.iter().flatten().filter_map(|offer| self.template(offer.shape));
         self.instanced += instances.map(|template| template.corners).sum::<u64>();
         if self.instanced > MAX_CORNERS {
             return Err(Error::Limit {
@@ -118,21 +141,21 @@ impl<'h> Reader<'_, 'h> {
             (0..outlines).for_each(|_| self.geometry.leave_out("as outlines of groups of objects"));
             return offers;
         }
-        for shape in object.geometry.iter().flatten() {
+        for (number, shape) in object.geometry.iter().flatten().enumerate() {
             let shown = self.template(shape).map_or(shape, |template| &template.shape);
             match depth_of(&shown.kind.0) {
                 None if shown.kind.0 != "GeometryInstance" => self.geometry.leave_out(match shown.kind.0.as_ref() {
                     "MultiPoint" | "MultiLineString" => "as points or lines, which shade nothing",
                     _ => "as geometry of a type that CityJSON 2.0 does not have",
                 }),
-                _ => offers.push((shown.lod, shape)),
+                _ => offers.push(Offer { lod: shown.lod, shape, number }),
             }
         }
         if self.levels.len() < LEVELS_NAMED {
-            self.levels.extend(offers.iter().filter_map(|offer| offer.0));
+            self.levels.extend(offers.iter().filter_map(|offer| offer.lod));
         }
         let asked = self.asked;
-        let Some(level) = offers.iter().map(|offer| offer.0).filter(|level| asked.is_none() || *level <= asked).max()
+        let Some(level) = offers.iter().map(|offer| offer.lod).filter(|level| asked.is_none() || *level <= asked).max()
         else {
             offers
                 .iter()
@@ -140,7 +163,7 @@ impl<'h> Reader<'_, 'h> {
             return Vec::new();
         };
         let before = offers.len();
-        offers.retain(|offer| offer.0 == level);
+        offers.retain(|offer| offer.lod == level);
         (offers.len()..before).for_each(|_| self.geometry.leave_out("as geometry in another level of detail"));
         offers
     }
@@ -182,12 +205,18 @@ impl<'h> Reader<'_, 'h> {
         let depth = depth_of(&shape.kind.0).unwrap_or_default();
         let surfaces = boundaries.surfaces(depth, values).map_err(|what| self.wrong(owner, what))?;
         for surface in &surfaces {
-            let stated = semantic(shape, surface.1).map_err(|what| self.wrong(owner, what))?;
+            let stated = semantic(shape, surface.value).map_err(|what| self.wrong(owner, what))?;
             if stated.is_some_and(|name| VIRTUAL.contains(&name)) {
                 self.geometry.leave_out("as surfaces that only close a volume where nothing is");
                 continue;
             }
-            self.face(owner, boundaries.rings(surface), stated, range)?;
+            let source = FaceSource::Boundary {
+                // Vertices are counted in 32 bits, and geometries are no more; depths are 3 to 5.
+                geometry: owner.geometry as u32,
+                path: surface.path,
+                depth: depth.saturating_sub(2) as u8,
+            };
+            self.face(owner, boundaries.rings(surface), stated, range, source)?;
         }
         Ok(())
     }
@@ -198,6 +227,7 @@ impl<'h> Reader<'_, 'h> {
         mut rings: impl Iterator<Item = &'r [u32]>,
         stated: Option<&str>,
         range: Range,
+        source: FaceSource,
     ) -> Result<()> {
         let outline = rings.next().unwrap_or_default();
         if outline.len() < 3 {
@@ -218,8 +248,10 @@ impl<'h> Reader<'_, 'h> {
             None if is_building(owner.kind) => self.tilt(outline, range),
             None => owner.kind,
         };
+        let kind = kind_of(name);
         let material = self.geometry.materials.id(name);
         self.geometry.end_face(material, owner.number, self.line.unwrap_or_default());
+        self.geometry.note_face(FaceNote { kind, exposed: None, source });
         Ok(())
     }
 
@@ -273,7 +305,7 @@ fn finest_parts(objects: &[(Text, CityObject)], chosen: &[Offers]) -> Vec<Option
     let number = |id: &Text| numbers.get(id.0.as_ref()).copied();
     let mut link = |parent: usize, child: usize| {
         let is_part = objects.get(child).is_some_and(|(_, object)| plain(&object.kind).ends_with("Part"));
-        let level = chosen.get(child).and_then(|shapes| shapes.first()).and_then(|(lod, _)| *lod);
+        let level = chosen.get(child).and_then(|shapes| shapes.first()).and_then(|offer| offer.lod);
         if let (true, Some(slot)) = (is_part && parent != child, finest.get_mut(parent)) {
             *slot = level.max(*slot);
         }

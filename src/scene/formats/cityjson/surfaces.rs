@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::formats::cityjson::document::{Shape, Text};
+use crate::semantics::SurfaceKind;
 
 /// Faces steeper than this are walls: |z| of the unit normal below 0.26, 75 degrees from level. Mansard roofs reach 70 degrees,
 /// and walls of photogrammetry lean by ten.
@@ -31,6 +32,21 @@ pub(super) fn semantic<'s>(shape: &'s Shape, value: Option<u32>) -> Result<Optio
     }
 }
 
+/// What a surface is by its semantics, or the face of a building by its tilt (names as of [`by_tilt`]); `None` for types that say
+/// nothing of it (CityJSON 2.0.1, section 3.3).
+pub(super) fn kind_of(semantics: &str) -> Option<SurfaceKind> {
+    Some(match semantics {
+        "RoofSurface" | "OuterFloorSurface" => SurfaceKind::Roof,
+        "WallSurface" | "Door" => SurfaceKind::Wall,
+        "Window" => SurfaceKind::Window,
+        "GroundSurface" | "OuterCeilingSurface" => SurfaceKind::Floor,
+        "WaterSurface" | "WaterGroundSurface" | "TrafficArea" | "AuxiliaryTrafficArea" | "TransportationMarking" => {
+            SurfaceKind::Ground
+        }
+        _ => return None,
+    })
+}
+
 /// Names of extensions begin with `+` (CityJSON 2.0.1, section 8).
 pub(super) fn plain<'t>(name: &'t Text) -> &'t str {
     name.0.strip_prefix('+').unwrap_or(&name.0)
@@ -39,6 +55,13 @@ pub(super) fn plain<'t>(name: &'t Text) -> &'t str {
 /// Whether faces without semantics are told apart by their tilt.
 pub(super) fn is_building(kind: &str) -> bool {
     matches!(kind, "Building" | "BuildingPart")
+}
+
+/// Whether an object is a building or a part of its hull; rooms, furniture and storeys lie within. Extensions of buildings are called
+/// after them (`NoiseBuilding`).
+pub(super) fn is_hull(kind: &str) -> bool {
+    let inside = ["BuildingRoom", "BuildingFurniture", "BuildingStorey", "BuildingUnit"];
+    (kind.starts_with("Building") && !inside.contains(&kind)) || kind.ends_with("Building")
 }
 
 /// What a face of a building is, by the upward part of its normal: a roof faces up, walls are steeper than 75 degrees from level, all

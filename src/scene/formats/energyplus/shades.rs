@@ -7,8 +7,11 @@ use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object};
 use crate::formats::energyplus::notes::Notes;
 use crate::formats::energyplus::place::{Frame, Of, Place};
-use crate::formats::energyplus::surfaces::{NO_SIZE, Surface, Surfaces, TOO_FAR, TOO_FEW, stated_vertices, write_face};
+use crate::formats::energyplus::surfaces::{
+    NO_SIZE, Surface, Surfaces, TOO_FAR, TOO_FEW, Title, stated_vertices, write_face,
+};
 use crate::geometry::Geometry;
+use crate::semantics::SurfaceKind;
 use glam::DVec3;
 use heliotile_core::error::Result;
 
@@ -99,7 +102,9 @@ impl Writer<'_, '_> {
             return Ok(());
         }
         let material = self.materials.of_shade(object, self.geometry, self.notes)?;
-        write_face(&[vertices], material, name, object.line, self.file, self.geometry)
+        let (line, class) = (object.line, object.layout.class);
+        let title = Title { name, line, class, zone: "", kind: SurfaceKind::Shade, exposed: true };
+        write_face(&[vertices], material, &title, self.file, self.geometry)
     }
 
     fn overhang(&mut self, object: &Object, window: &Surface, wall: &Surface) -> Result<()> {

@@ -13,6 +13,7 @@ use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::notes::Notes;
 use crate::formats::energyplus::place::{Frame, Of, Place, area_vector};
 use crate::geometry::Geometry;
+use crate::semantics::{FaceNote, FaceSource, ObjectNote, SurfaceKind};
 use heliotile_core::error::Result;
 
 pub(super) const TOO_FEW: &str = "with fewer than three corners";
@@ -40,7 +41,17 @@ pub(super) struct Surface<'m> {
     /// Index of the surface that it is an opening of; of a wall its own.
     pub base: usize,
     behind: Behind,
-    is_floor: bool,
+    kind: SurfaceKind,
+    /// Whether the sun may reach it: outdoors, and not said to lie in the shade for good.
+    exposed: bool,
+}
+
+/// What the classes and fields of a surface say of it.
+struct Said {
+    base: usize,
+    behind: Behind,
+    kind: SurfaceKind,
+    exposed: bool,
 }
 
 pub(super) struct Surfaces<'m> {
@@ -103,7 +114,7 @@ impl<'m> Surfaces<'m> {
             vertices = place.vertices(stated_vertices(object, file, notes)?, Of::Zone(zone));
             let up = area_vector(&vertices).z;
             // As EnergyPlus does.
-            if (kind.is_floor && up > 0.0) || (kind.is_roof && up < 0.0) {
+            if (kind.kind == SurfaceKind::Floor && up > 0.0) || (kind.kind == SurfaceKind::Roof && up < 0.0) {
                 notes.add("floors or roofs face the wrong way and are turned over", &object.name);
                 vertices.reverse();
             }
@@ -118,7 +129,9 @@ impl<'m> Surfaces<'m> {
             }
         }
         let index = self.list.len();
-        self.push(object, vertices, frame, index, kind.behind, kind.is_floor, geometry, notes);
+        let exposed = kind.behind == Behind::Outdoors && !object.text("sun_exposure").eq_ignore_ascii_case("NoSun");
+        let said = Said { base: index, behind: kind.behind, kind: kind.kind, exposed };
+        self.push(object, vertices, frame, said, geometry, notes);
         Ok(())
     }
 
@@ -158,22 +171,19 @@ impl<'m> Surfaces<'m> {
             }
             (vertices, frame) = (rectangle.corners(), Some(rectangle));
         }
-        let behind = wall.behind;
-        if let Some(index) = self.push(object, vertices, frame, base, behind, false, geometry, notes) {
+        let said = Said { base, behind: wall.behind, kind: opening_kind(object), exposed: wall.exposed };
+        if let Some(index) = self.push(object, vertices, frame, said, geometry, notes) {
             self.openings.entry(base).or_default().push(index);
         }
         Ok(())
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a surface is made of")]
     fn push(
         &mut self,
         object: &'m Object,
         vertices: Vec<DVec3>,
         frame: Option<Frame>,
-        base: usize,
-        behind: Behind,
-        is_floor: bool,
+        Said { base, behind, kind, exposed }: Said,
         geometry: &mut Geometry,
         notes: &mut Notes,
     ) -> Option<usize> {
@@ -191,7 +201,7 @@ impl<'m> Surfaces<'m> {
         if self.by_name.insert(same(&object.name), index).is_some() {
             notes.add("surfaces bear the name of another", &object.name);
         }
-        self.list.push(Surface { object, vertices, frame, base, behind, is_floor });
+        self.list.push(Surface { object, vertices, frame, base, behind, kind, exposed });
         Some(index)
     }
 
@@ -265,6 +275,7 @@ fn write_wall(
     let outlines: Vec<&[DVec3]> = openings.iter().map(|opening| opening.vertices.as_slice()).collect();
     let fits = holes::fit(&wall.vertices, &wall.frame, &outlines);
     let mut rings = vec![wall.vertices.as_slice()];
+    let zone = wall.object.text("zone_name");
     for ((opening, &outline), fit) in openings.iter().zip(&outlines).zip(&fits) {
         match fit {
             Fit::Hole(ring) => rings.push(ring),
@@ -275,41 +286,61 @@ fn write_wall(
             }
         }
         let material = materials.of_construction(opening.object, false, geometry, notes)?;
-        write_face(&[outline], material, &opening.object.name, opening.object.line, file, geometry)?;
+        write_face(&[outline], material, &opening.title(zone), file, geometry)?;
     }
     if fits.contains(&Fit::Whole) {
         geometry.leave_out("because a window takes up the whole of them");
         return Ok(());
     }
-    let on_ground = wall.behind == Behind::Ground && wall.is_floor;
+    let on_ground = wall.behind == Behind::Ground && wall.kind == SurfaceKind::Floor;
     let material = materials.of_construction(wall.object, on_ground, geometry, notes)?;
-    write_face(&rings, material, &wall.object.name, wall.object.line, file, geometry)
+    write_face(&rings, material, &wall.title(zone), file, geometry)
+}
+
+/// What a face is called, and what it is.
+pub(super) struct Title<'t> {
+    pub name: &'t str,
+    pub line: usize,
+    pub class: &'static str,
+    /// The zone that it bounds; empty for shades, which are objects of their own.
+    pub zone: &'t str,
+    pub kind: SurfaceKind,
+    pub exposed: bool,
+}
+
+impl Surface<'_> {
+    fn title<'t>(&'t self, zone: &'t str) -> Title<'t> {
+        let (name, line, class) = (self.object.name.as_str(), self.object.line, self.object.layout.class);
+        Title { name, line, class, zone, kind: self.kind, exposed: self.exposed }
+    }
 }
 
 /// Writes one face.
 pub(super) fn write_face(
     rings: &[&[DVec3]],
     material: u32,
-    name: &str,
-    line: usize,
+    title: &Title,
     file: &Path,
     geometry: &mut Geometry,
 ) -> Result<()> {
+    let Title { name, line, class, zone, kind, exposed } = *title;
     let id = geometry.objects.id(name);
+    let note = ObjectNote { object: zone.to_owned(), object_type: class.to_owned(), ..ObjectNote::default() };
+    geometry.object_notes.insert(id, note);
     let mut corners = Vec::new();
     for ring in rings {
         let ring: Result<Vec<u32>> = ring.iter().map(|&p| geometry.push_vertex(file, p)).collect();
         corners.push(ring?);
     }
     geometry.push_face(corners.iter().map(Vec::as_slice), material, id, line);
+    geometry.note_face(FaceNote { kind: Some(kind), exposed: Some(exposed), source: FaceSource::Named });
     Ok(())
 }
 
 /// What the class of a surface says.
 struct Kind {
     behind: Behind,
-    is_floor: bool,
-    is_roof: bool,
+    kind: SurfaceKind,
     tilt_deg: f64,
 }
 
@@ -317,8 +348,11 @@ impl Kind {
     fn of(object: &Object) -> Option<Kind> {
         let kind = |behind, what| Kind {
             behind,
-            is_floor: what == "floor",
-            is_roof: what == "roof" || what == "ceiling",
+            kind: match what {
+                "floor" => SurfaceKind::Floor,
+                "roof" | "ceiling" => SurfaceKind::Roof,
+                _ => SurfaceKind::Wall,
+            },
             tilt_deg: match what {
                 "floor" => 180.0,
                 "wall" => 90.0,
@@ -343,6 +377,12 @@ impl Kind {
             _ => return None,
         })
     }
+}
+
+/// Glass doors are windows, others are parts of the wall.
+fn opening_kind(object: &Object) -> SurfaceKind {
+    let door = object.layout.class == "Door" || object.text("surface_type").eq_ignore_ascii_case("Door");
+    if door { SurfaceKind::Wall } else { SurfaceKind::Window }
 }
 
 fn behind(object: &Object) -> Behind {

@@ -1,34 +1,48 @@
-//! Means over the receivers of a surface, weighted by area. In: receivers, then their values tile by tile. Out: a table's tiles
-//! of surfaces, in the order of their names. Sums are f64 and added in the archive's order, whatever the number of threads.
+//! Means over receivers that belong together (a surface, an object, a building, a kind), weighted by area. In: receivers, then their
+//! values tile by tile. Out: a table's tiles of such groups, in the order of their names. Sums are f64 and added in the archive's order, whatever the number of threads.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use glam::DVec3;
 use rayon::prelude::*;
+
+use crate::outputs::tables::layout::By;
 
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
-/// Surfaces that become one tile of a table.
-const SURFACES_AT_ONCE: usize = 64;
+/// Groups that become one tile of a table.
+const GROUPS_AT_ONCE: usize = 64;
 
 /// Receivers that a message names.
 const NAMED: usize = 3;
 
-/// Which surface each receiver counts to, and how much.
+/// Which group each receiver counts to, and how much.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SurfaceGroups {
+pub struct Groups {
     /// Sorted.
     names: Vec<String>,
     /// `[receiver]`: place in `names`.
     places: Vec<u32>,
-    /// `[receiver]`: its share of the area of its surface.
+    /// `[receiver]`: its share of the area of its group.
     shares: Vec<f64>,
+    /// `[group]`
+    extents: Vec<Extent>,
 }
 
-/// What is known of a surface while receivers are read.
+/// How large a group is and where it looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    /// `None` where no receiver has an area.
+    pub area_m2: Option<f64>,
+    /// Mean of the normals by area, of unit length; zero where they cancel.
+    pub normal: DVec3,
+}
+
+/// What is known of a group while receivers are read.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     number: u32,
@@ -36,18 +50,23 @@ struct Found {
     /// Receivers with an area, and the sum of these.
     with_area: u64,
     area_m2: f64,
+    /// Sums of normals: by area, and without regard to it.
+    weighted: DVec3,
+    plain: DVec3,
 }
 
-impl SurfaceGroups {
-    /// From the receivers of `file`, in the order in which their values will come. Every receiver must have a surface. Where
-    /// no receiver of a surface has an area all count the same; where some have, all must.
-    pub fn new(receivers: impl Iterator<Item = Result<Receiver>>, file: &Path) -> Result<Self> {
+impl Groups {
+    /// From the receivers of `file`, in the order in which their values will come; `by` is not [`By::Receiver`]. Every receiver must
+    /// belong to a group. Where no receiver of a group has an area all count the same; where some have, all must.
+    pub fn new(receivers: impl Iterator<Item = Result<Receiver>>, by: By, file: &Path) -> Result<Self> {
         let mut found: BTreeMap<String, Found> = BTreeMap::new();
         let (mut places, mut areas) = (Vec::new(), Vec::new());
         let (mut homeless, mut count) = (Vec::new(), 0_u64);
         for receiver in receivers {
-            let Receiver { id, area, surface, .. } = receiver?;
-            let Some(name) = surface else {
+            let receiver = receiver?;
+            let name = name_of(&receiver, by);
+            let Receiver { id, area, normal, .. } = receiver;
+            let Some(name) = name else {
                 count += 1;
                 if homeless.len() < NAMED {
                     homeless.push(id);
@@ -59,18 +78,23 @@ impl SurfaceGroups {
             surface.receivers += 1;
             surface.with_area += u64::from(area.is_some());
             surface.area_m2 += area.unwrap_or_default();
+            surface.weighted += area.unwrap_or_default() * normal;
+            surface.plain += normal;
             places.push(surface.number);
             areas.push(area.unwrap_or_default());
         }
         if count > 0 {
             let more = if count > NAMED as u64 { ", ..." } else { "" };
-            let what = format!("{count} receivers have no surface: {}{more}", homeless.join(", "));
-            let hint = "choose those that have one with --receivers, or build with names in the column `surface`";
+            let column = by.name();
+            let what = format!("{count} receivers have no {column}: {}{more}", homeless.join(", "));
+            let hint =
+                format!("choose those that have one with --receivers, or build with names in the column `{column}`");
             return Err(Error::input(file, None, what, hint));
         }
         if let Some((name, some)) = found.iter().find(|(_, s)| s.with_area != 0 && s.with_area != s.receivers) {
-            let what = format!("surface `{name}`: {} of {} receivers have an area", some.with_area, some.receivers);
-            let hint = "build with an area for each receiver of a surface, or for none: they count the same then";
+            let what =
+                format!("{} `{name}`: {} of {} receivers have an area", by.name(), some.with_area, some.receivers);
+            let hint = "build with an area for each receiver of a group, or for none: they count the same then";
             return Err(Error::input(file, None, what, hint));
         }
         // Numbers in order of appearance become places in the order of names.
@@ -82,7 +106,12 @@ impl SurfaceGroups {
                 *slot = (place as u32, whole, equal);
             }
         }
-        let mut surfaces = SurfaceGroups { names: found.into_keys().collect(), ..SurfaceGroups::default() };
+        let extent = |group: &Found| match group.with_area {
+            0 => Extent { area_m2: None, normal: group.plain.normalize_or_zero() },
+            _ => Extent { area_m2: Some(group.area_m2), normal: group.weighted.normalize_or_zero() },
+        };
+        let extents = found.values().map(extent).collect();
+        let mut surfaces = Groups { names: found.into_keys().collect(), extents, ..Groups::default() };
         for (number, area_m2) in places.into_iter().zip(areas) {
             let (place, whole, equal) = by_number.get(number as usize).copied().unwrap_or_default();
             surfaces.places.push(place);
@@ -94,12 +123,30 @@ impl SurfaceGroups {
     pub fn names(&self) -> &[String] {
         &self.names
     }
+
+    /// How large they are, in the order of [`Groups::names`].
+    pub fn extents(&self) -> &[Extent] {
+        &self.extents
+    }
 }
 
-/// Means of surfaces, being added up.
+/// The group that a receiver belongs to.
+fn name_of(receiver: &Receiver, by: By) -> Option<String> {
+    let part = &receiver.part;
+    let name = match by {
+        By::Receiver => &receiver.id,
+        By::Surface => receiver.surface.as_ref()?,
+        By::Object => &part.object,
+        By::Building => &part.building,
+        By::Kind => &part.kind,
+    };
+    (!name.is_empty()).then(|| name.clone())
+}
+
+/// Means of groups, being added up.
 #[derive(Clone, Debug)]
-pub struct SurfaceMeans {
-    surfaces: SurfaceGroups,
+pub struct GroupMeans {
+    groups: Groups,
     labels: usize,
     /// Components that are asked for, with their sums: `[surface][label]`.
     sums: Vec<(Component, Vec<f64>)>,
@@ -107,16 +154,16 @@ pub struct SurfaceMeans {
     done: usize,
 }
 
-impl SurfaceMeans {
+impl GroupMeans {
     /// Zeros; an error if they take more than `memory_bytes`.
-    pub fn new(surfaces: SurfaceGroups, components: &[Component], labels: usize, memory_bytes: u64) -> Result<Self> {
-        let cells = surfaces.names.len().saturating_mul(labels);
+    pub fn new(groups: Groups, components: &[Component], labels: usize, memory_bytes: u64) -> Result<Self> {
+        let cells = groups.names.len().saturating_mul(labels);
         let bytes = (cells as u64).saturating_mul(8 * components.len() as u64);
         if bytes > memory_bytes {
-            let (s, c) = (surfaces.names.len(), components.len());
+            let (s, c) = (groups.names.len(), components.len());
             return Err(Error::Limit {
                 what: format!(
-                    "the memory of sums, in bytes, for {s} surfaces, {labels} rows of each and {c} columns (raise --memory, \
+                    "the memory of sums, in bytes, for {s} rows of names, {labels} rows of each and {c} columns (raise --memory, \
                      take fewer --columns or a longer --every)"
                 ),
                 value: bytes,
@@ -124,19 +171,19 @@ impl SurfaceMeans {
             });
         }
         let sums = components.iter().map(|component| (*component, vec![0.0; cells])).collect();
-        Ok(SurfaceMeans { surfaces, labels, sums, done: 0 })
+        Ok(GroupMeans { groups, labels, sums, done: 0 })
     }
 
-    pub fn surfaces(&self) -> &SurfaceGroups {
-        &self.surfaces
+    pub fn groups(&self) -> &Groups {
+        &self.groups
     }
 
     /// Adds the next receivers.
     pub fn add(&mut self, values: &TileValues) {
         let range = self.done..self.done + values.receivers();
         self.done = range.end;
-        let places = self.surfaces.places.get(range.clone()).unwrap_or_default();
-        let shares = self.surfaces.shares.get(range).unwrap_or_default();
+        let places = self.groups.places.get(range.clone()).unwrap_or_default();
+        let shares = self.groups.shares.get(range).unwrap_or_default();
         let labels = self.labels;
         // One component a thread: each sum is added in the order of receivers.
         self.sums.par_iter_mut().for_each(|(component, sums)| {
@@ -151,9 +198,9 @@ impl SurfaceMeans {
 
     /// The means: names of some surfaces and their values, all other components zero.
     pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues)> + '_ {
-        self.surfaces.names.chunks(SURFACES_AT_ONCE).enumerate().map(move |(i, names)| {
+        self.groups.names.chunks(GROUPS_AT_ONCE).enumerate().map(move |(i, names)| {
             let mut values = TileValues::new(names.len(), self.labels);
-            let first = i * SURFACES_AT_ONCE * self.labels;
+            let first = i * GROUPS_AT_ONCE * self.labels;
             for (component, sums) in &self.sums {
                 let here = sums.iter().skip(first);
                 let target = values.component_mut(*component);
@@ -167,21 +214,18 @@ impl SurfaceMeans {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     fn receiver(id: &str, surface: &str, area: f64) -> Result<Receiver> {
         Ok(Receiver {
-            id: id.into(),
-            position: DVec3::ZERO,
-            normal: DVec3::Z,
             area: (area > 0.0).then_some(area),
             surface: (!surface.is_empty()).then(|| surface.to_string()),
+            ..Receiver::new(id.into(), DVec3::ZERO, DVec3::Z)
         })
     }
 
-    fn surfaces(receivers: &[(&str, f64)]) -> Result<SurfaceGroups> {
+    fn surfaces(receivers: &[(&str, f64)]) -> Result<Groups> {
         let all = receivers.iter().enumerate().map(|(i, (surface, area))| receiver(&format!("r{i}"), surface, *area));
-        SurfaceGroups::new(all, Path::new("site.helio"))
+        Groups::new(all, By::Surface, Path::new("site.helio"))
     }
 
     /// Totals of 1 and 4 on areas of 1 and 3 m2 are 3.25; 2 and 5 without areas are 3.5; surfaces come by name, 2 tiles of
@@ -190,7 +234,7 @@ mod tests {
     fn weighted_means() {
         let surfaces = surfaces(&[("wall", 1.0), ("lawn", 0.0), ("wall", 3.0), ("lawn", 0.0)]).expect("surfaces");
         assert_eq!(surfaces.names(), ["lawn", "wall"]);
-        let mut means = SurfaceMeans::new(surfaces, &[Component::Total], 2, 32).expect("32 bytes");
+        let mut means = GroupMeans::new(surfaces, &[Component::Total], 2, 32).expect("32 bytes");
         for pair in [[1.0, 2.0], [4.0, 5.0]] {
             let mut values = TileValues::new(2, 2);
             for (row, value) in pair.into_iter().enumerate() {
@@ -199,6 +243,8 @@ mod tests {
             }
             means.add(&values);
         }
+        let areas: Vec<Option<f64>> = means.groups().extents().iter().map(|extent| extent.area_m2).collect();
+        assert_eq!(areas, [None, Some(4.0)]);
         let tiles: Vec<_> = means.tiles().collect();
         assert_eq!(tiles.len(), 1);
         let (names, values) = &tiles[0];
@@ -212,8 +258,8 @@ mod tests {
     fn many_surfaces() {
         let names: Vec<String> = (0..130).map(|i| format!("s{i:03}")).collect();
         let receivers: Vec<(&str, f64)> = names.iter().rev().map(|n| (n.as_str(), 2.0)).collect();
-        let mut means = SurfaceMeans::new(surfaces(&receivers).expect("surfaces"), &[Component::SunDirect], 1, 2000)
-            .expect("memory");
+        let mut means =
+            GroupMeans::new(surfaces(&receivers).expect("surfaces"), &[Component::SunDirect], 1, 2000).expect("memory");
         let mut values = TileValues::new(130, 1);
         values.component_mut(Component::SunDirect).iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
         means.add(&values);
@@ -232,7 +278,7 @@ mod tests {
         let text = surfaces(&[("a", 0.0), ("b", 1.0), ("b", 0.0)]).expect_err("mixed").to_string();
         assert!(text.contains("surface `b`: 1 of 2 receivers have an area"), "{text}");
         let one = surfaces(&[("a", 0.0)]).expect("a surface");
-        let text = SurfaceMeans::new(one, &Component::ALL, 10, 555).expect_err("560 bytes").to_string();
-        assert!(text.contains("1 surfaces, 10 rows") && text.contains("is 560, the limit is 555"), "{text}");
+        let text = GroupMeans::new(one, &Component::ALL, 10, 555).expect_err("560 bytes").to_string();
+        assert!(text.contains("1 rows of names, 10 rows") && text.contains("is 560, the limit is 555"), "{text}");
     }
 }

@@ -1,0 +1,44 @@
+//! Which object is a part of which. In: parents and children as city objects name them. Out: the top of each object's parents.
+
+use std::collections::HashMap;
+
+use crate::formats::cityjson::document::{CityObject, Text};
+
+/// Parents above parents in real models: a room of a storey of a part of a building. Hostile ones go in circles.
+const MOST_STEPS: usize = 16;
+
+/// The parent of each object that has one, by name.
+pub(super) struct Parents<'d>(HashMap<&'d str, &'d str>);
+
+impl<'d> Parents<'d> {
+    /// An object's own word counts more than that of the object that calls it a child; of several parents the first counts.
+    pub(super) fn of(objects: &'d [(Text, CityObject)]) -> Self {
+        let mut parents = HashMap::new();
+        for (id, object) in objects {
+            for child in object.children.iter().flatten() {
+                parents.insert(child.0.as_ref(), id.0.as_ref());
+            }
+        }
+        for (id, object) in objects {
+            if let Some(parent) = object.parents.iter().flatten().next() {
+                parents.insert(id.0.as_ref(), parent.0.as_ref());
+            }
+        }
+        Parents(parents)
+    }
+
+    /// The topmost parent of an object, which is the object itself without parents.
+    pub(super) fn top_of<'s>(&self, id: &'s str) -> &'s str
+    where
+        'd: 's,
+    {
+        let mut top = id;
+        for _ in 0..MOST_STEPS {
+            match self.0.get(top) {
+                Some(&parent) if parent != top => top = parent,
+                _ => break,
+            }
+        }
+        top
+    }
+}
