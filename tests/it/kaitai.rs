@@ -24,7 +24,7 @@ fn under<'a>(text: &'a str, path: &[&str]) -> Vec<&'a str> {
 
 /// Value of a key of `{ key: value, ... }`; a list in brackets is one value.
 fn value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
-    let rest = line.split_once(&format!("{key}: "))?.1;
+    let rest = line.split_once(&format!(" {key}: "))?.1;
     let end = if rest.starts_with('[') { rest.find(']')? + 1 } else { rest.find([',', '}'])? };
     Some(rest[..end].trim())
 }

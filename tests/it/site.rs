@@ -41,7 +41,7 @@ fn read(path: &Path) -> String {
 }
 
 /// Of 1,000 receivers on walls and roofs of two houses 740 get light: 200 lie in the wall between them, 60 more below the meadow; areas
-/// of those that are written are 740 m2, and the order of the file does not change a byte.
+/// of those that are written are 740 m2, and the order of the file changes nothing but the lines that faces stand in.
 #[test]
 fn buried_are_left_out() {
     let folder = Folder::new();
@@ -55,7 +55,14 @@ fn buried_are_left_out() {
         assert!(report.contains("260 inside a neighbour or below the terrain, 0 covered"), "{report}");
         [format!("{name}.csv"), format!("{name}_buried.csv")].map(|file| read(&folder.path(&file)))
     });
-    assert_eq!(tables[0], tables[1]);
+    let without_faces = |tables: &[String; 2]| {
+        tables.each_ref().map(|table| {
+            let mut rows = rows(table);
+            rows.iter_mut().for_each(|row| drop(row.remove("face")));
+            rows
+        })
+    };
+    assert_eq!(without_faces(&tables[0]), without_faces(&tables[1]));
     let free = rows(&tables[0][0]);
     let area: f64 = free.iter().map(|row| row["area"].parse::<f64>().expect("a number")).sum();
     assert_eq!((free.len(), (area - 740.0).abs() < 1e-6), (740, true));
