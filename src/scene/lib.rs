@@ -32,6 +32,7 @@ pub mod covering;
 mod endless_ground;
 mod formats;
 mod geometry;
+mod input;
 pub mod load;
 pub mod materials;
 pub mod mesh;
