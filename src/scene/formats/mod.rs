@@ -2,10 +2,9 @@
 //! index and coordinate is checked. They drop nothing silently and never look at another file than those they are given.
 
 mod ascii_grid;
+mod building;
 mod cityjson;
 mod energyplus;
-#[cfg(test)]
-mod energyplus_tests;
 mod geokeys;
 mod geotiff;
 mod gltf;

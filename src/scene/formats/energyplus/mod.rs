@@ -2,15 +2,15 @@
 //! shades it, normals outwards, x to the east. Multipliers draw nothing twice.
 
 mod epjson;
-mod holes;
 #[cfg(test)]
 mod hostile_tests;
 mod idf;
 mod layout;
 mod materials;
 mod model;
-mod notes;
 mod place;
+#[cfg(test)]
+mod scene_tests;
 mod shades;
 mod surfaces;
 #[cfg(test)]
@@ -19,6 +19,7 @@ mod tests;
 use std::path::Path;
 
 use crate::formats::Asked;
+use crate::formats::building::notes::Notes;
 use crate::geometry::Geometry;
 use crate::input;
 use crate::reference::Reference;
@@ -26,7 +27,6 @@ use heliotile_core::error::{Error, Result};
 use layout::Version;
 use materials::Materials;
 use model::Model;
-use notes::Notes;
 use place::Place;
 use surfaces::Surfaces;
 
