@@ -8,6 +8,7 @@ mod energyplus;
 mod geokeys;
 mod geotiff;
 mod gltf;
+mod honeybee;
 mod mtl;
 pub(super) mod obj;
 mod ply;
@@ -48,6 +49,7 @@ enum Format {
     EnergyPlus,
     GeoTiff,
     Gltf,
+    Honeybee,
     /// What it holds decides.
     Json,
     Obj,
@@ -56,12 +58,13 @@ enum Format {
 }
 
 /// What names end with, in lower case; `.gz` may stand behind each.
-const ENDINGS: [(&str, Format); 13] = [
+const ENDINGS: [(&str, Format); 14] = [
     ("asc", Format::AsciiGrid),
     ("dem", Format::AsciiGrid),
     ("epjson", Format::EnergyPlus),
     ("glb", Format::Gltf),
     ("gltf", Format::Gltf),
+    ("hbjson", Format::Honeybee),
     ("idf", Format::EnergyPlus),
     ("json", Format::Json),
     ("jsonl", Format::CityJson),
@@ -72,8 +75,8 @@ const ENDINGS: [(&str, Format); 13] = [
     ("tiff", Format::GeoTiff),
 ];
 
-const SUPPORTED: &str = ".json and .jsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .gltf, .glb, \
-                         .obj, .ply, .stl, each also packed, with .gz behind it, and site.toml";
+const SUPPORTED: &str = ".json and .jsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
+                         (Honeybee), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz behind it, and site.toml";
 
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
@@ -96,6 +99,8 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         Format::EnergyPlus => energyplus::parse(&bytes, path, asked).map(polygons),
         Format::GeoTiff => geotiff::parse(&bytes, path).map(Content::Terrain),
         Format::Gltf => gltf::parse(&bytes, path, asked).map(polygons),
+        Format::Honeybee => honeybee::parse(&bytes, path, asked).map(polygons),
+        Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked).map(polygons),
         Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked).map(polygons),
         Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked).map(polygons),
         Format::Obj => obj::read(&bytes, path, asked).map(polygons),

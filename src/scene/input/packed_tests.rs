@@ -25,7 +25,7 @@ fn hash(path: &Path) -> [u8; 32] {
     Scene::load(path, None).unwrap_or_else(|error| panic!("{}: {error}", path.display())).content_hash()
 }
 
-/// Fourteen names with `.gz` behind them are the scene of the plain file, and so is a packed file under the plain name.
+/// Sixteen files with `.gz` behind their names are the scenes of the plain ones, and so are packed files under plain names.
 #[test]
 fn every_format() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -41,6 +41,8 @@ fn every_format() {
         ("epjson", "a.epJSON"),
         ("epjson", "b.json"),
         ("idf", "a.IDF"),
+        ("honeybee", "a.hbjson"),
+        ("honeybee", "c.json"),
         ("gltf", "a.gltf"),
         ("glb", "a.glb"),
         ("stl", "a.stl"),
@@ -56,7 +58,7 @@ fn every_format() {
         assert_eq!(hash(&plain), expected, "{name}");
         read += 1;
     }
-    assert_eq!(read, 14);
+    assert_eq!(read, 16);
 }
 
 /// Four files that others name are found packed: a buffer of glTF, a library of OBJ, a `materials.toml` and a `site.toml`.
