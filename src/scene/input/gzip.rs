@@ -13,12 +13,21 @@ const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// Most bytes that a file which is read as a whole may unpack to: what a machine of 16 GB can hold with the scene that is made of it.
 const MOST_WHOLE: u64 = 4 << 30;
+/// What any machine can hold: below this, packed bytes may stand for as many as they like, beyond it for [`MOST_TIMES`] as many.
+const HARMLESS: u64 = 256 << 20;
+/// Text is packed to a twentieth as a rule, bombs to a thousandth.
+const MOST_TIMES: u64 = 200;
 /// Most bytes that a file which is read piece by piece may unpack to: 100 million receivers are a tenth of that.
 const MOST_STREAMED: u64 = 64 << 30;
 
 /// The plain bytes of a file.
 pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
-    unpack_up_to(MOST_WHOLE, bytes, file)
+    unpack_up_to(most(bytes.len() as u64), bytes, file)
+}
+
+/// Bytes that so many packed ones may stand for.
+fn most(packed: u64) -> u64 {
+    packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_WHOLE)
 }
 
 fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
@@ -110,6 +119,8 @@ mod tests {
             let message = unpack(packed[..end].to_vec(), file).expect_err("cut").to_string();
             assert!(message.starts_with("town.obj.gz: the gzip data cannot be unpacked beyond byte"), "{message}");
         }
+        let limits = [1 << 10, 2 << 20, 1 << 30].map(most);
+        assert_eq!(limits, [256 << 20, 400 << 20, 4 << 30]);
         let mut bounded = Bounded { inner: &packed[..], left: 9 };
         let found = bounded.read(&mut [0; 20]).expect_err("too long").to_string();
         assert!(found.contains("unpacks to more than 68719476736 bytes"), "{found}");
