@@ -2,7 +2,7 @@
 //!
 //! # Map
 //!
-//! `formats` (a folder or file each: CityJSON, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus) and `terrain` give polygons; `load` merges them and
+//! `formats` (a folder or file each: CityJSON, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus, Honeybee) and `terrain` give polygons; `load` merges them and
 //! [`mesh`] brings them to one canonical form; [`materials`] gives every surface its optics; [`covering`] puts receivers on them.
 //!
 //! # What never happens
@@ -32,6 +32,7 @@ pub mod covering;
 mod endless_ground;
 mod formats;
 mod geometry;
+mod input;
 pub mod load;
 pub mod materials;
 pub mod mesh;

@@ -1,13 +1,13 @@
 //! What a scene is made of. In: files on the command line, or a `site.toml` that lists them. Out: one part for each, with its
 //! materials and its place.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::Deserialize;
 
 use crate::coordinate::is_position;
+use crate::input;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 
@@ -95,8 +95,8 @@ impl Site {
     pub fn of(files: &[PathBuf], materials: Option<&Path>) -> Result<Site> {
         let mut site = Site::default();
         for file in files {
-            let listed = if file.is_dir() { file.join("site.toml") } else { file.clone() };
-            if listed.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+            let listed = if file.is_dir() { listed_in(file)? } else { file.clone() };
+            if input::ending(&listed) == "toml" {
                 site.parts.extend(read_parts(&listed, materials)?);
             } else {
                 site.parts.push(Part::plain(file, materials));
@@ -111,8 +111,18 @@ impl Site {
     }
 }
 
+/// The `site.toml` of a folder.
+fn listed_in(folder: &Path) -> Result<PathBuf> {
+    let listed = input::plain_or_packed(folder.join("site.toml"));
+    if listed.is_file() {
+        return Ok(listed);
+    }
+    let hint = "name the scene files in it, or list them in a site.toml there";
+    Err(Error::input(folder, None, "is a folder without a site.toml", hint))
+}
+
 fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    let bytes = input::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
     let document: Document = toml::from_str(&text).map_err(|error| {
         let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
@@ -153,6 +163,8 @@ fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::Scene;
 

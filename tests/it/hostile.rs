@@ -93,7 +93,7 @@ fn seeds_are_valid() {
     assert_eq!((report.problems.len(), report.blocks), (0, 9));
 }
 
-/// The seeds of all 11 formats of scenes are scenes of 1 to 4 triangles.
+/// The seeds of all 12 formats of scenes are scenes of 1 to 4 triangles.
 #[test]
 fn scene_seeds_are_valid() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -106,6 +106,7 @@ fn scene_seeds_are_valid() {
         ("ascii_grid", "a.asc"),
         ("epjson", "a.epJSON"),
         ("idf", "a.idf"),
+        ("honeybee", "a.hbjson"),
         ("gltf", "a.gltf"),
         ("glb", "a.glb"),
         ("stl", "a.stl"),
@@ -118,7 +119,7 @@ fn scene_seeds_are_valid() {
         assert!((1..=24).contains(&scene.mesh.triangles.len()), "{target}: {}", scene.mesh.triangles.len());
         read += 1;
     }
-    assert_eq!(read, 11);
+    assert_eq!(read, 12);
 }
 
 /// Eight manifests that lie about the sides of textures, and a tile with fewer responses than receivers, are refused by both

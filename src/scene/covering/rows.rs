@@ -1,11 +1,11 @@
 //! In: a CSV file, piece by piece. Out: its records with the line each begins in, and errors that name file, line and column.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
 
+use crate::input;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 
@@ -23,8 +23,7 @@ pub(crate) struct CsvRows<'a> {
 
 impl<'a> CsvRows<'a> {
     pub(crate) fn open(file: &'a Path) -> Result<Self> {
-        let input = File::open(file).map_err(Error::io(file, "read"))?;
-        CsvRows::new(Box::new(input), file)
+        CsvRows::new(input::open(file)?, file)
     }
 
     pub(crate) fn new(mut input: Box<dyn Read + 'a>, file: &'a Path) -> Result<Self> {

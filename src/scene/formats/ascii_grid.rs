@@ -1,21 +1,14 @@
 //! In: the bytes of an Esri ASCII grid (ArcGIS "Esri ASCII raster format"; GDAL's AAIGrid). Out: its heights.
 
-use std::fs;
 use std::path::Path;
 
 use glam::DVec2;
 
-use crate::formats::Asked;
 use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 
 const HEADER: &str = "write ncols, nrows, xllcorner (or xllcenter), yllcorner (or yllcenter), cellsize and NODATA_value, then the heights";
-
-pub(super) fn read(path: &Path, _: &Asked) -> Result<Raster> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(&bytes, path)
-}
 
 /// Header lines by key, each with its value and where that stands.
 #[derive(Default)]
@@ -33,6 +26,15 @@ impl Header {
 }
 
 pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
+    if let Some(other) = other_kind(bytes) {
+        return Err(Error::Unsupported {
+            what: format!("the terrain {}", file.display()),
+            found: other.into(),
+            supported:
+                "Esri ASCII grids, which begin with ncols, and GeoTIFF: `gdal_translate in.dem out.tif` makes one"
+                    .into(),
+        });
+    }
     let mut words = Offsets { bytes: without_byte_order_mark(bytes), at: 0 };
     let refuse = |what: String| Error::input(file, None, what, HEADER);
     let mut header = Header::default();
@@ -80,6 +82,24 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let grid = Grid { columns: columns as usize, rows: rows as usize, first, step };
     let meaning = Meaning { nodata: header.get("nodata_value"), ..Meaning::default() };
     Raster::new(file, grid, heights, &meaning, Vec::new())
+}
+
+/// What else goes by the name of `.dem`. A USGS DEM has whole numbers in columns 145 to 162: level, pattern (1 is a grid) and reference
+/// system (U.S. Geological Survey, Standards for Digital Elevation Models, part 2, 1998, record A).
+fn other_kind(bytes: &[u8]) -> Option<&'static str> {
+    let head = bytes.get(..1024).unwrap_or(bytes);
+    let (first, _) = Offsets { bytes: without_byte_order_mark(head), at: 0 }.next()?;
+    if KEYS.iter().any(|key| key.as_bytes().eq_ignore_ascii_case(first)) {
+        return None;
+    }
+    if head.contains(&0) {
+        return Some("bytes that are no text, as the raw heights of GTOPO30 are");
+    }
+    let small = |columns| {
+        let text = std::str::from_utf8(head.get(columns)?).ok()?;
+        text.trim().parse::<u8>().ok()
+    };
+    [144..150, 150..156, 156..162].into_iter().all(|columns| small(columns).is_some()).then_some("a USGS DEM")
 }
 
 fn heights(words: &mut Offsets, samples: usize, file: &Path, [columns, rows]: [u64; 2]) -> Result<Vec<f32>> {
@@ -161,6 +181,20 @@ mod tests {
             assert_eq!(found.get(..5), Some(&[1.0, 2.0, 3.0, 4.0, 5.0][..]));
             assert!(found.get(5).is_some_and(|h| h.is_nan()) && raster.warnings.is_empty());
         }
+    }
+
+    /// What else is called `.dem` is told apart by its bytes: a USGS DEM by its columns, raw heights by their zeros, 2 of 2; a grid of
+    /// whole numbers in those columns is read.
+    #[test]
+    fn other_kinds() {
+        let usgs = format!("{:<40}{:<104}{:>6}{:>6}{:>6}{:>6}", "MT WASHINGTON, NH", "BIG BASIN", 1, 1, 1, 19);
+        for (bytes, expected) in [(usgs.as_bytes(), "found a USGS DEM"), (&[0, 7, 0, 9][..], "raw heights of GTOPO30")]
+        {
+            let found = parse(bytes, Path::new("g.dem")).expect_err(expected).to_string();
+            assert!(found.contains(expected) && found.contains("gdal_translate in.dem out.tif"), "{found}");
+        }
+        let wide = format!("{:<144}{:>6}{:>6}{:>6} 4 5 6\n", HEAD.replace('\n', " "), 1, 2, 3);
+        assert_eq!(parse(wide.as_bytes(), Path::new("g.dem")).expect("a grid").height(2, 1), 6.0);
     }
 
     /// Twelve bad files are refused, each with what was found in it; where a value is at fault its line is named.

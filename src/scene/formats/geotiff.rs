@@ -1,7 +1,6 @@
 //! In: the bytes of a GeoTIFF (OGC 19-008r4 "GeoTIFF 1.1" over TIFF 6.0 or BigTIFF). Out: the heights of its first band. Samples are
 //! decoded by the crate `tiff`, a strip or tile at a time; what the file claims of its size is checked before.
 
-use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -11,7 +10,7 @@ use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 use crate::formats::geokeys::GeoKeys;
-use crate::formats::{Asked, tiff_directory};
+use crate::formats::tiff_directory;
 use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
@@ -21,11 +20,6 @@ const MAX_CHUNK: usize = 1 << 28;
 
 /// No byte of Deflate (1032) or LZW (some 2500) unpacks to more samples than this: a claim beyond is refused unread.
 const MOST_PACKED: u64 = 4096;
-
-pub(super) fn read(path: &Path, _: &Asked) -> Result<Raster> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(&bytes, path)
-}
 
 type Tiff<'b> = Decoder<Cursor<&'b [u8]>>;
 

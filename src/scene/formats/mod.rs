@@ -2,13 +2,13 @@
 //! index and coordinate is checked. They drop nothing silently and never look at another file than those they are given.
 
 mod ascii_grid;
+mod building;
 mod cityjson;
 mod energyplus;
-#[cfg(test)]
-mod energyplus_tests;
 mod geokeys;
 mod geotiff;
 mod gltf;
+mod honeybee;
 mod mtl;
 pub(super) mod obj;
 mod ply;
@@ -22,7 +22,9 @@ mod tiff_directory;
 use std::path::Path;
 
 use crate::geometry::Geometry;
+use crate::input;
 use crate::terrain::raster::Raster;
+use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
 /// What is asked of a reader besides the geometry.
@@ -40,32 +42,70 @@ pub(super) enum Content {
     Terrain(Raster),
 }
 
-const ENDINGS: &str = ".json and .jsonl (CityJSON), .tif, .tiff and .asc (terrain), .epJSON and .idf (EnergyPlus), .gltf, .glb, .obj, \
-                       .ply, .stl, and site.toml";
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    AsciiGrid,
+    CityJson,
+    EnergyPlus,
+    GeoTiff,
+    Gltf,
+    Honeybee,
+    /// What it holds decides.
+    Json,
+    Obj,
+    Ply,
+    Stl,
+}
+
+/// What names end with, in lower case; `.gz` may stand behind each.
+const ENDINGS: [(&str, Format); 14] = [
+    ("asc", Format::AsciiGrid),
+    ("dem", Format::AsciiGrid),
+    ("epjson", Format::EnergyPlus),
+    ("glb", Format::Gltf),
+    ("gltf", Format::Gltf),
+    ("hbjson", Format::Honeybee),
+    ("idf", Format::EnergyPlus),
+    ("json", Format::Json),
+    ("jsonl", Format::CityJson),
+    ("obj", Format::Obj),
+    ("ply", Format::Ply),
+    ("stl", Format::Stl),
+    ("tif", Format::GeoTiff),
+    ("tiff", Format::GeoTiff),
+];
+
+const SUPPORTED: &str = ".json and .jsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
+                         (Honeybee), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz behind it, and site.toml";
 
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let (_, ending) = name.rsplit_once('.').unwrap_or_default();
-    match ending {
-        "asc" => ascii_grid::read(path, asked).map(Content::Terrain),
-        "epjson" | "idf" => energyplus::read(path, asked).map(polygons),
-        "gltf" | "glb" => gltf::read(path, asked).map(polygons),
-        "json" if energyplus::is_model(path)? => energyplus::read(path, asked).map(polygons),
-        "json" | "jsonl" => cityjson::read(path, asked).map(polygons),
-        "obj" => obj::read(path, asked).map(polygons),
-        "ply" => ply::read(path, asked).map(polygons),
-        "stl" => stl::read(path, asked).map(polygons),
-        "tif" | "tiff" => geotiff::read(path, asked).map(Content::Terrain),
-        _ => Err(Error::Unsupported {
+    let ending = input::ending(path);
+    let Some((_, format)) = ENDINGS.iter().find(|(known, _)| *known == ending) else {
+        input::check(path)?;
+        return Err(Error::Unsupported {
             what: format!("the scene {}", path.display()),
             found: if ending.is_empty() {
                 "a name without ending".into()
             } else {
-                format!("a name that ends with .{ending}")
+                format!("a name that ends with .{}", excerpt(ending.as_bytes()))
             },
-            supported: ENDINGS.into(),
-        }),
+            supported: SUPPORTED.into(),
+        });
+    };
+    let bytes = input::read(path)?;
+    match format {
+        Format::AsciiGrid => ascii_grid::parse(&bytes, path).map(Content::Terrain),
+        Format::EnergyPlus => energyplus::parse(&bytes, path, asked).map(polygons),
+        Format::GeoTiff => geotiff::parse(&bytes, path).map(Content::Terrain),
+        Format::Gltf => gltf::parse(&bytes, path, asked).map(polygons),
+        Format::Honeybee => honeybee::parse(&bytes, path, asked).map(polygons),
+        Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked).map(polygons),
+        Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked).map(polygons),
+        Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked).map(polygons),
+        Format::Obj => obj::read(&bytes, path, asked).map(polygons),
+        Format::Ply => ply::parse(&bytes, path).map(polygons),
+        Format::Stl => stl::parse(&bytes, path).map(polygons),
     }
 }
 
@@ -77,4 +117,18 @@ fn polygons(geometry: Geometry) -> Content {
 pub(super) fn stem(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.split('.').find(|part| !part.is_empty()).unwrap_or("scene").to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The message that names the endings names all of them, and says that each may be packed.
+    #[test]
+    fn endings_are_named() {
+        for (ending, format) in ENDINGS {
+            assert!(SUPPORTED.contains(&format!(".{ending}")), "{format:?}");
+        }
+        assert!(SUPPORTED.contains(".gz"));
+    }
 }

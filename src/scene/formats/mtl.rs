@@ -4,10 +4,10 @@
 //! is the mean of `Ks` where `illum` is 3 or above (the models with true mirrors) and 0 otherwise, as `Ks` is mere gloss there.
 
 use crate::materials::select::class_of_name;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::formats::obj::Library;
+use crate::input;
 use crate::materials::select::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number};
 use heliotile_core::error::{Error, Result};
@@ -24,7 +24,7 @@ pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut V
                 continue;
             }
             if path.is_file() {
-                let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
+                let bytes = input::read(&path)?;
                 parse(&bytes, &path, &mut table, warnings)?;
             } else {
                 warnings.push(format!(
@@ -43,8 +43,8 @@ pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut V
 /// One file whose name may hold blanks if there is such a file, several names otherwise.
 fn files_of(folder: &Path, text: &str) -> Vec<PathBuf> {
     let place = |name: &str| {
-        let direct = folder.join(name);
-        if direct.is_file() { direct } else { folder.join(name.replace('\\', "/")) }
+        let direct = input::plain_or_packed(folder.join(name));
+        if direct.is_file() { direct } else { input::plain_or_packed(folder.join(name.replace('\\', "/"))) }
     };
     let whole = place(text.trim_matches('"'));
     if whole.is_file() {
@@ -151,6 +151,8 @@ fn finish(block: Block, file: &Path, table: &mut MaterialTable, warnings: &mut V
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn read(text: &str) -> Result<(MaterialTable, Vec<String>)> {

@@ -1,6 +1,5 @@
 //! In: the bytes of a Wavefront OBJ file. Out: its polygons, materials and objects, every index checked.
 
-use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
@@ -26,9 +25,8 @@ pub(crate) struct Library {
 }
 
 /// Reads an OBJ file, and its libraries where reflectances are wanted.
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-    let (mut geometry, libraries) = parse(&bytes, path)?;
+pub(super) fn read(bytes: &[u8], path: &Path, asked: &Asked) -> Result<Geometry> {
+    let (mut geometry, libraries) = parse(bytes, path)?;
     if asked.reflectances {
         geometry.stated = mtl::read_libraries(path, &libraries, &mut geometry.warnings)?;
     }

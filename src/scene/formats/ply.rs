@@ -3,7 +3,6 @@
 //! Read here: `ply-rs-bw` gives a map of values or its caller's struct for each vertex, and skips no element without keeping it.
 //! Source: G. Turk, The PLY Polygon File Format, 1994.
 
-use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
@@ -12,15 +11,11 @@ use crate::coordinate::is_position;
 use crate::formats::obj::DEFAULT_MATERIAL;
 use crate::formats::ply_body::Body;
 use crate::formats::ply_header::{Element, Header, Property};
-use crate::formats::{Asked, stem};
+use crate::formats::stem;
 use crate::geometry::Geometry;
 use heliotile_core::error::{Error, Result};
 
-pub(super) fn read(path: &Path, _asked: &Asked) -> Result<Geometry> {
-    parse(&fs::read(path).map_err(Error::io(path, "read"))?, path)
-}
-
-fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
     let (header, body) = Header::read(bytes, file)?;
     let mut body = Body::new(&header, body, file);
     let mut geometry = Geometry::default();

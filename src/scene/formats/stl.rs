@@ -5,14 +5,13 @@
 //! names no unit, taken are metres, z up. Sources: 3D Systems, SLC/StereoLithography Interface Specification, 1989; M. Burns,
 //! Automated Fabrication, 1993, section 6.5.
 
-use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
 
 use crate::coordinate::is_position;
 use crate::formats::obj::DEFAULT_MATERIAL;
-use crate::formats::{Asked, stem};
+use crate::formats::stem;
 use crate::geometry::Geometry;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
@@ -22,11 +21,7 @@ const HEAD: usize = 84;
 /// Bytes of a triangle: a normal, three corners and two bytes that programs put colours into.
 const RECORD: usize = 50;
 
-pub(super) fn read(path: &Path, _asked: &Asked) -> Result<Geometry> {
-    parse(&fs::read(path).map_err(Error::io(path, "read"))?, path)
-}
-
-fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
     let geometry = match claimed(bytes) {
         Some(count) if binary_size(count) == bytes.len() as u64 => binary(bytes, count, file)?,
         _ if is_text(bytes) => Text::new(file).read(bytes)?,

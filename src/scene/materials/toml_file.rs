@@ -1,7 +1,6 @@
 //! In: `materials.toml`. Out: checked materials by name, used or not.
 
 use crate::materials::select::class_of_name;
-use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::endless_ground;
 use crate::endless_ground::EndlessGround;
+use crate::input;
 use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
@@ -20,7 +20,7 @@ const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (nu
                     \"double\"), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
 
 pub(crate) fn read_toml(path: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+    let bytes = input::read(path)?;
     let bytes = without_byte_order_mark(&bytes);
     let text = std::str::from_utf8(bytes).map_err(|bad| {
         Error::input(path, line_of_offset(bytes, bad.valid_up_to()), "the text is not UTF-8", "save the file as UTF-8")

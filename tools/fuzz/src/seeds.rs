@@ -56,6 +56,23 @@ const EPJSON: &str = r#"{"Version":{"Version 1":{"version_identifier":"25.1"}},
 const IDF: &str = "Version,25.1;\r\nBuilding,b,30; ! north\nGlobalGeometryRules,UpperLeftCorner,Counterclockwise,Relative;\nZone,z,0,5,0,0;\n\
                    BuildingSurface:Detailed,wall,Wall,c,z,,Outdoors,,SunExposed,WindExposed,,4,0,0,3,0,0,0,8,0,0,8,0,3;\n\
                    Shading:Site:Detailed,s,,3,0,-5,0,9,-5,0,9,-5,9;\n";
+const HONEYBEE: &str = r#"{"type":"Model","identifier":"m","units":"Feet","tolerance":0.01,"rooms":[{"identifier":"r","multiplier":2,"faces":[
+{"identifier":"wall","face_type":"Wall","boundary_condition":{"type":"Outdoors"},"geometry":{"boundary":[[0,0,0],[9,0,0],[9,0,9],[0,0,9]],
+"holes":[[[7,0,7],[8,0,7],[8,0,8]]],"plane":{"n":[0,-1,0],"o":[0,0,0]}},"apertures":[{"identifier":"pane","boundary_condition":{"type":"Outdoors"},
+"is_operable":true,"geometry":{"boundary":[[1,0,1],[3,0,1],[3,0,3],[1,0,3]]},"properties":{"energy":{"construction":"double"}}}],
+"properties":{"radiance":{"modifier":"paint"}}},
+{"identifier":"floor","face_type":"Floor","boundary_condition":{"type":"Ground"},"geometry":{"boundary":[[0,0,0],[0,9,0],[9,9,0],[9,0,0]]}},
+{"identifier":"back","face_type":"Wall","boundary_condition":{"type":"Surface"},"geometry":{"boundary":[[9,9,0],[0,9,0],[0,9,9]]}}],
+"properties":{"energy":{"construction_set":"set"}}}],
+"orphaned_shades":[{"identifier":"s","is_detached":true,"geometry":{"boundary":[[0,-9,0],[9,-9,0],[9,-9,9]]},"properties":{"energy":{"transmittance_schedule":"half"}}}],
+"shade_meshes":[{"identifier":"hill","geometry":{"vertices":[[20,0,0],[30,0,0],[30,9,0],[20,9,0],[25,5,4]],"faces":[[0,1,4],[0,1,2,3]]}}],
+"properties":{"radiance":{"modifiers":[{"type":"Metal","identifier":"paint","r_reflectance":0.4,"g_reflectance":0.5,"b_reflectance":0.6,"roughness":0.1}]},
+"energy":{"construction_sets":[{"identifier":"set","floor_set":{"ground_construction":"slab"}}],
+"constructions":[{"type":"OpaqueConstructionAbridged","identifier":"slab","materials":["concrete"]},
+{"type":"WindowConstructionAbridged","identifier":"double","materials":["glass","gap","glass"]}],
+"materials":[{"type":"EnergyMaterial","identifier":"concrete","solar_absorptance":0.6},{"type":"EnergyWindowMaterialGlazing","identifier":"glass"}],
+"schedules":[{"identifier":"half","day_schedules":[{"values":[0.5,0.5]}]}]}}}
+"#;
 const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[1,2,3],"name":"n"}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"materials":[{"name":"wall"}],
 "buffers":[{"byteLength":42,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA"}],
@@ -182,6 +199,7 @@ pub fn write() {
         ("ascii_grid", ASCII_GRID),
         ("epjson", EPJSON),
         ("idf", IDF),
+        ("honeybee", HONEYBEE),
         ("gltf", GLTF),
         ("stl", STL),
         ("ply", PLY),

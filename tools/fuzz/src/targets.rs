@@ -36,7 +36,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 32] = [
+pub const TARGETS: [(&str, Target); 33] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -59,6 +59,7 @@ pub const TARGETS: [(&str, Target); 32] = [
     ("ascii_grid", ascii_grid),
     ("epjson", epjson),
     ("idf", idf),
+    ("honeybee", honeybee),
     ("gltf", gltf),
     ("glb", glb),
     ("stl", stl),
@@ -359,6 +360,10 @@ fn epjson(data: &[u8]) {
 
 fn idf(data: &[u8]) {
     scene("office.idf", data);
+}
+
+fn honeybee(data: &[u8]) {
+    scene("house.hbjson", data);
 }
 
 fn gltf(data: &[u8]) {

@@ -16,11 +16,11 @@ mod templates;
 mod tests;
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::Path;
 
 use crate::formats::Asked;
 use crate::geometry::Geometry;
+use crate::input;
 use crate::text::{excerpt, without_byte_order_mark};
 use document::{Document, Lod};
 use frame::Frame;
@@ -29,19 +29,13 @@ use objects::Reader;
 use templates::Template;
 
 /// Reads a city model; a name that ends with `.jsonl` is that of a sequence.
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(&bytes, path, asked)
-}
-
-fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
     let asked = asked.lod.as_deref().map(|text| level(text, file)).transpose()?;
     let bytes = without_byte_order_mark(bytes);
     if bytes.trim_ascii().is_empty() {
         return Err(Error::input(file, None, "the file is empty", "export the city model again"));
     }
-    let is_sequence = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"));
-    if is_sequence {
+    if input::ending(file) == "jsonl" {
         return sequence(bytes, file, asked);
     }
     let mut document = refuse::document(bytes, file, None)?;

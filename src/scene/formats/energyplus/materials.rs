@@ -4,22 +4,17 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use crate::formats::building::notes::Notes;
+use crate::formats::building::optics;
+use crate::formats::building::optics::{ABSORPTANCE, LEAF_REFLECTANCE, Stated, glass_of_panes, panes_of_system};
 use crate::formats::energyplus::model::{Model, Object, same};
-use crate::formats::energyplus::notes::Notes;
 use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
 use heliotile_core::error::Result;
 use heliotile_core::site::material::{Class, Glass, Material};
 
-/// Default of `Solar Absorptance` (Input Output Reference, `Material`).
-const ABSORPTANCE: f64 = 0.7;
-/// Default of `Leaf Reflectivity` (`Material:RoofVegetation`).
-const LEAF_REFLECTANCE: f64 = 0.22;
 /// Default of shades (`ShadingProperty:Reflectance`).
 const SHADE_REFLECTANCE: f64 = 0.2;
-/// Glazing systems that lose less are of two panes, W/(m2 K): a single clear pane loses 5.8, two lose 2.7 (ASHRAE Fundamentals,
-/// chapter 15).
-const TWO_PANES_BELOW: f64 = 4.0;
 /// Reflectance of clear glass straight on, one pane and two: n = 1.526 (Duffie and Beckman, section 5.1).
 const CLEAR_GLASS: [f64; 2] = [0.08, 0.15];
 
@@ -43,7 +38,7 @@ pub(super) struct Materials<'m> {
     /// `ShadingProperty:Reflectance` by the name of its shade.
     reflectances: HashMap<String, &'m Object>,
     schedules: HashMap<String, &'m Object>,
-    stated: MaterialTable,
+    stated: Stated,
     /// Numbers of constructions that were met, of floors on the ground and of all else.
     known: HashMap<(String, bool), u32>,
 }
@@ -71,13 +66,13 @@ impl<'m> Materials<'m> {
             ]),
             reflectances: reflectances.map(|object| (same(object.text("shading_surface_name")), object)).collect(),
             schedules: model.by_name(&["Schedule:Constant"]),
-            stated: MaterialTable::new(),
+            stated: Stated::default(),
             known: HashMap::new(),
         }
     }
 
     pub(super) fn into_stated(self) -> MaterialTable {
-        self.stated
+        self.stated.0
     }
 
     /// The material of a wall or window. A construction that the file lacks is a name that nobody describes.
@@ -97,7 +92,7 @@ impl<'m> Materials<'m> {
         let id = match self.constructions.get(&key.0).copied() {
             Some(construction) => {
                 let material = self.construction(construction, class, notes)?;
-                self.add(material, geometry)
+                self.stated.add(material, geometry)
             }
             None => {
                 notes.add("constructions are not in the file; what they reflect is assumed", name);
@@ -142,19 +137,12 @@ impl<'m> Materials<'m> {
         let mut panes = 0;
         for layer in layers {
             panes += match layer.layout.class {
-                "WindowMaterial:SimpleGlazingSystem" => {
-                    let loss = layer.number_or(self.file, "u_factor", 0.0)?;
-                    if loss < TWO_PANES_BELOW { 2 } else { 1 }
-                }
+                "WindowMaterial:SimpleGlazingSystem" => panes_of_system(layer.number_or(self.file, "u_factor", 0.0)?),
                 class if class.starts_with("WindowMaterial:") => 1,
                 _ => 0,
             };
         }
-        Ok(match panes {
-            0 => None,
-            1 => Some(Glass::Single),
-            _ => Some(Glass::Double),
-        })
+        Ok(glass_of_panes(panes))
     }
 
     /// The material of a shading surface.
@@ -163,28 +151,28 @@ impl<'m> Materials<'m> {
         if transmittance > 0.0 {
             let name = format!("shading transmittance {transmittance}");
             let matt = Material::matt(name, 0.0, Class::Obstruction);
-            return Ok(self.add(Material { transmittance: Some(transmittance), ..matt }, geometry));
+            return Ok(self.stated.add(Material { transmittance: Some(transmittance), ..matt }, geometry));
         }
         let Some(said) = self.reflectances.get(&same(&shade.name)).copied() else {
-            return Ok(self.add(Material::matt("shading", SHADE_REFLECTANCE, Class::Obstruction), geometry));
+            return Ok(self.stated.add(Material::matt("shading", SHADE_REFLECTANCE, Class::Obstruction), geometry));
         };
         let key = "diffuse_solar_reflectance_of_unglazed_part_of_shading_surface";
         let diffuse = share(said, self.file, key, SHADE_REFLECTANCE, notes)?;
         let glazed = share(said, self.file, "fraction_of_shading_surface_that_is_glazed", 0.0, notes)?;
         if glazed == 0.0 {
             let name = if diffuse == SHADE_REFLECTANCE { "shading".to_owned() } else { format!("shading {diffuse}") };
-            return Ok(self.add(Material::matt(name, diffuse, Class::Obstruction), geometry));
+            return Ok(self.stated.add(Material::matt(name, diffuse, Class::Obstruction), geometry));
         }
         let glass = self.glazing(said)?;
         let name = format!("shading {diffuse} glazed {glazed}");
         let matt = Material::matt(name, (1.0 - glazed) * diffuse, Class::Obstruction);
         if glazed == 1.0 {
-            return Ok(self.add(Material { glass: Some(glass), ..matt }, geometry));
+            return Ok(self.stated.add(Material { glass: Some(glass), ..matt }, geometry));
         }
         notes.add("shades are glazed in part; that part is a mirror of the same reflectance at any angle", &shade.name);
         let [one, two] = CLEAR_GLASS;
         let straight_on = if glass == Glass::Single { one } else { two };
-        Ok(self.add(Material { specular: glazed * straight_on, ..matt }, geometry))
+        Ok(self.stated.add(Material { specular: glazed * straight_on, ..matt }, geometry))
     }
 
     /// Panes of a glazed shade; one where its construction is not known.
@@ -212,27 +200,9 @@ impl<'m> Materials<'m> {
             }
         }
     }
-
-    /// The number of a material. A name that means something else already gets a number behind it.
-    fn add(&mut self, material: Material, geometry: &mut Geometry) -> u32 {
-        let mut material = material;
-        let plain = material.name.clone();
-        let mut number = 2;
-        while self.stated.get(&material.name).is_some_and(|known| *known != material) {
-            material.name = format!("{plain} ({number})");
-            number += 1;
-        }
-        let id = geometry.materials.id(&material.name);
-        self.stated.insert(material.name.clone(), material);
-        id
-    }
 }
 
 /// A share of light, moved into 0..=1.
 fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
-    let value = object.number_or(file, key, otherwise)?;
-    if !(0.0..=1.0).contains(&value) {
-        notes.add("shares of light are not from 0 to 1; the nearest is taken", &object.name);
-    }
-    Ok(value.clamp(0.0, 1.0))
+    Ok(optics::share(object.number_or(file, key, otherwise)?, &object.name, notes))
 }

@@ -2,52 +2,45 @@
 //! shades it, normals outwards, x to the east. Multipliers draw nothing twice.
 
 mod epjson;
-mod holes;
 #[cfg(test)]
 mod hostile_tests;
 mod idf;
 mod layout;
 mod materials;
 mod model;
-mod notes;
 mod place;
+#[cfg(test)]
+mod scene_tests;
 mod shades;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 
-use std::fs;
 use std::path::Path;
 
 use crate::formats::Asked;
+use crate::formats::building::notes::Notes;
 use crate::geometry::Geometry;
+use crate::input;
 use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
 use layout::Version;
 use materials::Materials;
 use model::Model;
-use notes::Notes;
 use place::Place;
 use surfaces::Surfaces;
 
 /// Fields of older versions may stand elsewhere than is known here.
 const OLDEST: Version = Version { major: 8, minor: 0 };
 
-/// Reads a model: text if its name ends with `.idf`, JSON else.
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-    parse(&bytes, path, asked)
-}
-
 /// Whether a file that only calls itself JSON is a model.
-pub(super) fn is_model(path: &Path) -> Result<bool> {
-    let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
-    Ok(epjson::looks_like(&bytes))
+pub(super) fn is_model(bytes: &[u8]) -> bool {
+    epjson::looks_like(bytes)
 }
 
-fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
-    let json = file.extension().is_some_and(|ending| !ending.eq_ignore_ascii_case("idf"));
-    let model = if json { epjson::parse(bytes, file)? } else { idf::parse(bytes, file)? };
+/// Reads a model: text if its name ends with `.idf`, JSON else.
+pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+    let model = if input::ending(file) == "idf" { idf::parse(bytes, file)? } else { epjson::parse(bytes, file)? };
     assemble(&model, file, asked)
 }
 

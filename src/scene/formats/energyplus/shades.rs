@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use crate::coordinate::is_position;
+use crate::formats::building::frame::Frame;
+use crate::formats::building::notes::Notes;
+use crate::formats::building::reasons::{TOO_FAR, TOO_FEW};
 use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object};
-use crate::formats::energyplus::notes::Notes;
-use crate::formats::energyplus::place::{Frame, Of, Place};
-use crate::formats::energyplus::surfaces::{
-    NO_SIZE, Surface, Surfaces, TOO_FAR, TOO_FEW, Title, stated_vertices, write_face,
-};
+use crate::formats::energyplus::place::{Of, Place};
+use crate::formats::energyplus::surfaces::{NO_SIZE, Surface, Surfaces, Title, stated_vertices, write_face};
 use crate::geometry::Geometry;
 use crate::semantics::SurfaceKind;
 use glam::DVec3;

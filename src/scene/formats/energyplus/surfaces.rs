@@ -1,28 +1,26 @@
 //! Walls, roofs and floors with their windows and doors. In: objects of a model. Out: faces of the outer hull, openings cut out.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
 
 use crate::coordinate::is_position;
-use crate::formats::energyplus::holes;
-use crate::formats::energyplus::holes::Fit;
+use crate::formats::building::back_to_back::back_to_back;
+use crate::formats::building::frame::{Frame, area_vector};
+use crate::formats::building::holes;
+use crate::formats::building::holes::{Fit, ROUNDED_M};
+use crate::formats::building::notes::Notes;
+use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TOO_FEW};
 use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object, same};
-use crate::formats::energyplus::notes::Notes;
-use crate::formats::energyplus::place::{Frame, Of, Place, area_vector};
+use crate::formats::energyplus::place::{Of, Place};
 use crate::geometry::Geometry;
 use crate::semantics::{FaceNote, FaceSource, ObjectNote, SurfaceKind};
 use heliotile_core::error::Result;
 
-pub(super) const TOO_FEW: &str = "with fewer than three corners";
 pub(super) const NO_SIZE: &str = "with a length, height or depth that is not above 0";
-pub(super) const TOO_FAR: &str = "because they lie more than 1e9 m away";
-const INSIDE: &str = "because they lie inside the building";
 const NO_BASE: &str = "because the surface that they name is not in the file";
-const BEYOND: &str = "windows or doors are left out of walls that stay whole there: they reach over an edge or \
-                      each other, or lie off the plane";
 
 /// What lies behind a surface, seen from its zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,31 +205,8 @@ impl<'m> Surfaces<'m> {
 
     /// Adiabatic surfaces back to back part two zones: they lie inside.
     fn pair_up(&mut self) {
-        // Centre and area on a grid of half metres and square metres: both of a pair are typed from one drawing.
-        let key = |surface: &Surface| {
-            let centre = surface.vertices.iter().sum::<DVec3>() / surface.vertices.len().max(1) as f64;
-            (centre * 2.0).round().as_i64vec3()
-        };
-        let mut at: HashMap<_, Vec<usize>> = HashMap::new();
-        for (i, surface) in self.list.iter().enumerate().filter(|(_, surface)| surface.behind == Behind::Adiabatic) {
-            at.entry(key(surface)).or_default().push(i);
-        }
-        let mut inside = HashSet::new();
-        for group in at.into_values() {
-            // A group is what stands in half a cubic metre; a hostile one is not compared in full.
-            let group: Vec<(usize, DVec3)> = group
-                .into_iter()
-                .take(64)
-                .filter_map(|i| Some((i, area_vector(&self.list.get(i)?.vertices))))
-                .collect();
-            for (n, (i, a)) in group.iter().enumerate() {
-                for (j, b) in group.iter().skip(n + 1) {
-                    if (*a + *b).length() < 0.02 * a.length() {
-                        inside.extend([*i, *j]);
-                    }
-                }
-            }
-        }
+        let open = self.list.iter().enumerate().filter(|(_, surface)| surface.behind == Behind::Adiabatic);
+        let inside = back_to_back(open.map(|(i, surface)| (i, surface.vertices.as_slice())));
         for i in 0..self.list.len() {
             let base = self.list.get(i).map_or(i, |surface| surface.base);
             if inside.contains(&base)
@@ -273,7 +248,8 @@ fn write_wall(
     notes: &mut Notes,
 ) -> Result<()> {
     let outlines: Vec<&[DVec3]> = openings.iter().map(|opening| opening.vertices.as_slice()).collect();
-    let fits = holes::fit(&wall.vertices, &wall.frame, &outlines);
+    let whole = holes::Wall { outline: &wall.vertices, holes: &[], frame: wall.frame, rounded_m: ROUNDED_M };
+    let fits = holes::fit(&whole, &outlines);
     let mut rings = vec![wall.vertices.as_slice()];
     let zone = wall.object.text("zone_name");
     for ((opening, &outline), fit) in openings.iter().zip(&outlines).zip(&fits) {
@@ -289,7 +265,7 @@ fn write_wall(
         write_face(&[outline], material, &opening.title(zone), file, geometry)?;
     }
     if fits.contains(&Fit::Whole) {
-        geometry.leave_out("because a window takes up the whole of them");
+        geometry.leave_out(ALL_WINDOW);
         return Ok(());
     }
     let on_ground = wall.behind == Behind::Ground && wall.kind == SurfaceKind::Floor;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::formats::energyplus::place::area_vector;
+use crate::formats::building::frame::area_vector;
 use crate::formats::energyplus::*;
 use crate::polygon::triangulate;
 use heliotile_core::site::material::{Class, Glass};

@@ -1,7 +1,6 @@
 //! In: a .gltf or .glb file and what its JSON says of buffers. Out: their bytes, and values in them of which all were checked to exist.
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 
@@ -12,6 +11,7 @@ use glam::DVec3;
 use percent_encoding::percent_decode_str;
 
 use crate::formats::gltf::json::{Accessor, Root};
+use crate::input;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
@@ -88,10 +88,11 @@ impl<'r> Buffers<'r> {
                         let what = format!("is `{}`, not a file in the folder of this one", excerpt(uri.as_bytes()));
                         refuse(what, "copy it beside this file, or export one .glb file")
                     })?;
+                    let path = input::plain_or_packed(path);
                     match files.get(&path) {
                         Some(known) => Bytes::Read(known.clone()),
                         None => {
-                            let read = Rc::new(fs::read(&path).map_err(Error::io(&path, "read the buffer"))?);
+                            let read = Rc::new(input::read_as(&path, "read the buffer")?);
                             files.insert(path, read.clone());
                             Bytes::Read(read)
                         }

@@ -10,7 +10,6 @@ mod materials;
 #[cfg(test)]
 mod tests;
 
-use std::fs;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
@@ -29,11 +28,7 @@ const MAX_TRIANGLES: u64 = if cfg!(test) { 100_000 } else { 100_000_000 };
 
 const HINT: &str = "export it again, or check it with a glTF validator";
 
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
-    parse(&fs::read(path).map_err(Error::io(path, "read"))?, path, asked)
-}
-
-fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
     let (json, chunk) = buffers::split(bytes, file)?;
     let root = Root::parse(json, file, json.len() == bytes.len())?;
     let ignored = root.check_extensions(file)?;

@@ -1,5 +1,7 @@
 //! In: glTF files made here, right and wrong. Out: proof that they are read as they mean it, or refused with a message.
 
+use std::fs;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
@@ -112,7 +114,10 @@ fn instances() {
 fn containers() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).expect("written");
-    let read = |name: &str| crate::formats::gltf::read(&folder.path().join(name), &asked()).expect("readable");
+    let read = |name: &str| {
+        let path = folder.path().join(name);
+        crate::formats::gltf::parse(&fs::read(&path).expect("written"), &path, &asked()).expect("readable")
+    };
     let plain = scene(json!([{"mesh": 0}]));
     write("my cube.bin", &cube_bytes());
     write("beside.gltf", with(plain.clone(), "/buffers/0/uri", json!("./my%20cube.bin")).to_string().as_bytes());

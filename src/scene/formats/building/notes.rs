@@ -6,16 +6,16 @@ use std::path::Path;
 use crate::text::excerpt;
 
 #[derive(Debug, Default)]
-pub(super) struct Notes(BTreeMap<&'static str, (usize, String)>);
+pub(in crate::formats) struct Notes(BTreeMap<&'static str, (usize, String)>);
 
 impl Notes {
     /// `kind` completes "3 ...".
-    pub(super) fn add(&mut self, kind: &'static str, name: &str) {
+    pub(in crate::formats) fn add(&mut self, kind: &'static str, name: &str) {
         let note = self.0.entry(kind).or_insert_with(|| (0, excerpt(name.as_bytes())));
         note.0 += 1;
     }
 
-    pub(super) fn say(&self, file: &Path, warnings: &mut Vec<String>) {
+    pub(in crate::formats) fn say(&self, file: &Path, warnings: &mut Vec<String>) {
         for (kind, (count, first)) in &self.0 {
             warnings.push(format!("{}: {count} {kind} (first: `{first}`)", file.display()));
         }

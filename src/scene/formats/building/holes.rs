@@ -2,16 +2,16 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::formats::energyplus::place::{Frame, area_vector};
+use crate::formats::building::frame::{Frame, area_vector};
 
 /// Windows this far off their wall or over its edge are taken for rounded coordinates, metres (EnergyPlus merges vertices closer
 /// than this).
-const ROUNDED_M: f64 = 0.01;
+pub(in crate::formats) const ROUNDED_M: f64 = 0.01;
 /// Comparisons of a wall's edges with its windows' beyond which no wall of a building goes.
 const MOST_COMPARISONS: usize = 20_000_000;
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Fit {
+pub(in crate::formats) enum Fit {
     /// A hole of the wall, moved onto its edge where it reaches over it by a hair.
     Hole(Vec<DVec3>),
     /// Takes up the whole wall.
@@ -20,32 +20,48 @@ pub(super) enum Fit {
     Beyond,
 }
 
+/// A wall that windows are to be cut out of.
+pub(in crate::formats) struct Wall<'w> {
+    pub outline: &'w [DVec3],
+    /// What is cut out already.
+    pub holes: &'w [Vec<DVec3>],
+    /// Its plane.
+    pub frame: Frame,
+    /// How far off their place coordinates may be, metres: at least [`ROUNDED_M`].
+    pub rounded_m: f64,
+}
+
 /// How each opening fits into a wall.
-pub(super) fn fit(wall: &[DVec3], frame: &Frame, openings: &[&[DVec3]]) -> Vec<Fit> {
+pub(in crate::formats) fn fit(wall: &Wall, openings: &[&[DVec3]]) -> Vec<Fit> {
+    let (frame, rounded_m) = (&wall.frame, wall.rounded_m);
     let (right, up) = (frame.right(), frame.up());
     let flat = |p: &DVec3| DVec2::new((*p - frame.origin).dot(right), (*p - frame.origin).dot(up));
-    let outline: Vec<DVec2> = wall.iter().map(flat).collect();
-    let corners: usize = openings.iter().map(|opening| opening.len()).sum();
-    if corners.saturating_mul(wall.len() + corners) > MOST_COMPARISONS {
+    let outline: Vec<DVec2> = wall.outline.iter().map(flat).collect();
+    let taken_corners: usize = wall.holes.iter().map(Vec::len).sum();
+    let corners = taken_corners + openings.iter().map(|opening| opening.len()).sum::<usize>();
+    if corners.saturating_mul(wall.outline.len() + corners) > MOST_COMPARISONS {
         return vec![Fit::Beyond; openings.len()];
     }
     let normal = right.cross(up);
-    let area = area_vector(wall).length();
-    let mut taken: Vec<Vec<DVec2>> = Vec::new();
+    let taken_area: f64 = wall.holes.iter().map(|hole| area_vector(hole).length()).sum();
+    let area = area_vector(wall.outline).length() - taken_area;
+    let mut taken: Vec<Vec<DVec2>> = wall.holes.iter().map(|hole| hole.iter().map(flat).collect()).collect();
     openings
         .iter()
         .map(|opening| {
             let ring: Vec<DVec2> = opening.iter().map(flat).collect();
-            let on_plane = opening.iter().all(|p| (*p - frame.origin).dot(normal).abs() <= ROUNDED_M);
+            let on_plane = opening.iter().all(|p| (*p - frame.origin).dot(normal).abs() <= rounded_m);
             let nearest: Vec<DVec2> =
                 ring.iter().map(|&p| if contains(&outline, p) { p } else { nearest(&outline, p) }).collect();
             let off = ring.iter().zip(&nearest).map(|(p, near)| *near - *p);
-            let inside = off.clone().all(|off| off.length() <= ROUNDED_M);
+            let inside = off.clone().all(|off| off.length() <= rounded_m);
             let moved = opening.iter().zip(off).map(|(p, off)| *p + off.x * right + off.y * up).collect();
-            if !on_plane || !inside || cross(&outline, &ring) || taken.iter().any(|other| overlap(other, &ring)) {
+            let over = |other: &Vec<DVec2>| overlap(other, &ring, rounded_m);
+            if !on_plane || !inside || cross(&outline, &ring, rounded_m) || taken.iter().any(over) {
                 return Fit::Beyond;
             }
-            let share = area_vector(opening).length() / area;
+            // A wall without area is not written.
+            let share = area_vector(opening).length() / area.max(f64::MIN_POSITIVE);
             taken.push(ring);
             // Less than a millimetre in a metre is left of the wall.
             if share > 0.999 { Fit::Whole } else { Fit::Hole(moved) }
@@ -76,22 +92,22 @@ fn nearest(ring: &[DVec2], p: DVec2) -> DVec2 {
 }
 
 /// Whether an edge of one ring crosses one of another by more than what rounding explains.
-fn cross(a: &[DVec2], b: &[DVec2]) -> bool {
-    edges(a).any(|(p, q)| edges(b).any(|(r, s)| crosses(p, q, r, s)))
+fn cross(a: &[DVec2], b: &[DVec2], rounded_m: f64) -> bool {
+    edges(a).any(|(p, q)| edges(b).any(|(r, s)| crosses([p, q], [r, s], rounded_m)))
 }
 
-fn crosses(p: DVec2, q: DVec2, r: DVec2, s: DVec2) -> bool {
+fn crosses([p, q]: [DVec2; 2], [r, s]: [DVec2; 2], rounded_m: f64) -> bool {
     // Distance of a point from the line through two others, with its side.
     let side = |a: DVec2, b: DVec2, c: DVec2| (b - a).normalize_or_zero().perp_dot(c - a);
-    let apart = |x: f64, y: f64| x.min(y) < -ROUNDED_M && x.max(y) > ROUNDED_M;
+    let apart = |x: f64, y: f64| x.min(y) < -rounded_m && x.max(y) > rounded_m;
     apart(side(p, q, r), side(p, q, s)) && apart(side(r, s, p), side(r, s, q))
 }
 
 /// Whether two windows cover a common area.
-fn overlap(a: &[DVec2], b: &[DVec2]) -> bool {
-    let deep = |ring: &[DVec2], p: DVec2| contains(ring, p) && nearest(ring, p).distance(p) > ROUNDED_M;
+fn overlap(a: &[DVec2], b: &[DVec2], rounded_m: f64) -> bool {
+    let deep = |ring: &[DVec2], p: DVec2| contains(ring, p) && nearest(ring, p).distance(p) > rounded_m;
     let middle = |ring: &[DVec2]| ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;
-    cross(a, b)
+    cross(a, b, rounded_m)
         || b.iter().any(|&p| deep(a, p))
         || a.iter().any(|&p| deep(b, p))
         || deep(a, middle(b))

@@ -1,0 +1,34 @@
+//! In: outlines of surfaces of which nobody says what lies behind them. Out: those that part two rooms, each with its other side in the list.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec3;
+
+use crate::formats::building::frame::area_vector;
+
+/// Surfaces in half a cubic metre beyond which no more are compared.
+const MOST_ALIKE: usize = 64;
+
+/// Numbers of the outlines that lie back to back.
+pub(in crate::formats) fn back_to_back<'o>(outlines: impl Iterator<Item = (usize, &'o [DVec3])>) -> HashSet<usize> {
+    // Centres on a grid of half metres: both of a pair are typed from one drawing.
+    let mut at: HashMap<_, Vec<(usize, DVec3)>> = HashMap::new();
+    for (i, outline) in outlines {
+        let centre = outline.iter().sum::<DVec3>() / outline.len().max(1) as f64;
+        let group = at.entry((centre * 2.0).round().as_i64vec3()).or_default();
+        if group.len() < MOST_ALIKE {
+            group.push((i, area_vector(outline)));
+        }
+    }
+    let mut found = HashSet::new();
+    for group in at.into_values() {
+        for (n, (i, a)) in group.iter().enumerate() {
+            for (j, b) in group.iter().skip(n + 1) {
+                if (*a + *b).length() < 0.02 * a.length() {
+                    found.extend([*i, *j]);
+                }
+            }
+        }
+    }
+    found
+}

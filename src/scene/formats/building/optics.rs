@@ -1,0 +1,58 @@
+//! What light does at layers of a building. In: shares, panes and heat losses as models state them. Out: checked shares, glass, and materials
+//! under names of their own.
+
+use heliotile_core::site::material::{Glass, Material};
+
+use crate::formats::building::notes::Notes;
+use crate::geometry::Geometry;
+use crate::materials::select::MaterialTable;
+
+/// Default of `Solar Absorptance` (EnergyPlus Input Output Reference, `Material`; honeybee-schema, `EnergyMaterial`).
+pub(in crate::formats) const ABSORPTANCE: f64 = 0.7;
+/// Default of `Leaf Reflectivity` (`Material:RoofVegetation`; `EnergyMaterialVegetation`).
+pub(in crate::formats) const LEAF_REFLECTANCE: f64 = 0.22;
+/// Glazing systems that lose less are of two panes, W/(m2 K): a single clear pane loses 5.8, two lose 2.7 (ASHRAE Fundamentals,
+/// chapter 15).
+const TWO_PANES_BELOW: f64 = 4.0;
+
+/// Panes of a glazing system that only its heat loss in W/(m2 K) is known of.
+pub(in crate::formats) fn panes_of_system(loss_w_m2k: f64) -> usize {
+    if loss_w_m2k < TWO_PANES_BELOW { 2 } else { 1 }
+}
+
+/// Glass of a number of panes; that of three is taken for that of two.
+pub(in crate::formats) fn glass_of_panes(panes: usize) -> Option<Glass> {
+    match panes {
+        0 => None,
+        1 => Some(Glass::Single),
+        _ => Some(Glass::Double),
+    }
+}
+
+/// A share of light, moved into 0..=1.
+pub(in crate::formats) fn share(value: f64, name: &str, notes: &mut Notes) -> f64 {
+    if !(0.0..=1.0).contains(&value) {
+        notes.add("shares of light are not from 0 to 1; the nearest is taken", name);
+    }
+    value.clamp(0.0, 1.0)
+}
+
+/// Materials that a model states.
+#[derive(Debug, Default)]
+pub(in crate::formats) struct Stated(pub MaterialTable);
+
+impl Stated {
+    /// The number of a material. A name that means something else already gets a number behind it.
+    pub(in crate::formats) fn add(&mut self, material: Material, geometry: &mut Geometry) -> u32 {
+        let mut material = material;
+        let plain = material.name.clone();
+        let mut number = 2;
+        while self.0.get(&material.name).is_some_and(|known| *known != material) {
+            material.name = format!("{plain} ({number})");
+            number += 1;
+        }
+        let id = geometry.materials.id(&material.name);
+        self.0.insert(material.name.clone(), material);
+        id
+    }
+}

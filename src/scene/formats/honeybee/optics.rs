@@ -1,0 +1,118 @@
+//! In: a modifier of Radiance, a construction or a schedule. Out: the material that reflects as it does, or nothing where it does not say so.
+
+use std::collections::HashMap;
+
+use crate::formats::building::notes::Notes;
+use crate::formats::building::optics::{ABSORPTANCE, LEAF_REFLECTANCE, glass_of_panes, panes_of_system, share};
+use crate::formats::honeybee::materials::find;
+use crate::formats::honeybee::properties::{Construction, Layer, Modifier, Schedule};
+use heliotile_core::site::material::{Class, Glass, Material};
+
+/// Default reflectance of a `ShadeConstruction` (honeybee-schema).
+const SHADE_REFLECTANCE: f64 = 0.2;
+
+fn matt(name: &str, diffuse: f64) -> Material {
+    Material::matt(name, diffuse, Class::Obstruction)
+}
+
+/// The plain mean of three channels, as that of the sun's light.
+fn mean([r, g, b]: [f64; 3], name: &str, notes: &mut Notes) -> f64 {
+    [r, g, b].into_iter().map(|value| share(value, name, notes)).sum::<f64>() / 3.0
+}
+
+/// Radiance's materials (G. Ward, The RADIANCE 5.1 Synthetic Imaging System, materials.1): of plastic the mirror image has no colour, of
+/// metal that of the metal; what is rough is no mirror here and reflects all of it diffusely.
+pub(super) fn of_modifier(modifier: &Modifier, notes: &mut Notes) -> Option<Material> {
+    let name = modifier.identifier.as_str();
+    let channels = |default| {
+        [modifier.r_reflectance, modifier.g_reflectance, modifier.b_reflectance].map(|value| value.unwrap_or(default))
+    };
+    let specularity = |notes: &mut Notes, default| share(modifier.specularity.unwrap_or(default), name, notes);
+    let kind = modifier.kind.as_str();
+    match kind {
+        "Plastic" | "Metal" => {
+            let color = mean(channels(0.0), name, notes);
+            let specularity = specularity(notes, if kind == "Metal" { 0.9 } else { 0.0 });
+            let specular = if kind == "Metal" { color * specularity } else { specularity };
+            let diffuse = color * (1.0 - specularity);
+            Some(if modifier.roughness.unwrap_or(0.0) > 0.0 {
+                matt(name, (diffuse + specular).min(1.0))
+            } else {
+                // Rounded to above 1 by the last bit.
+                Material { specular: specular.min(1.0 - diffuse), ..matt(name, diffuse) }
+            })
+        }
+        "Mirror" => Some(Material { specular: mean(channels(1.0), name, notes), ..matt(name, 0.0) }),
+        "Glass" => Some(Material { glass: Some(Glass::Single), ..matt(name, 0.0) }),
+        "Trans" => {
+            notes.add("modifiers let light through; here they are opaque and reflect as they do", name);
+            let through = share(modifier.transmitted_diff.unwrap_or(0.0), name, notes);
+            let color = mean(channels(0.0), name, notes);
+            Some(matt(name, color * (1.0 - specularity(notes, 0.0)) * (1.0 - through)))
+        }
+        "BSDF" if modifier.front_diffuse_reflectance.is_some() => {
+            Some(matt(name, mean(modifier.front_diffuse_reflectance.unwrap_or_default(), name, notes)))
+        }
+        _ => {
+            notes.add("modifiers do not say what they reflect; what is named next is taken", name);
+            None
+        }
+    }
+}
+
+/// Layers by identifier.
+pub(super) struct Layers<'l>(pub &'l HashMap<&'l str, &'l Layer>);
+
+/// A construction, from outside.
+pub(super) fn of_construction(construction: &Construction, layers: &Layers, notes: &mut Notes) -> Option<Material> {
+    let name = construction.identifier.as_str();
+    if construction.kind == "ShadeConstruction" {
+        let reflectance = share(construction.solar_reflectance.unwrap_or(SHADE_REFLECTANCE), name, notes);
+        return Some(match construction.is_specular {
+            Some(true) => Material { specular: reflectance, ..matt(name, 0.0) },
+            _ => matt(name, reflectance),
+        });
+    }
+    // With a shade or changing: the bare or first one, under the name of the whole.
+    let first = construction.constructions.as_ref().and_then(|all| all.first());
+    let bare = construction.window_construction.as_deref().or(first).unwrap_or(construction);
+    let named = bare.materials.iter().flatten().filter_map(|layer| find(layer, layers.0));
+    let found: Vec<&Layer> = named.collect();
+    let panes = found.iter().map(|layer| match layer.kind.as_str() {
+        "EnergyWindowMaterialSimpleGlazSys" => panes_of_system(layer.u_factor.unwrap_or(0.0)),
+        "EnergyWindowMaterialGlazing" => 1,
+        _ => 0,
+    });
+    if let Some(glass) = glass_of_panes(panes.sum()) {
+        return Some(Material { glass: Some(glass), ..matt(name, 0.0) });
+    }
+    let outside = bare.materials.iter().flatten().next().and_then(|layer| find(layer, layers.0));
+    let diffuse = match outside.map(|layer| (layer, layer.kind.as_str())) {
+        Some((layer, "EnergyMaterial" | "EnergyMaterialNoMass")) => {
+            1.0 - share(layer.solar_absorptance.unwrap_or(ABSORPTANCE), name, notes)
+        }
+        Some((layer, "EnergyMaterialVegetation")) => {
+            share(layer.leaf_reflectivity.unwrap_or(LEAF_REFLECTANCE), name, notes)
+        }
+        _ => {
+            notes.add("constructions have an outer layer without solar absorptance; what is named next is taken", name);
+            return None;
+        }
+    };
+    Some(matt(name, diffuse))
+}
+
+/// What a shade of a constant schedule lets through; nothing where it lets none through.
+pub(super) fn shade_transmittance(schedule: Option<&Schedule>, shade: &str, notes: &mut Notes) -> Option<Material> {
+    let days = schedule.and_then(|schedule| schedule.day_schedules.as_ref()).into_iter().flatten();
+    let list = schedule.and_then(|schedule| schedule.values.as_ref()).into_iter().flatten();
+    let mut values = days.flat_map(|day| &day.values).chain(list).copied();
+    let first = values.next();
+    let Some(constant) = first.filter(|first| values.all(|value| value == *first)) else {
+        notes.add("shades let light through by a schedule that is not constant; they are opaque here", shade);
+        return None;
+    };
+    let through = share(constant, shade, notes);
+    let material = matt(&format!("shading transmittance {through}"), 0.0);
+    (through > 0.0).then_some(Material { transmittance: Some(through), ..material })
+}

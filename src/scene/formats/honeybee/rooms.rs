@@ -1,0 +1,227 @@
+//! Which surfaces of a model light meets. In: a whole model. Out: the hull of its rooms with windows and doors cut out, and what shades it.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::coordinate::is_position;
+use crate::formats::building::back_to_back::back_to_back;
+use crate::formats::building::frame::Frame;
+use crate::formats::building::holes;
+use crate::formats::building::holes::{Fit, ROUNDED_M};
+use crate::formats::building::notes::Notes;
+use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR};
+use crate::formats::honeybee::document::{Boundary, Face, FaceType, Model, Opening, Room, Shade, ShadeMesh};
+use crate::formats::honeybee::materials::Materials;
+use crate::formats::honeybee::surface::{Behind, Kind, Rings, Surface, Writer};
+use crate::geometry::Geometry;
+use heliotile_core::error::{Error, Result};
+
+/// Shades at the inner side of something.
+const INDOORS: &str = "because they are shades indoors";
+/// A tolerance beyond this says nothing of what is one point, metres.
+const MOST_ROUNDED_M: f64 = 0.1;
+
+/// Reads all surfaces of a model.
+pub(super) fn write<'d>(model: &'d Model, file: &Path) -> Result<(Geometry, Materials<'d>)> {
+    let metres = model.units.metres();
+    let writer =
+        Writer { file, geometry: Geometry::default(), materials: Materials::new(model), notes: Notes::default() };
+    let tolerance_m = model.tolerance.unwrap_or(0.0) * metres;
+    let mut reader = Reader { metres, rounded_m: tolerance_m.clamp(ROUNDED_M, MOST_ROUNDED_M), writer };
+    reader.read(model)?;
+    let Writer { mut geometry, materials, notes, .. } = reader.writer;
+    notes.say(file, &mut geometry.warnings);
+    Ok((geometry, materials))
+}
+
+struct Reader<'w, 'd> {
+    /// In a unit of the model.
+    metres: f64,
+    rounded_m: f64,
+    writer: Writer<'w, 'd>,
+}
+
+impl<'d> Reader<'_, 'd> {
+    fn read(&mut self, model: &'d Model) -> Result<()> {
+        let rooms = model.rooms.iter().flatten();
+        let faces: Vec<(Option<&Room>, &Face)> = rooms
+            .clone()
+            .flat_map(|room| room.faces.iter().map(move |face| (Some(room), face)))
+            .chain(model.orphaned_faces.iter().flatten().map(|face| (None, face)))
+            .collect();
+        let rings: Vec<Rings> = faces.iter().map(|(_, face)| Rings::of(&face.geometry, self.metres)).collect();
+        let open = faces.iter().zip(&rings).enumerate();
+        let open = open.filter(|(_, ((_, face), _))| face.boundary_condition.kind == Boundary::Adiabatic);
+        let pairs: HashSet<usize> = back_to_back(open.map(|(i, (_, rings))| (i, rings.outline.as_slice())));
+        for (i, ((room, face), rings)) in faces.iter().zip(rings).enumerate() {
+            match kind_of(face) {
+                Some(kind) if !pairs.contains(&i) => self.face(*room, face, kind, rings)?,
+                _ => self.inside(face),
+            }
+        }
+        for room in rooms {
+            if room.multiplier.is_some_and(|count| count > 1.0) {
+                self.writer
+                    .notes
+                    .add("rooms stand for several by their multiplier and are drawn once", &room.identifier);
+            }
+            self.shades(room.outdoor_shades.as_ref(), Some(room))?;
+            self.indoors(room.indoor_shades.as_ref().map_or(0, Vec::len));
+        }
+        for window in model.orphaned_apertures.iter().flatten() {
+            self.opening(None, window, window_of(window, true), true)?;
+        }
+        for door in model.orphaned_doors.iter().flatten() {
+            self.opening(None, door, door_of(door, true), true)?;
+        }
+        self.shades(model.orphaned_shades.as_ref(), None)?;
+        model.shade_meshes.iter().flatten().try_for_each(|mesh| self.mesh(mesh))
+    }
+
+    /// Counts a face that no light meets, and all that belongs to it.
+    fn inside(&mut self, face: &Face) {
+        let openings = face.apertures.iter().chain(&face.doors).flatten();
+        let of_openings = openings.clone().map(|opening| opening.outdoor_shades.as_ref().map_or(0, Vec::len));
+        let others = of_openings.sum::<usize>() + face.outdoor_shades.as_ref().map_or(0, Vec::len);
+        for _ in 0..1 + openings.clone().count() + others {
+            self.writer.geometry.leave_out(INSIDE);
+        }
+        let of_openings = openings.map(|opening| opening.indoor_shades.as_ref().map_or(0, Vec::len));
+        self.indoors(of_openings.sum::<usize>() + face.indoor_shades.as_ref().map_or(0, Vec::len));
+    }
+
+    fn indoors(&mut self, count: usize) {
+        for _ in 0..count {
+            self.writer.geometry.leave_out(INDOORS);
+        }
+    }
+
+    /// A face of the hull, what is cut out of it and what shades it.
+    fn face(&mut self, room: Option<&'d Room>, face: &'d Face, kind: Kind, rings: Rings) -> Result<()> {
+        let in_wall = face.face_type == FaceType::Wall;
+        let windows = face.apertures.iter().flatten().map(|window| (window, window_of(window, in_wall)));
+        let doors = face.doors.iter().flatten().map(|door| (door, door_of(door, in_wall)));
+        let openings: Vec<(&Opening, Kind)> = windows.chain(doors).collect();
+        let sound = rings.check(&mut self.writer.geometry);
+        let mut rings = rings;
+        let mut whole = false;
+        if sound && let Some(frame) = Frame::of(&rings.outline) {
+            let outlines: Vec<Rings> =
+                openings.iter().map(|(opening, _)| Rings::of(&opening.geometry, self.metres)).collect();
+            let outlines: Vec<&[DVec3]> = outlines.iter().map(|rings| rings.outline.as_slice()).collect();
+            let wall = holes::Wall { outline: &rings.outline, holes: &rings.holes, frame, rounded_m: self.rounded_m };
+            let fits = holes::fit(&wall, &outlines);
+            for ((opening, kind), fit) in openings.iter().zip(fits) {
+                let fits = match fit {
+                    Fit::Hole(ring) => {
+                        rings.holes.push(ring);
+                        true
+                    }
+                    Fit::Whole => {
+                        whole = true;
+                        true
+                    }
+                    Fit::Beyond => {
+                        self.writer.notes.add(BEYOND, &opening.identifier);
+                        false
+                    }
+                };
+                self.opening(room, opening, *kind, fits)?;
+            }
+        }
+        if whole {
+            self.writer.geometry.leave_out(ALL_WINDOW);
+        } else if sound {
+            let surface = Surface { identifier: &face.identifier, kind, room, properties: &face.properties };
+            self.writer.push(&surface, &rings)?;
+        }
+        self.shades(face.outdoor_shades.as_ref(), room)?;
+        self.indoors(face.indoor_shades.as_ref().map_or(0, Vec::len));
+        Ok(())
+    }
+
+    /// A window or a door, if it is one to the outside, and its shades.
+    fn opening(&mut self, room: Option<&'d Room>, opening: &'d Opening, kind: Kind, fits: bool) -> Result<()> {
+        let rings = Rings::of(&opening.geometry, self.metres);
+        if room.is_none() && opening.boundary_condition.kind == Boundary::Surface {
+            self.writer.geometry.leave_out(INSIDE);
+            return Ok(());
+        }
+        if fits && rings.check(&mut self.writer.geometry) {
+            let surface = Surface { identifier: &opening.identifier, kind, room, properties: &opening.properties };
+            self.writer.push(&surface, &rings)?;
+        }
+        self.shades(opening.outdoor_shades.as_ref(), room)?;
+        self.indoors(opening.indoor_shades.as_ref().map_or(0, Vec::len));
+        Ok(())
+    }
+
+    fn shades(&mut self, shades: Option<&'d Vec<Shade>>, room: Option<&'d Room>) -> Result<()> {
+        for shade in shades.into_iter().flatten() {
+            let rings = Rings::of(&shade.geometry, self.metres);
+            if rings.check(&mut self.writer.geometry) {
+                let kind = Kind::Shade { detached: shade.is_detached };
+                let surface = Surface { identifier: &shade.identifier, kind, room, properties: &shade.properties };
+                self.writer.push(&surface, &rings)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, mesh: &'d ShadeMesh) -> Result<()> {
+        let writer = &mut self.writer;
+        let refuse = |what: String| {
+            let what = format!("shade mesh `{}`: {what}", crate::text::excerpt(mesh.identifier.as_bytes()));
+            Error::input(writer.file, None, what, "export the model again, or check it with `honeybee validate`")
+        };
+        let far = |p: &[f64; 3]| !is_position(DVec3::from_array(*p) * self.metres);
+        if mesh.geometry.vertices.iter().any(far) {
+            writer.geometry.leave_out(TOO_FAR);
+            return Ok(());
+        }
+        let kind = Kind::Shade { detached: mesh.is_detached };
+        let surface = Surface { identifier: &mesh.identifier, kind, room: None, properties: &mesh.properties };
+        let mut faces = Vec::with_capacity(mesh.geometry.faces.len());
+        for (i, face) in mesh.geometry.faces.iter().enumerate() {
+            if !(3..=4).contains(&face.len()) {
+                return Err(refuse(format!("face {i} has {} corners, not 3 or 4", face.len())));
+            }
+            let vertex = |&index: &u64| {
+                let found = usize::try_from(index).ok().and_then(|index| mesh.geometry.vertices.get(index));
+                found.map(|&p| DVec3::from_array(p) * self.metres).ok_or_else(|| {
+                    let count = mesh.geometry.vertices.len();
+                    refuse(format!("face {i} names vertex {index} of {count}, the first of which is 0"))
+                })
+            };
+            let outline: Result<Vec<DVec3>> = face.iter().map(vertex).collect();
+            faces.push(Rings { outline: outline?, holes: Vec::new() });
+        }
+        faces.iter().try_for_each(|rings| writer.push(&surface, rings))
+    }
+}
+
+/// What a face of the hull is; `None` for one inside.
+fn kind_of(face: &Face) -> Option<Kind> {
+    let behind = match face.boundary_condition.kind {
+        Boundary::Outdoors | Boundary::OtherSideTemperature => Behind::Outdoors,
+        Boundary::Ground => Behind::Ground,
+        Boundary::Adiabatic => Behind::Adiabatic,
+        Boundary::Surface => return None,
+    };
+    match face.face_type {
+        FaceType::Wall => Some(Kind::Wall(behind)),
+        FaceType::RoofCeiling => Some(Kind::Roof(behind)),
+        FaceType::Floor => Some(Kind::Floor(behind)),
+        FaceType::AirBoundary => None,
+    }
+}
+
+fn window_of(window: &Opening, in_wall: bool) -> Kind {
+    Kind::Window { in_wall, operable: window.is_operable }
+}
+
+fn door_of(door: &Opening, in_wall: bool) -> Kind {
+    Kind::Door { in_wall, glass: door.is_glass }
+}

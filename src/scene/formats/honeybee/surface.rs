@@ -1,0 +1,137 @@
+//! In: one surface of a model: what it is, whose it is, its corners. Out: a face of the scene.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::coordinate::is_position;
+use crate::formats::building::frame::area_vector;
+use crate::formats::building::notes::Notes;
+use crate::formats::building::reasons::{TOO_FAR, TOO_FEW};
+use crate::formats::honeybee::document::{Face3D, Room};
+use crate::formats::honeybee::materials::Materials;
+use crate::formats::honeybee::properties::ObjectProperties;
+use crate::geometry::Geometry;
+use crate::semantics::{FaceNote, FaceSource, ObjectNote, SurfaceKind};
+use heliotile_core::error::Result;
+
+/// What a surface of a model is, besides its place.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'d> {
+    /// What receivers on it are named after.
+    pub identifier: &'d str,
+    pub kind: Kind,
+    /// `None` for orphans.
+    pub room: Option<&'d Room>,
+    pub properties: &'d ObjectProperties,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Wall(Behind),
+    Roof(Behind),
+    Floor(Behind),
+    Window { in_wall: bool, operable: bool },
+    Door { in_wall: bool, glass: bool },
+    Shade { detached: bool },
+}
+
+/// What lies behind a face, seen from its room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Behind {
+    Outdoors,
+    Ground,
+    /// Nothing is said.
+    Adiabatic,
+}
+
+impl Surface<'_> {
+    fn face_note(&self) -> FaceNote {
+        let (kind, exposed) = match self.kind {
+            Kind::Wall(behind) => (SurfaceKind::Wall, behind == Behind::Outdoors),
+            Kind::Roof(behind) => (SurfaceKind::Roof, behind == Behind::Outdoors),
+            Kind::Floor(behind) => (SurfaceKind::Floor, behind == Behind::Outdoors),
+            Kind::Window { .. } | Kind::Door { glass: true, .. } => (SurfaceKind::Window, true),
+            Kind::Door { glass: false, .. } => (SurfaceKind::Wall, true),
+            Kind::Shade { .. } => (SurfaceKind::Shade, true),
+        };
+        FaceNote { kind: Some(kind), exposed: Some(exposed), source: FaceSource::Named }
+    }
+
+    /// Rooms are the objects; what is in none stands for itself.
+    fn object_note(&self) -> ObjectNote {
+        let object_type = match self.kind {
+            Kind::Wall(_) | Kind::Roof(_) | Kind::Floor(_) => "Face",
+            Kind::Window { .. } => "Aperture",
+            Kind::Door { .. } => "Door",
+            Kind::Shade { .. } => "Shade",
+        };
+        let object = match self.kind {
+            Kind::Shade { .. } => String::new(),
+            _ => self.room.map_or_else(String::new, |room| room.identifier.clone()),
+        };
+        ObjectNote { object, object_type: object_type.to_owned(), ..ObjectNote::default() }
+    }
+}
+
+/// Rings of a surface in metres: outline and holes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rings {
+    pub outline: Vec<DVec3>,
+    pub holes: Vec<Vec<DVec3>>,
+}
+
+impl Rings {
+    /// Of a geometry in units of so many metres, its normal where `plane` says that it points.
+    pub(super) fn of(geometry: &Face3D, metres: f64) -> Rings {
+        let ring = |points: &Vec<[f64; 3]>| points.iter().map(|&p| DVec3::from_array(p) * metres).collect();
+        let mut outline: Vec<DVec3> = ring(&geometry.boundary);
+        let normal = geometry.plane.as_ref().map_or(DVec3::ZERO, |plane| DVec3::from_array(plane.n));
+        if area_vector(&outline).dot(normal) < 0.0 {
+            outline.reverse();
+        }
+        Rings { outline, holes: geometry.holes.iter().flatten().map(ring).collect() }
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Vec<DVec3>> {
+        std::iter::once(&self.outline).chain(&self.holes)
+    }
+
+    /// Whether it may be a face; what may not is counted.
+    pub(super) fn check(&self, geometry: &mut Geometry) -> bool {
+        let reason = if self.outline.len() < 3 {
+            TOO_FEW
+        } else if self.all().flatten().any(|&p| !is_position(p)) {
+            TOO_FAR
+        } else {
+            return true;
+        };
+        geometry.leave_out(reason);
+        false
+    }
+}
+
+/// Where faces of a model go.
+pub(super) struct Writer<'w, 'd> {
+    pub file: &'w Path,
+    pub geometry: Geometry,
+    pub materials: Materials<'d>,
+    pub notes: Notes,
+}
+
+impl<'d> Writer<'_, 'd> {
+    /// Adds a surface whose rings were checked.
+    pub(super) fn push(&mut self, surface: &Surface<'d>, rings: &Rings) -> Result<()> {
+        let material = self.materials.of(surface, &mut self.geometry, &mut self.notes);
+        let object = self.geometry.objects.id(surface.identifier);
+        let mut corners = Vec::new();
+        for ring in rings.all() {
+            let ring: Result<Vec<u32>> = ring.iter().map(|&p| self.geometry.push_vertex(self.file, p)).collect();
+            corners.push(ring?);
+        }
+        self.geometry.push_face(corners.iter().map(Vec::as_slice), material, object, 0);
+        self.geometry.note_face(surface.face_note());
+        self.geometry.object_notes.insert(object, surface.object_note());
+        Ok(())
+    }
+}

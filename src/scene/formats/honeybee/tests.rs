@@ -1,0 +1,288 @@
+//! Models, whole: areas and normals are those of honeybee, units and materials are what they say.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use glam::DVec3;
+use serde_json::{Value, json};
+
+use crate::formats::building::frame::area_vector;
+use crate::formats::honeybee::*;
+use crate::polygon::triangulate;
+use heliotile_core::site::material::{Class, Glass};
+
+const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.hbjson");
+/// What honeybee-core 1.64 says of the surfaces of that model that face outdoors.
+const TWO_ROOMS_CSV: &str = include_str!("../../../../tests/data/honeybee/two_rooms.honeybee.csv");
+
+fn read(text: &str) -> Geometry {
+    let asked = Asked { reflectances: true, lod: None };
+    super::parse(text.as_bytes(), Path::new("m.hbjson"), &asked).expect("readable")
+}
+
+fn model() -> Value {
+    serde_json::from_str(TWO_ROOMS).expect("JSON")
+}
+
+/// Area vectors of all faces by the names of their objects, in the order of the file, from the triangles that they are cut into.
+fn areas(geometry: &Geometry) -> BTreeMap<String, Vec<DVec3>> {
+    let cut = triangulate(geometry).expect("cut");
+    assert_eq!((cut.degenerate_faces, cut.crossing_faces), (0, None), "{cut:?}");
+    let mut rest = cut.triangles.iter().zip(&cut.objects).peekable();
+    let mut found: BTreeMap<String, Vec<DVec3>> = BTreeMap::new();
+    for face in geometry.faces() {
+        let outline: Vec<DVec3> = face.rings().flatten().map(|&i| geometry.vertices[i as usize]).collect();
+        // A face's triangles use its own vertices only.
+        let own: Vec<u32> = face.corners().to_vec();
+        let mut sum = DVec3::ZERO;
+        while let Some((triangle, _)) = rest.next_if(|(triangle, _)| own.contains(&triangle.corners[0])) {
+            sum += area_vector(&triangle.corners.map(|corner| geometry.vertices[corner as usize]));
+        }
+        assert!(outline.len() >= 3);
+        found.entry(geometry.objects.as_slice()[face.object as usize].clone()).or_default().push(sum);
+    }
+    found
+}
+
+/// Net areas and normals of all 33 surfaces of two rooms, with holes, shades of every kind and a mesh, are those of honeybee to the sixth
+/// digit.
+#[test]
+fn as_honeybee_has_it() {
+    let geometry = read(TWO_ROOMS);
+    let found = areas(&geometry);
+    let mut compared = 0;
+    let mut at: HashMap<&str, usize> = HashMap::new();
+    for line in TWO_ROOMS_CSV.lines().skip(1) {
+        let fields: Vec<&str> = line.split(',').collect();
+        let [name, _, numbers @ ..] = fields.as_slice() else { panic!("{line}") };
+        let numbers: Vec<f64> = numbers.iter().map(|text| text.parse().expect("a number")).collect();
+        let place = at.entry(name).or_default();
+        let ours = found[*name][*place];
+        *place += 1;
+        assert!((ours.length() - numbers[0]).abs() < 1e-6, "{name}: {} m2, not {}", ours.length(), numbers[0]);
+        let normal = DVec3::from_slice(&numbers[1..]);
+        assert!((ours.normalize() - normal).abs().max_element() < 1e-6, "{name}: {ours}, not {normal}");
+        compared += 1;
+    }
+    assert_eq!((compared, geometry.face_count()), (33, 33));
+    let left: Vec<(&str, usize)> = geometry.left_out.iter().map(|(why, count)| (why.as_str(), *count)).collect();
+    assert_eq!(left, [("because they are shades indoors", 3), ("because they lie inside the building", 4)]);
+    assert!(geometry.reference.is_none());
+}
+
+/// The same rooms in millimetres, centimetres, feet and inches are the same metres, 4 of 4, to a millionth of one.
+#[test]
+fn units() {
+    fn scale(value: &mut Value, by: f64) {
+        match value {
+            Value::Array(list) if list.len() == 3 && list.iter().all(Value::is_number) => {
+                list.iter_mut().for_each(|number| *number = json!(number.as_f64().expect("a number") * by));
+            }
+            Value::Array(list) => list.iter_mut().for_each(|item| scale(item, by)),
+            Value::Object(map) => {
+                let places = ["boundary", "holes", "vertices"];
+                for (key, value) in map.iter_mut() {
+                    if places.contains(&key.as_str()) || !value.is_array() || key != "faces" || !value[0].is_array() {
+                        scale(value, by);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    let expected = read(TWO_ROOMS);
+    for (units, metres) in [("Millimeters", 1e-3), ("Centimeters", 1e-2), ("Feet", 0.3048), ("Inches", 0.0254)] {
+        let mut model = model();
+        scale(&mut model, 1.0 / metres);
+        model["units"] = json!(units);
+        model["tolerance"] = json!(0.01 / metres);
+        let found = read(&model.to_string());
+        assert_eq!(found.vertices.len(), expected.vertices.len());
+        let off = found.vertices.iter().zip(&expected.vertices).map(|(a, b)| (*a - *b).abs().max_element());
+        assert!(off.fold(0.0, f64::max) < 1e-6, "{units}");
+        assert_eq!(found.face_count(), 33, "{units}");
+    }
+}
+
+/// Name and optics of the material of each surface.
+fn materials(geometry: &Geometry) -> HashMap<String, (String, f64, f64, Option<Glass>, Class)> {
+    let of = |face: crate::geometry::Polygon| {
+        let material = &geometry.stated[&geometry.materials.as_slice()[face.material as usize]];
+        material.check().expect("sound");
+        let name = geometry.objects.as_slice()[face.object as usize].clone();
+        (name, (material.name.clone(), material.diffuse, material.specular, material.glass, material.class))
+    };
+    geometry.faces().map(of).collect()
+}
+
+/// Twenty surfaces of two rooms are made of what they name, else of what their room's sets name, else of what honeybee assumes; a shade
+/// that lets half of the light through does so.
+#[test]
+fn made_of() {
+    let geometry = read(TWO_ROOMS);
+    let found = materials(&geometry);
+    let (single, double) = (Some(Glass::Single), Some(Glass::Double));
+    for (surface, name, diffuse, specular, glass) in [
+        ("hall_roof", "Roof Construction", 0.25, 0.0, None),
+        ("hall_west", "Brick Wall", 0.4, 0.0, None),
+        ("hall_north", "white_plaster", 0.7, 0.0, None),
+        ("hall_floor", "Slab", 0.35, 0.0, None),
+        ("shed_south", "red_paint", 0.97 * 0.2 + 0.03, 0.0, None),
+        ("shed_roof", "zinc", 0.5, 0.0, None),
+        ("shed_north", "white_plaster", 0.7, 0.0, None),
+        ("shed_floor", "floor", 0.5, 0.0, None),
+        ("skylight", "System", 0.0, 0.0, double),
+        ("south_window", "Double", 0.0, 0.0, double),
+        ("south_vent", "Single", 0.0, 0.0, single),
+        ("north_window", "glass_0.98", 0.0, 0.0, single),
+        ("shed_window", "window", 0.0, 0.0, double),
+        ("main_door", "Oak Door", 0.45, 0.0, None),
+        ("glass_door", "Double", 0.0, 0.0, double),
+        ("gate", "red_paint", 0.97 * 0.2 + 0.03, 0.0, None),
+        ("fin", "Grey Shade", 0.45, 0.0, None),
+        ("porch", "mirror_foil", 0.0, 0.85, None),
+        ("neighbour", "context", 0.2, 0.0, None),
+        ("garden_wall", "wall", 0.35, 0.0, None),
+    ] {
+        let (its, matt, mirror, panes, class) = &found[surface];
+        assert_eq!((its.as_str(), *panes), (name, glass), "{surface}");
+        assert!((matt - diffuse).abs() < 1e-12 && (mirror - specular).abs() < 1e-12, "{surface}: {matt}, {mirror}");
+        assert_eq!(*class == Class::Ground, surface.ends_with("_floor"), "{surface}");
+    }
+    assert_eq!(geometry.stated["shading transmittance 0.5"].transmittance, Some(0.5));
+    assert_eq!(found["trellis"].0, "shading transmittance 0.5");
+    let said: Vec<&String> = geometry.warnings.iter().collect();
+    assert!(said.len() == 1 && said[0].contains("surfaces have neither modifier nor construction"), "{said:?}");
+}
+
+/// Of the global sets, which honeybee writes into every model, that of constructions goes before that of modifiers, and both go behind
+/// what a room or an object names: 5 of 5.
+#[test]
+fn global_sets() {
+    let with = |radiance: bool, energy: bool| {
+        let mut model = model();
+        if radiance {
+            model["properties"]["radiance"]["global_modifier_set"] = json!({"type": "GlobalModifierSet",
+                "roof_ceiling_set": {"exterior_modifier": "ceiling"}, "floor_set": {"interior_modifier": "boards"},
+                "context_modifier": "far", "modifiers": [
+                    {"type": "Plastic", "identifier": "ceiling", "r_reflectance": 0.8, "g_reflectance": 0.8, "b_reflectance": 0.8},
+                    {"type": "Plastic", "identifier": "far", "r_reflectance": 0.1, "g_reflectance": 0.1, "b_reflectance": 0.1},
+                    {"type": "Plastic", "identifier": "boards", "r_reflectance": 0.2, "g_reflectance": 0.2, "b_reflectance": 0.2}]});
+        }
+        if energy {
+            model["properties"]["energy"]["global_construction_set"] = json!({"type": "GlobalConstructionSet",
+                "floor_set": {"ground_construction": "Generic Slab"}, "context_construction": "Generic Context",
+                "constructions": [{"type": "OpaqueConstructionAbridged", "identifier": "Generic Slab", "materials": ["Foam"]},
+                    {"type": "ShadeConstruction", "identifier": "Generic Context"}],
+                "materials": [{"type": "EnergyMaterialNoMass", "identifier": "Foam", "r_value": 1}]});
+        }
+        materials(&read(&model.to_string()))
+    };
+    for (radiance, energy, surface, name, diffuse) in [
+        (true, false, "neighbour", "far", 0.1),
+        (true, true, "neighbour", "Generic Context", 0.2),
+        (true, false, "shed_floor", "boards", 0.2),
+        (true, true, "shed_floor", "Generic Slab", 0.3),
+        (true, true, "hall_roof", "Roof Construction", 0.25),
+    ] {
+        let found = &with(radiance, energy)[surface];
+        assert_eq!(found.0, name, "{surface}");
+        assert!((found.1 - diffuse).abs() < 1e-12, "{surface}: {}", found.1);
+    }
+}
+
+/// Six modifiers reflect as Radiance has them: what is rough is matt, metal colours its mirror image, plastic does not.
+#[test]
+fn modifiers() {
+    for (modifier, diffuse, specular) in [
+        (
+            json!({"type": "Plastic", "r_reflectance": 0.2, "g_reflectance": 0.4, "b_reflectance": 0.6, "specularity": 0.05}),
+            0.38,
+            0.05,
+        ),
+        (
+            json!({"type": "Metal", "r_reflectance": 0.5, "g_reflectance": 0.5, "b_reflectance": 0.5, "specularity": 0.8}),
+            0.1,
+            0.4,
+        ),
+        (
+            json!({"type": "Metal", "r_reflectance": 0.5, "g_reflectance": 0.5, "b_reflectance": 0.5, "specularity": 0.8, "roughness": 0.1}),
+            0.5,
+            0.0,
+        ),
+        (json!({"type": "Mirror"}), 0.0, 1.0),
+        (
+            json!({"type": "Trans", "r_reflectance": 0.8, "g_reflectance": 0.8, "b_reflectance": 0.8, "transmitted_diff": 0.5}),
+            0.4,
+            0.0,
+        ),
+        (json!({"type": "BSDF", "front_diffuse_reflectance": [0.1, 0.2, 0.3], "bsdf_data": ""}), 0.2, 0.0),
+    ] {
+        let mut model = model();
+        // Itself in place of its name, as full properties have it.
+        let mut modifier = modifier;
+        modifier["identifier"] = json!("m");
+        model["orphaned_shades"][0]["properties"] = json!({"radiance": {"modifier": modifier}});
+        let found = &materials(&read(&model.to_string()))["neighbour"];
+        assert!(found.0 == "m" && (found.1 - diffuse).abs() < 1e-12 && (found.2 - specular).abs() < 1e-12, "{found:?}");
+    }
+}
+
+/// A window of a wall with a hole leaves 12 - 1 - 2 m2; one over that hole is left out; adiabatic walls back to back go, one by itself stays.
+#[test]
+fn walls() {
+    let wall = |name: &str, x: f64, back: bool, condition: &str, windows: Value| {
+        let mut boundary = vec![[0.0, x, 0.0], [4.0, x, 0.0], [4.0, x, 3.0], [0.0, x, 3.0]];
+        if back {
+            boundary.reverse();
+        }
+        let hole = json!([[0.5, x, 1.0], [1.5, x, 1.0], [1.5, x, 2.0], [0.5, x, 2.0]]);
+        json!({"type": "Face", "identifier": name, "geometry": {"boundary": boundary, "holes": [hole]}, "face_type": "Wall",
+            "boundary_condition": {"type": condition}, "apertures": windows})
+    };
+    let window = |name: &str, x0: f64, x1: f64| {
+        json!({"type": "Aperture", "identifier": name, "boundary_condition": {"type": "Outdoors"},
+            "geometry": {"boundary": [[x0, 0.0, 1.0], [x1, 0.0, 1.0], [x1, 0.0, 2.0], [x0, 0.0, 2.0]]}})
+    };
+    let faces = json!([
+        wall("a", 0.0, false, "Outdoors", json!([window("w", 2.0, 4.0), window("over", 1.0, 1.8)])),
+        wall("b", 5.0, false, "Adiabatic", Value::Null),
+        wall("c", 5.0, true, "Adiabatic", Value::Null),
+        wall("d", 9.0, false, "Adiabatic", Value::Null),
+    ]);
+    let geometry = read(&json!({"type": "Model", "orphaned_faces": faces}).to_string());
+    let found = areas(&geometry);
+    assert_eq!(found.keys().map(String::as_str).collect::<Vec<_>>(), ["a", "d", "w"]);
+    assert!((found["a"][0].length() - 9.0).abs() < 1e-9 && (found["d"][0].length() - 11.0).abs() < 1e-9);
+    assert_eq!(geometry.left_out.values().sum::<usize>(), 2);
+    assert!(
+        geometry
+            .warnings
+            .iter()
+            .any(|said| said.contains("1 windows or doors are left out") && said.contains("`over`"))
+    );
+}
+
+/// A model is one under the name of `.json` too, wherever its type stands; four other kinds of JSON are none.
+#[test]
+fn json_that_is_a_model() {
+    for (text, is) in [
+        (TWO_ROOMS, true),
+        (r#"{"rooms":[{"type":"Room"}],"type":"Model"}"#, true),
+        (r#"{"type":"Model", broken"#, true),
+        (r#"{"type":"CityJSON","version":"2.0"}"#, false),
+        (r#"{"type":7}"#, false),
+        (r#"[{"type":"Model"}]"#, false),
+        ("", false),
+    ] {
+        assert_eq!(is_model(text.as_bytes()), is, "{text:.50}");
+    }
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let load = |name: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, TWO_ROOMS).expect("written");
+        crate::Scene::load(&path, None).expect("a scene")
+    };
+    let scene = load("a.hbjson");
+    assert_eq!((load("b.json").content_hash(), scene.report.faces_read), (scene.content_hash(), 33));
+}

@@ -1,0 +1,128 @@
+//! Packed files. In: bytes that may be gzip (RFC 1952), of one member or several. Out: the plain bytes, of a number that is limited:
+//! one packed byte may stand for a thousand.
+
+use std::fs::File;
+use std::io;
+use std::io::{BufReader, Cursor, Read};
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+use heliotile_core::error::{Error, Result};
+
+const MAGIC: [u8; 2] = [0x1f, 0x8b];
+
+/// Most bytes that a file which is read as a whole may unpack to: what a machine of 16 GB can hold with the scene that is made of it.
+const MOST_WHOLE: u64 = 4 << 30;
+/// What any machine can hold: below this, packed bytes may stand for as many as they like, beyond it for [`MOST_TIMES`] as many.
+const HARMLESS: u64 = 256 << 20;
+/// Text is packed to a twentieth as a rule, bombs to a thousandth.
+const MOST_TIMES: u64 = 200;
+/// Most bytes that a file which is read piece by piece may unpack to: 100 million receivers are a tenth of that.
+const MOST_STREAMED: u64 = 64 << 30;
+
+/// The plain bytes of a file.
+pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
+    unpack_up_to(most(bytes.len() as u64), bytes, file)
+}
+
+/// Bytes that so many packed ones may stand for.
+fn most(packed: u64) -> u64 {
+    packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_WHOLE)
+}
+
+fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
+    if !bytes.starts_with(&MAGIC) {
+        return Ok(bytes);
+    }
+    let mut plain = Vec::new();
+    let read = MultiGzDecoder::new(bytes.as_slice()).take(most + 1).read_to_end(&mut plain);
+    read.map_err(|error| {
+        let what = format!("the gzip data cannot be unpacked beyond byte {}: {error}", plain.len());
+        Error::input(file, None, what, "the file is damaged or cut off: fetch or pack it again")
+    })?;
+    if plain.len() as u64 > most {
+        let hint = "if that is what it should hold, unpack it with gunzip and give the plain file";
+        return Err(Error::input(file, None, format!("unpacks to more than {most} bytes"), hint));
+    }
+    Ok(plain)
+}
+
+/// The plain bytes of a file, piece by piece.
+pub(super) fn unpacked(mut file: File) -> io::Result<Box<dyn Read>> {
+    let mut head = Vec::new();
+    file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut head)?;
+    let packed = head == MAGIC;
+    let whole = Cursor::new(head).chain(file);
+    Ok(if packed {
+        Box::new(Bounded { inner: MultiGzDecoder::new(BufReader::new(whole)), left: MOST_STREAMED })
+    } else {
+        Box::new(whole)
+    })
+}
+
+/// A reader that fails where it ought to end.
+struct Bounded<R> {
+    inner: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Bounded<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        self.left = self.left.checked_sub(count as u64).ok_or_else(|| {
+            io::Error::other(format!("it unpacks to more than {MOST_STREAMED} bytes; unpack it with gunzip"))
+        })?;
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use flate2::Compression;
+    use flate2::write::GzEncoder;
+
+    use super::*;
+
+    fn pack(plain: &[u8]) -> Vec<u8> {
+        let mut packer = GzEncoder::new(Vec::new(), Compression::default());
+        packer.write_all(plain).expect("packed");
+        packer.finish().expect("packed")
+    }
+
+    /// Plain bytes stay, packed ones and two packed ones in a row are unpacked, as a whole and piece by piece: 3 of 3 alike.
+    #[test]
+    fn unpacks() {
+        let text = b"v 0 0 0\n".repeat(1000);
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let path = folder.path().join("a");
+        for bytes in [text.clone(), pack(&text), [pack(&text[..100]), pack(&text[100..])].concat()] {
+            std::fs::write(&path, &bytes).expect("written");
+            let mut streamed = Vec::new();
+            unpacked(File::open(&path).expect("there")).expect("read").read_to_end(&mut streamed).expect("read");
+            assert_eq!((unpack(bytes, &path).expect("unpacked").len(), streamed.len()), (8000, 8000));
+            assert!(streamed == text);
+        }
+    }
+
+    /// A bomb is refused at the limit of 1000 bytes and passes at its own size of 1001; cut at any of its bytes behind the first two it is
+    /// refused too, and the message names the file.
+    #[test]
+    fn hostile() {
+        let file = Path::new("town.obj.gz");
+        let packed = pack(&[b'7'; 1001]);
+        let message = unpack_up_to(1000, packed.clone(), file).expect_err("too long").to_string();
+        assert!(message.starts_with("town.obj.gz: unpacks to more than 1000 bytes\n  to fix: "), "{message}");
+        assert_eq!(unpack_up_to(1001, packed.clone(), file).expect("short enough").len(), 1001);
+        for end in 2..packed.len() {
+            let message = unpack(packed[..end].to_vec(), file).expect_err("cut").to_string();
+            assert!(message.starts_with("town.obj.gz: the gzip data cannot be unpacked beyond byte"), "{message}");
+        }
+        let limits = [1 << 10, 2 << 20, 1 << 30].map(most);
+        assert_eq!(limits, [256 << 20, 400 << 20, 4 << 30]);
+        let mut bounded = Bounded { inner: &packed[..], left: 9 };
+        let found = bounded.read(&mut [0; 20]).expect_err("too long").to_string();
+        assert!(found.contains("unpacks to more than 68719476736 bytes"), "{found}");
+    }
+}

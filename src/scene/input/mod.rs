@@ -1,0 +1,82 @@
+//! Files that a scene is read from. In: a path. Out: its bytes, unpacked where they are gzip, or what of the path is there and what is
+//! like it.
+//!
+//! What is packed shows in the first bytes and not in the name: programs that fetch files unpack some and keep the name, or the reverse.
+
+mod gzip;
+mod missing;
+#[cfg(test)]
+mod packed_tests;
+
+use std::fs;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+use heliotile_core::error::{Error, Result};
+
+/// The bytes of a file.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
+    read_as(path, "read")
+}
+
+/// The same for a part of another file; `action` says what is done with it, as in [`Error::io`].
+pub(crate) fn read_as(path: &Path, action: &'static str) -> Result<Vec<u8>> {
+    gzip::unpack(fs::read(path).map_err(|source| refused(path, action, source))?, path)
+}
+
+/// The same, piece by piece.
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Read>> {
+    let file = File::open(path).map_err(|source| refused(path, "read", source))?;
+    gzip::unpacked(file).map_err(Error::io(path, "read"))
+}
+
+/// Refuses a path that leads nowhere.
+pub(crate) fn check(path: &Path) -> Result<()> {
+    fs::metadata(path).map(drop).map_err(|source| refused(path, "read", source))
+}
+
+/// A file, the packed one where only that is there.
+pub(crate) fn plain_or_packed(path: PathBuf) -> PathBuf {
+    let packed = || {
+        let mut name = path.clone().into_os_string();
+        name.push(".gz");
+        PathBuf::from(name)
+    };
+    if path.is_file() { path } else { Some(packed()).filter(|packed| packed.is_file()).unwrap_or(path) }
+}
+
+/// What the name of a file ends with, in lower case and without `.gz`: `json` of `Town.City.JSON.gz`; empty for a name without a dot.
+pub(crate) fn ending(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let plain = name.strip_suffix(".gz").unwrap_or(&name);
+    plain.rsplit_once('.').map_or(String::new(), |(_, ending)| ending.to_owned())
+}
+
+fn refused(path: &Path, action: &'static str, source: std::io::Error) -> Error {
+    let source = match source.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => std::io::Error::new(source.kind(), missing::explain(path)),
+        _ => source,
+    };
+    Error::io(path, action)(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Six names end as their plain files do.
+    #[test]
+    fn endings() {
+        for (name, expected) in [
+            ("town.city.json", "json"),
+            ("Town.City.JSON.GZ", "json"),
+            ("a/b.c/hills.tif.gz", "tif"),
+            ("b.c/hills", ""),
+            ("hills.gz", ""),
+            ("", ""),
+        ] {
+            assert_eq!(ending(Path::new(name)), expected, "{name}");
+        }
+    }
+}
