@@ -29,8 +29,8 @@ pub(crate) struct Library {
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
     let (mut geometry, libraries) = parse(&bytes, path)?;
-    if asked.reflectances {
-        geometry.stated = mtl::read_libraries(path, &libraries, &mut geometry.warnings)?;
+    if geometry.materials.as_slice().iter().any(|name| asked.wants(name)) {
+        geometry.stated = mtl::read_libraries(path, &libraries, asked, &mut geometry.warnings)?;
     }
     Ok(geometry)
 }

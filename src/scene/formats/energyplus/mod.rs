@@ -2,6 +2,7 @@
 //! shades it, normals outwards, x to the east. Multipliers draw nothing twice.
 
 mod epjson;
+mod ground;
 mod holes;
 #[cfg(test)]
 mod hostile_tests;
@@ -10,6 +11,7 @@ mod layout;
 mod materials;
 mod model;
 mod notes;
+mod panes;
 mod place;
 mod shades;
 mod surfaces;
@@ -68,7 +70,11 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let mut materials = Materials::new(model, file);
     let surfaces = Surfaces::read(model, file, &place, &mut geometry, &mut notes)?;
     surfaces.write(file, &mut geometry, &mut materials, &mut notes)?;
+    let hull = geometry.vertices.len();
     shades::write(model, file, &place, &surfaces, &mut geometry, &mut materials, &mut notes)?;
+    let shades = geometry.vertices.iter().skip(hull).map(|p| p.z);
+    let lowest_m = surfaces.outdoors().chain(shades).reduce(f64::min);
+    geometry.ground = Some(ground::read(model, file, lowest_m, &mut notes)?);
     notes.say(file, &mut geometry.warnings);
     if asked.reflectances {
         geometry.stated = materials.into_stated();
