@@ -4,7 +4,7 @@ use heliotile_core::archive::{Archive, Blocks, format, tables};
 use heliotile_core::error::Result;
 
 /// Less than this is the rim of the ground and of textures.
-const LEAST: f64 = 0.005;
+const LEAST: f64 = 0.01;
 /// Normals closer to the horizontal than this are of walls (sine of the tilt off the vertical).
 const UPRIGHT: f64 = 0.5;
 
@@ -54,6 +54,6 @@ pub fn nothing_seen(archive: &Archive) -> Result<Option<String>> {
     };
     let percent = 100.0 * share;
     Ok((share >= LEAST).then(|| {
-        format!("{who} see nothing in {percent:.1} % of their hemisphere: below the horizon nothing reflects there")
+        format!("{who} see nothing in {percent:.1} % of their hemisphere: below the horizon nothing reflects")
     }))
 }
