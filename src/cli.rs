@@ -33,7 +33,7 @@ pub use self::cover::{CoverArgs, ReceiversArgs};
 pub use self::export::ExportArgs;
 pub use self::quality::{AccuracyArgs, Percent};
 pub use self::run::RunArgs;
-pub use self::scene::SceneArgs;
+pub use self::scene::{MaterialsArgs, SceneArgs};
 pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
 
@@ -305,9 +305,8 @@ pub struct InfoArgs {
     /// Archive, or scene files as a build takes them
     #[arg(required = true, value_name = "SITE.helio|SCENE")]
     pub files: Vec<PathBuf>,
-    /// Reflectances of the scene, one table per material name
-    #[arg(long, short)]
-    pub materials: Option<PathBuf>,
+    #[command(flatten)]
+    pub surfaces: MaterialsArgs,
     /// How the archive is read
     #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
     pub io: Access,

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::horizon::nothing_seen;
 use super::{Outcome, is_archive, say, scene, warn};
 use crate::cli::{InfoArgs, VerifyArgs};
 use heliotile_core::archive;
@@ -9,8 +10,8 @@ use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
+use heliotile_core::site::material::rounded;
 use heliotile_core::text::counted;
-use heliotile_scene::site::Site;
 
 /// Numbers of the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
@@ -27,7 +28,7 @@ macro_rules! line {
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
     let path = match args.files.as_slice() {
         [path] if is_archive(path) => path,
-        files => return scene::info(&Site::of(files, args.materials.as_deref())?),
+        files => return scene::info(&args.surfaces.site(files)?),
     };
     let archive = Archive::open_with(path, args.io)?;
     let manifest = archive.manifest();
@@ -77,6 +78,20 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     }
     if !s.left_out.is_empty() {
         line!(out, "  left out    {}", s.left_out.join(", "));
+    }
+    if let Some(lost) = nothing_seen(&archive)? {
+        line!(out, "  horizon     {lost}");
+    }
+    if let Some(ground) = &manifest.ground {
+        let months: Vec<String> = ground.reflectance.iter().map(f64::to_string).collect();
+        line!(
+            out,
+            "  ground      {} reflects {} by month, times {} under snow; {} without a date",
+            ground.material,
+            months.join(" "),
+            ground.snow_modifier,
+            rounded(ground.mean())
+        );
     }
     line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
     if archive.has(format::OPTICS, 0) {

@@ -3,6 +3,7 @@
 pub mod build;
 mod chosen;
 pub mod export;
+mod horizon;
 pub mod inspect;
 mod interrupt;
 pub mod receivers;

@@ -16,6 +16,8 @@ use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
+use heliotile_scene::Scene;
+use heliotile_scene::site::{MissingGround, Site};
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
@@ -39,8 +41,15 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         let what = "is of format 1.0, whose cells hang on the middle of its scene and cannot be traced again";
         return Err(Error::input(&args.archive, None, what, "build it again from its scene and receivers"));
     }
-    let scene = load_scene(&args.scene)?;
-    let (found, expected) = (format::hex(&scene.content_hash()), &archive.manifest().scene.content_hash);
+    let expected = &archive.manifest().scene.content_hash;
+    let hash = |scene: &Scene| format::hex(&scene.content_hash());
+    let mut scene = load_scene(&args.scene)?;
+    if hash(&scene) != *expected {
+        // It may have been built with --no-ground, or before ground was assumed.
+        let site = Site { missing_ground: MissingGround::LeaveOut, ..args.scene.site()? };
+        scene = Some(Scene::load_site(&site)?).filter(|plain| hash(plain) == *expected).unwrap_or(scene);
+    }
+    let found = hash(&scene);
     if found != *expected {
         let what = format!("is not the scene of the archive: its hash is {found}, that of the archive {expected}");
         return Err(Error::input(

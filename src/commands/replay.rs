@@ -22,6 +22,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes, ConstantOrFile};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::material::rounded;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::row::WeatherRow;
@@ -55,6 +56,14 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     let file = read_conditions(&args.conditions)?;
     let archive = open(&args.common)?;
     file.warnings.iter().for_each(|w| warn(w));
+    if let Some(ground) = archive.manifest().ground.as_ref().filter(|_| args.common.reflectance.is_empty()) {
+        warn(&format!(
+            "`{}` reflects another share each month, and conditions have no date: the mean of the year counts, {} (or \
+             --reflectance ground=...)",
+            ground.material,
+            rounded(ground.mean())
+        ));
+    }
     let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
     let series = Series {
         conditions: &file.conditions,
@@ -149,11 +158,11 @@ fn access(args: &RecombineArgs) -> Access {
 }
 
 /// Schedules of reflectances and transmittances over the conditions.
-fn schedules(site: &OpenSite, series: &Series) -> Result<Vec<Schedule>> {
-    if series.changes.is_empty() {
+fn schedules(archive: &Archive, site: &OpenSite, series: &Series) -> Result<Vec<Schedule>> {
+    let changeable = Changeable::of(site, archive.manifest());
+    if series.changes.is_empty() && changeable.ground.is_none() {
         return Ok(Vec::new());
     }
-    let changeable = Changeable { site: site.path(), materials: site.materials() };
     let (rows, chosen) = series.rows;
     if rows.is_empty() {
         return series.changes.constant(&changeable, series.conditions.len());
@@ -201,7 +210,7 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
         memory: MemoryBudget::new(args.memory.0),
         storage: &storage,
     };
-    let schedules = schedules(&site, series)?;
+    let schedules = schedules(archive, &site, series)?;
     let replay = Replay::scheduled(&site, series.conditions, settings, series.bins, &schedules)?;
     let names = || match &means {
         Some(means) => Ok(means.groups().names().to_vec()),

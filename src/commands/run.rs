@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::build::{BuildRequest, plan_and_write, settings_of};
+use super::horizon::nothing_seen;
 use super::receivers::{self, Covered, cover_site};
 use super::repair::other_receivers;
 use super::terminal::Terminal;
@@ -14,7 +15,7 @@ use super::{
     workspace_beside,
 };
 use crate::cli::{Percent, RunArgs};
-use crate::files::read_weather;
+use crate::files::{read_file, read_weather};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::kinds_and_sides::by_kind_and_side;
 use crate::outputs::periods::{Every, Periods};
@@ -30,6 +31,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
+use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::series::Weather;
@@ -81,6 +83,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         say(&format!("{}: {}", files.receivers.display(), receivers::summary(covered, &scene)))?;
     }
     let archive = up_to_date(args, &files, &scene)?;
+    nothing_seen(&archive)?.iter().for_each(|lost| warn(lost));
     let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
     write_table(Sink::file(&files.table)?, &rows)?;
     write_map(&files.map, &rows, covered.as_ref())?;
@@ -149,7 +152,8 @@ fn fits(
         Some(Percent(target)) => accuracy.is_some_and(|accuracy| accuracy.target_percent == target),
         None => stated == *settings && accuracy.is_none(),
     };
-    let same_scene = manifest.scene.content_hash == format::hex(&scene.content_hash());
+    let same_hash = manifest.scene.content_hash == format::hex(&scene.content_hash());
+    let same_scene = same_hash && manifest.ground == scene.ground;
     Ok(chosen && same_scene && other_receivers(archive, receivers)?.is_none())
 }
 
@@ -162,7 +166,10 @@ fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<
     let bins = Periods::new(Every::Total, years, &stamped).bins();
     let (patches, storage) = (archive.manifest().settings.patches(), temporary_files());
     let settings = ReplaySettings { patches, memory, storage: &storage, ..ReplaySettings::default() };
-    let replay = Replay::summed(&site, &conditions, settings, &bins)?;
+    let changeable = Changeable::of(&site, archive.manifest());
+    // What the model states of its ground, by month; nothing else is asked for.
+    let (schedules, _) = Changes::default().over(&changeable, &weather.rows, &read_file)?;
+    let replay = Replay::scheduled(&site, &conditions, settings, &bins, &schedules)?;
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(archive.manifest().receivers.count));
     let mut rows = Vec::new();

@@ -45,8 +45,8 @@ pub fn info(site: &Site) -> Result<Outcome> {
         report.degenerate_dropped,
         report.duplicates_dropped
     );
-    let (low, high) = scene.mesh.bounds();
-    let [low, high, size] = [low + scene.mesh.origin, high + scene.mesh.origin, high - low];
+    let (low, high) = soup.bounds();
+    let size = high - low;
     line!(
         out,
         "  bounds      {:.2} {:.2} {:.2} to {:.2} {:.2} {:.2} m: {:.1} x {:.1} x {:.1} m",

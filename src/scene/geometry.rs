@@ -7,6 +7,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::reference::Reference;
 use crate::semantics::{FaceNote, ObjectNote, SourceFace};
@@ -34,6 +35,8 @@ pub(super) struct Geometry {
     pub stated: MaterialTable,
     /// Where on Earth the coordinates lie, if the file says so.
     pub reference: Option<Reference>,
+    /// Of a format that always has ground, which is no face of the file.
+    pub ground: Option<ModelGround>,
     pub warnings: Vec<String>,
     /// Faces (or other pieces) that the reader left out, by reason: "with fewer than three corners".
     pub left_out: BTreeMap<String, usize>,

@@ -22,16 +22,16 @@
 //! - **focus**: where positions keep their millimetres beside far terrain.
 //! - **thinning**: leaving out samples of terrain that no horizon shows.
 //! - **buried**: inside a neighbour or below the terrain.
-//! - **endless ground**: a plane that goes on beyond the scene.
+//! - **endless ground**: a plane that goes on beyond the scene; where files have no ground one is assumed, if the site asks for it.
 
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
 mod coordinate;
 pub mod covering;
-mod endless_ground;
 mod formats;
 mod geometry;
+mod ground;
 mod input;
 pub mod load;
 pub mod materials;
@@ -55,6 +55,7 @@ use glam::DVec3;
 use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
+use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Material;
 use heliotile_core::site::place::Place;
 use materials::MaterialUse;
@@ -69,6 +70,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Where on Earth it lies, if its files say so; no part of its content.
     pub place: Option<Place>,
+    /// What its ground reflects by month, if an EnergyPlus model says so; its material has the mean. No part of its content.
+    pub ground: Option<MonthlyGround>,
     /// What loading came across.
     pub report: LoadReport,
 }
@@ -153,7 +156,7 @@ impl Scene {
             warnings: contested_warning(dropped.contested).into_iter().collect(),
             notes: Vec::new(),
         };
-        Ok(Scene { mesh, materials, place: None, report })
+        Ok(Scene { mesh, materials, place: None, ground: None, report })
     }
 
     /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal

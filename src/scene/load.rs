@@ -2,28 +2,35 @@
 //! last, in the light of what they are the horizon of.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use crate::coordinate::is_position;
-use crate::endless_ground::EndlessGround;
 use crate::formats;
 use crate::formats::{Asked, Content};
 use crate::geometry::{Geometry, Names};
+use crate::ground::endless::EndlessGround;
+use crate::ground::found::lies_free;
+use crate::ground::missing;
+use crate::ground::missing::{BELOW_M, heights};
+use crate::ground::model::{ModelGround, USUAL};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
 use crate::palette::Palette;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
 use crate::reference::{Reference, horizontal};
 use crate::semantics::{ObjectNote, SourceFace};
-use crate::site::{Part, Site};
+use crate::site::{MissingGround, Part, Site};
 use crate::terrain::focus::Focus;
 use crate::terrain::raster::Raster;
 use crate::terrain::surface;
 use crate::terrain::surface::{Wanted, surface};
 use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::ground::MonthlyGround;
+use heliotile_core::site::material::Class;
 use heliotile_core::site::place::Place;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
@@ -47,6 +54,23 @@ pub struct Soup {
     pub source_faces: Vec<SourceFace>,
 }
 
+impl Soup {
+    /// Lowest and highest corner of its triangles but those of the endless ground.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let endless = self.object_names.iter().position(|name| name == crate::ground::endless::NAME);
+        let named = self.triangles.iter().zip(&self.objects).filter(|(_, object)| Some(**object as usize) != endless);
+        bounds(named.flat_map(|(triangle, _)| triangle).filter_map(|i| self.positions.get(*i as usize)).copied())
+    }
+}
+
+/// A file whose ground is no face of it.
+struct Model {
+    file: PathBuf,
+    /// Its own, among those of all files.
+    triangles: Range<usize>,
+    ground: ModelGround,
+}
+
 /// What was read so far.
 #[derive(Default)]
 struct Pile {
@@ -62,14 +86,18 @@ struct Pile {
     /// What files say of their place: reference, lowest and highest corner in their own coordinates (offsets may be taken off).
     references: Vec<(PathBuf, Reference, [DVec3; 2])>,
     report: LoadReport,
+    /// Files whose ground is no face of theirs.
+    models: Vec<Model>,
+    /// What the ground reflects by month, if that matters.
+    by_month: Option<MonthlyGround>,
     /// Centre of all geometry but far terrain, if there is such terrain.
     focus: Option<DVec3>,
 }
 
 impl Scene {
-    /// Reads one file with `materials.toml`, or without it with the reflectances that the file itself gives.
+    /// Reads one file with the reflectances that the file itself gives, but for those in `materials.toml`. No ground is assumed.
     pub fn load(file: &Path, materials: Option<&Path>) -> Result<Scene> {
-        Scene::load_site(&Site { parts: vec![Part::plain(file, materials)] })
+        Scene::load_site(&Site { parts: vec![Part::plain(file, materials)], ..Site::default() })
     }
 
     /// Reads all files of a site.
@@ -91,14 +119,22 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
         if let Some(path) = &part.materials {
             palette.open(path)?;
         }
-        let asked = Asked { reflectances: part.materials.is_none(), lod: part.lod.clone() };
+        let asked = Asked {
+            reflectances: part.materials.is_none() || !part.materials_only,
+            described: palette.described(part.materials.as_deref()),
+            lod: part.lod.clone(),
+        };
         match formats::read(&part.file, &asked)? {
             Content::Polygons(geometry) => pile.add(part, *geometry, &mut palette, |p| part.place(p))?,
             Content::Terrain(raster) => rasters.push((part, raster.placed(part)?)),
         }
     }
+    let has_terrain = !rasters.is_empty();
     pile.add_rasters(rasters, &mut palette)?;
-    let ground = palette.ground();
+    let mut ground = palette.ground();
+    if ground.is_none() && !has_terrain && site.missing_ground == MissingGround::Assume {
+        ground = pile.assume_ground(&mut palette);
+    }
     pile.finish(site, &palette, ground, keep)
 }
 
@@ -126,6 +162,63 @@ impl Pile {
         Ok(())
     }
 
+    /// The plane of a scene whose files have no ground, and the number of its material; says so.
+    fn assume_ground(&mut self, palette: &mut Palette) -> Option<(EndlessGround, u32)> {
+        let Pile { positions, triangles, objects, models, report, .. } = self;
+        let of_model = |i: &usize| models.iter().any(|model| model.triangles.contains(i));
+        let others: Vec<&RawTriangle> =
+            triangles.iter().enumerate().filter(|(i, _)| !of_model(i)).map(|(_, triangle)| triangle).collect();
+        let corner = |corner: u32| positions.get(corner as usize).copied().unwrap_or_default();
+        let known: &Palette = palette;
+        let of_class = |class| {
+            let bears = move |triangle: &&&RawTriangle| known.class(triangle.material) == (class, false);
+            others.iter().filter(bears).map(|triangle| triangle.corners.map(corner))
+        };
+        let found = lies_free(of_class(Class::Ground), of_class(Class::Obstruction));
+        let Some(Model { file, ground, .. }) = models.first() else {
+            let [low, _] = heights(positions, triangles.iter())?;
+            if found {
+                return None;
+            }
+            let plane_m = low - BELOW_M;
+            report.warnings.push(missing::warning(positions, triangles, objects, plane_m));
+            let (material, name) = palette.add_ground(Path::new(""), USUAL);
+            report.assumed.push(name);
+            return Some((EndlessGround { elevation_m: Some(plane_m) }, material));
+        };
+        if let Some(other) = models
+            .iter()
+            .find(|other| (ModelGround { elevation_m: ground.elevation_m, ..other.ground.clone() }) != *ground)
+        {
+            report.warnings.push(format!(
+                "the ground of {} {} and that of {} {}; the first one counts",
+                file.display(),
+                ground.words(),
+                other.file.display(),
+                other.ground.words()
+            ));
+        }
+        if found {
+            report.notes.push(format!("ground: that of the scene, not the plane of {}", file.display()));
+            return None;
+        }
+        let lowest = models.iter().map(|model| model.ground.elevation_m);
+        let lowest = lowest.chain(heights(positions, others).map(|[low, _]| low)).fold(f64::INFINITY, f64::min);
+        let by_month = MonthlyGround {
+            material: String::new(),
+            reflectance: ground.reflectance,
+            snow_modifier: ground.snow_modifier,
+        };
+        report.notes.push(format!(
+            "ground: a plane at {lowest:.2} m that {}, {} (--no-ground: none)",
+            ground.words(),
+            if ground.stated { format!("as {} says", file.display()) } else { "as EnergyPlus assumes".to_owned() }
+        ));
+        let (material, name) = palette.add_ground(file, by_month.mean());
+        self.by_month = ground.changes().then_some(MonthlyGround { material: name, ..by_month });
+        Some((EndlessGround { elevation_m: Some(lowest - BELOW_M) }, material))
+    }
+
     fn add(
         &mut self,
         part: &Part,
@@ -141,7 +234,7 @@ impl Pile {
             let bounds = geometry.vertices.iter().fold([*first; 2], |[low, high], p| [low.min(*p), high.max(*p)]);
             self.references.push((part.file.clone(), reference, bounds));
         }
-        let materials = palette.add(&part.file, &geometry, part.materials.as_deref());
+        let materials = palette.add(part, &geometry);
         let objects: Vec<u32> = geometry.objects.as_slice().iter().map(|name| self.names.id(name)).collect();
         let first = self.positions.len() as u64;
         if first + geometry.vertices.len() as u64 > u64::from(u32::MAX) - 4 {
@@ -160,6 +253,7 @@ impl Pile {
             self.positions.push(placed);
         }
         let number = |of: &[u32], local: u32| of.get(local as usize).copied().unwrap_or_default();
+        let first_triangle = self.triangles.len();
         self.triangles.extend(cut.triangles.iter().map(|triangle| RawTriangle {
             corners: triangle.corners.map(|corner| corner + first as u32),
             material: number(&materials, triangle.material),
@@ -173,6 +267,16 @@ impl Pile {
             for (&object, note) in &geometry.object_notes {
                 self.notes.entry(number(&objects, object)).or_insert_with(|| note.clone());
             }
+        }
+        if let Some(ground) = geometry.ground {
+            let elevation_m = place(DVec3::new(0.0, 0.0, ground.elevation_m)).z;
+            let stated = if part.materials_only { ModelGround::usual(elevation_m) } else { ground };
+            let triangles = first_triangle..self.triangles.len();
+            self.models.push(Model {
+                file: part.file.clone(),
+                triangles,
+                ground: ModelGround { elevation_m, ..stated },
+            });
         }
         Ok(())
     }
@@ -253,12 +357,12 @@ impl Pile {
         keep: bool,
     ) -> Result<(Scene, Soup)> {
         let place = self.place();
-        let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, .. } = self;
+        let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, by_month, .. } = self;
         let (notes, faces, source_faces) = (self.notes, self.faces, self.source_faces);
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {
             late.extend(ground.add(&mut positions, &mut triangles, material));
-            objects.resize(triangles.len(), names.id(crate::endless_ground::NAME));
+            objects.resize(triangles.len(), names.id(crate::ground::endless::NAME));
         }
         let sorted = rank_by_name(&palette.names(), &mut triangles);
         let soup = if keep { triangles.clone() } else { Vec::new() };
@@ -274,7 +378,9 @@ impl Pile {
         report.materials = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
         report.warnings.extend(contested_warning(dropped.contested));
         report.warnings.extend(late);
+        let ground_assumed = std::mem::take(&mut report.assumed);
         let materials = palette.select(&mut report)?;
+        report.assumed.extend(ground_assumed);
         let number = |rank: u32| used.binary_search(&rank).map_or(u16::MAX, |i| i as u16);
         let soup = Soup {
             positions,
@@ -288,6 +394,6 @@ impl Pile {
             faces,
             source_faces,
         };
-        Ok((Scene { mesh, materials, place, report }, soup))
+        Ok((Scene { mesh, materials, place, ground: by_month, report }, soup))
     }
 }

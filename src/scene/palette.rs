@@ -1,20 +1,25 @@
-//! Materials of several files under names of one scene. In: the names that each file uses and the table that describes them. Out:
-//! one list of names; where two files mean different things by one name, the later one's gets the file's name behind it.
+//! Materials of several files under names of one scene. In: the names that each file uses, what it says of them, and the table that wins
+//! over that. Out: one list of names; where two files mean different things by one name, the later one's gets the file's name behind it.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use crate::LoadReport;
-use crate::endless_ground;
-use crate::endless_ground::EndlessGround;
 use crate::formats::stem;
 use crate::geometry::Geometry;
+use crate::ground::endless;
+use crate::ground::endless::EndlessGround;
 use crate::materials::assumed::assumed;
-use crate::materials::select::{MaterialTable, select};
+use crate::materials::select::{MaterialTable, class_of_name, nearest, select};
 use crate::materials::toml_file::read_toml;
+use crate::site::Part;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::site::material::Material;
+use heliotile_core::site::material::{Class, Material};
+
+/// Names of a table that are compared with those of the scene, and the most of those: hostile files hold tens of thousands.
+const MOST_UNUSED: usize = 20;
+const MOST_COMPARED: usize = 5000;
 
 #[derive(Default)]
 pub(crate) struct Palette {
@@ -25,6 +30,15 @@ pub(crate) struct Palette {
     /// `materials.toml` files that were read, once each.
     tables: BTreeMap<PathBuf, MaterialTable>,
     ground: Option<(PathBuf, EndlessGround)>,
+}
+
+/// Who describes materials.
+#[derive(Clone, Copy)]
+struct Source<'a> {
+    file: &'a Path,
+    materials: Option<&'a Path>,
+    /// What the file itself says does not count.
+    only: bool,
 }
 
 struct Entry {
@@ -56,20 +70,29 @@ impl Palette {
         Ok(())
     }
 
-    /// Adds the materials of a file, described by a `materials.toml` that was opened or, without one, by the file itself. Gives the
-    /// scene's number of each.
-    pub(crate) fn add(&mut self, file: &Path, geometry: &Geometry, materials: Option<&Path>) -> Vec<u32> {
-        let names = geometry.materials.as_slice();
-        names.iter().map(|name| self.add_one(name, file, &geometry.stated, materials)).collect()
+    /// Names that a `materials.toml` which was opened describes.
+    pub(crate) fn described(&self, materials: Option<&Path>) -> BTreeSet<String> {
+        let table = materials.and_then(|path| self.tables.get(path));
+        table.into_iter().flatten().map(|(name, _)| name.clone()).collect()
     }
 
-    fn add_one(&mut self, local: &str, file: &Path, stated: &MaterialTable, materials: Option<&Path>) -> u32 {
-        let source = materials.unwrap_or(file);
-        let described = match materials {
-            Some(path) => self.tables.get(path).and_then(|table| table.get(local)),
-            None => stated.get(local),
+    /// Adds the materials of a file, each described by its `materials.toml`, which was opened, or else by the file itself. Gives the
+    /// scene's number of each.
+    pub(crate) fn add(&mut self, part: &Part, geometry: &Geometry) -> Vec<u32> {
+        let names = geometry.materials.as_slice();
+        let of = Source { file: &part.file, materials: part.materials.as_deref(), only: part.materials_only };
+        names.iter().map(|name| self.add_one(name, &of, &geometry.stated)).collect()
+    }
+
+    fn add_one(&mut self, local: &str, of: &Source, stated: &MaterialTable) -> u32 {
+        let Source { file, materials, only } = *of;
+        let table = materials.and_then(|path| Some((path, self.tables.get(path)?.get(local)?)));
+        let (source, described) = match (table, materials) {
+            (Some((path, material)), _) => (path, Some(material)),
+            (None, Some(path)) if only => (path, None),
+            _ => (file, stated.get(local)),
         };
-        let assumes = described.is_none() && materials.is_none();
+        let assumes = described.is_none() && !(only && materials.is_some());
         let material = described.cloned().or_else(|| assumes.then(|| assumed(local)));
         let alike = self.by_local.entry(local.to_owned()).or_default();
         let same = |i: &&usize| self.entries.get(**i).is_some_and(|entry| entry.material == material);
@@ -92,8 +115,26 @@ impl Palette {
     /// The endless ground, if a table describes it, and the number of its material.
     pub(crate) fn ground(&mut self) -> Option<(EndlessGround, u32)> {
         let (path, ground) = self.ground.clone()?;
-        let none = MaterialTable::new();
-        Some((ground, self.add_one(endless_ground::NAME, &path, &none, Some(&path))))
+        let of = Source { file: &path, materials: Some(&path), only: true };
+        Some((ground, self.add_one(endless::NAME, &of, &MaterialTable::new())))
+    }
+
+    /// Adds the material of a plane that no table describes, and gives its number and its name in the scene.
+    pub(crate) fn add_ground(&mut self, file: &Path, diffuse: f64) -> (u32, String) {
+        let material = Material::matt(endless::NAME, diffuse, Class::Ground);
+        let stated = MaterialTable::from([(endless::NAME.to_owned(), material)]);
+        let number = self.add_one(endless::NAME, &Source { file, materials: None, only: false }, &stated);
+        (number, self.entries.get(number as usize).map(|entry| entry.name.clone()).unwrap_or_default())
+    }
+
+    /// First-hit class of a material, and whether light goes through it.
+    pub(crate) fn class(&self, number: u32) -> (Class, bool) {
+        let entry = self.entries.get(number as usize);
+        match entry.map(|entry| (&entry.material, &entry.name)) {
+            Some((Some(material), _)) => (material.class, material.transmittance.is_some()),
+            Some((None, name)) => (class_of_name(name), false),
+            None => (Class::Obstruction, false),
+        }
     }
 
     /// Names in the scene, by number.
@@ -135,8 +176,20 @@ impl Palette {
                 let entries = self.by_local.get(name).into_iter().flatten().filter_map(|i| self.entries.get(*i));
                 entries.filter(|entry| entry.source == *path).any(|entry| names.contains(entry.name.as_str()))
             };
-            warnings.extend(table.keys().filter(|name| !is_used(name)).map(|name| {
-                format!("{}: the scene does not use material `{}`", path.display(), excerpt(name.as_bytes()))
+            // Names that a misspelt one may stand for: of files that go by this table, or by none.
+            let mut others: Vec<&str> = self
+                .by_local
+                .iter()
+                .filter(|(name, _)| !table.contains_key(*name))
+                .map(|(name, _)| name.as_str())
+                .take(MOST_COMPARED)
+                .collect();
+            others.sort_unstable();
+            let unused = table.keys().filter(|name| !is_used(name)).enumerate();
+            warnings.extend(unused.map(|(i, name)| {
+                let near = if i < MOST_UNUSED { nearest(name, &others) } else { None };
+                let near = near.map_or(String::new(), |near| format!(", but `{}`", excerpt(near.as_bytes())));
+                format!("{}: the scene does not use material `{}`{near}", path.display(), excerpt(name.as_bytes()))
             }));
         }
         Ok(materials)

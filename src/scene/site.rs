@@ -16,6 +16,18 @@ use heliotile_core::error::{Error, Result};
 pub struct Site {
     /// Each file, in the order in which it was named.
     pub parts: Vec<Part>,
+    /// What is done where none of them has ground.
+    pub missing_ground: MissingGround,
+}
+
+/// What lies below the horizon of a scene whose files have no ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MissingGround {
+    /// Nothing.
+    #[default]
+    LeaveOut,
+    /// A plane: that of an EnergyPlus model as the model says, below all else one that reflects 0.2.
+    Assume,
 }
 
 /// One file of a scene.
@@ -23,8 +35,10 @@ pub struct Site {
 pub struct Part {
     /// The file; its ending says its format.
     pub file: PathBuf,
-    /// Its `materials.toml`; without one, what the file itself says.
+    /// Its `materials.toml`, which wins over what the file itself says.
     pub materials: Option<PathBuf>,
+    /// Whether `materials` describes all of its materials, whatever the file itself says.
+    pub materials_only: bool,
     /// Added to every position after `scale` and `y_up`, metres.
     pub offset: DVec3,
     /// Metres a unit of the file.
@@ -44,6 +58,7 @@ impl Part {
         Part {
             file: file.to_owned(),
             materials: materials.map(Path::to_owned),
+            materials_only: false,
             offset: DVec3::ZERO,
             scale: 1.0,
             y_up: false,
@@ -72,6 +87,8 @@ struct Document {
 struct Entry {
     file: PathBuf,
     materials: Option<PathBuf>,
+    #[serde(default)]
+    materials_only: bool,
     offset: Option<[f64; 3]>,
     scale: Option<f64>,
     up: Option<Up>,
@@ -87,7 +104,7 @@ enum Up {
 }
 
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
-                    offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\", and for terrain horizon_deg = 0.2";
+                    materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\", and for terrain horizon_deg = 0.2";
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
@@ -148,6 +165,7 @@ fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
         parts.push(Part {
             file: folder.join(&entry.file),
             materials: entry.materials.as_ref().map(|own| folder.join(own)).or(materials.map(Path::to_owned)),
+            materials_only: entry.materials_only,
             offset,
             scale,
             y_up: entry.up == Some(Up::Y),

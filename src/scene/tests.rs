@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::site::{Part, Site};
 use crate::*;
 
 const VERTICES: &str = "v 78000.125 457000.5 3.25\nv 78010.125 457000.5 3.25\nv 78010.125 457010.5 3.25\n\
@@ -92,7 +93,7 @@ fn report() {
     assert!(report.warnings[1].contains("does not use material `glass`"), "{}", report.warnings[1]);
 }
 
-/// Without `materials.toml` the MTL libraries beside the OBJ file serve; with it they are not even opened.
+/// Without `materials.toml` the MTL libraries beside the OBJ file serve; with one that describes all materials they are not even opened.
 #[test]
 fn mtl_is_the_fallback() {
     let folder = Folder::new();
@@ -109,14 +110,49 @@ fn mtl_is_the_fallback() {
     assert_eq!(Scene::load(&obj, Some(&materials)).expect("readable").materials[1].diffuse, 0.3);
 }
 
-/// A material in use that nobody describes is an error with the file, the count and the lines to add.
+/// Where the table alone counts, a material that it does not describe is an error with the file, the count and the lines to add.
 #[test]
 fn missing_material() {
-    let obj = format!("{VERTICES}f 1 2 3 4\n");
-    let found = message(&obj, MATERIALS);
+    let folder = Folder::new();
+    let obj = folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n"));
+    let materials = folder.write("materials.toml", MATERIALS);
+    let strict = Part { materials_only: true, ..Part::plain(&obj, Some(&materials)) };
+    let refused = Scene::load_site(&Site { parts: vec![strict], ..Site::default() });
+    let found = refused.expect_err("not described").to_string();
     for part in ["materials.toml: ", "`default`, which 2 triangles use", "[default]"] {
         assert!(found.contains(part), "{found}");
     }
+}
+
+/// A table of the wall alone leaves the roof to the library, and a bad library block of the wall is no harm; a misspelt `rof` is named with
+/// the `roof` that it may stand for. Two files that state 0.5 and 0.1 of a wall are one wall of 0.3, then, and two without the table.
+#[test]
+fn tables_overlay() {
+    let folder = Folder::new();
+    let town = |name: &str, library: &str| {
+        folder.write(&format!("{name}.mtl"), library);
+        folder.write(
+            &format!("{name}.obj"),
+            &format!("mtllib {name}.mtl\n{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 3 4\n"),
+        )
+    };
+    let obj = town("town", "newmtl wall\nKd red\nnewmtl roof\nKd 0.4 0.5 0.6\n");
+    let materials = folder.write("materials.toml", "[wall]\ndiffuse = 0.3\n[rof]\ndiffuse = 0.1\n");
+    let scene = Scene::load(&obj, Some(&materials)).expect("readable");
+    assert_eq!(scene.materials.iter().map(|material| material.diffuse).collect::<Vec<_>>(), [0.5, 0.3]);
+    let [warning] = scene.report.warnings.as_slice() else { panic!("{:?}", scene.report.warnings) };
+    assert!(warning.ends_with("does not use material `rof`, but `roof`"), "{warning}");
+
+    let roof = "newmtl roof\nKd 0.2\nnewmtl wall\nKd";
+    let files = [town("a", &format!("{roof} 0.5\n")), town("b", &format!("{roof} 0.1\n"))];
+    let walls = |materials: Option<&Path>| -> Vec<f64> {
+        let part = |file: &PathBuf, x| Part { offset: DVec3::new(x, 0.0, 0.0), ..Part::plain(file, materials) };
+        let parts = vec![part(&files[0], 0.0), part(&files[1], 50.0)];
+        let scene = Scene::load_site(&Site { parts, ..Site::default() }).expect("readable");
+        let walls = scene.materials.iter().filter(|material| material.name.starts_with("wall"));
+        walls.map(|material| material.diffuse).collect()
+    };
+    assert_eq!((walls(Some(&materials)), walls(None)), (vec![0.3], vec![0.5, 0.1]));
 }
 
 /// Without any description a usual reflectance of 0.20 is assumed, and one warning says of what, and how to say better.
@@ -126,7 +162,7 @@ fn assumed_material() {
     let scene = Scene::load(&folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n")), None).expect("assumed");
     assert_eq!((scene.materials[0].diffuse, scene.report.warnings.len()), (0.2, 1));
     let found = &scene.report.warnings[0];
-    assert!(found.contains("`default` diffuse 0.20") && found.contains("--materials"), "{found}");
+    assert!(found.contains("`default` diffuse 0.2") && found.contains("--materials"), "{found}");
 }
 
 /// Scenes of nothing but degenerate faces and files that are not there are refused by name.

@@ -179,7 +179,7 @@ fn wrong_options() {
 #[test]
 fn wrong_inputs() {
     let folder = Folder::new();
-    let build = "build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio";
+    let build = "build scene.obj --materials materials.toml --materials-only --receivers receivers.csv -o site.helio";
     folder.refused(&build.replace("scene.obj", "none.obj"), &["none.obj", "No such file"]);
     let with = |name: &str, text: &str, parts: &[&str]| {
         let folder = Folder::new();

@@ -116,7 +116,7 @@ fn mirrors_leave_less() {
     let site = site(&mirror_town(), &many()[..4], &coarse);
     let archive = Archive::open(&site.path).expect("an archive");
     let opened = OpenSite::of(&archive).expect("a site");
-    let changeable = Changeable { site: &site.path, materials: opened.materials() };
+    let changeable = Changeable { site: &site.path, materials: opened.materials(), ground: None };
     for (name, value, most) in [
         ("glass", 0.76, None),
         ("glass", 0.77, Some("0.7645")),

@@ -91,6 +91,7 @@ impl SiteTracer<'_> {
             settings: self.settings.stated(),
             accuracy: accuracy.cloned(),
             place: self.scene.place,
+            ground: self.scene.ground.clone(),
             counts: manifest::CellCounts { probes: counts.probes, bounce_cells: counts.bounce_cells },
             layers,
             ..Manifest::default()

@@ -4,6 +4,7 @@ pub mod tables;
 
 use std::time::Duration;
 
+use super::horizon::nothing_seen;
 use super::terminal::Terminal;
 use super::{
     Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, say, warn, workspace,
@@ -14,6 +15,7 @@ use heliotile_builder::build::{Build, Output, PreparedScene, Start};
 use heliotile_builder::planning::{ErrorTarget, PlanReport, PlanRequest};
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Rungs};
 use heliotile_builder::store::{Folder, Store, StoreKey, open_all};
+use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
 use heliotile_core::text::counted;
 
@@ -42,6 +44,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
     let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
     plan_and_write(build, &asked, &output)?;
+    nothing_seen(&Archive::open_with(&output.path, Access::Read)?)?.iter().for_each(|lost| warn(lost));
     Ok(Outcome::Fine)
 }
 

@@ -13,6 +13,7 @@ use crate::archive::format::{Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS}
 pub use crate::archive::settings::Settings;
 use crate::archive::settings::is_zero;
 use crate::error::{Error, Result};
+use crate::site::ground::MonthlyGround;
 use crate::site::place::Place;
 
 /// Keys that this release does not know.
@@ -43,6 +44,9 @@ pub struct Manifest {
     /// Where on Earth the scene lies, if its files say so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,
+    /// What the ground reflects by month, if the model states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground: Option<MonthlyGround>,
     /// Keys of later releases at the top of the manifest.
     #[serde(flatten)]
     pub other: Unknown,

@@ -4,9 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use crate::archive::manifest::Manifest;
 use crate::error::{Error, Result};
 use crate::light::fresnel::specular_mean;
 use crate::light::states::Schedule;
+use crate::opened::OpenSite;
+use crate::site::ground::MonthlyGround;
 use crate::site::material::{Class, Material};
 use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
 use crate::weather::row::WeatherRow;
@@ -56,9 +59,12 @@ pub struct Changeable<'a> {
     pub site: &'a Path,
     /// By the numbers in cell keys.
     pub materials: &'a [Material],
+    /// What the ground reflects by month, if the archive states it: weather follows it where nothing else is asked for.
+    pub ground: Option<&'a MonthlyGround>,
 }
 
-/// What is changed. Later entries win over earlier ones, schedules over constants, snow over both.
+/// What is changed. Later entries win over earlier ones, constants over what the archive states by month, schedules over constants, snow
+/// over all of them.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     /// Group, material or class, and its diffuse reflectance.
@@ -121,7 +127,8 @@ impl Changes {
         files: ReadFile,
     ) -> Result<(Vec<Schedule>, Vec<String>)> {
         let materials = changeable.materials;
-        let mut schedules = self.reflecting(changeable, rows.len())?;
+        let mut schedules = by_month(changeable, rows)?;
+        schedules.extend(self.reflecting(changeable, rows.len())?);
         let mut warnings = Vec::new();
         let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
         for (name, path) in &self.scheduled {
@@ -160,6 +167,14 @@ impl Changes {
     }
 }
 
+impl<'a> Changeable<'a> {
+    /// What an archive holds. One without diffuse reflections has no light that could follow its ground.
+    pub fn of(site: &'a OpenSite, manifest: &'a Manifest) -> Self {
+        let ground = manifest.ground.as_ref().filter(|_| site.settings().diffuse);
+        Changeable { site: site.path(), materials: site.materials(), ground }
+    }
+}
+
 impl Changeable<'_> {
     fn is_canopy(&self, material: usize) -> bool {
         self.materials[material].transmittance.is_some()
@@ -195,6 +210,17 @@ impl Changeable<'_> {
             false => Ok(members),
         }
     }
+}
+
+/// The schedule of the ground that the archive states, if it does.
+fn by_month(changeable: &Changeable, rows: &[WeatherRow]) -> Result<Vec<Schedule>> {
+    let Some(ground) = changeable.ground else { return Ok(Vec::new()) };
+    let Some(material) = changeable.materials.iter().position(|material| material.name == ground.material) else {
+        let what = format!("states the ground `{}` by month, and there is no such material", ground.material);
+        return Err(Error::input(changeable.site, None, what, "build the archive again"));
+    };
+    let values = rows.iter().map(|row| ground.of(row.interval.date.month, row.snow_depth_cm)).collect();
+    Ok(vec![schedule(changeable, vec![material], values)?])
 }
 
 /// Materials of a group; where there is no such group, the material of that name, or else those of that class.
@@ -264,7 +290,7 @@ mod tests {
     }
 
     fn changeable(materials: &[Material]) -> Changeable<'_> {
-        Changeable { site: Path::new("a.helio"), materials }
+        Changeable { site: Path::new("a.helio"), materials, ground: None }
     }
 
     fn no_files(name: &Path) -> Result<Vec<u8>> {
@@ -308,6 +334,32 @@ mod tests {
         let (schedules, warnings) = changes.over(&changeable(&materials()), &bare, &no_files).expect("schedules");
         assert_eq!(warnings.len(), 1);
         assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
+    }
+
+    /// A lawn of 0.1 x month, half of it under any snow, follows the weather: 0.05, 0.1, 0.3; a constant 0.25 wins over it, snow of 0.6 over both
+    /// where it is 1 cm deep; a ground of no material is refused by its name.
+    #[test]
+    fn ground_by_month() {
+        let materials = materials();
+        let reflectance = std::array::from_fn(|month| 0.1 * (month + 1) as f64).map(|value: f64| value.min(1.0));
+        let ground = MonthlyGround { material: "lawn".into(), reflectance, snow_modifier: 0.5 };
+        let over = |ground: &MonthlyGround, changes: &Changes| {
+            let changeable = Changeable { ground: Some(ground), ..changeable(&materials) };
+            let schedules = changes.over(&changeable, &rows(), &no_files).map(|found| found.0)?;
+            Ok(schedules.into_iter().rev().find(|s| s.materials.contains(&0)).expect("of the lawn").values)
+        };
+        let constant = Changes { constant: vec![("lawn".into(), 0.25)], ..Changes::default() };
+        let snowy = Changes { snow: Some((Snow::Depth, 0.6)), ..Changes::default() };
+        for (changes, values) in [
+            (Changes::default(), [0.05, 0.1, reflectance[2]]),
+            (constant, [0.25; 3]),
+            (snowy, [0.6, 0.1, reflectance[2]]),
+        ] {
+            assert_eq!(over(&ground, &changes).expect("values"), values);
+        }
+        let other = MonthlyGround { material: "plane".into(), ..ground };
+        let refused: Error = over(&other, &Changes::default()).expect_err("no such material");
+        assert!(refused.to_string().contains("`plane` by month"), "{refused}");
     }
 
     /// A group takes in its 2 materials, a class its 2, a material's name stands for itself; an unknown name lists the 2 groups and 4 materials; 0.6 on

@@ -92,13 +92,13 @@ impl Material {
 
     /// What it does with light, in words.
     pub fn optics(&self) -> String {
-        let diffuse = self.diffuse;
+        let diffuse = rounded(self.diffuse);
         match (self.transmittance, self.glass) {
-            (Some(transmittance), _) => format!("transmittance {transmittance:.2}"),
-            (None, Some(Glass::Single)) => format!("diffuse {diffuse:.2}, glass"),
-            (None, Some(Glass::Double)) => format!("diffuse {diffuse:.2}, double glass"),
-            (None, None) if self.specular > 0.0 => format!("diffuse {diffuse:.2}, specular {:.2}", self.specular),
-            (None, None) => format!("diffuse {diffuse:.2}"),
+            (Some(transmittance), _) => format!("transmittance {}", rounded(transmittance)),
+            (None, Some(Glass::Single)) => format!("diffuse {diffuse}, glass"),
+            (None, Some(Glass::Double)) => format!("diffuse {diffuse}, double glass"),
+            (None, None) if self.specular > 0.0 => format!("diffuse {diffuse}, specular {}", rounded(self.specular)),
+            (None, None) => format!("diffuse {diffuse}"),
         }
     }
 
@@ -129,9 +129,21 @@ impl Material {
     }
 }
 
+/// A share of light with at most four digits behind the point, as people read it.
+pub fn rounded(share: f64) -> f64 {
+    (share * 1e4).round() / 1e4
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// 0.2, 0.0625 and 0.12345678 are shown as 0.2, 0.0625 and 0.1235.
+    #[test]
+    fn shown() {
+        let shown = [0.2, 0.0625, 0.123_456_78].map(|diffuse| Material::matt("m", diffuse, Class::Ground).optics());
+        assert_eq!(shown, ["diffuse 0.2", "diffuse 0.0625", "diffuse 0.1235"]);
+    }
 
     /// Both classes come back from their codes 0 and 1, which are their places in arrays; the other 254 numbers are none.
     #[test]

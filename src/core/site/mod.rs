@@ -1,4 +1,4 @@
-//! The nouns of a site: cells, materials, receivers, chains of mirrors, the place. In: numbers of readers and of archives. Out: types
+//! The nouns of a site: cells, materials, the ground by month, receivers, chains of mirrors, the place. In: numbers of readers and of archives. Out: types
 //! that both the builder and replay speak of. Never: files, rays, weather.
 
 pub mod cells;
@@ -6,6 +6,7 @@ pub mod chain;
 pub mod content;
 pub mod crossing;
 pub mod grid;
+pub mod ground;
 pub mod material;
 pub mod model_part;
 pub mod morton;

@@ -109,7 +109,7 @@ impl Surfaces {
         for (((corners, &material), &object), face) in triangles {
             let Some(name) = soup.object_names.get(object as usize) else { continue };
             let opaque = materials.get(usize::from(material)).is_some_and(|m| m.transmittance.is_none());
-            if opaque && name != crate::endless_ground::NAME {
+            if opaque && name != crate::ground::endless::NAME {
                 let corners = least_first(corners.map(rank));
                 let note = soup.source_faces.get(face as usize).map(|face| face.note).unwrap_or_default();
                 let group = Group { material, kind: note.kind, exposed: note.exposed };
@@ -332,7 +332,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("town.obj");
         std::fs::write(&path, obj).expect("written");
-        let site = Site { parts: vec![Part::plain(&path, None)] };
+        let site = Site { parts: vec![Part::plain(&path, None)], ..Site::default() };
         let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
         Surfaces::find(&soup, &scene.materials)
     }

@@ -19,6 +19,7 @@ mod stl;
 mod test_solids;
 mod tiff_directory;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::geometry::Geometry;
@@ -32,8 +33,17 @@ use heliotile_core::error::{Error, Result};
 pub(super) struct Asked {
     /// Whether the materials that the file itself describes are wanted.
     pub reflectances: bool,
+    /// Names of those that somebody else describes: what the file says of them does not matter.
+    pub described: BTreeSet<String>,
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
+}
+
+impl Asked {
+    /// Whether what the file says of a material is wanted.
+    fn wants(&self, material: &str) -> bool {
+        self.reflectances && !self.described.contains(material)
+    }
 }
 
 /// What a file holds.

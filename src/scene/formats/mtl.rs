@@ -6,6 +6,7 @@
 use crate::materials::select::class_of_name;
 use std::path::{Path, PathBuf};
 
+use crate::formats::Asked;
 use crate::formats::obj::Library;
 use crate::input;
 use crate::materials::select::MaterialTable;
@@ -14,7 +15,12 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 
 /// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
-pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut Vec<String>) -> Result<MaterialTable> {
+pub(super) fn read_libraries(
+    obj: &Path,
+    libraries: &[Library],
+    asked: &Asked,
+    warnings: &mut Vec<String>,
+) -> Result<MaterialTable> {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let mut table = MaterialTable::new();
     let mut done: Vec<PathBuf> = Vec::new();
@@ -25,7 +31,7 @@ pub(super) fn read_libraries(obj: &Path, libraries: &[Library], warnings: &mut V
             }
             if path.is_file() {
                 let bytes = input::read(&path)?;
-                parse(&bytes, &path, &mut table, warnings)?;
+                parse(&bytes, &path, asked, &mut table, warnings)?;
             } else {
                 warnings.push(format!(
                     "{}, line {}: the material library {} is not there",
@@ -63,7 +69,13 @@ struct Block {
     not_modelled: bool,
 }
 
-fn parse(bytes: &[u8], file: &Path, table: &mut MaterialTable, warnings: &mut Vec<String>) -> Result<()> {
+fn parse(
+    bytes: &[u8],
+    file: &Path,
+    asked: &Asked,
+    table: &mut MaterialTable,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
     let mut lines = Lines::new(bytes);
     let mut block: Option<Block> = None;
     while let Some((line, text)) = lines.next() {
@@ -72,8 +84,9 @@ fn parse(bytes: &[u8], file: &Path, table: &mut MaterialTable, warnings: &mut Ve
             if let Some(finished) = block.take() {
                 finish(finished, file, table, warnings)?;
             }
-            block = Some(Block {
-                name: String::from_utf8_lossy(rest).into_owned(),
+            let name = String::from_utf8_lossy(rest).into_owned();
+            block = asked.wants(&name).then_some(Block {
+                name,
                 line,
                 diffuse: None,
                 specular: 0.0,
@@ -155,9 +168,13 @@ mod tests {
 
     use super::*;
 
+    fn asked() -> Asked {
+        Asked { reflectances: true, ..Asked::default() }
+    }
+
     fn read(text: &str) -> Result<(MaterialTable, Vec<String>)> {
         let (mut table, mut warnings) = (MaterialTable::new(), Vec::new());
-        parse(text.as_bytes(), Path::new("town.mtl"), &mut table, &mut warnings)?;
+        parse(text.as_bytes(), Path::new("town.mtl"), &asked(), &mut table, &mut warnings)?;
         Ok((table, warnings))
     }
 
@@ -212,7 +229,8 @@ mod tests {
         let libraries =
             ["my town.mtl", "b.mtl c.mtl", "gone.mtl"].map(|text| Library { line: 7, text: text.to_owned() });
         let mut warnings = Vec::new();
-        let table = read_libraries(&folder.path().join("town.obj"), &libraries, &mut warnings).expect("readable");
+        let table =
+            read_libraries(&folder.path().join("town.obj"), &libraries, &asked(), &mut warnings).expect("readable");
         assert_eq!(table.keys().collect::<Vec<_>>(), ["a", "b", "c"]);
         assert_eq!(warnings.len(), 1);
         assert!(warnings[0].contains("line 7") && warnings[0].contains("gone.mtl"), "{}", warnings[0]);

@@ -27,8 +27,8 @@ pub(crate) struct Library {
 /// Reads an OBJ file, and its libraries where reflectances are wanted.
 pub(super) fn read(bytes: &[u8], path: &Path, asked: &Asked) -> Result<Geometry> {
     let (mut geometry, libraries) = parse(bytes, path)?;
-    if asked.reflectances {
-        geometry.stated = mtl::read_libraries(path, &libraries, &mut geometry.warnings)?;
+    if geometry.materials.as_slice().iter().any(|name| asked.wants(name)) {
+        geometry.stated = mtl::read_libraries(path, &libraries, asked, &mut geometry.warnings)?;
     }
     Ok(geometry)
 }

@@ -77,6 +77,21 @@ pub(crate) fn select(
     Ok((materials, table))
 }
 
+/// The one of some names that a misspelt one most likely stands for; the first of equals.
+pub(crate) fn nearest<'n>(name: &str, others: &[&'n str]) -> Option<&'n str> {
+    /// Names that share less are others.
+    const LEAST_ALIKE: f64 = 0.6;
+    let name = name.to_lowercase();
+    let mut best: Option<(f64, &str)> = None;
+    for other in others {
+        let alike = strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase());
+        if alike >= LEAST_ALIKE && best.is_none_or(|(most, _)| alike > most) {
+            best = Some((alike, other));
+        }
+    }
+    best.map(|found| found.1)
+}
+
 /// The line that opens the table of a name, quoted where TOML asks for it.
 pub(crate) fn table_header(name: &str) -> String {
     let bare = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_".contains(&byte));
@@ -115,6 +130,21 @@ mod tests {
             assert!(message.contains(part), "{part}: {message}");
         }
         assert_eq!(table_header("wall \"b\""), "[\"wall \\\"b\\\"\"]");
+    }
+
+    /// Four misspelt names of five find theirs, one that is like none finds none.
+    #[test]
+    fn misspelt() {
+        let names = ["GroundSurface", "RoofSurface", "WallSurface", "roof"];
+        for (name, near) in [
+            ("wallsurface", Some("WallSurface")),
+            ("Roof_Surface", Some("RoofSurface")),
+            ("rof", Some("roof")),
+            ("GroudSurface", Some("GroundSurface")),
+            ("lawn", None),
+        ] {
+            assert_eq!(nearest(name, &names), near, "{name}");
+        }
     }
 
     /// Materials come in the order of use, the one that is not used is left over.

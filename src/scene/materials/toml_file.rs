@@ -8,8 +8,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::coordinate::MAX_COORDINATE_M;
-use crate::endless_ground;
-use crate::endless_ground::EndlessGround;
+use crate::ground::endless;
+use crate::ground::endless::EndlessGround;
 use crate::input;
 use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
@@ -40,7 +40,7 @@ pub(crate) fn parse_toml(text: &str, file: &Path) -> Result<(MaterialTable, Opti
     let (mut table, mut ground) = (MaterialTable::new(), None);
     for (name, value) in entries {
         let (material, elevation_m) = reader.material(name.get_ref(), name.span(), value.get_ref())?;
-        if material.name == endless_ground::NAME {
+        if material.name == endless::NAME {
             ground = Some(EndlessGround { elevation_m });
         }
         table.insert(material.name.clone(), material);
@@ -61,7 +61,7 @@ impl Reader<'_> {
     /// A material, and the elevation of the endless ground if it is that.
     fn material(&self, name: &str, place: Range<usize>, value: &DeValue) -> Result<(Material, Option<f64>)> {
         let shown = excerpt(name.as_bytes());
-        let endless = name == endless_ground::NAME;
+        let endless = name == endless::NAME;
         let DeValue::Table(keys) = value else {
             let hint = format!("begin a table with its name: {}; {KEYS}", table_header("roof"));
             return Err(self.error(place, format!("key `{shown}` stands outside any material"), hint));

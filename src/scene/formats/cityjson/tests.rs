@@ -31,7 +31,11 @@ fn solid(lod: &str) -> String {
 }
 
 fn read_as(text: &str, name: &str, lod: Option<&str>) -> Result<Geometry> {
-    parse(text.as_bytes(), Path::new(name), &Asked { reflectances: true, lod: lod.map(str::to_owned) })
+    parse(
+        text.as_bytes(),
+        Path::new(name),
+        &Asked { reflectances: true, lod: lod.map(str::to_owned), ..Asked::default() },
+    )
 }
 
 fn read(text: &str) -> Geometry {

@@ -6,7 +6,7 @@ use crate::formats::energyplus::*;
 use crate::polygon::triangulate;
 
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
-    parse(bytes, Path::new(name), &Asked { reflectances: true, lod: None })
+    parse(bytes, Path::new(name), &Asked { reflectances: true, ..Asked::default() })
 }
 
 const HEAD: &str =

@@ -75,6 +75,11 @@ const LAYOUTS: &[Layout] = layouts! {
         "daylighting_reference_point_coordinate_system" "rectangular_surface_coordinate_system";
     "GeometryTransform": "plane_of_transform";
     "Site:Location": "name" "latitude" "longitude";
+    "Site:GroundReflectance": "january_ground_reflectance" "february_ground_reflectance" "march_ground_reflectance"
+        "april_ground_reflectance" "may_ground_reflectance" "june_ground_reflectance" "july_ground_reflectance"
+        "august_ground_reflectance" "september_ground_reflectance" "october_ground_reflectance" "november_ground_reflectance"
+        "december_ground_reflectance";
+    "Site:GroundReflectance:SnowModifier": "ground_reflected_solar_modifier";
     "Zone": "name" "direction_of_relative_north" "x_origin" "y_origin" "z_origin" "type" "multiplier";
 
     "BuildingSurface:Detailed" vertices: "name" "surface_type" "construction_name" "zone_name" "+space_name"
@@ -159,8 +164,10 @@ const LAYOUTS: &[Layout] = layouts! {
     "Material:InfraredTransparent": "name";
     "Material:RoofVegetation": "name" "height_of_plants" "leaf_area_index" "leaf_reflectivity";
     "WindowMaterial:Glazing": "name" "optical_data_type" "window_glass_spectral_data_set_name" "thickness"
-        "solar_transmittance_at_normal_incidence" "front_side_solar_reflectance_at_normal_incidence";
-    "WindowMaterial:Glazing:RefractionExtinctionMethod": "name";
+        "solar_transmittance_at_normal_incidence" "front_side_solar_reflectance_at_normal_incidence"
+        "back_side_solar_reflectance_at_normal_incidence";
+    "WindowMaterial:Glazing:RefractionExtinctionMethod": "name" "thickness" "solar_index_of_refraction"
+        "solar_extinction_coefficient";
     "WindowMaterial:GlazingGroup:Thermochromic": "name";
     "WindowMaterial:SimpleGlazingSystem": "name" "u_factor";
 };

@@ -8,6 +8,7 @@ use crate::formats::building::notes::Notes;
 use crate::formats::building::optics;
 use crate::formats::building::optics::{ABSORPTANCE, LEAF_REFLECTANCE, Stated, glass_of_panes, panes_of_system};
 use crate::formats::energyplus::model::{Model, Object, same};
+use crate::formats::energyplus::panes;
 use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
 use heliotile_core::error::Result;
@@ -17,6 +18,8 @@ use heliotile_core::site::material::{Class, Glass, Material};
 const SHADE_REFLECTANCE: f64 = 0.2;
 /// Reflectance of clear glass straight on, one pane and two: n = 1.526 (Duffie and Beckman, section 5.1).
 const CLEAR_GLASS: [f64; 2] = [0.08, 0.15];
+/// Panes that reflect as much as clear glass within this get its dependence on the angle; of others only the number is known.
+const AS_CLEAR: f64 = 0.03;
 
 const LAYERS: [&str; 10] = [
     "outside_layer",
@@ -163,24 +166,26 @@ impl<'m> Materials<'m> {
             let name = if diffuse == SHADE_REFLECTANCE { "shading".to_owned() } else { format!("shading {diffuse}") };
             return Ok(self.stated.add(Material::matt(name, diffuse, Class::Obstruction), geometry));
         }
-        let glass = self.glazing(said)?;
+        let (glass, front) = self.glazing(said, notes)?;
         let name = format!("shading {diffuse} glazed {glazed}");
         let matt = Material::matt(name, (1.0 - glazed) * diffuse, Class::Obstruction);
-        if glazed == 1.0 {
+        let [one, two] = CLEAR_GLASS;
+        let clear = if glass == Glass::Single { one } else { two };
+        let front = front.unwrap_or(clear);
+        if glazed == 1.0 && (front - clear).abs() <= AS_CLEAR {
             return Ok(self.stated.add(Material { glass: Some(glass), ..matt }, geometry));
         }
-        notes.add("shades are glazed in part; that part is a mirror of the same reflectance at any angle", &shade.name);
-        let [one, two] = CLEAR_GLASS;
-        let straight_on = if glass == Glass::Single { one } else { two };
-        Ok(self.stated.add(Material { specular: glazed * straight_on, ..matt }, geometry))
+        notes.add("shades are glazed; the glass is a mirror of the same reflectance at any angle", &shade.name);
+        Ok(self.stated.add(Material { specular: glazed * front, ..matt }, geometry))
     }
 
-    /// Panes of a glazed shade; one where its construction is not known.
-    fn glazing(&self, said: &Object) -> Result<Glass> {
+    /// Panes of a glazed shade, one where its construction is not known, and what they reflect straight on, if that is stated.
+    fn glazing(&self, said: &Object, notes: &mut Notes) -> Result<(Glass, Option<f64>)> {
         let construction = self.constructions.get(&same(said.text("glazing_construction_name")));
         let names = construction.iter().flat_map(|construction| LAYERS.map(|key| same(construction.text(key))));
         let layers: Vec<&Object> = names.filter_map(|name| self.layers.get(&name).copied()).collect();
-        Ok(self.glass(&layers)?.unwrap_or(Glass::Single))
+        let glass = self.glass(&layers)?.unwrap_or(Glass::Single);
+        Ok((glass, panes::front_reflectance(&layers, self.file, notes)?))
     }
 
     /// A constant share of light that a shade lets through.
@@ -203,6 +208,6 @@ impl<'m> Materials<'m> {
 }
 
 /// A share of light, moved into 0..=1.
-fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
+pub(super) fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
     Ok(optics::share(object.number_or(file, key, otherwise)?, &object.name, notes))
 }

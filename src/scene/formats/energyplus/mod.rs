@@ -2,12 +2,14 @@
 //! shades it, normals outwards, x to the east. Multipliers draw nothing twice.
 
 mod epjson;
+mod ground;
 #[cfg(test)]
 mod hostile_tests;
 mod idf;
 mod layout;
 mod materials;
 mod model;
+mod panes;
 mod place;
 #[cfg(test)]
 mod scene_tests;
@@ -61,12 +63,16 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let mut materials = Materials::new(model, file);
     let surfaces = Surfaces::read(model, file, &place, &mut geometry, &mut notes)?;
     surfaces.write(file, &mut geometry, &mut materials, &mut notes)?;
+    let hull = geometry.vertices.len();
     shades::write(model, file, &place, &surfaces, &mut geometry, &mut materials, &mut notes)?;
     if let Some(building) = model.of("Building").next() {
         for note in geometry.object_notes.values_mut().filter(|note| !note.object.is_empty()) {
             note.building.clone_from(&building.name);
         }
     }
+    let shades = geometry.vertices.iter().skip(hull).map(|p| p.z);
+    let lowest_m = surfaces.outdoors().chain(shades).reduce(f64::min);
+    geometry.ground = Some(ground::read(model, file, lowest_m, &mut notes)?);
     notes.say(file, &mut geometry.warnings);
     if asked.reflectances {
         geometry.stated = materials.into_stated();

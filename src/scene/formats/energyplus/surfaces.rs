@@ -217,6 +217,12 @@ impl<'m> Surfaces<'m> {
         }
     }
 
+    /// Heights of the corners of walls, roofs and openings that face outdoors.
+    pub(super) fn outdoors(&self) -> impl Iterator<Item = f64> {
+        let outdoors = self.list.iter().filter(|surface| surface.behind == Behind::Outdoors);
+        outdoors.flat_map(|surface| &surface.vertices).map(|p| p.z)
+    }
+
     /// Writes the faces of the hull.
     pub(super) fn write(
         &self,

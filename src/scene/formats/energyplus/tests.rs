@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::formats::building::frame::area_vector;
 use crate::formats::energyplus::*;
+use crate::ground::model::ModelGround;
 use crate::polygon::triangulate;
 use heliotile_core::site::material::{Class, Glass};
 
@@ -16,7 +17,7 @@ const BOX_JSON: &str = include_str!("../../../../tests/data/energyplus/box.epJSO
 const BOX_EIO: &str = include_str!("../../../../tests/data/energyplus/box.eio.csv");
 
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
-    parse(bytes, Path::new(name), &Asked { reflectances: true, lod: None })
+    parse(bytes, Path::new(name), &Asked { reflectances: true, ..Asked::default() })
 }
 
 fn idf(text: &str) -> Geometry {
@@ -254,4 +255,70 @@ fn materials() {
     }
     assert!(of["w nowhere"] == "nowhere" && !geometry.stated.contains_key("nowhere"));
     assert_eq!((of.len(), geometry.warnings.len()), (18, 5), "{:?}", geometry.warnings);
+}
+
+/// A shade that is glazed on 1, 1, 0.4, 1 and 1 of it reflects as its panes are stated to: 0.4 of a coated pane, 0.12 + 0.5^2 x 0.4 / (1 - 0.2 x 0.4)
+/// of a tinted one before it, their share beside 0.35 on the rest; clear panes, 0.075 or of n = 1.526 and 0.128 of two, stay glass by angle.
+#[test]
+fn glazed_shades() {
+    let mut text = String::from(
+        "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World;\n\
+         WindowMaterial:Glazing,Coated,SpectralAverage,,0.006,0.3,0.4,0.35; WindowMaterial:Glazing,Tinted,SpectralAverage,,0.006,0.5,0.12,0.2;\n\
+         WindowMaterial:Glazing,Clear,SpectralAverage,,0.003,0.837,0.075,0.075; WindowMaterial:Glazing:RefractionExtinctionMethod,Thin,0.003,1.526,10;\n\
+         Construction,One,Coated; Construction,Two,Tinted,Coated; Construction,Plain,Clear,Clear; Construction,Fresnel,Thin;\n",
+    );
+    let shades = [("a", "One", 1.0), ("b", "Two", 1.0), ("c", "One", 0.4), ("d", "Plain", 1.0), ("e", "Fresnel", 1.0)];
+    for (name, construction, share) in shades {
+        text += &format!(
+            "Shading:Site:Detailed,{name},,3, 0,9,0, 1,9,0, 1,9,1; ShadingProperty:Reflectance,{name},0.35,0.35,{share},{construction};\n"
+        );
+    }
+    let geometry = idf(&text);
+    let two = 0.12 + 0.25 * 0.4 / (1.0 - 0.2 * 0.4);
+    for (face, (diffuse, specular, glass)) in geometry.faces().zip([
+        (0.0, 0.4, None),
+        (0.0, two, None),
+        (0.6 * 0.35, 0.4 * 0.4, None),
+        (0.0, 0.0, Some(Glass::Double)),
+        (0.0, 0.0, Some(Glass::Single)),
+    ]) {
+        let material = &geometry.stated[&geometry.materials.as_slice()[face.material as usize]];
+        let off = ((material.diffuse - diffuse).abs(), (material.specular - specular).abs());
+        assert!(off.0 < 1e-12 && off.1 < 1e-12 && material.glass == glass, "{material:?}");
+    }
+    assert!(
+        geometry.warnings.len() == 1 && geometry.warnings[0].contains("3 shades are glazed"),
+        "{:?}",
+        geometry.warnings
+    );
+}
+
+/// The ground of five models lies at the lowest outdoor corner but not below 0: at 1.5, at 0 under a deeper wall, at 1 where a shade hangs lower;
+/// a wall to the ground does not count. It reflects 0.2, or what January to December say, 1.5 times that under snow; 1.4 counts as 1, -2 as 0.
+#[test]
+fn ground() {
+    let wall = |behind: &str, low: f64| {
+        format!(
+            "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z; Construction,W,B; Material,B;\n\
+             BuildingSurface:Detailed,Wall,Wall,W,Z,,{behind},,,,,4, 0,0,9, 0,0,{low}, 4,0,{low}, 4,0,9;\n"
+        )
+    };
+    let shade = "Shading:Site:Detailed,S,,3, 0,9,1, 1,9,1, 1,9,2;";
+    for (text, elevation_m) in [
+        (wall("Outdoors", 1.5), 1.5),
+        (wall("Outdoors", -3.0), 0.0),
+        (wall("Outdoors", 1.5) + shade, 1.0),
+        (wall("Ground", 0.5) + shade, 1.0),
+        (wall("Ground", 2.0), 0.0),
+    ] {
+        assert_eq!(idf(&text).ground, Some(ModelGround::usual(elevation_m)), "{text}");
+    }
+    let stated = "Site:GroundReflectance,0.1,0.2,0.3,1.4,0.5,0.6,0.7,,0.9,0.1,0.1,0.12; Site:GroundReflectance:SnowModifier,1.5,9;";
+    let geometry = idf(&(wall("Outdoors", 0.0) + stated));
+    let ground = geometry.ground.expect("a plane");
+    assert_eq!(ground.reflectance, [0.1, 0.2, 0.3, 1.0, 0.5, 0.6, 0.7, 0.2, 0.9, 0.1, 0.1, 0.12]);
+    assert_eq!((ground.snow_modifier, ground.stated, ground.changes()), (1.5, true, true));
+    assert!(geometry.warnings[0].contains("shares of light are not from 0 to 1"), "{:?}", geometry.warnings);
+    let below = idf(&(wall("Outdoors", 0.0) + "Site:GroundReflectance:SnowModifier,-2;"));
+    assert_eq!((below.ground.map(|ground| ground.snow_modifier), below.warnings.len()), (Some(0.0), 1));
 }

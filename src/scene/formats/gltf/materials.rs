@@ -19,7 +19,7 @@ use heliotile_core::site::material::Material;
 pub(super) struct Materials<'r> {
     root: &'r Root,
     file: &'r Path,
-    reflectances: bool,
+    asked: &'r Asked,
     known: Vec<Option<u32>>,
     /// Names of those of which something is left out.
     textured: Vec<String>,
@@ -28,11 +28,11 @@ pub(super) struct Materials<'r> {
 }
 
 impl<'r> Materials<'r> {
-    pub(super) fn new(root: &'r Root, asked: &Asked, file: &'r Path) -> Self {
+    pub(super) fn new(root: &'r Root, asked: &'r Asked, file: &'r Path) -> Self {
         Materials {
             root,
             file,
-            reflectances: asked.reflectances,
+            asked,
             known: vec![None; root.materials.len()],
             textured: Vec::new(),
             see_through: Vec::new(),
@@ -54,7 +54,7 @@ impl<'r> Materials<'r> {
             "" => format!("material_{index}"),
             name => name.to_owned(),
         };
-        if self.reflectances
+        if self.asked.wants(&name)
             && let Some(optics) = self.optics(material, &name)?
         {
             // Names need not be unique.

@@ -10,7 +10,7 @@ use crate::formats::gltf::*;
 use crate::formats::test_solids::{area_and_volume, cube};
 
 fn asked() -> Asked {
-    Asked { reflectances: true, lod: None }
+    Asked { reflectances: true, ..Asked::default() }
 }
 
 fn parse(json: &Value) -> Result<Geometry> {
@@ -215,7 +215,7 @@ fn materials() {
         "{:?}",
         geometry.warnings
     );
-    let plain = Asked { reflectances: false, lod: None };
+    let plain = Asked::default();
     let named =
         crate::formats::gltf::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &plain).expect("readable");
     assert_eq!(named.materials.as_slice(), ["roof", "half", "material_3", "bare", "default"]);

@@ -10,7 +10,7 @@ use crate::polygon::triangulate;
 const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.hbjson");
 
 fn read_bytes(bytes: &[u8]) -> Result<Geometry> {
-    super::parse(bytes, Path::new("m.hbjson"), &Asked { reflectances: true, lod: None })
+    super::parse(bytes, Path::new("m.hbjson"), &Asked { reflectances: true, ..Asked::default() })
 }
 
 /// A model of one shade in place of which anything may stand.

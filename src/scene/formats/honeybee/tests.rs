@@ -16,7 +16,7 @@ const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.
 const TWO_ROOMS_CSV: &str = include_str!("../../../../tests/data/honeybee/two_rooms.honeybee.csv");
 
 fn read(text: &str) -> Geometry {
-    let asked = Asked { reflectances: true, lod: None };
+    let asked = Asked { reflectances: true, ..Asked::default() };
     super::parse(text.as_bytes(), Path::new("m.hbjson"), &asked).expect("readable")
 }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::mesh::RawTriangle;
 
 /// Name of its table and its material.
-pub(super) const NAME: &str = "endless_ground";
+pub(crate) const NAME: &str = "endless_ground";
 
 /// The plane reaches so far beyond the scene, and so many times the scene's height above it: seen from there, what is missing is
 /// 0.003 rad below the horizon, 0.1 % of what a wall sees.
@@ -25,7 +25,7 @@ pub struct EndlessGround {
 
 impl EndlessGround {
     /// Adds the plane to a scene's corners and triangles; gives a sentence if it hides a part of the scene.
-    pub(super) fn add(
+    pub(crate) fn add(
         self,
         corners: &mut Vec<DVec3>,
         triangles: &mut Vec<RawTriangle>,

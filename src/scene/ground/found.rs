@@ -1,0 +1,131 @@
+//! Whether a scene has ground. In: its triangles that are called ground, and what may stand on them. Out: yes, unless nearly all of them
+//! lie below something, as the floor of a house does below its roof.
+
+use glam::{DVec2, DVec3};
+
+/// A triangle in input coordinates, metres.
+pub(crate) type Corners = [DVec3; 3];
+
+/// Ground of which a smaller share lies free is floors of buildings, whose roofs are cut a little smaller than they are.
+const FREE: f64 = 0.05;
+/// What is at most so much higher lies on the ground, metres.
+const SAME_HEIGHT_M: f64 = 0.01;
+/// Faces whose normals are less upright than this stand (cosine).
+const UPRIGHT: f64 = 0.1;
+/// Points on each side of the plan: the most of these for which looking at each triangle's points stays within `MOST_VISITS`.
+const SIDES: [usize; 7] = [1024, 512, 256, 128, 64, 32, 16];
+const MOST_VISITS: f64 = 3e8;
+
+/// Whether ground lies free somewhere: where nothing of `above` is over it. Standing triangles do not count.
+pub(crate) fn lies_free(
+    ground: impl Iterator<Item = Corners> + Clone,
+    above: impl Iterator<Item = Corners> + Clone,
+) -> bool {
+    let level = |[a, b, c]: &Corners| {
+        let normal = (*b - *a).cross(*c - *a);
+        normal.z.abs() > UPRIGHT * normal.length()
+    };
+    let (ground, above) = (ground.filter(level), above.filter(level));
+    let corners = ground.clone().flatten().map(|p| p.truncate());
+    let (low, high) = corners.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let extent = high - low;
+    if !(extent.is_finite() && extent.min_element() > 0.0) {
+        return false;
+    }
+    let share = |triangle: Corners| {
+        let [a, b, c] = triangle.map(|p| ((p.truncate() - low) / extent).clamp(DVec2::ZERO, DVec2::ONE));
+        (a.max(b).max(c) - a.min(b).min(c)).element_product()
+    };
+    let shares: f64 = ground.clone().chain(above.clone()).map(share).sum();
+    let fits = |side: &usize| shares * (side * side) as f64 <= MOST_VISITS;
+    let side = SIDES.into_iter().find(fits).unwrap_or(SIDES[SIDES.len() - 1]);
+    let plan = Plan { low, cell: extent / side as f64, side };
+    let (ground, above) = (plan.highest(ground), plan.highest(above));
+    let (mut free, mut all) = (0_usize, 0_usize);
+    for (ground, above) in ground.iter().zip(&above).filter(|(ground, _)| ground.is_finite()) {
+        all += 1;
+        free += usize::from(*above <= *ground + SAME_HEIGHT_M as f32);
+    }
+    free as f64 > FREE * all as f64
+}
+
+/// Points of a rectangle, each in the middle of its cell.
+struct Plan {
+    low: DVec2,
+    cell: DVec2,
+    side: usize,
+}
+
+impl Plan {
+    /// Height of the highest triangle over each point, `[row][column]`; where there is none, minus infinity.
+    fn highest(&self, triangles: impl Iterator<Item = Corners>) -> Vec<f32> {
+        let mut heights = vec![f32::NEG_INFINITY; self.side * self.side];
+        for [a, b, c] in triangles {
+            let [p, q, r] = [a, b, c].map(|corner| (corner.truncate() - self.low) / self.cell);
+            let area = (q - p).perp_dot(r - p);
+            if area == 0.0 {
+                continue;
+            }
+            // `as` saturates: what lies outside gives an empty range or the border.
+            let range = |from: f64, to: f64| (from + 0.5) as usize..((to + 0.5) as usize).min(self.side);
+            let (least, most) = (p.min(q).min(r), p.max(q).max(r));
+            for row in range(least.y, most.y) {
+                for column in range(least.x, most.x) {
+                    let at = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                    let (of_b, of_c) = ((at - p).perp_dot(r - p) / area, (q - p).perp_dot(at - p) / area);
+                    let of_a = 1.0 - of_b - of_c;
+                    if of_a >= 0.0
+                        && of_b >= 0.0
+                        && of_c >= 0.0
+                        && let Some(height) = heights.get_mut(row * self.side + column)
+                    {
+                        *height = height.max((of_a * a.z + of_b * b.z + of_c * c.z) as f32);
+                    }
+                }
+            }
+        }
+        heights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles over a rectangle.
+    fn rectangle([x0, y0, x1, y1]: [f64; 4], z: f64) -> Vec<Corners> {
+        let corner = |x, y| DVec3::new(x, y, z);
+        let [a, b, c, d] = [corner(x0, y0), corner(x1, y0), corner(x1, y1), corner(x0, y1)];
+        vec![[a, b, c], [a, c, d]]
+    }
+
+    fn free(ground: &[Corners], above: &[Corners]) -> bool {
+        lies_free(ground.iter().copied(), above.iter().copied())
+    }
+
+    /// Floors of two houses 30 km apart below roofs that are 1 cm shorter on each side are no ground, a ring of a tenth of the area around one of
+    /// them is, a field is, a field under its own hall is not, and a cellar's ceiling below a field hides none of it: 5 of 5.
+    #[test]
+    fn floors_are_no_ground() {
+        let floors =
+            [rectangle([0., 0., 10., 10.], 0.0), rectangle([30_000., 30_000., 30_010., 30_010.], 3.0)].concat();
+        let roofs =
+            [rectangle([0.01, 0.01, 9.99, 9.99], 6.0), rectangle([30_000.01, 30_000.01, 30_009.99, 30_009.99], 9.0)];
+        let field = rectangle([-50., -50., 50., 50.], 2.0);
+        let hall = rectangle([-60., -60., 60., 60.], 7.0);
+        let cellar = rectangle([-50., -50., 50., 50.], -1.0);
+        assert!(!free(&floors, &roofs.concat()));
+        assert!(free(&rectangle([-0.25, -0.25, 10.25, 10.25], 0.0), &roofs[0]));
+        assert!(free(&field, &roofs[0]));
+        assert!(!free(&field, &hall));
+        assert!(free(&field, &cellar));
+    }
+
+    /// Without ground, and with a standing triangle that is called so, there is none: 2 of 2.
+    #[test]
+    fn nothing_and_standing() {
+        let standing = [DVec3::ZERO, DVec3::X, DVec3::Z];
+        assert!(!free(&[], &rectangle([0., 0., 1., 1.], 0.0)));
+        assert!(!free(&[standing], &[]));
+    }
+}

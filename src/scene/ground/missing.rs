@@ -1,0 +1,93 @@
+//! The plane that a scene without ground gets. In: the scene's triangles with their objects. Out: the plane's height, and what the user
+//! should know about it.
+
+use glam::DVec3;
+
+use crate::ground::model::USUAL;
+use crate::mesh::RawTriangle;
+
+/// So much below the lowest point, that floors which lie there are not met twice, metres.
+pub(crate) const BELOW_M: f64 = 0.01;
+/// Objects of which some stand higher than this above the plane stand on a slope, metres.
+const SLOPE_M: f64 = 5.0;
+/// What is lower than this is a slab or a roof, whose lowest corner says nothing of the ground, metres.
+const STANDING_M: f64 = 2.0;
+/// Share of the objects whose feet are left out of what is said, as upper parts of buildings have high ones.
+const LEFT_OUT: f64 = 0.1;
+
+/// Least and greatest height of what triangles span; `None` where there are none.
+pub(crate) fn heights<'t>(
+    positions: &[DVec3],
+    triangles: impl IntoIterator<Item = &'t RawTriangle>,
+) -> Option<[f64; 2]> {
+    let corners = triangles.into_iter().flat_map(|triangle| triangle.corners);
+    let heights = corners.filter_map(|corner| positions.get(corner as usize)).map(|p| p.z);
+    heights.fold(None, |found: Option<[f64; 2]>, z| {
+        let [low, high] = found.unwrap_or([z, z]);
+        Some([low.min(z), high.max(z)])
+    })
+}
+
+/// How high above a plane objects stand, all but the highest tenth of them; `objects` says which one a triangle is a part of.
+fn highest_foot(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32], plane_m: f64) -> Option<f64> {
+    let count = objects.iter().max().map_or(0, |most| *most as usize + 1);
+    let mut spans: Vec<Option<[f64; 2]>> = vec![None; count];
+    for (triangle, &object) in triangles.iter().zip(objects) {
+        if let (Some(span), Some([low, high])) = (spans.get_mut(object as usize), heights(positions, [triangle])) {
+            let [least, most] = span.unwrap_or([low, high]);
+            *span = Some([least.min(low), most.max(high)]);
+        }
+    }
+    let mut feet: Vec<f64> = spans
+        .into_iter()
+        .flatten()
+        .filter(|[low, high]| high - low > STANDING_M)
+        .map(|span| span[0] - plane_m)
+        .collect();
+    feet.sort_by(f64::total_cmp);
+    feet.get(((1.0 - LEFT_OUT) * feet.len() as f64).ceil() as usize - usize::from(!feet.is_empty())).copied()
+}
+
+/// What is said of an assumed plane: the first line in short.
+pub(crate) fn warning(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32], plane_m: f64) -> String {
+    let slope = match highest_foot(positions, triangles, objects, plane_m) {
+        Some(foot) if foot > SLOPE_M => {
+            format!("; objects stand up to {foot:.1} m above it, so that terrain would be better")
+        }
+        _ => String::new(),
+    };
+    format!(
+        "the scene has no ground: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} (--no-ground: none)\n\
+         another one: a table [endless_ground] with `diffuse` and `elevation` in --materials materials.toml; a material of the scene is \
+         ground by its name or by `class = \"ground\"`",
+        plane_m + BELOW_M
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten towers of 9 m on a slope of 1 in 10, 10 m apart: nine of them stand at most 8.01 m above a plane 1 cm below the lowest, and with 1 in 20
+    /// nobody says so; slabs of 1 m at 50 m do not count.
+    #[test]
+    fn slopes() {
+        let town = |rise: f64| {
+            let (mut positions, mut triangles, mut objects) = (Vec::new(), Vec::new(), Vec::new());
+            let feet = (0..10).map(|i| (f64::from(i) * rise, 9.0)).chain([(50.0, 1.0)]);
+            for (object, (foot, height)) in (0..).zip(feet) {
+                let first = positions.len() as u32;
+                positions.extend([[0.0, foot], [1.0, foot], [0.0, foot + height]].map(|[x, z]| DVec3::new(x, 0.0, z)));
+                triangles.push(RawTriangle { corners: [first, first + 1, first + 2], material: 0 });
+                objects.push(object);
+            }
+            warning(&positions, &triangles, &objects, -BELOW_M)
+        };
+        assert!(
+            town(1.0).contains("assumed at its lowest point, 0.00 m; objects stand up to 8.0 m above"),
+            "{}",
+            town(1.0)
+        );
+        assert!(town(0.5).contains("0.00 m (--no-ground: none)\n"), "{}", town(0.5));
+    }
+}

@@ -1,0 +1,106 @@
+//! Scenes with and without ground of their own, in several formats.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::Scene;
+use crate::site::{MissingGround, Part, Site};
+
+/// A box of 4 x 6 x 3 m at 2 m, and below it a floor of the material `ground`.
+const BOX: &str = "v 0 0 2\nv 4 0 2\nv 4 6 2\nv 0 6 2\nv 0 0 5\nv 4 0 5\nv 4 6 5\nv 0 6 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\n\
+                   f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nusemtl ground\nf 4 3 2 1\n";
+const LAWN: &str = "v -9 -9 2\nv 9 -9 2\nv 9 9 2\nv -9 9 2\nusemtl grass\nf -4 -3 -2 -1\n";
+const MODEL: &str = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World;\n\
+                     Site:GroundReflectance,0.4,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.4; Shading:Site:Detailed,S,,3, 0,9,1, 1,9,1, 1,9,2;\n";
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Folder(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.path().join(name);
+        fs::write(&path, text).expect("written");
+        path
+    }
+}
+
+fn load(files: &[&Path], materials: Option<&Path>) -> Scene {
+    let parts = files.iter().map(|file| Part::plain(file, materials)).collect();
+    Scene::load_site(&Site { parts, missing_ground: MissingGround::Assume }).expect("a scene")
+}
+
+/// Lowest height of the scene and what its endless ground reflects.
+fn plane(scene: &Scene) -> (f64, Option<f64>) {
+    let low = scene.mesh.bounds().0 + scene.mesh.origin;
+    let ground = scene.materials.iter().find(|material| material.name == "endless_ground");
+    ((low.z * 1e3).round() / 1e3, ground.map(|ground| ground.diffuse))
+}
+
+/// A box with a floor gets a plane of 0.2 that lies 1 cm below it, and one warning says so with the height and both ways out; a lawn around it is
+/// ground, a table of 0.3 at 1 m wins, and a site that does not ask stays as it is.
+#[test]
+fn scenes_without_ground() {
+    let folder = Folder::new();
+    let bare = folder.write("bare.obj", BOX);
+    let scene = load(&[&bare], None);
+    assert_eq!((plane(&scene), scene.mesh.triangles.len()), ((1.99, Some(0.2)), 14));
+    let said: Vec<&String> = scene.report.warnings.iter().filter(|text| text.contains("ground:")).collect();
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0]
+            .starts_with("the scene has no ground: a plane that reflects 0.2 is assumed at its lowest point, 2.00 m")
+    );
+    assert!(said[0].contains("--no-ground") && said[0].contains("[endless_ground]"), "{}", said[0]);
+    assert!(scene.report.assumed.contains(&"endless_ground".to_owned()));
+
+    let around = folder.write("lawn.obj", &format!("{BOX}{LAWN}"));
+    assert_eq!(plane(&load(&[&around], None)), (2.0, None));
+    let table = folder.write("m.toml", "[endless_ground]\ndiffuse = 0.3\nelevation = 1\n");
+    assert_eq!(plane(&load(&[&bare], Some(&table))), (1.0, Some(0.3)));
+    assert_eq!(plane(&Scene::load(&bare, None).expect("a scene")), (2.0, None));
+}
+
+/// The Hague with its terrain gets none, without it one at the lowest point of 54 buildings, 3.692 m: floors are no ground. Three buildings of
+/// another city model get one as well.
+#[test]
+fn city_models() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/cityjson");
+    let whole = data.join("hague.city.json");
+    assert_eq!(plane(&load(&[&whole], None)).1, None);
+    let mut city: serde_json::Value = serde_json::from_slice(&fs::read(&whole).expect("bytes")).expect("JSON");
+    let objects = city["CityObjects"].as_object_mut().expect("objects");
+    objects.retain(|_, object| object["type"] != "TINRelief");
+    let folder = Folder::new();
+    let bare = folder.write("bare.city.json", &city.to_string());
+    assert_eq!(plane(&load(&[&bare], None)), (3.692, Some(0.2)));
+    assert_eq!(plane(&load(&[&data.join("small.city.jsonl")], None)).1, Some(0.2));
+}
+
+/// A model of 0.4 in two months and 0.2 in ten gets a plane of their mean at its lowest point, 1 m, says so in a note and keeps the months; a table
+/// of 0.3 wins over both, a lawn beside it over the plane, and a plain model has 0.2 at all times and no months.
+#[test]
+fn energyplus_models() {
+    let folder = Folder::new();
+    let model = folder.write("m.idf", MODEL);
+    let scene = load(&[&model], None);
+    let (low, diffuse) = plane(&scene);
+    assert!(low == 0.99 && diffuse.is_some_and(|diffuse| (diffuse - 2.8 / 12.0).abs() < 1e-12), "{low} {diffuse:?}");
+    let months = scene.ground.expect("by month");
+    assert_eq!((months.of(12, None), months.of(6, None), months.material.as_str()), (0.4, 0.2, "endless_ground"));
+    let [note] = scene.report.notes.as_slice() else { panic!("{:?}", scene.report.notes) };
+    assert!(note.starts_with("ground: a plane at 1.00 m that reflects 0.2 to 0.4 by month, as "), "{note}");
+    assert!(!scene.report.warnings.iter().any(|text| text.contains("ground")), "{:?}", scene.report.warnings);
+
+    let table = folder.write("m.toml", "[endless_ground]\ndiffuse = 0.3\n");
+    let scene = load(&[&model], Some(&table));
+    assert_eq!((plane(&scene), scene.ground), ((1.0, Some(0.3)), None));
+    let lawn = folder.write("lawn.obj", LAWN);
+    let scene = load(&[&model, &lawn], None);
+    assert_eq!((plane(&scene), scene.ground), ((1.0, None), None));
+    let plain = folder.write("plain.idf", &MODEL.replace("0.4", "0.2"));
+    let scene = load(&[&plain], None);
+    assert_eq!((plane(&scene), scene.ground), ((0.99, Some(0.2)), None));
+}
