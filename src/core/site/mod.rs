@@ -1,4 +1,4 @@
-//! The nouns of a site: cells, materials, receivers, chains of mirrors, the place. In: numbers of readers and of archives. Out: types
+//! The nouns of a site: cells, materials, receivers, chains of mirrors, the place and its north. In: numbers of readers and of archives. Out: types
 //! that both the builder and replay speak of. Never: files, rays, weather.
 
 pub mod cells;
@@ -8,6 +8,7 @@ pub mod crossing;
 pub mod grid;
 pub mod material;
 pub mod morton;
+pub mod north;
 pub mod ordered;
 pub mod place;
 pub mod receiver;
