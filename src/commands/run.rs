@@ -31,6 +31,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::north::North;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::years::Years;
@@ -85,7 +86,8 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
     write_table(Sink::file(&files.table)?, &rows)?;
     write_map(&files.map, &rows, covered.as_ref())?;
-    say(&table(&rows, covered.as_ref(), &args.weather))?;
+    let north = North::of(archive.manifest().place.as_ref());
+    say(&table(&rows, covered.as_ref(), &args.weather, north))?;
     say(&format!(
         "{}: {}site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
          --weather {} --every month -o months.csv\n",
@@ -147,7 +149,12 @@ fn fits(
         None => stated == *settings && accuracy.is_none(),
     };
     let same_scene = manifest.scene.content_hash == format::hex(&scene.content_hash());
-    Ok(chosen && same_scene && other_receivers(archive, receivers)?.is_none())
+    // The suns go by the place.
+    let same_place = match (&manifest.place, &scene.place) {
+        (Some(stated), Some(place)) => stated.is_same(place),
+        (stated, place) => stated.is_none() && place.is_none(),
+    };
+    Ok(chosen && same_scene && same_place && other_receivers(archive, receivers)?.is_none())
 }
 
 /// Sums over the weather file of all receivers, in the archive's order.
@@ -194,15 +201,15 @@ fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, (&Piece, Surface
     rows.map(|(name, piece, surface, _)| (name, (piece, surface.kind))).collect()
 }
 
-/// Sums by kind of surface and side.
-fn table(rows: &[AnnualRow], covered: Option<&Covered>, weather: &Path) -> String {
+/// Sums by kind of surface and side; sides go by true north.
+fn table(rows: &[AnnualRow], covered: Option<&Covered>, weather: &Path, north: North) -> String {
     let pieces = pieces_by_name(covered);
     // Receivers, area, sums by area of the components.
     let mut groups: Vec<(String, usize, f64, [f64; 7])> = Vec::new();
     for row in rows {
         let kind = pieces.get(&row.receiver.id).map(|found| found.1);
         let area = row.receiver.area.unwrap_or(1.0);
-        for name in group_of(kind, row.receiver.normal) {
+        for name in group_of(kind, north.to_true(row.receiver.normal)) {
             let at = groups.iter().position(|group| group.0 == name).unwrap_or_else(|| {
                 groups.push((name, 0, 0.0, [0.0; 7]));
                 groups.len() - 1

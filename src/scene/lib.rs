@@ -38,6 +38,7 @@ pub mod mesh;
 pub mod mirrors;
 pub mod objects;
 mod palette;
+pub mod placing;
 mod polygon;
 pub mod reference;
 pub mod site;

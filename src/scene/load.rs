@@ -1,7 +1,7 @@
 //! Several files, one scene. In: the parts of a site. Out: a scene, and its triangles with the objects they belong to. Rasters come
 //! last, in the light of what they are the horizon of.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 
@@ -12,9 +12,11 @@ use crate::formats::{Asked, Content};
 use crate::geometry::{Geometry, Names};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
 use crate::palette::Palette;
+use crate::placing::extent::{Extent, Walls};
+use crate::placing::plausible::doubts;
+use crate::placing::whereabouts::place_of;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
-use crate::reference::{Reference, horizontal};
 use crate::site::{Part, Site};
 use crate::terrain::focus::Focus;
 use crate::terrain::raster::Raster;
@@ -22,7 +24,6 @@ use crate::terrain::surface;
 use crate::terrain::surface::{Wanted, surface};
 use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::site::place::Place;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
 #[derive(Debug, Default)]
@@ -46,8 +47,8 @@ struct Pile {
     triangles: Vec<RawTriangle>,
     objects: Vec<u32>,
     names: Names,
-    /// What files say of their place: reference, lowest and highest corner in their own coordinates (offsets may be taken off).
-    references: Vec<(PathBuf, Reference, [DVec3; 2])>,
+    /// How far each file reaches, and what is said of its place.
+    extents: Vec<Extent>,
     report: LoadReport,
     /// Centre of all geometry but far terrain, if there is such terrain.
     focus: Option<DVec3>,
@@ -56,7 +57,7 @@ struct Pile {
 impl Scene {
     /// Reads one file with `materials.toml`, or without it with the reflectances that the file itself gives.
     pub fn load(file: &Path, materials: Option<&Path>) -> Result<Scene> {
-        Scene::load_site(&Site { parts: vec![Part::plain(file, materials)] })
+        Scene::load_site(&Site { parts: vec![Part::plain(file, materials)], ..Site::default() })
     }
 
     /// Reads all files of a site.
@@ -80,7 +81,10 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
         }
         let asked = Asked { reflectances: part.materials.is_none(), lod: part.lod.clone() };
         match formats::read(&part.file, &asked)? {
-            Content::Polygons(geometry) => pile.add(part, *geometry, &mut palette, |p| part.place(p))?,
+            Content::Polygons(geometry) => {
+                let part = part.in_frame(&site.frame);
+                pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?;
+            }
             Content::Terrain(raster) => rasters.push((part, raster.placed(part)?)),
         }
     }
@@ -108,26 +112,21 @@ impl Pile {
             let (geometry, note) = surface(raster, &wanted)?;
             self.report.notes.extend(note);
             // Its raster was placed before.
-            self.add(part, geometry, palette, |p| p)?;
+            self.add(part, geometry, palette, None)?;
         }
         Ok(())
     }
 
+    /// Adds polygons, and puts them where `place` says; the surface of a raster stays where it is.
     fn add(
         &mut self,
         part: &Part,
         geometry: Geometry,
         palette: &mut Palette,
-        place: impl Fn(DVec3) -> DVec3,
+        place: Option<&dyn Fn(DVec3) -> DVec3>,
     ) -> Result<()> {
         let cut = polygon::triangulate(&geometry)?;
         self.note(part, &geometry, &cut);
-        if let Some(reference) = geometry.reference
-            && let Some(first) = geometry.vertices.first()
-        {
-            let bounds = geometry.vertices.iter().fold([*first; 2], |[low, high], p| [low.min(*p), high.max(*p)]);
-            self.references.push((part.file.clone(), reference, bounds));
-        }
         let materials = palette.add(&part.file, &geometry, part.materials.as_deref());
         let objects: Vec<u32> = geometry.objects.as_slice().iter().map(|name| self.names.id(name)).collect();
         let first = self.positions.len() as u64;
@@ -139,7 +138,7 @@ impl Pile {
             });
         }
         for &vertex in &geometry.vertices {
-            let placed = place(vertex);
+            let placed = place.map_or(vertex, |place| place(vertex));
             if !is_position(placed) {
                 let what = format!("offset and scale put a vertex at {placed}");
                 return Err(Error::input(&part.file, None, what, "positions are metres, at most 1e9 in size"));
@@ -152,6 +151,21 @@ impl Pile {
             material: number(&materials, triangle.material),
         }));
         self.objects.extend(cut.objects.iter().map(|&object| number(&objects, object)));
+        let position = |corner: u32| self.positions.get((u64::from(corner) + first) as usize).copied();
+        let corners = || cut.triangles.iter().map(|t| t.corners.map(|corner| position(corner).unwrap_or_default()));
+        let mut walls = Walls::default();
+        corners().for_each(|triangle| walls.add(triangle));
+        let (low, high) = bounds(corners().flatten());
+        self.extents.push(Extent {
+            file: part.file.clone(),
+            raster: place.is_none(),
+            bounds: [low, high],
+            shift: part.shift(),
+            scale: part.metres(),
+            own: geometry.reference,
+            stated: part.reference,
+            walls,
+        });
         Ok(())
     }
 
@@ -184,45 +198,6 @@ impl Pile {
         }
     }
 
-    /// The place of the middle of all files with the first one's reference; warns of files with another one.
-    fn place(&mut self) -> Option<Place> {
-        let system = |reference: &Reference| match reference {
-            Reference::Epsg(epsg) => Reference::Epsg(horizontal(*epsg)),
-            place => *place,
-        };
-        let (first_file, first, bounds) = self.references.first()?;
-        let same = |reference: &Reference| system(reference) == system(first);
-        if let Some((file, other, _)) = self.references.iter().find(|(_, reference, _)| !same(reference)) {
-            let spelt = |reference: &Reference| match reference {
-                Reference::Epsg(epsg) => format!("EPSG:{epsg}"),
-                Reference::Place { latitude_deg, longitude_deg } => format!("{latitude_deg:.4} {longitude_deg:.4}"),
-            };
-            self.report.warnings.push(format!(
-                "{} is in {} and {} in {}; coordinates are taken as they stand, those of the first file give the place",
-                first_file.display(),
-                spelt(first),
-                file.display(),
-                spelt(other)
-            ));
-        }
-        let united = self.references.iter().filter(|(_, reference, _)| same(reference));
-        let [low, high] = united.fold(*bounds, |[low, high], (.., of)| {
-            let [from, to] = of;
-            [low.min(*from), high.max(*to)]
-        });
-        let middle = 0.5 * (low + high);
-        let place = first.place(middle.x, middle.y);
-        match (&place, first) {
-            (Some(place), _) => self.report.warnings.extend(place.warning()),
-            (None, Reference::Epsg(epsg)) => self.report.warnings.push(format!(
-                "{}: where EPSG:{epsg} lies is not known here, so weather is not compared with the scene's place",
-                first_file.display()
-            )),
-            _ => {}
-        }
-        place
-    }
-
     fn finish(
         mut self,
         site: &Site,
@@ -230,7 +205,8 @@ impl Pile {
         ground: Option<(EndlessGround, u32)>,
         keep: bool,
     ) -> Result<(Scene, Soup)> {
-        let place = self.place();
+        let place = place_of(&self.extents, &site.frame, &mut self.report)?;
+        doubts(&self.extents, &mut self.report)?;
         let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, .. } = self;
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {

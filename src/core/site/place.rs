@@ -27,18 +27,18 @@ pub struct Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place { latitude_deg, longitude_deg, epsg, .. } = self;
-        write!(f, "latitude {latitude_deg:.4}, longitude {longitude_deg:.4}, {}", self.y())?;
+        write!(f, "latitude {latitude_deg:.4}, longitude {longitude_deg:.4}, y {}", self.y())?;
         epsg.map_or(Ok(()), |epsg| write!(f, ", EPSG:{epsg}"))
     }
 }
 
 impl Place {
-    /// Which way y points: `y 0.73 degrees west of true north`.
+    /// Where y points: `0.73 degrees west of true north`.
     fn y(&self) -> String {
         let (size, side) = (self.convergence_deg.abs(), if self.convergence_deg < 0.0 { "west" } else { "east" });
         match format!("{size:.2}") {
-            none if none == "0.00" => "y is true north".into(),
-            size => format!("y {size} degrees {side} of true north"),
+            none if none == "0.00" => "to true north".into(),
+            size => format!("{size} degrees {side} of true north"),
         }
     }
 
@@ -46,7 +46,7 @@ impl Place {
     pub fn note(&self) -> Option<String> {
         let grid = self.epsg.map_or(String::new(), |epsg| format!(" in EPSG:{epsg}"));
         let noted = self.convergence_deg.abs() > NOTED_DEG;
-        noted.then(|| format!("the model has {}{grid}: suns, which go by true north, are turned by that", self.y()))
+        noted.then(|| format!("y lies {}{grid}: suns, which go by true north, are turned by that", self.y()))
     }
 
     /// Whether two places are one, but for the last digits that are lost when they are written down.
@@ -81,11 +81,9 @@ mod tests {
             grid.to_string(),
             "latitude 52.0000, longitude 4.0000, y 0.73 degrees west of true north, EPSG:28992"
         );
-        assert!(
-            grid.note().expect("noted").starts_with("the model has y 0.73 degrees west of true north in EPSG:28992")
-        );
-        assert!(place(30.0, None).note().expect("noted").contains("y 30.00 degrees east of true north: suns"));
-        assert!(place(-0.004, None).to_string().ends_with("y is true north"));
+        assert!(grid.note().expect("noted").starts_with("y lies 0.73 degrees west of true north in EPSG:28992"));
+        assert!(place(30.0, None).note().expect("noted").contains("y lies 30.00 degrees east of true north: suns"));
+        assert!(place(-0.004, None).to_string().ends_with("y to true north"));
         assert_eq!(place(0.1, None).note(), None);
         let same = [place(-0.73 + 1e-12, Some(28992)), place(-0.7301, Some(28992)), place(-0.73, None)];
         assert_eq!(same.iter().filter(|other| grid.is_same(other)).count(), 1);

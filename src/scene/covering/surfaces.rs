@@ -318,7 +318,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("town.obj");
         std::fs::write(&path, obj).expect("written");
-        let site = Site { parts: vec![Part::plain(&path, None)] };
+        let site = Site { parts: vec![Part::plain(&path, None)], ..Site::default() };
         let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
         Surfaces::find(&soup, &scene.materials)
     }

@@ -46,7 +46,7 @@ fn parts(files: &[(&str, String)]) -> (tempfile::TempDir, Vec<Part>) {
 }
 
 fn load(parts: &[Part]) -> Scene {
-    Scene::load_site(&Site { parts: parts.to_vec() }).expect("a scene")
+    Scene::load_site(&Site { parts: parts.to_vec(), ..Site::default() }).expect("a scene")
 }
 
 /// A raster alone is 2 x 79 x 59 triangles less the 8 or 4 at nodata, all facing up, under material `terrain`, without a note.
@@ -106,6 +106,6 @@ fn asked() {
     assert_eq!(found[0], 2 * 79 * 59 - 8 + 2);
     assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
     let turned = Part { y_up: true, ..terrain.clone() };
-    let message = Scene::load_site(&Site { parts: vec![turned] }).expect_err("no y up").to_string();
+    let message = Scene::load_site(&Site { parts: vec![turned], ..Site::default() }).expect_err("no y up").to_string();
     assert!(message.contains("y_up is asked of a raster"), "{message}");
 }
