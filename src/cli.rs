@@ -33,7 +33,7 @@ pub use self::cover::{CoverArgs, ReceiversArgs};
 pub use self::export::ExportArgs;
 pub use self::quality::{AccuracyArgs, Percent};
 pub use self::run::RunArgs;
-pub use self::scene::{MaterialsArgs, SceneArgs};
+pub use self::scene::{MaterialsArgs, PlaceArgs, SceneArgs};
 pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
 
@@ -185,6 +185,9 @@ pub struct RecombineArgs {
     /// How the archive is read [default: map, or pread if the archive is large beside --memory]
     #[arg(long, value_parser = choice::<Access>())]
     pub io: Option<Access>,
+    /// Take y for north: suns are not turned to the true north that the archive's place tells of
+    #[arg(long)]
+    pub grid_north: bool,
     /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
     /// the last one counts
     #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
@@ -195,7 +198,7 @@ pub struct RecombineArgs {
 pub struct QueryArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2
+    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are clockwise from true north
     #[arg(long, short)]
     pub conditions: PathBuf,
     /// Change what comes through canopies at each crossing: GROUP=0.4, or a material's name in place of the group; may be repeated,
@@ -307,6 +310,8 @@ pub struct InfoArgs {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
+    #[command(flatten)]
+    pub place: PlaceArgs,
     /// How the archive is read
     #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
     pub io: Access,

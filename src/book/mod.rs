@@ -4,6 +4,9 @@
 #[doc = include_str!("scenes.md")]
 pub mod scenes {}
 
+#[doc = include_str!("place.md")]
+pub mod place {}
+
 #[doc = include_str!("terrain.md")]
 pub mod terrain {}
 

@@ -20,6 +20,7 @@ pub struct ReceiverTiles {
     count: usize,
     content_hash: [u8; 32],
     farthest: Option<Receiver>,
+    bounds: [DVec3; 2],
 }
 
 impl ReceiverTiles {
@@ -62,14 +63,16 @@ impl ReceiverTiles {
     }
 
     fn of_sorted(sorted: Sorted, origin: DVec3, folder: &Path) -> Result<Self> {
-        let mut tiles =
-            ReceiverTiles { sorted, folder: folder.to_owned(), count: 0, content_hash: [0; 32], farthest: None };
+        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let folder = folder.to_owned();
+        let mut tiles = ReceiverTiles { sorted, folder, count: 0, content_hash: [0; 32], farthest: None, bounds };
         let mut content = ContentHasher::new("heliotile receivers 1");
         let (mut count, mut farthest, mut largest_m) = (0, None, -1.0);
         for tile in tiles.tiles()? {
             for receiver in tile? {
                 count += 1;
                 add(&mut content, &receiver);
+                bounds = [bounds[0].min(receiver.position), bounds[1].max(receiver.position)];
                 let offset_m = (receiver.position - origin).abs().max_element();
                 if offset_m > largest_m {
                     (farthest, largest_m) = (Some(receiver), offset_m);
@@ -77,7 +80,7 @@ impl ReceiverTiles {
             }
         }
         content.length(count);
-        Ok(ReceiverTiles { count, content_hash: content.finish(), farthest, ..tiles })
+        Ok(ReceiverTiles { count, content_hash: content.finish(), farthest, bounds, ..tiles })
     }
 
     /// Number of receivers.
@@ -98,6 +101,11 @@ impl ReceiverTiles {
     /// The receiver with the largest coordinate relative to the origin, the first of several; `None` if there are none.
     pub fn farthest(&self) -> Option<&Receiver> {
         self.farthest.as_ref()
+    }
+
+    /// Lowest and highest coordinates of all receivers.
+    pub fn bounds(&self) -> [DVec3; 2] {
+        self.bounds
     }
 
     /// The tiles in order, [`TILE`] receivers each, the last one fewer. Every call begins with the first tile.

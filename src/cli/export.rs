@@ -17,7 +17,7 @@ use heliotile_core::units::direction_from_degrees;
 const IMAGES: &str = "\
 An .exr file has three parts, four where the receiver sees sky in mirrors (f32, texels of equal solid angle, see schema/layers.md; their attribute `heliotile` says what they
 hold, as JSON):
-  sky       world's upper hemisphere, first line north: visible, weight_sr; with --sun sky_direct, sun_direct
+  sky       world's upper hemisphere, first line towards y: visible, weight_sr; with --sun sky_direct, sun_direct
   hit       the surface's own hemisphere, first line up the surface: class (1 ground, 2 obstruction), material, cell, mirrors
             passed, weight_sr; with --sun sun_diffuse, sky_diffuse: the radiance of what is seen there
   response  world's upper hemisphere: ground.x to obstruction.z, reflected light by the direction of its source;
@@ -27,7 +27,7 @@ hold, as JSON):
 Behind canopies `sky` also has `through`, the share of light that comes through. Channels named like a column of `query` are radiances, W/m2 sr: their sum over the texels of a part, each times weight_sr, is that
 column.
 
-A .png is a picture for people: the upper hemisphere, equidistant, zenith in the middle, north up, east right as on a map; with
+A .png is a picture for people: the upper hemisphere, equidistant, zenith in the middle, y up, x right as on a map, N in true north; with
 --weather or --latitude the sun's paths at the solstices and equinoxes, and its place at each full hour through the year.";
 
 #[derive(Args, Debug)]
@@ -45,7 +45,7 @@ pub struct ExportArgs {
     /// Export the shares of every receiver's hemisphere that are sky, ground, obstructions and nothing (they sum to 1)
     #[arg(long, conflicts_with_all = ["sun", "weather", "latitude"])]
     pub view_factors: bool,
-    /// Azimuth and altitude of a sun, degrees, azimuth clockwise from north: maps of its light go into an .exr, its place into a .png
+    /// Azimuth and altitude of a sun, degrees, azimuth clockwise from true north: maps of its light go into an .exr, its place into a .png
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", allow_hyphen_values = true)]
     pub sun: Option<SunPosition>,
     /// Direct normal irradiance of that sun, W/m2

@@ -1,10 +1,11 @@
-//! Scene files as most commands take them.
+//! Scene files as most commands take them, and where they lie.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use heliotile_core::error::Result;
+use heliotile_core::error;
+use heliotile_scene::placing::frame::{SiteFrame, check_elevation, check_epsg, check_rotation, check_scale};
 use heliotile_scene::site::{MissingGround, Site};
 
 #[derive(Args, Debug)]
@@ -15,6 +16,8 @@ pub struct SceneArgs {
     pub scene: Vec<PathBuf>,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
+    #[command(flatten)]
+    pub place: PlaceArgs,
 }
 
 /// What surfaces reflect, and whether there is ground.
@@ -34,7 +37,7 @@ pub struct MaterialsArgs {
 
 impl MaterialsArgs {
     /// A site of files.
-    pub fn site(&self, files: &[PathBuf]) -> Result<Site> {
+    pub fn site(&self, files: &[PathBuf]) -> error::Result<Site> {
         let mut site = Site::of(files, self.materials.as_deref())?;
         if !self.no_ground {
             site.missing_ground = MissingGround::Assume;
@@ -44,14 +47,104 @@ impl MaterialsArgs {
     }
 }
 
+/// Where a scene lies, how it is turned, and the unit of its files; each counts more than what files say.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PlaceArgs {
+    /// Coordinate reference system of the scene's coordinates, in metres: EPSG:28992 or 28992
+    #[arg(long, value_name = "EPSG", value_parser = parse_crs)]
+    pub crs: Option<u32>,
+    /// Where the scene lies, north positive; y is true north unless a coordinate system says more
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "longitude", value_parser = parse_latitude)]
+    pub latitude: Option<f64>,
+    /// East positive
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "latitude", value_parser = parse_longitude)]
+    pub longitude: Option<f64>,
+    /// Turn the model clockwise as seen from above: its y axis lies so far from north (the north axis of EnergyPlus); coordinates stay
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_rotation)]
+    pub rotate_deg: Option<f64>,
+    /// Height above sea level of z = 0, metres, for all files but terrain
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, value_parser = parse_elevation)]
+    pub elevation: Option<f64>,
+    /// Metres a unit of all files but terrain: 0.001 for millimetres
+    #[arg(long, value_name = "METRES", value_parser = parse_scale)]
+    pub scale: Option<f64>,
+}
+
 impl SceneArgs {
     /// The files of the scene.
-    pub fn site(&self) -> Result<Site> {
-        self.surfaces.site(&self.scene)
+    pub fn site(&self) -> error::Result<Site> {
+        Ok(self.surfaces.site(&self.scene)?.framed(&self.place.frame()))
     }
 
     /// The first file, which messages about the scene are about.
     pub fn first(&self) -> &Path {
         self.scene.first().map_or(Path::new(""), PathBuf::as_path)
+    }
+}
+
+impl PlaceArgs {
+    /// What is said here.
+    pub fn frame(&self) -> SiteFrame {
+        SiteFrame {
+            epsg: self.crs,
+            latitude_deg: self.latitude,
+            longitude_deg: self.longitude,
+            rotate_deg: self.rotate_deg,
+            elevation_m: self.elevation,
+            scale: self.scale,
+        }
+    }
+}
+
+/// `EPSG:28992`, `epsg:28992` or `28992`.
+fn parse_crs(text: &str) -> Result<u32, String> {
+    let upper = text.trim().to_ascii_uppercase();
+    let digits = upper.strip_prefix("EPSG:").unwrap_or(&upper);
+    let number = digits.parse().map_err(|_| "give the number of a system in the EPSG register, such as EPSG:28992")?;
+    check_epsg(number)
+}
+
+fn parse_number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a number"))
+}
+
+fn parse_latitude(text: &str) -> Result<f64, String> {
+    let degrees = parse_number(text)?;
+    let hint = "give degrees from -90 to 90, north positive";
+    if (-90.0..=90.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }
+}
+
+fn parse_longitude(text: &str) -> Result<f64, String> {
+    let degrees = parse_number(text)?;
+    let hint = "give degrees from -180 to 180, east positive";
+    if (-180.0..=180.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }
+}
+
+fn parse_rotation(text: &str) -> Result<f64, String> {
+    check_rotation(parse_number(text)?)
+}
+
+fn parse_elevation(text: &str) -> Result<f64, String> {
+    check_elevation(parse_number(text)?)
+}
+
+fn parse_scale(text: &str) -> Result<f64, String> {
+    check_scale(parse_number(text)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three spellings of RD New are 28992; a system in degrees, one that is unknown and a name are refused with what to do.
+    #[test]
+    fn systems() {
+        for text in ["28992", "EPSG:28992", " epsg:28992"] {
+            assert_eq!(parse_crs(text), Ok(28992), "{text}");
+        }
+        for (text, word) in [("4326", "degrees"), ("EPSG:99999", "not known"), ("RD New", "such as EPSG:28992")] {
+            assert!(parse_crs(text).expect_err(text).contains(word), "{text}");
+        }
+        assert!(parse_latitude("91").is_err() && parse_longitude("-180.5").is_err() && parse_scale("nan").is_err());
     }
 }

@@ -21,6 +21,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::maps::{Illumination, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
+use heliotile_core::site::north::North;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::sun_path::SunPath;
@@ -58,9 +59,10 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
         Some(id) => {
             let image = Image::of(&args.output)?;
             // Before the archive: a wrong weather file is found at once.
-            let overlay = overlay(args, &image)?;
+            let mut overlay = overlay(args, &image)?;
             let archive = Archive::open_with(&args.archive, args.io)?;
             let site = OpenSite::of(&archive)?;
+            overlay.north = site.north();
             let view = ReceiverView::load(&site, id)?;
             let bytes = match image {
                 Image::Png => fisheye(&view, &overlay)?,
@@ -112,6 +114,9 @@ fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<Strin
         about.insert("dhi_w_m2".into(), json!(args.dhi));
         about.insert("sky".into(), json!(args.sky.to_string()));
     }
+    if let Some(place) = archive.manifest().place {
+        about.insert("y_from_true_north_deg".into(), json!(place.convergence_deg));
+    }
     about
 }
 
@@ -139,7 +144,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
         }
         (None, None) => None,
     };
-    Ok(Overlay { path, sun: args.sun.map(|sun| sun.direction()) })
+    Ok(Overlay { path, sun: args.sun.map(|sun| sun.direction()), north: North::default() })
 }
 
 /// View factors of all receivers as CSV.

@@ -8,10 +8,11 @@ use crate::cli::{InfoArgs, VerifyArgs};
 use heliotile_core::archive;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, format, tables};
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::rounded;
 use heliotile_core::text::counted;
+use heliotile_scene::placing::frame::SiteFrame;
 
 /// Numbers of the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
@@ -28,8 +29,12 @@ macro_rules! line {
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
     let path = match args.files.as_slice() {
         [path] if is_archive(path) => path,
-        files => return scene::info(&args.surfaces.site(files)?),
+        files => return scene::info(&args.surfaces.site(files)?.framed(&args.place.frame())),
     };
+    if args.place.frame() != SiteFrame::default() {
+        let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
+        return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
+    }
     let archive = Archive::open_with(path, args.io)?;
     let manifest = archive.manifest();
     let mut out = String::new();

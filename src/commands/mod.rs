@@ -32,6 +32,7 @@ use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_scene::Scene;
+use heliotile_scene::placing::plausible::far_receivers;
 use heliotile_scene::site::Site;
 
 /// How a command that ran ended.
@@ -139,6 +140,8 @@ fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<R
     let mut warnings = Vec::new();
     let budget = workspace.memory.length(Use::SortedReceivers);
     let receivers = ReceiverTiles::open(path, scene.mesh.origin, &workspace.folder, budget, &mut warnings)?;
+    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
+    warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", path.display())));
     warnings.iter().for_each(|w| warn(w));
     Ok(receivers)
 }
@@ -164,6 +167,12 @@ fn say(text: &str) -> Result<()> {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("standard output"), "write to")(e)),
         _ => Ok(()),
     }
+}
+
+/// Prints what was decided, beside a table that may go to standard output.
+fn note(text: &str) {
+    // A closed standard error must not end the work.
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Prints a warning of a command that goes on.

@@ -149,11 +149,7 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
     }
     let points: f64 = chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum();
     if points > MOST_POINTS {
-        return Err(Error::Limit {
-            what: "the number of receivers".into(),
-            value: points as u64,
-            max: MOST_POINTS as u64,
-        });
+        return Err(too_many(points, chosen.iter().map(|&i| surfaces.list[i].area_m2).sum(), args));
     }
     let (tracer, _) = Canopies::split(scene);
     let terminal = Terminal::default();
@@ -180,6 +176,24 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
         return Err(Error::argument("--on", what.trim_end(), hint));
     }
     Ok(covered)
+}
+
+/// The error of more receivers than can be covered with: a spacing that would do, and the unit as another reason.
+fn too_many(points: f64, area_m2: f64, args: &CoverArgs) -> Error {
+    let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
+    let what = format!("{points:.0} receivers on {area} of surfaces, more than {MOST_POINTS:.0}");
+    let (option, fewer) = match args.per_surface {
+        Some(_) => ("--per-surface", "give fewer a surface".to_owned()),
+        // A little more, for edges.
+        None => {
+            let enough_m = 1.05 * args.spacing.0 * (points / MOST_POINTS).sqrt();
+            ("--spacing", format!("give --spacing {:.1}m or more", (10.0 * enough_m).ceil() / 10.0))
+        }
+    };
+    let hint = format!(
+        "{fewer}, or cover less (--on); if the area is too large, the unit is not the metre: --scale 0.001 for millimetres"
+    );
+    Error::argument(option, what, hint)
 }
 
 fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {

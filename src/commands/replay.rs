@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::chosen::Chosen;
 use super::terminal::Terminal;
-use super::{Outcome, guard_output, temporary_files, warn};
+use super::{Outcome, guard_output, note, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather, read_weather_with_air};
 use crate::outputs::groups::{GroupMeans, Groups};
@@ -186,6 +186,9 @@ fn open(args: &RecombineArgs) -> Result<Archive> {
 fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
     let labels = series.labels;
     let site = OpenSite::of(archive)?;
+    let site = if args.grid_north { site.with_y_for_north() } else { site };
+    // Standard output may be the table.
+    archive.manifest().place.filter(|_| !args.grid_north).and_then(|place| place.note()).iter().for_each(|n| note(n));
     let chosen = Chosen::of(args, archive, &site)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
     let layout = Layout { labels: series.kind, by: args.by, components };

@@ -33,6 +33,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::north::North;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::years::Years;
@@ -87,10 +88,11 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
     write_table(Sink::file(&files.table)?, &rows)?;
     write_map(&files.map, &rows, covered.as_ref())?;
+    let north = North::of(archive.manifest().place.as_ref());
     say(&format!(
         "\nIrradiation through {}, kWh/m2 (means by area):\n{}",
         args.weather.display(),
-        by_kind_and_side(&rows)
+        by_kind_and_side(&rows, north)
     ))?;
     say(&format!(
         "{}: {}site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
@@ -154,7 +156,12 @@ fn fits(
     };
     let same_hash = manifest.scene.content_hash == format::hex(&scene.content_hash());
     let same_scene = same_hash && manifest.ground == scene.ground;
-    Ok(chosen && same_scene && other_receivers(archive, receivers)?.is_none())
+    // The suns go by the place.
+    let same_place = match (&manifest.place, &scene.place) {
+        (Some(stated), Some(place)) => stated.is_same(place),
+        (stated, place) => stated.is_none() && place.is_none(),
+    };
+    Ok(chosen && same_scene && same_place && other_receivers(archive, receivers)?.is_none())
 }
 
 /// Sums over the weather file of all receivers, in the archive's order.

@@ -60,8 +60,10 @@ pub fn info(site: &Site) -> Result<Outcome> {
         size.y,
         size.z
     );
-    if let Some(place) = &scene.place {
-        line!(out, "  place       {place}");
+    let unknown = || "not known, y is taken for north: give --crs, or --latitude and --longitude".to_owned();
+    line!(out, "  place       {}", scene.place.map_or_else(unknown, |place| place.to_string()));
+    if let Some(turn) = site.frame.rotate_deg {
+        line!(out, "  rotation    {turn} degrees clockwise, contained in the direction of y");
     }
     if surfaces.contrary_edges > 0 {
         line!(

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use crate::outputs::annual::AnnualRow;
 use heliotile_core::replay::components::Component;
+use heliotile_core::site::north::North;
 use heliotile_core::units::tilt_and_azimuth;
 
 /// Surfaces tilted by less than this have no side, degrees: flat roofs are laid with 1 to 3, pitched ones begin at about 15.
@@ -50,11 +51,11 @@ impl Group {
     }
 }
 
-/// The table, with a line that says what is meant by its sides if it has any.
-pub fn by_kind_and_side(rows: &[AnnualRow]) -> String {
+/// The table, with a line that says what is meant by its sides if it has any; sides go by true north.
+pub fn by_kind_and_side(rows: &[AnnualRow], north: North) -> String {
     let mut kinds: BTreeMap<String, (Group, BTreeMap<&str, Group>)> = BTreeMap::new();
     for row in rows {
-        let (tilt, azimuth) = tilt_and_azimuth(row.receiver.normal);
+        let (tilt, azimuth) = tilt_and_azimuth(north.to_true(row.receiver.normal));
         let (all, sides) = kinds.entry(kind(row, tilt)).or_default();
         all.add(row);
         sides.entry(side(tilt, azimuth)).or_default().add(row);
@@ -141,11 +142,14 @@ mod tests {
     /// A roof of 30 degrees to the south is not flat, one of 5 is: 1000 on 10 m2 and 700 on 20 m2 are 800 in the mean and 24 MWh.
     #[test]
     fn pitched_roofs_have_sides() {
-        let text = by_kind_and_side(&[
-            row("roof", 30.0, 180.0, Some(10.0), 1000.0),
-            row("roof", 5.0, 0.0, Some(20.0), 700.0),
-            row("wall", 90.0, 314.0, Some(1.0), 400.0),
-        ]);
+        let text = by_kind_and_side(
+            &[
+                row("roof", 30.0, 180.0, Some(10.0), 1000.0),
+                row("roof", 5.0, 0.0, Some(20.0), 700.0),
+                row("wall", 90.0, 314.0, Some(1.0), 400.0),
+            ],
+            North::default(),
+        );
         let cells = |name: &str| -> Vec<String> {
             let line =
                 text.lines().find(|line| line.get(..14).is_some_and(|head| head.trim_end() == name)).expect(name);
@@ -160,7 +164,8 @@ mod tests {
     /// Receivers without areas have a plain mean, 550 of 500 and 600, and neither area nor MWh; what looks up is called so.
     #[test]
     fn no_area_no_energy() {
-        let text = by_kind_and_side(&[row("", 0.0, 0.0, None, 500.0), row("", 0.0, 0.0, Some(3.0), 600.0)]);
+        let text =
+            by_kind_and_side(&[row("", 0.0, 0.0, None, 500.0), row("", 0.0, 0.0, Some(3.0), 600.0)], North::default());
         let line = text.lines().nth(1).expect("a row");
         let cells: Vec<&str> = line.split_whitespace().collect();
         assert_eq!(cells, ["looking", "up", "2", "-", "0.0", "0.0", "0.0", "0.0", "550.0", "-"], "{text}");

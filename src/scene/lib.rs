@@ -39,6 +39,7 @@ pub mod mesh;
 pub mod mirrors;
 pub mod objects;
 mod palette;
+pub mod placing;
 mod polygon;
 pub mod reference;
 pub mod semantics;

@@ -18,9 +18,11 @@ use crate::ground::missing::{BELOW_M, heights};
 use crate::ground::model::{ModelGround, USUAL};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
 use crate::palette::Palette;
+use crate::placing::extent::{Extent, Walls};
+use crate::placing::plausible::doubts;
+use crate::placing::whereabouts::place_of;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
-use crate::reference::{Reference, horizontal};
 use crate::semantics::{ObjectNote, SourceFace};
 use crate::site::{MissingGround, Part, Site};
 use crate::terrain::focus::Focus;
@@ -31,7 +33,6 @@ use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Class;
-use heliotile_core::site::place::Place;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
 #[derive(Debug, Default)]
@@ -83,8 +84,8 @@ struct Pile {
     keep: bool,
     faces: Vec<u32>,
     source_faces: Vec<SourceFace>,
-    /// What files say of their place: reference, lowest and highest corner in their own coordinates (offsets may be taken off).
-    references: Vec<(PathBuf, Reference, [DVec3; 2])>,
+    /// How far each file reaches, and what is said of its place.
+    extents: Vec<Extent>,
     report: LoadReport,
     /// Files whose ground is no face of theirs.
     models: Vec<Model>,
@@ -125,7 +126,10 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             lod: part.lod.clone(),
         };
         match formats::read(&part.file, &asked)? {
-            Content::Polygons(geometry) => pile.add(part, *geometry, &mut palette, |p| part.place(p))?,
+            Content::Polygons(geometry) => {
+                let part = part.in_frame(&site.frame);
+                pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?;
+            }
             Content::Terrain(raster) => rasters.push((part, raster.placed(part)?)),
         }
     }
@@ -157,7 +161,7 @@ impl Pile {
             let (geometry, note) = surface(raster, &wanted)?;
             self.report.notes.extend(note);
             // Its raster was placed before.
-            self.add(part, geometry, palette, |p| p)?;
+            self.add(part, geometry, palette, None)?;
         }
         Ok(())
     }
@@ -219,21 +223,16 @@ impl Pile {
         Some((EndlessGround { elevation_m: Some(lowest - BELOW_M) }, material))
     }
 
+    /// Adds polygons, and puts them where `place` says; the surface of a raster stays where it is.
     fn add(
         &mut self,
         part: &Part,
         geometry: Geometry,
         palette: &mut Palette,
-        place: impl Fn(DVec3) -> DVec3,
+        place: Option<&dyn Fn(DVec3) -> DVec3>,
     ) -> Result<()> {
         let cut = polygon::triangulate(&geometry)?;
         self.note(part, &geometry, &cut);
-        if let Some(reference) = geometry.reference
-            && let Some(first) = geometry.vertices.first()
-        {
-            let bounds = geometry.vertices.iter().fold([*first; 2], |[low, high], p| [low.min(*p), high.max(*p)]);
-            self.references.push((part.file.clone(), reference, bounds));
-        }
         let materials = palette.add(part, &geometry);
         let objects: Vec<u32> = geometry.objects.as_slice().iter().map(|name| self.names.id(name)).collect();
         let first = self.positions.len() as u64;
@@ -245,7 +244,7 @@ impl Pile {
             });
         }
         for &vertex in &geometry.vertices {
-            let placed = place(vertex);
+            let placed = place.map_or(vertex, |place| place(vertex));
             if !is_position(placed) {
                 let what = format!("offset and scale put a vertex at {placed}");
                 return Err(Error::input(&part.file, None, what, "positions are metres, at most 1e9 in size"));
@@ -268,8 +267,23 @@ impl Pile {
                 self.notes.entry(number(&objects, object)).or_insert_with(|| note.clone());
             }
         }
+        let position = |corner: u32| self.positions.get((u64::from(corner) + first) as usize).copied();
+        let corners = || cut.triangles.iter().map(|t| t.corners.map(|corner| position(corner).unwrap_or_default()));
+        let mut walls = Walls::default();
+        corners().for_each(|triangle| walls.add(triangle));
+        let (low, high) = bounds(corners().flatten());
+        self.extents.push(Extent {
+            file: part.file.clone(),
+            raster: place.is_none(),
+            bounds: [low, high],
+            shift: part.shift(),
+            scale: part.metres(),
+            own: geometry.reference,
+            stated: part.reference,
+            walls,
+        });
         if let Some(ground) = geometry.ground {
-            let elevation_m = place(DVec3::new(0.0, 0.0, ground.elevation_m)).z;
+            let elevation_m = part.place(DVec3::new(0.0, 0.0, ground.elevation_m)).z;
             let stated = if part.materials_only { ModelGround::usual(elevation_m) } else { ground };
             let triangles = first_triangle..self.triangles.len();
             self.models.push(Model {
@@ -310,45 +324,6 @@ impl Pile {
         }
     }
 
-    /// The place of the middle of all files with the first one's reference; warns of files with another one.
-    fn place(&mut self) -> Option<Place> {
-        let system = |reference: &Reference| match reference {
-            Reference::Epsg(epsg) => Reference::Epsg(horizontal(*epsg)),
-            place => *place,
-        };
-        let (first_file, first, bounds) = self.references.first()?;
-        let same = |reference: &Reference| system(reference) == system(first);
-        if let Some((file, other, _)) = self.references.iter().find(|(_, reference, _)| !same(reference)) {
-            let spelt = |reference: &Reference| match reference {
-                Reference::Epsg(epsg) => format!("EPSG:{epsg}"),
-                Reference::Place { latitude_deg, longitude_deg } => format!("{latitude_deg:.4} {longitude_deg:.4}"),
-            };
-            self.report.warnings.push(format!(
-                "{} is in {} and {} in {}; coordinates are taken as they stand, those of the first file give the place",
-                first_file.display(),
-                spelt(first),
-                file.display(),
-                spelt(other)
-            ));
-        }
-        let united = self.references.iter().filter(|(_, reference, _)| same(reference));
-        let [low, high] = united.fold(*bounds, |[low, high], (.., of)| {
-            let [from, to] = of;
-            [low.min(*from), high.max(*to)]
-        });
-        let middle = 0.5 * (low + high);
-        let place = first.place(middle.x, middle.y);
-        match (&place, first) {
-            (Some(place), _) => self.report.warnings.extend(place.warning()),
-            (None, Reference::Epsg(epsg)) => self.report.warnings.push(format!(
-                "{}: where EPSG:{epsg} lies is not known here, so weather is not compared with the scene's place",
-                first_file.display()
-            )),
-            _ => {}
-        }
-        place
-    }
-
     fn finish(
         mut self,
         site: &Site,
@@ -356,7 +331,8 @@ impl Pile {
         ground: Option<(EndlessGround, u32)>,
         keep: bool,
     ) -> Result<(Scene, Soup)> {
-        let place = self.place();
+        let place = place_of(&self.extents, &site.frame, &mut self.report)?;
+        doubts(&self.extents, &mut self.report)?;
         let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, by_month, .. } = self;
         let (notes, faces, source_faces) = (self.notes, self.faces, self.source_faces);
         let mut late = Vec::new();

@@ -1,5 +1,5 @@
 //! What a scene is made of. In: files on the command line, or a `site.toml` that lists them. Out: one part for each, with its
-//! materials and its place.
+//! materials and its place, and what is said of all of them.
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,8 @@ use serde::Deserialize;
 
 use crate::coordinate::is_position;
 use crate::input;
+use crate::placing::frame::{SiteFrame, check_elevation, check_rotation, check_scale};
+use crate::reference::Reference;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 
@@ -16,6 +18,8 @@ use heliotile_core::error::{Error, Result};
 pub struct Site {
     /// Each file, in the order in which it was named.
     pub parts: Vec<Part>,
+    /// What is said of all files.
+    pub frame: SiteFrame,
     /// What is done where none of them has ground.
     pub missing_ground: MissingGround,
 }
@@ -39,12 +43,18 @@ pub struct Part {
     pub materials: Option<PathBuf>,
     /// Whether `materials` describes all of its materials, whatever the file itself says.
     pub materials_only: bool,
-    /// Added to every position after `scale` and `y_up`, metres.
+    /// Added to every position after `scale`, `y_up` and `rotate_deg`, metres.
     pub offset: DVec3,
-    /// Metres a unit of the file.
-    pub scale: f64,
+    /// Metres a unit of the file; that of the site, or 1, where it is not stated.
+    pub scale: Option<f64>,
     /// Whether y points up and z south in the file, in place of z up and y north.
     pub y_up: bool,
+    /// Direction of the file's y axis clockwise from the scene's, degrees: it is turned about its own origin.
+    pub rotate_deg: f64,
+    /// Height of the file's z = 0 in the scene, metres; that of the site, or 0, where it is not stated.
+    pub elevation_m: Option<f64>,
+    /// Where its own coordinates, in metres and before `offset`, lie on Earth, in place of what the file says.
+    pub reference: Option<Reference>,
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
     /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0 keeps every sample. Without it
@@ -60,18 +70,42 @@ impl Part {
             materials: materials.map(Path::to_owned),
             materials_only: false,
             offset: DVec3::ZERO,
-            scale: 1.0,
+            scale: None,
             y_up: false,
+            rotate_deg: 0.0,
+            elevation_m: None,
+            reference: None,
             lod: None,
             horizon_deg: None,
         }
     }
 
+    /// The same with what a site says of all its files but rasters: those are in metres above the sea.
+    pub(super) fn in_frame(&self, frame: &SiteFrame) -> Part {
+        Part { scale: self.scale.or(frame.scale), elevation_m: self.elevation_m.or(frame.elevation_m), ..self.clone() }
+    }
+
+    /// Metres a unit of the file.
+    pub(super) fn metres(&self) -> f64 {
+        self.scale.unwrap_or(1.0)
+    }
+
+    /// What is added to positions in metres.
+    pub(super) fn shift(&self) -> DVec3 {
+        self.offset + DVec3::new(0.0, 0.0, self.elevation_m.unwrap_or_default())
+    }
+
     /// Where a position of the file lies in the scene.
     pub(super) fn place(&self, p: DVec3) -> DVec3 {
-        let p = p * self.scale;
+        let p = p * self.metres();
         let p = if self.y_up { DVec3::new(p.x, -p.z, p.y) } else { p };
-        p + self.offset + 0.0
+        let p = if self.rotate_deg == 0.0 {
+            p
+        } else {
+            let (sin, cos) = self.rotate_deg.to_radians().sin_cos();
+            DVec3::new(p.x * cos + p.y * sin, p.y * cos - p.x * sin, p.z)
+        };
+        p + self.shift() + 0.0
     }
 }
 
@@ -80,6 +114,20 @@ impl Part {
 #[serde(deny_unknown_fields)]
 struct Document {
     scene: Vec<Entry>,
+    #[serde(default)]
+    site: FrameEntry,
+}
+
+/// What is said of all files.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrameEntry {
+    epsg: Option<u32>,
+    latitude_deg: Option<f64>,
+    longitude_deg: Option<f64>,
+    rotate_deg: Option<f64>,
+    elevation_m: Option<f64>,
+    scale: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -92,6 +140,11 @@ struct Entry {
     offset: Option<[f64; 3]>,
     scale: Option<f64>,
     up: Option<Up>,
+    rotate_deg: Option<f64>,
+    elevation_m: Option<f64>,
+    epsg: Option<u32>,
+    latitude_deg: Option<f64>,
+    longitude_deg: Option<f64>,
     lod: Option<String>,
     horizon_deg: Option<f64>,
 }
@@ -104,7 +157,10 @@ enum Up {
 }
 
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
-                    materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", lod = \"2.2\", and for terrain horizon_deg = 0.2";
+                    materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", \
+                    rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
+                    lod = \"2.2\", and for terrain horizon_deg = 0.2; what holds for all files stands in a table [site]: \
+                    epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale";
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
@@ -114,12 +170,22 @@ impl Site {
         for file in files {
             let listed = if file.is_dir() { listed_in(file)? } else { file.clone() };
             if input::ending(&listed) == "toml" {
-                site.parts.extend(read_parts(&listed, materials)?);
+                let Site { parts, frame, .. } = read_site(&listed, materials)?;
+                site.parts.extend(parts);
+                site.frame = site.frame.joined(&frame).map_err(|key| {
+                    let what = format!("its [site] states another `{key}` than the one before");
+                    Error::input(&listed, None, what, "a scene has one frame: state it once")
+                })?;
             } else {
                 site.parts.push(Part::plain(file, materials));
             }
         }
         Ok(site)
+    }
+
+    /// The same with another frame where `frame` states something.
+    pub fn framed(self, frame: &SiteFrame) -> Site {
+        Site { frame: self.frame.under(frame), ..self }
     }
 
     /// All files that the site is read from, besides `site.toml`.
@@ -138,7 +204,7 @@ fn listed_in(folder: &Path) -> Result<PathBuf> {
     Err(Error::input(folder, None, "is a folder without a site.toml", hint))
 }
 
-fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
+fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     let bytes = input::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
     let document: Document = toml::from_str(&text).map_err(|error| {
@@ -146,37 +212,49 @@ fn read_parts(path: &Path, materials: Option<&Path>) -> Result<Vec<Part>> {
         Error::input(path, line, error.message(), KEYS)
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let refuse = |entry: &Entry, what: String| {
-        Err(Error::input(path, None, format!("the scene {}: {what}", entry.file.display()), KEYS))
-    };
     let mut parts = Vec::new();
     for entry in &document.scene {
-        let (offset, scale) = (DVec3::from(entry.offset.unwrap_or_default()), entry.scale.unwrap_or(1.0));
-        if !is_position(offset) {
-            return refuse(entry, format!("`offset` is {offset}"));
-        }
-        // NaN compares false.
-        if !(1e-6..=1e6).contains(&scale) {
-            return refuse(entry, format!("`scale` is {scale}, not from 1e-6 to 1e6"));
-        }
-        if let Some(angle) = entry.horizon_deg.filter(|angle| !(0.0..=10.0).contains(angle)) {
-            return refuse(entry, format!("`horizon_deg` is {angle}, not from 0 to 10"));
-        }
-        parts.push(Part {
-            file: folder.join(&entry.file),
-            materials: entry.materials.as_ref().map(|own| folder.join(own)).or(materials.map(Path::to_owned)),
-            materials_only: entry.materials_only,
-            offset,
-            scale,
-            y_up: entry.up == Some(Up::Y),
-            lod: entry.lod.clone(),
-            horizon_deg: entry.horizon_deg,
-        });
+        let refuse =
+            |what: String| Error::input(path, None, format!("the scene {}: {what}", entry.file.display()), KEYS);
+        parts.push(part(entry, folder, materials).map_err(refuse)?);
     }
     if parts.is_empty() {
         return Err(Error::input(path, None, "lists no scene", KEYS));
     }
-    Ok(parts)
+    let FrameEntry { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale } = document.site;
+    let stated = SiteFrame { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale };
+    let frame = stated.checked().map_err(|what| Error::input(path, None, format!("the table [site]: {what}"), KEYS))?;
+    Ok(Site { parts, frame, ..Site::default() })
+}
+
+/// A file and what is said of it; an error says what is wrong.
+fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::Result<Part, String> {
+    let offset = DVec3::from(entry.offset.unwrap_or_default());
+    if !is_position(offset) {
+        return Err(format!("`offset` is {offset}"));
+    }
+    if let Some(angle) = entry.horizon_deg.filter(|angle| !(0.0..=10.0).contains(angle)) {
+        return Err(format!("`horizon_deg` is {angle}, not from 0 to 10"));
+    }
+    let (latitude_deg, longitude_deg) = (entry.latitude_deg, entry.longitude_deg);
+    let stated = SiteFrame { epsg: entry.epsg, latitude_deg, longitude_deg, ..SiteFrame::default() };
+    let reference = match stated.checked()?.references() {
+        [Some(_), Some(_)] => return Err("both `epsg` and a latitude are stated, one of them says it".to_owned()),
+        [epsg, place] => epsg.or(place),
+    };
+    Ok(Part {
+        file: folder.join(&entry.file),
+        materials: entry.materials.as_ref().map(|own| folder.join(own)).or(materials.map(Path::to_owned)),
+        materials_only: entry.materials_only,
+        offset,
+        scale: entry.scale.map(check_scale).transpose()?,
+        y_up: entry.up == Some(Up::Y),
+        rotate_deg: entry.rotate_deg.map(check_rotation).transpose()?.unwrap_or_default(),
+        elevation_m: entry.elevation_m.map(check_elevation).transpose()?,
+        reference,
+        lod: entry.lod.clone(),
+        horizon_deg: entry.horizon_deg,
+    })
 }
 
 #[cfg(test)]
@@ -235,7 +313,7 @@ mod tests {
         assert_eq!(hash([0, 1]).0, 1);
     }
 
-    /// Seven wrong site files are refused by name, with a line where there is one.
+    /// Fourteen wrong site files are refused by name, with a line where there is one.
     #[test]
     fn refusals() {
         for (toml, quoted) in [
@@ -246,6 +324,16 @@ mod tests {
             ("[[scene]]\nfile = \"a.obj\"\nscale = nan\n", "`scale` is NaN"),
             ("[[scene]]\nfile = \"a.obj\"\noffset = [0, inf, 0]\n", "`offset` is"),
             ("[[scene]]\nfile = \"a.obj\"\nup = \"x\"\n", "line 3"),
+            ("[[scene]]\nfile = \"a.obj\"\nrotate_deg = 400\n", "`rotate_deg` is 400"),
+            ("[[scene]]\nfile = \"a.obj\"\nelevation_m = inf\n", "`elevation_m` is inf"),
+            ("[[scene]]\nfile = \"a.obj\"\nlatitude_deg = 50\n", "belong together"),
+            ("[[scene]]\nfile = \"a.obj\"\nepsg = 4326\n", "EPSG:4326 has coordinates in degrees"),
+            ("[[scene]]\nfile = \"a.obj\"\nepsg = 28992\nlatitude_deg = 50\nlongitude_deg = 5\n", "both `epsg` and"),
+            (
+                "[site]\nlatitude_deg = 95\nlongitude_deg = 5\n[[scene]]\nfile = \"a.obj\"\n",
+                "[site]: `latitude_deg` is 95",
+            ),
+            ("[site]\ncrs = 28992\n[[scene]]\nfile = \"a.obj\"\n", "line 2"),
         ] {
             let message = site(toml).1.expect_err(toml).to_string();
             assert!(message.contains("site.toml") && message.contains(quoted), "{toml:?}: {message}");

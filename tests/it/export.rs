@@ -260,7 +260,11 @@ fn fisheye_shows_what_is_there() {
     let place = Place::new(52.0, 0.0, 0.0, 0.0).expect("a place");
     let path = SunPath::of(&place);
     let noon = path.days[1][144];
-    let overlay = Overlay { path: Some((path, "52 N".into())), sun: Some(direction_from_degrees(170.0, 50.0)) };
+    let overlay = Overlay {
+        path: Some((path, "52 N".into())),
+        sun: Some(direction_from_degrees(170.0, 50.0)),
+        ..Overlay::default()
+    };
     let lit = draw("up", &overlay);
     let (azimuth, altitude) = (noon.x.atan2(noon.y).to_degrees(), noon.z.asin().to_degrees());
     assert!((altitude - 38.0).abs() < 0.3, "{altitude}");

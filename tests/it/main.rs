@@ -15,6 +15,7 @@ mod longwave;
 mod mirrors;
 mod numerics;
 mod physics;
+mod place;
 mod plan;
 mod reader;
 mod reflectance;

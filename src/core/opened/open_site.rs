@@ -13,6 +13,7 @@ use crate::opened::materials;
 use crate::opened::settings::SiteSettings;
 use crate::site::chain::Orientation;
 use crate::site::material::Material;
+use crate::site::north::North;
 
 /// What is known of a site besides its blocks, every number in range and every reference followed.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +24,7 @@ pub struct SiteFacts {
     /// Point that places are relative to: the scene's origin in format 1.0, zero since.
     seed_origin: DVec3,
     older: bool,
+    north: North,
     receivers: u64,
     tiles: u32,
 }
@@ -42,7 +44,8 @@ impl SiteFacts {
         }
         let settings = SiteSettings::of(stated, path)?;
         let (receivers, tiles) = (receivers.count, receivers.tiles);
-        Ok(SiteFacts { settings, materials, orientations, seed_origin: DVec3::ZERO, older: false, receivers, tiles })
+        let (seed_origin, older, north) = (DVec3::ZERO, false, North::default());
+        Ok(SiteFacts { settings, materials, orientations, seed_origin, older, north, receivers, tiles })
     }
 
     /// By the numbers in cell keys.
@@ -84,6 +87,7 @@ impl<'a> OpenSite<'a> {
         }
         let stated = (&manifest.settings, origin, &manifest.receivers);
         let mut facts = SiteFacts::given(path, stated, materials, orientations)?;
+        facts.north = North::of(manifest.place.as_ref());
         if format::is_older(blocks.block(format::MATERIALS, 0)?.entry()) {
             (facts.seed_origin, facts.older) = (origin, true);
         }
@@ -93,6 +97,17 @@ impl<'a> OpenSite<'a> {
     /// A site whose facts are known: of blocks that have grown since, or whose tables may be damaged.
     pub fn over(blocks: &'a dyn Blocks, facts: Arc<SiteFacts>) -> Self {
         OpenSite { blocks, facts }
+    }
+
+    /// The same with y for true north, whatever the place says.
+    pub fn with_y_for_north(mut self) -> Self {
+        Arc::make_mut(&mut self.facts).north = North::default();
+        self
+    }
+
+    /// Where true north lies: replay turns suns by it.
+    pub fn north(&self) -> North {
+        self.facts.north
     }
 
     /// The file, for messages.

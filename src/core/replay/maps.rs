@@ -87,7 +87,7 @@ pub struct Illumination {
 }
 
 impl Illumination {
-    /// The light of a condition, with a sky of 145, 577 or 2305 `patches` by `model`; `depth` says how many reflections maps hold.
+    /// The light of a condition, whose suns go by true north, with a sky of 145, 577 or 2305 `patches` by `model`; `depth` says how many reflections maps hold.
     pub fn new(
         site: &OpenSite,
         condition: Condition,
@@ -95,6 +95,7 @@ impl Illumination {
         patches: usize,
         depth: MaxBounces,
     ) -> Result<Self> {
+        let condition = condition.in_axes(site.north());
         let sides = site.settings().sides();
         let patches = Patches::new(patches)?;
         let open = Projection::new(&patches, sides.sky_base, SAMPLES).open_horizontal_sr;

@@ -23,7 +23,7 @@ use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::replay::values::TileValues;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
-use crate::weather::conditions::Condition;
+use crate::weather::conditions::{Condition, in_axes};
 use crate::weather::time::bins::Bins;
 
 /// Bytes of results and responses that are made at a time, beyond one tile a core.
@@ -61,6 +61,8 @@ impl Default for ReplaySettings<'_> {
 }
 
 /// An archive with its weather, ready to give tile after tile.
+///
+/// Suns of conditions go by true north; where the archive knows its place they are turned into its axes.
 ///
 /// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
 /// [`Bins`], such as kWh/m2 ([`Replay::summed`]). Diffuse reflectances and transmittances may change from condition to condition
@@ -130,6 +132,7 @@ impl<'a> Replay<'a> {
         bins: &Bins,
         schedules: &[Schedule],
     ) -> Result<Self> {
+        let conditions = &*in_axes(conditions, site.north());
         let patches = Patches::new(settings.patches)?;
         let asked = (settings.sky, settings.components);
         let forced = |ways: &[Bins]| -> Result<Forcing> {

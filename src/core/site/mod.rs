@@ -1,5 +1,5 @@
-//! The nouns of a site: cells, materials, the ground by month, receivers, chains of mirrors, the place. In: numbers of readers and of archives. Out: types
-//! that both the builder and replay speak of. Never: files, rays, weather.
+//! The nouns of a site: cells, materials, the ground by month, receivers and their parts of a model, chains of mirrors, the place and its
+//! north. In: numbers of readers and of archives. Out: types that both the builder and replay speak of. Never: files, rays, weather.
 
 pub mod cells;
 pub mod chain;
@@ -10,6 +10,7 @@ pub mod ground;
 pub mod material;
 pub mod model_part;
 pub mod morton;
+pub mod north;
 pub mod ordered;
 pub mod place;
 pub mod receiver;

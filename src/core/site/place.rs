@@ -4,8 +4,11 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Smaller angles between grid and true north are not worth a word: the sun's disc is 0.5 degrees wide.
-const NOTED_CONVERGENCE_DEG: f64 = 0.1;
+/// Smaller angles between y and true north are not worth a word: the sun's disc is 0.5 degrees wide.
+const NOTED_DEG: f64 = 0.1;
+
+/// A tenth of a millimetre on the ground.
+const SAME_DEG: f64 = 1e-9;
 
 /// Where a scene lies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,7 +17,7 @@ pub struct Place {
     pub latitude_deg: f64,
     /// -180..=180, east positive.
     pub longitude_deg: f64,
-    /// Direction of grid north (y) clockwise from true north.
+    /// Direction of y clockwise from true north: the convergence of the grid, and how far the model is turned.
     pub convergence_deg: f64,
     /// Horizontal coordinate reference system, if that is how the place is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -23,22 +26,36 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { latitude_deg, longitude_deg, convergence_deg, epsg } = self;
-        write!(
-            f,
-            "latitude {latitude_deg:.4}, longitude {longitude_deg:.4}, grid north {convergence_deg:.2} degrees east of true north"
-        )?;
+        let Place { latitude_deg, longitude_deg, epsg, .. } = self;
+        write!(f, "latitude {latitude_deg:.4}, longitude {longitude_deg:.4}, y {}", self.y())?;
         epsg.map_or(Ok(()), |epsg| write!(f, ", EPSG:{epsg}"))
     }
 }
 
 impl Place {
-    /// Says how far y is from true north, by which the sun is placed.
-    pub fn warning(&self) -> Option<String> {
+    /// Where y points: `0.73 degrees west of true north`.
+    fn y(&self) -> String {
         let (size, side) = (self.convergence_deg.abs(), if self.convergence_deg < 0.0 { "west" } else { "east" });
-        (size > NOTED_CONVERGENCE_DEG).then(|| {
-            format!("grid north lies {size:.2} degrees {side} of true north; y is taken for north, so the sun is off by that")
-        })
+        match format!("{size:.2}") {
+            none if none == "0.00" => "to true north".into(),
+            size => format!("{size} degrees {side} of true north"),
+        }
+    }
+
+    /// Says by how much suns are turned, if that is worth a word.
+    pub fn note(&self) -> Option<String> {
+        let grid = self.epsg.map_or(String::new(), |epsg| format!(" in EPSG:{epsg}"));
+        let noted = self.convergence_deg.abs() > NOTED_DEG;
+        noted.then(|| format!("y lies {}{grid}: suns, which go by true north, are turned by that", self.y()))
+    }
+
+    /// Whether two places are one, but for the last digits that are lost when they are written down.
+    pub fn is_same(&self, other: &Place) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() < SAME_DEG;
+        near(self.latitude_deg, other.latitude_deg)
+            && near(self.longitude_deg, other.longitude_deg)
+            && near(self.convergence_deg, other.convergence_deg)
+            && self.epsg == other.epsg
     }
 
     /// Great-circle distance to another place, km (haversine formula, on a sphere of 6371 km; good to 0.5 %).
@@ -47,5 +64,28 @@ impl Place {
         let half = |angle: f64| (0.5 * angle).sin().powi(2);
         let h = half(b - a) + a.cos() * b.cos() * half((longitude_deg - self.longitude_deg).to_radians());
         2.0 * 6371.0 * h.clamp(0.0, 1.0).sqrt().asin()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Turns of -0.73, 0.004 and 30 degrees are spelt with their side; only those of more than 0.1 degrees are noted, and 1 of 3 changed
+    /// places is the same.
+    #[test]
+    fn words() {
+        let place = |convergence_deg, epsg| Place { latitude_deg: 52.0, longitude_deg: 4.0, convergence_deg, epsg };
+        let grid = place(-0.73, Some(28992));
+        assert_eq!(
+            grid.to_string(),
+            "latitude 52.0000, longitude 4.0000, y 0.73 degrees west of true north, EPSG:28992"
+        );
+        assert!(grid.note().expect("noted").starts_with("y lies 0.73 degrees west of true north in EPSG:28992"));
+        assert!(place(30.0, None).note().expect("noted").contains("y lies 30.00 degrees east of true north: suns"));
+        assert!(place(-0.004, None).to_string().ends_with("y to true north"));
+        assert_eq!(place(0.1, None).note(), None);
+        let same = [place(-0.73 + 1e-12, Some(28992)), place(-0.7301, Some(28992)), place(-0.73, None)];
+        assert_eq!(same.iter().filter(|other| grid.is_same(other)).count(), 1);
     }
 }

@@ -1,10 +1,10 @@
 //! What a receiver sees of the world's upper hemisphere, drawn for people: sky, what hides it, the paths of the sun.
 //!
-//! Equidistant: the distance from the middle is the angle from the zenith, so rings of altitude are evenly spaced. North is up and
-//! east is right, as on a map that the picture is laid on and as on printed sun-path diagrams; who looks up has east at
+//! Equidistant: the distance from the middle is the angle from the zenith, so rings of altitude are evenly spaced. The site's y is up and
+//! x is right, N stands where true north is, as on a map that the picture is laid on and as on printed sun-path diagrams; who looks up has east at
 //! the left hand.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
@@ -13,6 +13,7 @@ use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{Frame, texel_of};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::site::material::Class;
+use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::time::sun_path::{DAYS, SunPath};
 
@@ -49,6 +50,8 @@ pub struct Overlay {
     pub path: Option<(SunPath, String)>,
     /// One sun.
     pub sun: Option<DVec3>,
+    /// Where true north lies in the view's axes; paths and sun go by it.
+    pub north: North,
 }
 
 /// The picture as PNG.
@@ -56,11 +59,12 @@ pub fn fisheye(view: &ReceiverView, overlay: &Overlay) -> Result<Vec<u8>> {
     let frame = Frame::of(view.receiver.normal);
     let paint = |x: f64, y: f64| direction_at(x, y).map_or(PAPER, |direction| colour(view, &frame, direction));
     let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
-    draw_grid(&mut canvas);
+    draw_grid(&mut canvas, overlay.north);
     if let Some((path, _)) = &overlay.path {
-        draw_path(&mut canvas, path);
+        draw_path(&mut canvas, path, overlay.north);
     }
     if let Some(sun) = overlay.sun.filter(|sun| sun.z >= 0.0) {
+        let sun = overlay.north.to_axes(sun);
         canvas.dot(place_of(sun), 8.0, INK);
         canvas.dot(place_of(sun), 6.5, SUN);
     }
@@ -107,17 +111,17 @@ fn colour(view: &ReceiverView, frame: &Frame, direction: DVec3) -> Rgb {
     }
 }
 
-/// Altitude rings every 15 degrees, azimuth rays every 30.
-fn draw_grid(canvas: &mut Canvas) {
+/// Altitude rings every 15 degrees, azimuth rays every 30, from true north.
+fn draw_grid(canvas: &mut Canvas, north: North) {
     for altitude in [15.0, 30.0, 45.0, 60.0, 75.0] {
         canvas.ring(CENTRE, RADIUS * (1.0 - altitude / 90.0), 0.7, GRID);
         let at = (CENTRE.0 + 4.0, CENTRE.1 - RADIUS * (1.0 - altitude / 90.0) - 7.0);
         canvas.word(&format!("{altitude}\u{b0}"), at, Side::Left, INK);
     }
     for azimuth in (0..360).step_by(30) {
-        let ray = |altitude| place_of(direction_from_degrees(f64::from(azimuth), altitude));
+        let ray = |altitude| place_of(north.to_axes(direction_from_degrees(f64::from(azimuth), altitude)));
         canvas.line(&[ray(75.0), ray(0.0)], 0.7, GRID);
-        let (sin, cos) = (f64::from(azimuth) * PI / 180.0).sin_cos();
+        let (sin, cos) = (f64::from(azimuth) - north.y_deg()).to_radians().sin_cos();
         let at = (CENTRE.0 + (RADIUS + 20.0) * sin, CENTRE.1 - (RADIUS + 16.0) * cos);
         match azimuth {
             0 => canvas.headline("N", at, Side::Center, INK),
@@ -130,10 +134,14 @@ fn draw_grid(canvas: &mut Canvas) {
     canvas.ring(CENTRE, RADIUS, 1.3, INK);
 }
 
-fn draw_path(canvas: &mut Canvas, path: &SunPath) {
-    path.hours.iter().for_each(|hour| draw_sky_line(canvas, hour, 0.7, HOUR));
-    path.days.iter().for_each(|day| draw_sky_line(canvas, day, 1.4, DAY));
-    for (hour, points) in path.hours.iter().enumerate() {
+fn draw_path(canvas: &mut Canvas, path: &SunPath, north: North) {
+    let turned = |lines: &[Vec<DVec3>]| -> Vec<Vec<DVec3>> {
+        lines.iter().map(|line| line.iter().map(|&sun| north.to_axes(sun)).collect()).collect()
+    };
+    let (hours, days) = (turned(&path.hours), turned(&path.days));
+    hours.iter().for_each(|hour| draw_sky_line(canvas, hour, 0.7, HOUR));
+    days.iter().for_each(|day| draw_sky_line(canvas, day, 1.4, DAY));
+    for (hour, points) in hours.iter().enumerate() {
         // The loop's highest point is by the summer solstice: there it is named, a little further in.
         if let Some(top) = points.iter().copied().max_by(|a, b| a.z.total_cmp(&b.z)).filter(|top| top.z > 0.05) {
             let (x, y) = place_of(top);
@@ -142,7 +150,7 @@ fn draw_path(canvas: &mut Canvas, path: &SunPath) {
             canvas.word(&hour.to_string(), at, Side::Center, DAY);
         }
     }
-    for (day, (_, _, name)) in path.days.iter().zip(DAYS) {
+    for (day, (_, _, name)) in days.iter().zip(DAYS) {
         // Beside the sun that is about to set.
         if let Some(two) = day.windows(2).rev().find(|two| two[0].z >= NAMED_Z && two[1].z < NAMED_Z) {
             let (x, y) = place_of(two[0]);
@@ -178,7 +186,7 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
     let name: String = receiver.id.chars().take(NAME).collect();
     canvas.headline(&name, (20.0, 22.0), Side::Left, INK);
     let n = receiver.normal;
-    let azimuth = (n.x.atan2(n.y) / TAU).rem_euclid(1.0) * 360.0;
+    let azimuth = overlay.north.azimuth_deg(n);
     let tilt = n.z.clamp(-1.0, 1.0).acos().to_degrees();
     let towards = if n.x.hypot(n.y) < 1e-6 { String::new() } else { format!(" towards {azimuth:.0}\u{b0}") };
     let at = receiver.position;
@@ -188,7 +196,8 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
     let shares = format!("view factors: sky {sky:.3}, ground {ground:.3}, obstructions {obstruction:.3}");
     canvas.word(&shares, (20.0, 59.0), Side::Left, INK);
     let right = SIZE.0 as f64 - 20.0;
-    canvas.word("seen on a map: east is right", (right, 42.0), Side::Right, INK);
+    let seen = if overlay.north.is_y() { "seen on a map: east is right" } else { "seen on a plan: x is right" };
+    canvas.word(seen, (right, 42.0), Side::Right, INK);
     canvas.word("equidistant: rings of altitude", (right, 59.0), Side::Right, INK);
     let low = SIZE.1 as f64 - 22.0;
     let mirrors = view.has_mirrors().then_some((MIRROR, "mirror", 423.0));

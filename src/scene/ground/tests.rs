@@ -29,7 +29,7 @@ impl Folder {
 
 fn load(files: &[&Path], materials: Option<&Path>) -> Scene {
     let parts = files.iter().map(|file| Part::plain(file, materials)).collect();
-    Scene::load_site(&Site { parts, missing_ground: MissingGround::Assume }).expect("a scene")
+    Scene::load_site(&Site { parts, missing_ground: MissingGround::Assume, ..Site::default() }).expect("a scene")
 }
 
 /// Lowest height of the scene and what its endless ground reflects.

@@ -135,17 +135,22 @@ impl Raster {
             let hint = "leave y_up out: the values of a raster are heights, whatever axis points up elsewhere";
             return Err(Error::input(&part.file, None, "y_up is asked of a raster", hint));
         }
-        if !(part.scale > 0.0 && part.scale.is_finite() && part.offset.is_finite()) {
-            let what = format!("the scale {} or the offset {} is none", part.scale, part.offset);
+        if part.rotate_deg != 0.0 {
+            let hint = "leave rotate_deg out: rows of a raster run east, reproject it if they do not";
+            return Err(Error::input(&part.file, None, "rotate_deg is asked of a raster", hint));
+        }
+        let (scale, shift) = (part.metres(), part.shift());
+        if !(scale > 0.0 && scale.is_finite() && shift.is_finite()) {
+            let what = format!("the scale {scale} or the offset {shift} is none");
             return Err(Error::input(&part.file, None, what, "give metres a unit, above 0"));
         }
-        if part.scale == 1.0 && part.offset == DVec3::ZERO {
+        if scale == 1.0 && shift == DVec3::ZERO {
             return Ok(self);
         }
-        self.grid.first = self.grid.first * part.scale + part.offset.truncate();
-        self.grid.step *= part.scale;
+        self.grid.first = self.grid.first * scale + shift.truncate();
+        self.grid.step *= scale;
         for height in &mut self.heights {
-            *height = (f64::from(*height) * part.scale + part.offset.z) as f32;
+            *height = (f64::from(*height) * scale + shift.z) as f32;
         }
         check_grid(&part.file, &self.grid)?;
         let highest = self.heights.iter().fold(0.0_f32, |most, h| most.max(h.abs()));

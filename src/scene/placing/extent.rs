@@ -1,0 +1,116 @@
+//! What is known of a file once it is read. In: its polygons in the scene. Out: how far it reaches, how high its walls are, and where it
+//! says that it lies.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+use crate::reference::Reference;
+
+/// Faces whose normals lie this close to the horizontal are walls (sine of the angle; 6 degrees).
+const UPRIGHT: f64 = 0.1;
+
+/// Bins of heights from 2^-16 m on, a quarter of an octave each: up to 2^32 m.
+const BINS: usize = 192;
+const LEAST_EXPONENT: f64 = -16.0;
+const BINS_AN_OCTAVE: f64 = 4.0;
+
+/// A file of a scene.
+#[derive(Clone, Debug)]
+pub struct Extent {
+    /// The file.
+    pub file: PathBuf,
+    /// Whether it is a raster of heights.
+    pub raster: bool,
+    /// Lowest and highest corner in the scene.
+    pub bounds: [DVec3; 2],
+    /// What was added to its positions.
+    pub shift: DVec3,
+    /// Metres that a unit was taken for.
+    pub scale: f64,
+    /// What the file itself says of its place.
+    pub own: Option<Reference>,
+    /// What the user says of its place.
+    pub stated: Option<Reference>,
+    /// How high its walls are.
+    pub walls: Walls,
+}
+
+impl Extent {
+    /// Where it says that it lies; what the user says counts more.
+    pub fn reference(&self) -> Option<Reference> {
+        self.stated.or(self.own)
+    }
+
+    /// Lowest and highest corner in its own coordinates, as a system would have them: in metres, or in the unit of the system if that is
+    /// what the file was scaled by.
+    pub fn in_system(&self, reference: Reference) -> [DVec3; 2] {
+        let unit = self.unit_of(reference);
+        self.bounds.map(|corner| (corner - self.shift) / unit)
+    }
+
+    /// Metres that its coordinates were scaled by from the unit of a system.
+    pub fn unit_of(&self, reference: Reference) -> f64 {
+        let unit = reference.unit_m();
+        // A foot by any definition.
+        if unit != 1.0 && (self.scale / unit - 1.0).abs() < 0.01 { unit } else { 1.0 }
+    }
+}
+
+/// Heights of upright faces, by area.
+#[derive(Clone, Debug)]
+pub struct Walls {
+    area_m2: Vec<f64>,
+}
+
+impl Default for Walls {
+    fn default() -> Self {
+        Walls { area_m2: vec![0.0; BINS] }
+    }
+}
+
+impl Walls {
+    /// Counts a triangle, if it is upright.
+    pub fn add(&mut self, [a, b, c]: [DVec3; 3]) {
+        let normal = (b - a).cross(c - a);
+        let twice_m2 = normal.length();
+        let height = a.z.max(b.z).max(c.z) - a.z.min(b.z).min(c.z);
+        if !(twice_m2 > 0.0 && normal.z.abs() < UPRIGHT * twice_m2 && height > 0.0) {
+            return;
+        }
+        let bin = ((height.log2() - LEAST_EXPONENT) * BINS_AN_OCTAVE).clamp(0.0, (BINS - 1) as f64);
+        if let Some(area) = self.area_m2.get_mut(bin as usize) {
+            *area += 0.5 * twice_m2;
+        }
+    }
+
+    /// Median height by area, to 9 %; `None` if nothing is upright.
+    pub fn median_m(&self) -> Option<f64> {
+        let half = 0.5 * self.area_m2.iter().sum::<f64>();
+        let mut sum = 0.0;
+        let bin = self.area_m2.iter().position(|area| {
+            sum += area;
+            sum >= half && half > 0.0
+        })?;
+        Some((LEAST_EXPONENT + (bin as f64 + 0.5) / BINS_AN_OCTAVE).exp2())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Walls of 3 m (two triangles), a small one of 40 m and a roof of any size have a median height of 3 m, to 10 %; a roof alone none.
+    #[test]
+    fn median_height() {
+        let p = DVec3::new;
+        let mut walls = Walls::default();
+        walls.add([p(0., 0., 0.), p(900., 0., 5.), p(0., 900., 9.)]);
+        assert_eq!(walls.median_m(), None);
+        walls.add([p(0., 0., 0.), p(8., 0., 0.), p(8., 0., 3.)]);
+        walls.add([p(0., 0., 0.), p(8., 0., 3.), p(0., 0., 3.)]);
+        walls.add([p(0., 0., 0.), p(0.1, 0., 0.), p(0., 0., 40.)]);
+        let median = walls.median_m().expect("walls");
+        assert!((median / 3.0 - 1.0).abs() < 0.1, "{median}");
+    }
+}

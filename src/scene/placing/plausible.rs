@@ -1,0 +1,255 @@
+//! What looks as if it were in another unit or place. In: how far files reach, and receivers. Out: a sentence each, with what to do; an
+//! error where nobody can have meant it.
+//!
+//! Every threshold stands between what is built and what a slip of units makes of it: slips are factors of 39 (inches) to 1000
+//! (millimetres), 100,000 (degrees), or hundreds of kilometres (another system).
+
+use glam::{DVec2, DVec3};
+
+use crate::ground::endless;
+use crate::mesh::bounds;
+use crate::placing::extent::Extent;
+use crate::reference::Reference;
+use crate::{LoadReport, Scene};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::receiver::Receiver;
+
+/// Median height of walls, by area, that no city has: storeys are 3 m, faces of towers 50 to 200 m (a quarter of Manhattan has 100 m).
+/// A house in centimetres has 300 to 1000.
+const TALLEST_WALLS_M: f64 = 300.0;
+
+/// A file among several may be one building: the highest has 828 m.
+const TALLEST_BUILDING_M: f64 = 850.0;
+
+/// Walls that are higher than this would still be 20 m high in centimetres, and 2 m in millimetres.
+const MILLIMETRES_FROM: f64 = 2_000.0;
+
+/// Nothing that stands is higher; what is higher is terrain, which is many times wider.
+const TALLEST_M: f64 = 3_000.0;
+const STEEPEST: f64 = 0.5;
+
+/// A scene that is smaller than this to all sides is no site.
+const SMALLEST_M: f64 = 0.1;
+
+/// A region in degrees spans less than this, and what stands on it is at least as high, and so many times higher than the region is wide
+/// in degrees: a city of 0.1 degrees with houses of 3 m has 30.
+const DEGREES_WIDE: f64 = 1.0;
+const DEGREES_HIGH: f64 = 1.0;
+const DEGREES_RATIO: f64 = 20.0;
+
+/// Between two parts of a site there may be so much nothing: beyond, a hill of 300 m is less than a degree high.
+const FAR_PART_M: f64 = 20_000.0;
+
+/// And this much is an error: the longest sight between mountains is 538 km.
+const OUT_OF_SIGHT_M: f64 = 600_000.0;
+
+/// A part may float so far above the highest point of a raster that it stands on: towers with nothing below them, tethered balloons.
+const FLOATING_M: f64 = 300.0;
+
+/// Receivers may be so far from all geometry: a wall of 100 m is half a degree high there.
+const FAR_RECEIVER_M: f64 = 10_000.0;
+
+/// Says what is doubtful about the files of a scene.
+pub(crate) fn doubts(extents: &[Extent], report: &mut LoadReport) -> Result<()> {
+    report.warnings.extend(unit(extents));
+    far_parts(extents, report)?;
+    report.warnings.extend(above_or_below(extents));
+    Ok(())
+}
+
+/// A sentence about geometry whose unit is not the metre.
+fn unit(extents: &[Extent]) -> Option<String> {
+    let solid = || extents.iter().filter(|extent| !extent.raster);
+    let (low, high) = bounds(solid().flat_map(|extent| extent.bounds));
+    let first = solid().next()?;
+    if !(low.is_finite() && high.is_finite()) {
+        return None;
+    }
+    let size = high - low;
+    let several = solid().nth(1).is_some();
+    let told =
+        |of: &Extent| if of.scale == 1.0 { String::new() } else { format!(" (read with a scale of {})", of.scale) };
+    let file = first.file.display();
+    let (wide, high) = (size.x.max(size.y), size.z);
+    if degrees(low, size) {
+        return Some(format!(
+            "{file}: x and y look like degrees ({:.4} {:.4}, {wide:.4} wide and {high:.1} high), and scenes are in metres: reproject the \
+             file, for instance to UTM",
+            low.x, low.y
+        ));
+    }
+    let most = if several { TALLEST_BUILDING_M } else { TALLEST_WALLS_M };
+    let tall = solid().find_map(|extent| Some((extent, extent.walls.median_m().filter(|tall| *tall > most)?)));
+    if let Some((extent, tall)) = tall {
+        let (unit, scale) = if tall > MILLIMETRES_FROM { ("millimetres", 0.001) } else { ("centimetres", 0.01) };
+        let give = if several { "scale = ".to_owned() } else { "--scale ".to_owned() };
+        let whose = if several { " in its [[scene]] of a site.toml" } else { "" };
+        return Some(format!(
+            "{}: walls are {tall:.0} m high{}, {:.1} m if the file is in {unit}: then give {give}{}{whose} ({} for inches)",
+            extent.file.display(),
+            told(extent),
+            tall * scale,
+            scale * extent.scale,
+            0.0254 * extent.scale
+        ));
+    }
+    let told = told(first);
+    if high > TALLEST_M && high > STEEPEST * wide {
+        return Some(format!(
+            "{file}: the geometry is {high:.0} m high and {wide:.0} m wide{told}: if the file is in millimetres give --scale {}",
+            0.001 * first.scale
+        ));
+    }
+    (size.max_element() < SMALLEST_M).then(|| {
+        format!(
+            "{file}: the geometry is {:.4} m wide and {high:.4} m high{told}: if the file is in kilometres give --scale {}, or leave the \
+             scale out",
+            wide,
+            1000.0 * first.scale
+        )
+    })
+}
+
+/// Whether plane coordinates look like degrees: within their range, far from 0 for their size, and much too high for it.
+fn degrees(low: DVec3, size: DVec3) -> bool {
+    let (wide, middle) = (size.x.max(size.y), low + 0.5 * size);
+    let range = |x: f64, y: f64| x.abs() <= 180.0 && y.abs() <= 90.0;
+    let in_range = range(middle.x, middle.y) || range(middle.y, middle.x);
+    wide < DEGREES_WIDE
+        && size.z > DEGREES_HIGH
+        && size.z > DEGREES_RATIO * wide
+        && in_range
+        && middle.truncate().length() > 1.0_f64.max(10.0 * wide)
+}
+
+/// Nothing between two boxes in plan, metres.
+fn gap(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
+    let [a, b] = [a, b].map(|of| of.map(DVec3::truncate));
+    (a[0] - b[1]).max(b[0] - a[1]).max(DVec2::ZERO).length()
+}
+
+/// Warns of groups of files that lie far from the first one, and refuses those that lie out of sight.
+fn far_parts(extents: &[Extent], report: &mut LoadReport) -> Result<()> {
+    let mut left: Vec<&Extent> = extents.iter().filter(|extent| extent.bounds[0].is_finite()).collect();
+    let mut groups: Vec<Vec<&Extent>> = Vec::new();
+    while let Some(seed) = left.first().copied() {
+        let mut group = vec![seed];
+        left.remove(0);
+        let mut next = 0;
+        while let Some(from) = group.get(next).copied() {
+            next += 1;
+            left.retain(|other| {
+                let near = gap(from.bounds, other.bounds) <= FAR_PART_M;
+                if near {
+                    group.push(other);
+                }
+                !near
+            });
+        }
+        groups.push(group);
+    }
+    let Some((home, others)) = groups.split_first() else { return Ok(()) };
+    for other in others {
+        let pairs = home.iter().flat_map(|a| other.iter().map(move |b| (*a, *b)));
+        let nearest = pairs.min_by(|(a, b), (c, d)| gap(a.bounds, b.bounds).total_cmp(&gap(c.bounds, d.bounds)));
+        let Some((a, b)) = nearest else { continue };
+        let apart_m = gap(a.bounds, b.bounds);
+        let what = format!("lies {:.0} km from {}", apart_m / 1000.0, a.file.display());
+        let hint = hint_of(a, b);
+        if apart_m > OUT_OF_SIGHT_M {
+            return Err(Error::input(&b.file, None, format!("{what}, out of sight of it"), hint));
+        }
+        report.warnings.push(format!("{} {what}, with nothing between them: {hint}", b.file.display()));
+    }
+    Ok(())
+}
+
+/// What to do about two files that lie far apart.
+fn hint_of(a: &Extent, b: &Extent) -> String {
+    let name = |of: &Extent| of.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let said = |of: &Extent| match of.reference() {
+        Some(Reference::Epsg(epsg)) => format!("{} is in EPSG:{epsg}", name(of)),
+        Some(place) => format!("{} lies at {place} in coordinates of its own", name(of)),
+        None => format!("{} names no coordinate system", name(of)),
+    };
+    let systems = match (a.reference(), b.reference()) {
+        (Some(one), Some(other)) if one.is_same(&other) => format!("both are in {one}"),
+        (None, None) => "neither names its coordinate system".to_owned(),
+        _ => format!("{}, {}", said(a), said(b)),
+    };
+    format!(
+        "{systems}; reproject one of them to the system of the other, or move one with `offset = [x, y, z]` in a site.toml (`heliotile \
+         info` of each shows where it lies)"
+    )
+}
+
+/// A sentence about geometry that lies wholly below or far above the raster that it stands on.
+fn above_or_below(extents: &[Extent]) -> Option<String> {
+    extents.iter().filter(|raster| raster.raster).find_map(|raster| {
+        let [lowest, highest] = raster.bounds;
+        let inside = |extent: &&Extent| {
+            let [low, high] = extent.bounds;
+            let middle = 0.5 * (low + high);
+            !extent.raster && middle.truncate().cmpge(lowest.truncate()).all() && middle.truncate().cmple(highest.truncate()).all()
+        };
+        extents.iter().filter(inside).find_map(|extent| {
+            let [low, high] = extent.bounds;
+            let (lifts, words) = match extent {
+                _ if high.z < lowest.z => (lowest.z, "below the lowest"),
+                _ if low.z > highest.z + FLOATING_M => (highest.z, "above the highest"),
+                _ => return None,
+            };
+            Some(format!(
+                "{} ({:.0} to {:.0} m high) lies wholly {words} point of {} ({lifts:.0} m): if its heights are not above sea level say \
+                 where its z = 0 is with --elevation, or elevation_m in site.toml",
+                extent.file.display(),
+                low.z,
+                high.z,
+                raster.file.display()
+            ))
+        })
+    })
+}
+
+/// Lowest and highest corner of a scene without its endless ground; `None` if there is nothing else.
+fn near_bounds(scene: &Scene) -> Option<[DVec3; 2]> {
+    let endless = scene.materials.iter().position(|material| material.name == endless::NAME);
+    let mesh = &scene.mesh;
+    let of_scene =
+        mesh.triangle_material.iter().enumerate().filter(|(_, material)| Some(usize::from(**material)) != endless);
+    let (low, high) = bounds(of_scene.flat_map(|(triangle, _)| mesh.triangle_points(triangle)));
+    low.is_finite().then(|| [low + mesh.origin, high + mesh.origin])
+}
+
+/// A sentence about receivers that lie far from all geometry: lowest and highest of `count`, and the farthest.
+pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver, count: usize) -> Option<String> {
+    let box_of = near_bounds(scene)?;
+    let at = farthest.position;
+    let apart_m = gap(box_of, [at; 2]);
+    if apart_m <= FAR_RECEIVER_M {
+        return None;
+    }
+    let all = gap(box_of, [low, high]) > FAR_RECEIVER_M;
+    let who = if all { format!("all {count} receivers lie far from the scene: ") } else { String::new() };
+    let near = |position: DVec3| gap(box_of, [position; 2]) < 1_000.0;
+    let local = at.truncate().abs().max_element() < FAR_RECEIVER_M;
+    let why = match at {
+        p if near(DVec3::new(p.y, p.x, p.z)) => "x and y look swapped".to_owned(),
+        p if near(0.001 * p) => "they look like millimetres, and metres are read".to_owned(),
+        p if near(p / 0.3048) || near(0.3048 * p) => "one of the two looks like feet, and metres are read".to_owned(),
+        _ if local => "they look local: add what the scene's coordinates begin with".to_owned(),
+        _ => "are they in another coordinate system?".to_owned(),
+    };
+    let [from, to] = box_of;
+    Some(format!(
+        "{who}receiver {} at {:.1} {:.1} is {:.0} km from the scene, which reaches from {:.1} {:.1} to {:.1} {:.1}: {why}",
+        farthest.id,
+        at.x,
+        at.y,
+        apart_m / 1000.0,
+        from.x,
+        from.y,
+        to.x,
+        to.y
+    ))
+}

@@ -1,0 +1,146 @@
+//! Where a scene lies. In: what its files and the user say. Out: its place, with true north, and what contradicts each other.
+
+use glam::DVec3;
+
+use crate::LoadReport;
+use crate::mesh::bounds;
+use crate::placing::extent::Extent;
+use crate::placing::frame::SiteFrame;
+use crate::reference::Reference;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::place::Place;
+
+/// A place that the user states may lie this far from the one that files state: further than a city, nearer than the next weather station
+/// of another climate, km.
+const APART_KM: f64 = 50.0;
+
+/// Lengths of a system may differ from those on the ground by this share: areas are then off by 2 %. National grids stay below 0.2 %.
+const STRETCH: f64 = 0.01;
+
+/// The place of a scene, if files or the user say it; its middle is that of what is no raster, if there is anything else.
+pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadReport) -> Result<Option<Place>> {
+    let [system, point] = frame.references();
+    let mut place = match system {
+        Some(system) => Some(of_system(extents, system, report)?),
+        None => of_files(extents, report),
+    };
+    if let Some(Reference::Place { latitude_deg, longitude_deg }) = point {
+        let stated = Place { latitude_deg, longitude_deg, convergence_deg: 0.0, epsg: None };
+        let apart_km = place.map(|place| place.distance_km(latitude_deg, longitude_deg));
+        if let (Some(other), Some(apart_km)) = (place, apart_km.filter(|km| *km > APART_KM)) {
+            report.warnings.push(format!(
+                "the stated latitude {latitude_deg:.4} and longitude {longitude_deg:.4} are {apart_km:.0} km from where the \
+                 coordinates lie ({other}); what is stated counts, with y to true north"
+            ));
+        }
+        // A system knows more: where north is, and where the middle is.
+        place =
+            place.filter(|place| place.epsg.is_some() && apart_km.is_some_and(|km| km <= APART_KM)).or(Some(stated));
+    }
+    if let Some(turn_deg) = frame.rotate_deg.filter(|turn| *turn != 0.0) {
+        let Some(place) = &mut place else {
+            let what = format!("the model is turned by {turn_deg} degrees, and nothing says where it lies");
+            let hint = "give --latitude and --longitude as well (those of the weather file do), or --crs";
+            return Err(Error::argument("--rotate-deg", what, hint));
+        };
+        let y_deg = place.convergence_deg + turn_deg;
+        // Into -180..180, and as it stands where it is there.
+        place.convergence_deg = if y_deg.abs() > 180.0 { (y_deg + 180.0).rem_euclid(360.0) - 180.0 } else { y_deg };
+    }
+    report.notes.extend(place.and_then(|place| place.note()));
+    Ok(place)
+}
+
+/// The middle of what is no raster, or else of all.
+fn middle<'a>(of: impl Iterator<Item = (&'a Extent, [DVec3; 2])> + Clone) -> DVec3 {
+    let near = bounds(of.clone().filter(|(extent, _)| !extent.raster).flat_map(|(_, corners)| corners));
+    let (low, high) = if near.0.is_finite() { near } else { bounds(of.flat_map(|(_, corners)| corners)) };
+    0.5 * (low + high)
+}
+
+/// The place in a system that the user states for the coordinates of the whole scene.
+fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> Result<Place> {
+    let mut others = extents.iter().filter_map(|e| Some((e, e.reference()?))).filter(|(_, own)| !own.is_same(&system));
+    if let Some((extent, other)) = others.next() {
+        let more = others.count();
+        let files = if more == 0 { String::new() } else { format!(" (and {more} files more)") };
+        let file = extent.file.display();
+        report.warnings.push(format!("{file} says that it is in {other}{files}, but {system} is asked for and counts"));
+    }
+    let unit = extents.iter().find(|extent| !extent.raster).map_or(1.0, |extent| extent.unit_of(system));
+    let at = middle(extents.iter().map(|extent| (extent, extent.bounds))) / unit;
+    match system.locate(at.x, at.y) {
+        Ok((place, length)) => {
+            report.warnings.extend(stretched(system, unit, length, &place));
+            Ok(place)
+        }
+        Err(_) => {
+            let what = format!("{system} has no point {:.1} {:.1}, the middle of the scene", at.x, at.y);
+            Err(Error::argument(
+                "--crs",
+                what,
+                "give the system that the coordinates of the scene are in, and their unit",
+            ))
+        }
+    }
+}
+
+/// The place of the middle of all files with the first one's reference; warns of files with another one.
+fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
+    for extent in extents {
+        if let (Some(own), Some(stated)) = (extent.own, extent.stated)
+            && !own.is_same(&stated)
+        {
+            let file = extent.file.display();
+            report.warnings.push(format!("{file} says that it is in {own}, but {stated} is asked for and counts"));
+        }
+    }
+    let known = || extents.iter().filter_map(|extent| Some((extent, extent.reference()?)));
+    let (first, reference) = known().next()?;
+    let first_file = first.file.display();
+    if let Some((extent, other)) = known().find(|(_, other)| !other.is_same(&reference)) {
+        report.warnings.push(format!(
+            "{first_file} is in {reference} and {} in {other}; coordinates are taken as they stand, those of the first file give \
+             the place",
+            extent.file.display()
+        ));
+    }
+    let united = known().filter(|(_, other)| other.is_same(&reference)).map(|(e, _)| (e, e.in_system(reference)));
+    let at = middle(united);
+    match reference.locate(at.x, at.y) {
+        Ok((place, length)) => {
+            report.warnings.extend(stretched(reference, first.unit_of(reference), length, &place));
+            Some(place)
+        }
+        Err(_) => {
+            report.warnings.push(format!(
+                "{first_file}: where {reference} lies is not known here, so weather is not compared with the scene's place and y \
+                 is taken for north: give --crs with a system in metres, or --latitude and --longitude"
+            ));
+            None
+        }
+    }
+}
+
+/// A warning if a metre of the scene, `unit` metres being one of the system, is not `length / unit` = 1 on the ground.
+fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option<String> {
+    let metres = length / unit;
+    if (metres - 1.0).abs() <= STRETCH {
+        return None;
+    }
+    let foot = system.unit_m();
+    if foot != 1.0 && unit == 1.0 {
+        return Some(format!(
+            "coordinates of {system} are in units of {foot:.7} m, and scenes are read in metres: give --scale {foot:.7} (in site.toml \
+             scale = {foot:.7})"
+        ));
+    }
+    // Zones of UTM are 6 degrees wide, the first one begins at 180 W.
+    let zone = (((place.longitude_deg + 180.0) / 6.0).floor() as i64).clamp(0, 59) + 1;
+    let utm = if place.latitude_deg < 0.0 { 32700 + zone } else { 32600 + zone };
+    Some(format!(
+        "a metre of {system} is {metres:.3} m on the ground at {:.2} {:.2}, so areas and heights do not fit: reproject the files, for \
+         instance to EPSG:{utm}",
+        place.latitude_deg, place.longitude_deg
+    ))
+}

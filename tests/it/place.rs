@@ -1,0 +1,176 @@
+//! Where a site lies: suns by true north, places that are stated, units and places that cannot be meant.
+
+use std::path::Path;
+
+use heliotile::Place;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::sun::Location;
+use heliotile_scene::Scene;
+
+use crate::cli::{Folder, stderr, stdout};
+
+/// At the western edge of UTM zone 32, at 54 N 6.2 E, grid north lies this far from true north, degrees (PROJ by pyproj 3.7.2).
+const CONVERGENCE_DEG: f64 = -2.26587;
+const AT: [f64; 2] = [316_483.8, 5_987_150.6];
+
+/// A meadow of 60 m, and a receiver 5 m above it that looks to true south.
+fn southern(folder: &Folder) {
+    let [x, y] = AT;
+    let corner = |dx: f64, dy: f64| format!("v {:.1} {:.1} 0\n", x + dx, y + dy);
+    let corners = [corner(-30., -30.), corner(30., -30.), corner(30., 30.), corner(-30., 30.)].concat();
+    folder.write("meadow.obj", &format!("{corners}usemtl grass\nf 1 2 3 4\n"));
+    let south = (180.0 - CONVERGENCE_DEG).to_radians();
+    folder.write(
+        "south.csv",
+        &format!("receiver,x,y,z,nx,ny,nz\nsouth,{x},{y},5,{:.9},{:.9},0\n", south.sin(), south.cos()),
+    );
+}
+
+/// Suns of midsummer three hours before and behind solar noon are the same to a wall that looks to true south, to 0.01 degrees of its turn;
+/// with the grid's north for true north they are off by the 2.27 degrees between the two, to 0.01 degrees.
+#[test]
+fn south_is_symmetric_about_solar_noon() {
+    let folder = Folder::new();
+    southern(&folder);
+    let site = Location::new(54.0, 6.2, 0.0, 0.0).expect("a site");
+    let date = Date::new(2024, 6, 21).expect("a date");
+    let (mut before, mut behind) = (600.0, 800.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (before + behind);
+        if site.sun(date, middle).x > 0.0 { before = middle } else { behind = middle }
+    }
+    let suns = [before - 180.0, before + 180.0].map(|minutes| site.sun(date, minutes));
+    let azimuth = |i: usize| suns[i].x.atan2(suns[i].y).to_degrees().rem_euclid(360.0);
+    let row = |i: usize| format!("{i},{:.6},{:.6},10000,0\n", azimuth(i), suns[i].z.asin().to_degrees());
+    let header = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n";
+    folder.write("suns.csv", &format!("{header}{}{}", row(0), row(1)));
+    let built = folder.run("build meadow.obj --crs EPSG:25832 -r south.csv -o s.helio");
+    assert_eq!(built.status.code(), Some(0), "{}", stderr(&built));
+    assert!(
+        stdout(&built).contains("y lies 2.27 degrees west of true north in EPSG:25832: suns"),
+        "{}",
+        stdout(&built)
+    );
+    let turn_deg = |options: &str| {
+        let output = folder.run(&format!("query s.helio -c suns.csv --columns sun_direct{options}"));
+        let said = stderr(&output).contains("y lies 2.27 degrees west of true north");
+        assert_eq!(said, options.is_empty(), "{}", stderr(&output));
+        let table = stdout(&output);
+        let values = table.lines().skip(1).map(|line| line.rsplit(',').next().and_then(|v| v.parse::<f64>().ok()));
+        let values: Vec<f64> = values.map(|value| value.expect("a number")).collect();
+        let [morning, evening] = values[..] else { panic!("{table}") };
+        // cos(a - c) and cos(a + c) of the azimuths a to both sides of the wall's normal, which is off by c.
+        let off = (morning - evening) / (morning + evening);
+        (off / (azimuth(1) - 180.0).to_radians().tan()).atan().to_degrees()
+    };
+    let (corrected, grid) = (turn_deg(""), turn_deg(" --grid-north"));
+    assert!(corrected.abs() < 0.01, "{corrected}");
+    assert!((grid.abs() - CONVERGENCE_DEG.abs()).abs() < 0.01, "{grid}");
+}
+
+/// `info` tells of the place of a scene and of its archive in the same words, with 2.27 degrees; of a scene without one what to give. An
+/// archive takes no other place.
+#[test]
+fn info_tells_the_place() {
+    let folder = Folder::new();
+    southern(&folder);
+    let unknown = stdout(&folder.run("info meadow.obj"));
+    assert!(unknown.contains("place       not known, y is taken for north: give --crs"), "{unknown}");
+    let words = "place       latitude 54.0000, longitude 6.2000, y 2.27 degrees west of true north, EPSG:25832";
+    let scene = stdout(&folder.run("info meadow.obj --crs 25832"));
+    assert!(scene.contains(words), "{scene}");
+    folder.run("build meadow.obj --crs 25832 -r south.csv -o s.helio");
+    assert!(stdout(&folder.run("info s.helio")).contains(words));
+    folder.refused("info s.helio --crs 25832", &["s.helio", "is an archive", "leave --crs"]);
+    let turned = stdout(&folder.run("info meadow.obj --latitude 54 --longitude 6.2 --rotate-deg -30"));
+    assert!(turned.contains("y 30.00 degrees west of true north\n"), "{turned}");
+    assert!(turned.contains("rotation    -30 degrees clockwise"), "{turned}");
+}
+
+/// Seven wrong options are refused with what to give.
+#[test]
+fn wrong_options() {
+    let folder = Folder::new();
+    for (options, part) in [
+        ("--crs 4326", "coordinates in degrees"),
+        ("--crs RD", "such as EPSG:28992"),
+        ("--crs EPSG:99999", "is not known here"),
+        ("--latitude 95 --longitude 5", "from -90 to 90"),
+        ("--latitude 52", "--longitude"),
+        ("--rotate-deg 20", "give --latitude and --longitude as well"),
+        ("--scale 0", "not from 1e-6 to 1e6"),
+    ] {
+        folder.refused(&format!("info scene.obj {options}"), &[part]);
+    }
+}
+
+/// A second `run` with another turn traces again, a third with the same does not; sides of its table go by true north: a model that is turned
+/// by 90 degrees has its wall towards -y in the west.
+#[test]
+fn run_again_when_turned() {
+    let folder = Folder::new();
+    let weather = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_3_days.epw");
+    let run = |turn: u32| {
+        let at = format!("--latitude 39.74 --longitude -105.18 --rotate-deg {turn}");
+        let output = folder.run(&format!(
+            "run scene.obj -m materials.toml -r receivers.csv --weather {} {at} -o sun",
+            weather.display()
+        ));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stdout(&output)
+    };
+    let first = run(0);
+    assert!(first.contains("upright, south") && !first.contains("upright, west"), "{first}");
+    let turned = run(90);
+    assert!(!turned.contains("up to date"), "{turned}");
+    assert!(turned.contains("upright, west") && !turned.contains("upright, south"), "{turned}");
+    assert!(run(90).contains("up to date"));
+}
+
+/// Receivers 90 km from the scene are told of by `plan` with the distance and what they look like; a house in millimetres by `info`, and
+/// `receivers` refuses the area that it has, with a spacing and the unit.
+#[test]
+fn told_before_work() {
+    let folder = Folder::new();
+    folder.write("far.csv", "receiver,x,y,z,nx,ny,nz\na,90000,5,1,0,0,1\nb,90001,5,1,0,0,1\n");
+    let plan = stderr(&folder.run("plan scene.obj -m materials.toml -r far.csv"));
+    assert!(plan.contains("far.csv: all 2 receivers lie far from the scene"), "{plan}");
+    assert!(plan.contains("is 90 km from the scene"), "{plan}");
+    let scene = std::fs::read_to_string(folder.path("scene.obj")).expect("written").replace('0', "0000");
+    folder.write("mm.obj", &scene);
+    let told = stderr(&folder.run("info mm.obj"));
+    assert!(told.contains("warning: mm.obj: walls are") && told.contains("give --scale 0.001"), "{told}");
+    folder.refused("receivers mm.obj", &["--spacing", "receivers on 500.0 km2", "--scale 0.001 for millimetres"]);
+    let scaled = folder.run("receivers mm.obj --scale 0.001 -o r.csv");
+    assert_eq!(
+        stdout(&scaled).contains("125 receivers on 5 surfaces"),
+        true,
+        "{} {}",
+        stdout(&scaled),
+        stderr(&scaled)
+    );
+}
+
+/// No scene of the tests, 7 files of 5 kinds, is told that it is in another unit or place.
+#[test]
+fn no_false_alarms() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let files = [
+        "cityjson/hague.city.json",
+        "cityjson/small.city.jsonl",
+        "cityjson/vegetation_templates.city.jsonl",
+        "energyplus/box.epJSON",
+        "energyplus/box.idf",
+        "hague/scene.obj",
+        "terrain/lakes_basin.tif",
+    ];
+    for file in files {
+        let scene = Scene::load(&data.join(file), None).expect(file);
+        for warning in &scene.report.warnings {
+            let words = ["--scale", "degrees", "lies", "km from", "on the ground", "--elevation"];
+            assert!(!words.iter().any(|word| warning.contains(word)), "{file}: {warning}");
+        }
+        let somewhere: Option<Place> = scene.place;
+        assert!(somewhere.is_none_or(|place| place.convergence_deg.abs() < 3.0), "{file}");
+    }
+}
