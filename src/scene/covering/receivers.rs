@@ -12,6 +12,7 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
 use heliotile_core::site::receiver::{MAX_NAME_BYTES, Receiver};
+use heliotile_core::text::{separator_hint, with_list};
 
 const REQUIRED: [&str; 7] = ["receiver", "x", "y", "z", "nx", "ny", "nz"];
 const OPTIONAL: [&str; 2] = ["area", "surface"];
@@ -107,9 +108,11 @@ impl Columns {
             *slot = place(wanted).ok_or_else(|| {
                 let what =
                     format!("column `{wanted}` is missing; the header is `{}`", excerpt(names.join(",").as_bytes()));
-                header.error(what, format!("name the columns {}", REQUIRED.join(",")))
+                let hint = separator_hint(&names.join(",")).map(str::to_owned);
+                header.error(what, hint.unwrap_or_else(|| format!("name the columns {}", REQUIRED.join(","))))
             })?;
         }
+        let mut unused = Vec::new();
         for (i, name) in names.iter().enumerate() {
             let known = REQUIRED.contains(name) || OPTIONAL.contains(name);
             let shown = excerpt(name.as_bytes());
@@ -117,8 +120,14 @@ impl Columns {
                 return Err(header.error(format!("column `{shown}` stands there twice"), "remove one of the two"));
             }
             if !known {
-                warnings.push(format!("{}: column `{shown}` is not used", header.file.display()));
+                unused.push(format!("`{shown}`"));
             }
+        }
+        let file = header.file.display();
+        match unused.len() {
+            0 => {}
+            1 => warnings.push(format!("{file}: column {} is not used", unused.concat())),
+            count => warnings.push(with_list(&format!("{file}: {count} columns are not used"), unused)),
         }
         Ok(Columns { required, optional: OPTIONAL.map(place), count: names.len() })
     }
@@ -135,6 +144,9 @@ impl Row<'_> {
         if record.len() != self.columns.count {
             let hint = match record.get(0) {
                 Some(text) if text.starts_with('#') => "remove the line: there are no comments in this format",
+                _ if record.len() > self.columns.count => {
+                    "write one cell per column of the header, and decimals with a point: 1,5 is two cells"
+                }
                 _ => "write one cell per column of the header, empty ones too",
             };
             let text = excerpt(record.iter().collect::<Vec<_>>().join(",").as_bytes());
