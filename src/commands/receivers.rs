@@ -3,13 +3,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use super::terminal::Terminal;
-use super::{Outcome, guard_site, say, warn};
+use super::voice::remark_aside;
+use super::{Outcome, guard_site, remark, warn};
 use crate::cli::{CoverArgs, ReceiversArgs};
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
 use crate::outputs::sink::Sink;
@@ -99,16 +99,11 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
     let text = summary(&covered, &scene);
     // Standard output may be the table.
     if to_file {
-        say(&format!("{}: {text}", args.output.display()))?
+        remark(&format!("{}: {text}", args.output.display()))?
     } else {
-        eprint(&text)
+        remark_aside(&text)
     }
     Ok(Outcome::Fine)
-}
-
-fn eprint(text: &str) {
-    // A closed standard error must not end the work.
-    let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
 /// Reads a scene and covers it.
@@ -116,7 +111,7 @@ pub(super) fn cover_site(site: &Site, args: &CoverArgs) -> Result<(Scene, Covere
     let (scene, soup) = Scene::load_with_objects(site)?;
     scene.report.warnings.iter().for_each(|w| warn(w));
     // Standard output may be the table.
-    scene.report.notes.iter().for_each(|note| eprint(&format!("{note}\n")));
+    scene.report.notes.iter().for_each(|note| remark_aside(&format!("{note}\n")));
     let covered = cover_scene(&scene, soup, args)?;
     Ok((scene, covered))
 }
@@ -149,7 +144,10 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
     }
     let points: f64 = chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum();
     if points > MOST_POINTS {
-        return Err(too_many(points, chosen.iter().map(|&i| surfaces.list[i].area_m2).sum(), args));
+        let area_m2 = chosen.iter().map(|&i| surfaces.list[i].area_m2).sum();
+        return Err(too_many(args, points, area_m2, |density| {
+            chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum()
+        }));
     }
     let (tracer, _) = Canopies::split(scene);
     let terminal = Terminal::default();
@@ -167,8 +165,11 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
     let covered = Covered { surfaces, faces, chosen, small, beside };
     if covered.count(Lying::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
-        let hint = match covered.count(Lying::Inside) {
-            0 => "lower --min-area, or cover other surfaces",
+        let hint = match (covered.chosen.is_empty(), covered.count(Lying::Inside)) {
+            (true, _) => {
+                "lower --min-area, cover other surfaces with --on, or see with `heliotile info` whether the scene is in metres"
+            }
+            (_, 0) => "cover other surfaces with --on: these all touch one another, or the ground",
             _ => {
                 "see where the parts of the scene lie (`heliotile info` of each): one may be below the terrain, or in another unit"
             }
@@ -178,22 +179,48 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
     Ok(covered)
 }
 
-/// The error of more receivers than can be covered with: a spacing that would do, and the unit as another reason.
-fn too_many(points: f64, area_m2: f64, args: &CoverArgs) -> Error {
+/// The refusal of too many receivers, with what would be few enough.
+fn too_many(args: &CoverArgs, points: f64, area_m2: f64, of: impl Fn(Density) -> f64) -> Error {
     let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
-    let what = format!("{points:.0} receivers on {area} of surfaces, more than {MOST_POINTS:.0}");
-    let (option, fewer) = match args.per_surface {
-        Some(_) => ("--per-surface", "give fewer a surface".to_owned()),
-        // A little more, for edges.
-        None => {
-            let enough_m = 1.05 * args.spacing.0 * (points / MOST_POINTS).sqrt();
-            ("--spacing", format!("give --spacing {:.1}m or more", (10.0 * enough_m).ceil() / 10.0))
+    let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MOST_POINTS / 1e6);
+    let unit = "; if the area is too large, the unit is not the metre: --scale 0.001 for millimetres";
+    if let Some(count) = args.per_surface {
+        // At least one for each surface.
+        let fewer = (f64::from(count) * MOST_POINTS / points).floor().max(1.0);
+        let what = format!("{count} for each surface are {:.0} million receivers {limit}", points / 1e6);
+        return Error::argument(
+            "--per-surface",
+            what,
+            format!("--per-surface {fewer:.0}, or fewer surfaces with --on{unit}"),
+        );
+    }
+    let wider = wide_enough(args.spacing.0, points, |metres| of(Density::Spacing(metres)));
+    let hint = match wider {
+        Some((metres, count)) => {
+            format!("--spacing {metres}m would give {}, or cover less with --on{unit}", millions(count))
         }
+        None => format!("cover fewer surfaces with --on{unit}"),
     };
-    let hint = format!(
-        "{fewer}, or cover less (--on); if the area is too large, the unit is not the metre: --scale 0.001 for millimetres"
-    );
-    Error::argument(option, what, hint)
+    let what = format!("{} m would give {} receivers {limit}", args.spacing.0, millions(points));
+    Error::argument("--spacing", what, hint)
+}
+
+fn millions(count: f64) -> String {
+    if count < 1e6 { format!("{count:.0}") } else { format!("{:.0} million", count / 1e6) }
+}
+
+/// The least spacing of two digits that is wide enough, metres, and how many receivers it gives.
+fn wide_enough(metres: f64, points: f64, of: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    // Areas take most of them, by the square of the spacing.
+    let about = metres * (points / MOST_POINTS).sqrt();
+    let step = 10_f64.powf(about.log10().floor() - 1.0);
+    let first = (about / step).floor();
+    (0..1000).find_map(|i| {
+        // Decimal digits, such as 0.35, as they are written.
+        let wider = ((first + f64::from(i)) * step * 1e6).round() / 1e6;
+        let count = of(wider);
+        (count <= MOST_POINTS).then_some((wider, count))
+    })
 }
 
 fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {

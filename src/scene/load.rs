@@ -33,6 +33,10 @@ use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Class;
+use heliotile_core::text::with_list;
+
+/// Reasons why faces are left out that get a warning each; more are a list.
+const MOST_REASONS: usize = 2;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
 #[derive(Debug, Default)]
@@ -302,9 +306,14 @@ impl Pile {
         report.degenerate_dropped += cut.degenerate_faces;
         report.concave_faces += cut.concave_faces;
         report.warnings.extend(geometry.warnings.iter().cloned());
-        for (reason, count) in &geometry.left_out {
-            report.warnings.push(format!("{file}: {count} left out {reason}"));
+        let mut left_out: Vec<String> =
+            geometry.left_out.iter().map(|(reason, count)| format!("{count} left out {reason}")).collect();
+        if left_out.len() > MOST_REASONS {
+            let count: usize = geometry.left_out.values().sum();
+            let sentence = format!("{file}: {count} left out for {} reasons", left_out.len());
+            report.warnings.push(with_list(&sentence, left_out.drain(..)));
         }
+        report.warnings.extend(left_out.iter().map(|reason| format!("{file}: {reason}")));
         if let Some((count, place)) = cut.crossing_faces {
             let first = match place.line {
                 0 => format!("the outline of a face of {}", object_name(geometry, place.object)),

@@ -16,6 +16,7 @@ use crate::site::Part;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
+use heliotile_core::text::with_list;
 
 /// Names of a table that are compared with those of the scene, and the most of those: hostile files hold tens of thousands.
 const MOST_UNUSED: usize = 20;
@@ -164,12 +165,7 @@ impl Palette {
                 Some(format!("`{}` {}", excerpt(entry.name.as_bytes()), entry.material.as_ref()?.optics()))
             })
             .collect();
-        if !assumed.is_empty() {
-            warnings.push(format!(
-                "nobody says how much light these materials reflect, assumed is: {}; --materials materials.toml says it",
-                assumed.join(", ")
-            ));
-        }
+        warnings.extend(assumed_warning(assumed));
         let names: HashSet<&str> = used.iter().map(|entry| entry.name.as_str()).collect();
         for (path, table) in &self.tables {
             let is_used = |name: &str| {
@@ -186,12 +182,38 @@ impl Palette {
                 .collect();
             others.sort_unstable();
             let unused = table.keys().filter(|name| !is_used(name)).enumerate();
-            warnings.extend(unused.map(|(i, name)| {
+            let unused = unused.map(|(i, name)| {
                 let near = if i < MOST_UNUSED { nearest(name, &others) } else { None };
                 let near = near.map_or(String::new(), |near| format!(", but `{}`", excerpt(near.as_bytes())));
-                format!("{}: the scene does not use material `{}`{near}", path.display(), excerpt(name.as_bytes()))
-            }));
+                format!("`{}`{near}", excerpt(name.as_bytes()))
+            });
+            warnings.extend(unused_warning(path, unused.collect()));
         }
         Ok(materials)
+    }
+}
+
+/// So many names stand in a warning itself.
+const MOST_NAMED: usize = 3;
+
+fn assumed_warning(assumed: Vec<String>) -> Option<String> {
+    let (start, end) = ("nobody says how much light", "--materials materials.toml says it");
+    match assumed.len() {
+        0 => None,
+        1..=MOST_NAMED => Some(format!("{start} these materials reflect, assumed is: {}; {end}", assumed.join(", "))),
+        count => {
+            let sentence = format!("{start} {count} materials reflect, assumed is what is usual; {end}");
+            Some(with_list(&sentence, assumed))
+        }
+    }
+}
+
+fn unused_warning(path: &Path, unused: Vec<String>) -> Option<String> {
+    let of = path.display();
+    match unused.len() {
+        0 => None,
+        1 => Some(format!("{of}: the scene does not use material {}", unused.concat())),
+        2..=MOST_NAMED => Some(format!("{of}: the scene does not use materials {}", unused.join(", "))),
+        count => Some(with_list(&format!("{of}: the scene does not use {count} of its materials"), unused)),
     }
 }

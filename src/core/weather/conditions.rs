@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::site::north::North;
+use crate::text::separator_hint;
 use crate::units::direction_from_degrees;
 use crate::weather::emission::Emission;
 use crate::weather::time::calendar::Date;
@@ -128,7 +129,8 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
             (Some((i, _)), None) => i,
             (None, _) => {
                 let what = format!("column `{name}` is missing from the header");
-                let hint = format!("the first line names the columns {}", COLUMNS.join(","));
+                let hint = separator_hint(&header.iter().collect::<Vec<_>>().join(",")).map(str::to_owned);
+                let hint = hint.unwrap_or_else(|| format!("the first line names the columns {}", COLUMNS.join(",")));
                 return Err(Error::input(path, 1, what, hint));
             }
             (Some(_), Some(_)) => {

@@ -12,6 +12,7 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::receiver::{MAX_NAME_BYTES, Receiver};
+use heliotile_core::text::{separator_hint, with_list};
 
 const REQUIRED: [&str; 4] = ["receiver", "x", "y", "z"];
 /// Where a receiver looks: a vector, or angles in degrees, tilt 0 up and 90 level, azimuth clockwise from y.
@@ -114,9 +115,10 @@ impl Columns {
             place(wanted).ok_or_else(|| {
                 let what =
                     format!("column `{wanted}` is missing; the header is `{}`", excerpt(names.join(",").as_bytes()));
-                let hint =
-                    format!("name the columns {HEADER}, or {} in place of {}", ANGLES.join(","), NORMAL.join(","));
-                header.error(what, hint)
+                let columns =
+                    || format!("name the columns {HEADER}, or {} in place of {}", ANGLES.join(","), NORMAL.join(","));
+                let hint = separator_hint(&names.join(",")).map(str::to_owned);
+                header.error(what, hint.unwrap_or_else(columns))
             })
         };
         let mut required = [0; 4];
@@ -130,6 +132,7 @@ impl Columns {
             _ => Facing::Normal([needed("nx")?, needed("ny")?, needed("nz")?]),
         };
         let angles = matches!(facing, Facing::Angles(_));
+        let mut unused = Vec::new();
         for (i, name) in names.iter().enumerate() {
             let of_facing = if angles { ANGLES.contains(name) } else { NORMAL.contains(name) };
             let known = of_facing || REQUIRED.contains(name) || OPTIONAL.contains(name) || PART.contains(name);
@@ -138,8 +141,14 @@ impl Columns {
                 return Err(header.error(format!("column `{shown}` stands there twice"), "remove one of the two"));
             }
             if !known {
-                warnings.push(format!("{}: column `{shown}` is not used", header.file.display()));
+                unused.push(format!("`{shown}`"));
             }
+        }
+        let file = header.file.display();
+        match unused.len() {
+            0 => {}
+            1 => warnings.push(format!("{file}: column {} is not used", unused.concat())),
+            count => warnings.push(with_list(&format!("{file}: {count} columns are not used"), unused)),
         }
         Ok(Columns { required, facing, optional: OPTIONAL.map(place), part: PART.map(place), count: names.len() })
     }
@@ -162,6 +171,9 @@ impl Row<'_> {
         if record.len() != self.columns.count {
             let hint = match record.get(0) {
                 Some(text) if text.starts_with('#') => "remove the line: there are no comments in this format",
+                _ if record.len() > self.columns.count => {
+                    "write one cell per column of the header, and decimals with a point: 1,5 is two cells"
+                }
                 _ => "write one cell per column of the header, empty ones too",
             };
             let text = excerpt(record.iter().collect::<Vec<_>>().join(",").as_bytes());

@@ -13,6 +13,7 @@ use crate::materials::select::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
+use heliotile_core::text::with_list;
 
 /// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
 pub(super) fn read_libraries(
@@ -31,7 +32,18 @@ pub(super) fn read_libraries(
             }
             if path.is_file() {
                 let bytes = input::read(&path)?;
-                parse(&bytes, &path, asked, &mut table, warnings)?;
+                let mut odd = Vec::new();
+                parse(&bytes, &path, asked, &mut table, &mut odd)?;
+                if odd.len() > MOST_ODD {
+                    let sentence = format!(
+                        "{}: {} things about materials are not taken as they stand (textures, transparency, more light than \
+                         arrives, second definitions)",
+                        path.display(),
+                        odd.len()
+                    );
+                    warnings.push(with_list(&sentence, odd.drain(..)));
+                }
+                warnings.append(&mut odd);
             } else {
                 warnings.push(format!(
                     "{}, line {}: the material library {} is not there",
@@ -45,6 +57,9 @@ pub(super) fn read_libraries(
     }
     Ok(table)
 }
+
+/// So many odd things of a file get a warning each; more are a list.
+const MOST_ODD: usize = 3;
 
 /// One file whose name may hold blanks if there is such a file, several names otherwise.
 fn files_of(folder: &Path, text: &str) -> Vec<PathBuf> {
