@@ -11,7 +11,8 @@ use heliotile_scene::site::{MissingGround, Site};
 #[derive(Args, Debug)]
 pub struct SceneArgs {
     /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl), terrain (.tif,
-    /// .asc), EnergyPlus (.epjson, .idf), glTF (.gltf, .glb), .obj, .ply, .stl; metres, x east, y north, z up
+    /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz; metres,
+    /// x east, y north, z up
     #[arg(required = true, value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
     #[command(flatten)]

@@ -130,6 +130,9 @@ impl<'d> Reader<'_, 'd> {
                 };
                 self.opening(room, opening, *kind, fits)?;
             }
+        } else {
+            // What is left of a face that is none are its openings.
+            openings.iter().try_for_each(|(opening, kind)| self.opening(room, opening, *kind, true))?;
         }
         if whole {
             self.writer.geometry.leave_out(ALL_WINDOW);

@@ -228,7 +228,8 @@ fn modifiers() {
     }
 }
 
-/// A window of a wall with a hole leaves 12 - 1 - 2 m2; one over that hole is left out; adiabatic walls back to back go, one by itself stays.
+/// A window of a wall with a hole leaves 12 - 1 - 2 m2; one over that hole is left out; adiabatic walls back to back go, one by itself stays, and
+/// so does the window of a wall without corners.
 #[test]
 fn walls() {
     let wall = |name: &str, x: f64, back: bool, condition: &str, windows: Value| {
@@ -249,12 +250,14 @@ fn walls() {
         wall("b", 5.0, false, "Adiabatic", Value::Null),
         wall("c", 5.0, true, "Adiabatic", Value::Null),
         wall("d", 9.0, false, "Adiabatic", Value::Null),
+        {"identifier": "no wall", "face_type": "Wall", "boundary_condition": {"type": "Outdoors"}, "geometry": {"boundary": []},
+            "apertures": [window("z", 0.0, 1.0)]},
     ]);
     let geometry = read(&json!({"type": "Model", "orphaned_faces": faces}).to_string());
     let found = areas(&geometry);
-    assert_eq!(found.keys().map(String::as_str).collect::<Vec<_>>(), ["a", "d", "w"]);
+    assert_eq!(found.keys().map(String::as_str).collect::<Vec<_>>(), ["a", "d", "w", "z"]);
     assert!((found["a"][0].length() - 9.0).abs() < 1e-9 && (found["d"][0].length() - 11.0).abs() < 1e-9);
-    assert_eq!(geometry.left_out.values().sum::<usize>(), 2);
+    assert_eq!(geometry.left_out.values().sum::<usize>(), 3);
     assert!(
         geometry
             .warnings
