@@ -125,4 +125,5 @@ pub fn program() -> ExitCode {
 #[doc(hidden)]
 pub mod pictures {
     pub use crate::outputs::pictures::fisheye;
+    pub use crate::outputs::provenance::Provenance;
 }

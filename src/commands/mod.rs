@@ -5,6 +5,7 @@ mod chosen;
 pub mod export;
 pub mod inspect;
 mod interrupt;
+mod invocation;
 pub mod receivers;
 pub mod repair;
 pub mod replay;
@@ -163,6 +164,12 @@ fn say(text: &str) -> Result<()> {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("standard output"), "write to")(e)),
         _ => Ok(()),
     }
+}
+
+/// Prints what a user may want to know, and what nothing is wrong with.
+fn note(text: &str) {
+    // A closed standard error must not end the work.
+    let _ = writeln!(std::io::stderr(), "note: {text}");
 }
 
 /// Prints a warning of a command that goes on.

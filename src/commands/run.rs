@@ -11,14 +11,16 @@ use super::receivers::{self, Covered, cover_site};
 use super::repair::other_receivers;
 use super::terminal::Terminal;
 use super::{
-    Outcome, guard_archive, guard_output, guard_site, load_scene, read_receivers, say, temporary_files, warn,
-    workspace_beside,
+    Outcome, guard_archive, guard_output, guard_site, invocation, load_scene, read_receivers, say, temporary_files,
+    warn, workspace_beside,
 };
 use crate::cli::{Percent, RunArgs};
 use crate::files::read_weather;
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
-use crate::outputs::periods::{Every, Periods};
+use crate::outputs::periods::{ClockReading, Every, Periods};
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
+use crate::outputs::tables::csvw;
 use heliotile_builder::build::{Build, Output, PreparedScene, Start};
 use heliotile_builder::observer::Stage;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -56,7 +58,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         table: folder.join("annual.csv"),
         map: folder.join("annual.ply"),
     };
-    for output in [&files.archive, &files.table, &files.map] {
+    for output in [&files.archive, &files.table, &files.map, &csvw::beside(&files.table)] {
         guard_site(output, &site, &[Some(&args.weather), args.receivers.as_deref()])?;
     }
     guard_archive(&files.archive)?;
@@ -83,8 +85,9 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     }
     let archive = up_to_date(args, &files, &scene)?;
     let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
-    write_table(Sink::file(&files.table)?, &rows)?;
-    write_map(&files.map, &rows, covered.as_ref())?;
+    let about = invocation::provenance().with_archive(&files.archive, &archive).with_weather(&args.weather, &weather);
+    write_table(Sink::file(&files.table)?, &rows, &about)?;
+    write_map(&files.map, &rows, covered.as_ref(), &about)?;
     say(&table(&rows, covered.as_ref(), &args.weather))?;
     say(&format!(
         "{}: {}site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
@@ -155,8 +158,8 @@ fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<
     let site = OpenSite::of(archive)?;
     let conditions = weather.conditions(usize::from(archive.manifest().settings.steps()));
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
-    let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
-    let bins = Periods::new(Every::Total, years, &stamped).bins();
+    let stamps: Vec<_> = conditions.iter().filter_map(|condition| condition.stamp).collect();
+    let bins = Periods::new(Every::Total, years, &stamps, ClockReading::default()).bins();
     let (patches, storage) = (archive.manifest().settings.patches(), temporary_files());
     let settings = ReplaySettings { patches, memory, storage: &storage, ..ReplaySettings::default() };
     let replay = Replay::summed(&site, &conditions, settings, &bins)?;
@@ -176,7 +179,7 @@ fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<
     Ok(rows)
 }
 
-fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Result<()> {
+fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>, about: &Provenance) -> Result<()> {
     let pieces = pieces_by_name(covered);
     let patches: Vec<Patch> = rows
         .iter()
@@ -186,7 +189,7 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Resu
             total_kwh_m2: row.total(),
         })
         .collect();
-    write_ply(Sink::file(path)?, &patches)
+    write_ply(Sink::file(path)?, &patches, about)
 }
 
 fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, (&Piece, SurfaceKind)> {

@@ -7,6 +7,7 @@
 pub mod annual;
 pub mod periods;
 pub mod pictures;
+pub mod provenance;
 pub mod receivers;
 pub mod sink;
 pub mod surfaces;

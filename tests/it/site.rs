@@ -123,7 +123,7 @@ fn run_and_run_again() {
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    assert_eq!(names, ["annual.csv", "annual.ply", "receivers.csv", "site.helio"]);
+    assert_eq!(names, ["annual.csv", "annual.csv-metadata.json", "annual.ply", "receivers.csv", "site.helio"]);
     let table = rows(&read(&made.join("annual.csv")));
     let count = rows(&read(&made.join("receivers.csv"))).len();
     assert_eq!(table.len(), count);
