@@ -19,7 +19,7 @@ use std::str::FromStr;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::outputs::periods::Every;
+use crate::outputs::periods::{Every, StampAt};
 use crate::outputs::tables::layout::By;
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
@@ -169,8 +169,8 @@ fn parse_share(text: &str) -> Result<f64, String> {
 pub struct RecombineArgs {
     /// Archive to read
     pub archive: PathBuf,
-    /// Table to write: .csv, .parquet, .arrow, .feather (compressed Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on
-    /// standard output
+    /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
+    /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
     /// Take the receivers of a CSV file only: ids in a column `receiver`
@@ -230,6 +230,14 @@ pub struct ReplayArgs {
     /// Rows: means in W/m2, or sums in kWh/m2
     #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
     pub every: Every,
+    /// Which moment of its interval a row of means is labelled with; sums are labelled with the start of their period
+    #[arg(long, value_parser = choice::<StampAt>(), default_value = "start")]
+    pub stamp: StampAt,
+    /// Put all rows into one year, such as 2019: a typical year, whose months come from different ones, or any other. Dates of results
+    /// change, the sun stays that of the file's dates; 29 February is left out where the year has none. Years of --from and --to are then
+    /// this year
+    #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
+    pub year: Option<i32>,
     /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or a time, 03-01T06:00
     #[arg(long, value_name = "DAY")]
     pub from: Option<Moment>,

@@ -127,4 +127,5 @@ pub fn program() -> ExitCode {
 #[doc(hidden)]
 pub mod pictures {
     pub use crate::outputs::pictures::fisheye;
+    pub use crate::outputs::provenance::Provenance;
 }

@@ -4,7 +4,7 @@ use heliotile_builder::settings::{Quality, Share};
 use heliotile_core::archive::Access;
 use heliotile_core::replay::reflectances::Snow;
 
-use crate::outputs::periods::Every;
+use crate::outputs::periods::{Every, StampAt};
 use crate::outputs::tables::layout::By;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -80,5 +80,13 @@ impl NamedValues for Every {
         ("month", "", Every::Month),
         ("year", "", Every::Year),
         ("total", "One sum over all that is taken of the file", Every::Total),
+    ];
+}
+
+impl NamedValues for StampAt {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        (StampAt::Start.name(), "06:00 for the hour from 06:00 to 07:00", StampAt::Start),
+        (StampAt::Middle.name(), "06:30", StampAt::Middle),
+        (StampAt::End.name(), "07:00; the last hour of a day gets 00:00 of the next day", StampAt::End),
     ];
 }

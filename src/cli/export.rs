@@ -36,7 +36,8 @@ A .png is a picture for people: the upper hemisphere, equidistant, zenith in the
 pub struct ExportArgs {
     /// Archive to read
     pub archive: PathBuf,
-    /// File to write: .exr or .png for a receiver; .csv, or - for standard output, for view factors
+    /// File to write: .exr or .png for a receiver; .csv (with .csv-metadata.json beside it), or - for
+    /// standard output, for view factors
     #[arg(long, short)]
     pub output: PathBuf,
     /// Export the layers of this receiver

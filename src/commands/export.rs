@@ -5,12 +5,14 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::{Outcome, guard_output, warn};
+use super::{Outcome, guard_output, invocation, warn};
 use crate::cli::ExportArgs;
 use crate::files::read_weather;
 use crate::outputs::pictures::exr::exr;
 use crate::outputs::pictures::fisheye::{Overlay, fisheye};
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
+use crate::outputs::tables::writer::files_of;
 use crate::outputs::view_factors::ViewFactorTable;
 use heliotile_builder::spill::TempFiles;
 use heliotile_builder::transfer::ArchiveReceivers;
@@ -52,21 +54,22 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
     if args.output != Path::new("-") {
         let inputs: Vec<&Path> =
             [Some(args.archive.as_path()), args.weather.as_deref()].into_iter().flatten().collect();
-        guard_output(&args.output, &inputs)?;
+        files_of(&args.output).iter().try_for_each(|file| guard_output(file, &inputs))?;
     }
     match &args.receiver {
         None => view_factors(args),
         Some(id) => {
             let image = Image::of(&args.output)?;
             // Before the archive: a wrong weather file is found at once.
-            let mut overlay = overlay(args, &image)?;
+            let (mut overlay, about) = overlay(args, &image)?;
             let archive = Archive::open_with(&args.archive, args.io)?;
             let site = OpenSite::of(&archive)?;
             overlay.north = site.north();
             let view = ReceiverView::load(&site, id)?;
+            let about = about.with_archive(&args.archive, &archive);
             let bytes = match image {
-                Image::Png => fisheye(&view, &overlay)?,
-                Image::Exr => layers(args, (&archive, &site), &view)?,
+                Image::Png => fisheye(&view, &overlay, &about)?,
+                Image::Exr => layers(args, (&archive, &site), &view, &about)?,
             };
             let mut sink = Sink::file(&args.output)?;
             sink.write_all(&bytes).map_err(Error::io(&args.output, "write to"))?;
@@ -77,7 +80,12 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
 }
 
 /// Maps of a receiver as EXR.
-fn layers(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &ReceiverView) -> Result<Vec<u8>> {
+fn layers(
+    args: &ExportArgs,
+    (archive, site): (&Archive, &OpenSite),
+    view: &ReceiverView,
+    provenance: &Provenance,
+) -> Result<Vec<u8>> {
     let light = match args.sun {
         None => None,
         Some(sun) => {
@@ -92,7 +100,9 @@ fn layers(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &Rece
     };
     let storage = TempFiles::new(folder_of(&args.output));
     let maps = maps(site, view, light.as_ref(), MemoryBudget::new(args.memory.0), &storage)?;
-    exr(&maps, &about(args, archive, view))
+    let mut about = about(args, archive, view);
+    about.insert("provenance".into(), provenance.json());
+    exr(&maps, &about)
 }
 
 /// What stands in every part of an EXR file.
@@ -120,8 +130,8 @@ fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<Strin
     about
 }
 
-/// What is drawn over a picture.
-fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
+/// What is drawn over a picture, and what it is made of.
+fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
     if matches!(image, Image::Exr) && (args.weather.is_some() || args.latitude.is_some()) {
         return Err(Error::Unsupported {
             what: "paths of the sun (--weather, --latitude)".into(),
@@ -129,9 +139,11 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
             supported: "them in a .png".into(),
         });
     }
+    let mut provenance = invocation::provenance();
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
             let weather = read_weather(file)?;
+            provenance = provenance.with_weather(file, &weather);
             // Names are filled up with blanks in some files.
             let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
             let zone = weather.site.zone_hours;
@@ -144,13 +156,15 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<Overlay> {
         }
         (None, None) => None,
     };
-    Ok(Overlay { path, sun: args.sun.map(|sun| sun.direction()), north: North::default() })
+    let overlay = Overlay { path, sun: args.sun.map(|sun| sun.direction()), north: North::default() };
+    Ok((overlay, provenance))
 }
 
 /// View factors of all receivers as CSV.
 fn view_factors(args: &ExportArgs) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, args.io)?;
-    let mut table = ViewFactorTable::create(&args.output)?;
+    let about = invocation::provenance().with_archive(&args.archive, &archive);
+    let mut table = ViewFactorTable::create(&args.output, about)?;
     for row in ArchiveReceivers::<()>::new(&OpenSite::of(&archive)?) {
         let row = row?;
         table.row(&row.receiver.id, row.views)?;

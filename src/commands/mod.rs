@@ -6,6 +6,7 @@ mod console;
 pub mod export;
 mod horizon;
 pub mod inspect;
+mod invocation;
 mod preflight;
 pub mod receivers;
 pub mod repair;

@@ -5,13 +5,15 @@ use std::path::Path;
 
 use super::chosen::Chosen;
 use super::terminal::Terminal;
-use super::voice::remark_aside;
-use super::{Outcome, guard_output, temporary_files, warn};
+use super::voice::{note, remark_aside};
+use super::{Outcome, guard_output, invocation, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather, read_weather_with_air};
 use crate::outputs::groups::{GroupMeans, Groups};
-use crate::outputs::periods::{Every, Periods};
+use crate::outputs::periods::{ClockReading, Every, Periods, StampAt};
+use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Places;
 use crate::outputs::tables::writer::{Format, TableWriter, files_of};
 use heliotile_builder::observer::Stage;
@@ -24,25 +26,28 @@ use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes, ConstantOrFile};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::rounded;
-use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::conditions::{Condition, Stamp};
+use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::row::WeatherRow;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::bins::Bins;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
 /// What results are made of.
 struct Series<'a> {
     conditions: &'a [Condition],
     kind: Labels,
-    labels: &'a [String],
+    labels: RowLabels,
     /// Which label a condition adds to.
     bins: &'a Bins,
     changes: Changes,
     /// Rows of the weather file, and which of them the conditions are; none in a query.
     rows: (&'a [WeatherRow], &'a [bool]),
+    provenance: Provenance,
 }
 
 /// `heliotile query`.
@@ -66,12 +71,13 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
             rounded(ground.mean())
         ));
     }
-    let labels: Vec<String> = file.conditions.iter().map(|c| c.label.clone()).collect();
+    let labels = RowLabels::words(file.conditions.iter().map(|c| c.label.clone()).collect());
+    let name = args.conditions.file_name().unwrap_or_default().to_string_lossy();
     let series = Series {
         conditions: &file.conditions,
         kind: Labels::Conditions,
-        labels: &labels,
         bins: &Bins::each(labels.len()),
+        labels,
         changes: Changes {
             constant: args.common.reflectance.clone(),
             transmittance: args
@@ -82,6 +88,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
             ..Changes::default()
         },
         rows: (&[], &[]),
+        provenance: invocation::provenance().with("conditions", name),
     };
     run(&args.common, &archive, &series)
 }
@@ -107,18 +114,22 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let span = Span::new(args.from, args.to)?;
     let weather = if longwave { read_weather_with_air(&args.weather)? } else { read_weather(&args.weather)? };
     weather.report.warnings.iter().for_each(|w| warn(w));
-    let chosen = span.rows_of(&weather, &args.weather)?;
+    let dated = dated(args, &span, &weather)?;
     let archive = open(&args.common)?;
     let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
-    replay_rows(args, &archive, &weather, &chosen)
+    replay_rows(args, &archive, &weather, &dated)
 }
 
 /// Replays the chosen rows of a weather file that was read already, with its air if longwave is asked for.
-pub(super) fn replay_rows(args: &ReplayArgs, archive: &Archive, weather: &Weather, chosen: &[bool]) -> Result<Outcome> {
+pub(super) fn replay_rows(
+    args: &ReplayArgs,
+    archive: &Archive,
+    weather: &Weather,
+    dated: &DatedRows,
+) -> Result<Outcome> {
+    let chosen = &dated.chosen;
     let steps = args.steps.unwrap_or_else(|| archive.manifest().settings.steps());
-    // Labels are those of the whole file, whatever part of it is taken.
-    let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let mut conditions: Vec<Condition> = {
         let all = weather.conditions(usize::from(steps)).into_iter();
         all.zip(chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
@@ -127,8 +138,10 @@ pub(super) fn replay_rows(args: &ReplayArgs, archive: &Archive, weather: &Weathe
         let emissions = emissions(weather, &args.weather, chosen, &args.temperature, &read_file)?;
         conditions.iter_mut().zip(emissions).for_each(|(condition, emission)| condition.emission = Some(emission));
     }
-    let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
-    let periods = Periods::new(args.every, years, &stamped);
+    let dates = dated.dates.iter().zip(chosen).filter_map(|(date, chosen)| chosen.then_some(*date));
+    let stamps = conditions.iter().zip(dates).filter_map(|(condition, date)| Some(Stamp { date, ..condition.stamp? }));
+    let clock = ClockReading { offset: UtcOffset::of_hours(weather.site.zone_hours), at: args.stamp };
+    let periods = Periods::new(args.every, dated.years, &stamps.collect::<Vec<_>>(), clock);
     let (kind, bins) = match args.every {
         Every::Hour => (Labels::Times, Bins::each(conditions.len())),
         _ => (Labels::Sums, periods.bins()),
@@ -139,9 +152,41 @@ pub(super) fn replay_rows(args: &ReplayArgs, archive: &Archive, weather: &Weathe
         snow: args.snow.map(|snow| (snow, args.snow_reflectance)),
         transmittance: args.transmittance.clone(),
     };
-    let rows = (weather.rows.as_slice(), chosen);
-    let series = Series { conditions: &conditions, kind, labels: &periods.labels, bins: &bins, changes, rows };
+    let rows = (weather.rows.as_slice(), chosen.as_slice());
+    let provenance = invocation::provenance().with_weather(&args.weather, weather).with_option("steps", steps);
+    let provenance = match args.every {
+        Every::Hour => {
+            provenance.with("stamp", args.stamp.name()).with("interval_minutes", 60.0 * weather.interval_hours)
+        }
+        _ => provenance.with("stamp", StampAt::Start.name()),
+    };
+    let series =
+        Series { conditions: &conditions, kind, labels: periods.labels, bins: &bins, changes, rows, provenance };
     run(&args.common, archive, &series)
+}
+
+/// The rows that are asked for, with the dates that results give them; says what is odd about these.
+pub(super) fn dated(args: &ReplayArgs, span: &Span, weather: &Weather) -> Result<DatedRows> {
+    let (intervals, file) = (weather.rows.iter().map(|row| row.interval).collect::<Vec<_>>(), &args.weather);
+    let dated = match args.year {
+        Some(year) => DatedRows::in_year(&intervals, file, span, year)?,
+        None => DatedRows::of_file(&intervals, file, span)?,
+    };
+    dated.warnings.iter().for_each(|w| warn(w));
+    let labels = match args.every {
+        Every::Hour => "times have these years",
+        Every::Day | Every::Month => "days and months have no year",
+        Every::Year | Every::Total => return Ok(dated),
+    };
+    if dated.years == Years::Typical {
+        let years = || dated.dates.iter().map(|date| date.year);
+        let (first, last) = (years().min().unwrap_or_default(), years().max().unwrap_or_default());
+        note(&format!(
+            "{}: its months come from different years, {first} to {last}, and {labels}; --year, as in --year 2019, puts them into one",
+            file.display()
+        ));
+    }
+    Ok(dated)
 }
 
 fn asks_longwave(args: &RecombineArgs) -> bool {
@@ -191,7 +236,7 @@ fn open(args: &RecombineArgs) -> Result<Archive> {
 
 /// Streams all tiles into a table.
 fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
-    let labels = series.labels;
+    let labels = &series.labels;
     let site = OpenSite::of(archive)?;
     let site = if args.grid_north { site.with_y_for_north() } else { site };
     // Standard output may be the table.
@@ -233,7 +278,8 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
         None => chosen.receivers(archive, &site).map(|receiver| Ok(receiver?.id)).collect(),
     };
     let count = means.as_ref().map_or(chosen.count(), |means| means.groups().names().len() as u64);
-    let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names })?;
+    let about = series.provenance.clone().with_archive(&args.archive, archive).with_option("patches", settings.patches);
+    let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names }, &about)?;
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(chosen.count()));
     let results = replay.results(chosen.tiles().iter().map(|tile| tile.number));

@@ -13,12 +13,15 @@ use super::build::{BuildRequest, plan_and_write, settings_of};
 use super::horizon::nothing_seen;
 use super::receivers::{self, Covered, cover_site};
 use super::terminal::Terminal;
-use super::{Outcome, interrupt, load_scene, read_receivers, remark, say, temporary_files, warn, workspace_beside};
+use super::{
+    Outcome, interrupt, invocation, load_scene, read_receivers, remark, say, temporary_files, warn, workspace_beside,
+};
 use crate::cli::RunArgs;
 use crate::files::{read_file, read_weather};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::kinds_and_sides::by_kind_and_side;
-use crate::outputs::periods::{Every, Periods};
+use crate::outputs::periods::{ClockReading, Every, Periods};
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use folder::{Files, Found, PlannedReceivers};
 use heliotile_builder::build::{Build, Output, PreparedScene, Start};
@@ -57,10 +60,11 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     interrupt::stop_if_requested("after site.helio was complete")?;
     files.claim(&archive, &weather, args)?;
     let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
-    write_table(Sink::file(&files.table)?, &rows)?;
-    write_map(&files.map, &rows, covered.as_ref())?;
-    periods::write(args, &files, &archive, &weather)?;
+    let about = invocation::provenance().with_archive(&files.archive, &archive).with_weather(&args.weather, &weather);
     let north = North::of(archive.manifest().place.as_ref());
+    write_table(Sink::file(&files.table)?, &rows, north, &about)?;
+    write_map(&files.map, &rows, covered.as_ref(), &about)?;
+    periods::write(args, &files, &archive, &weather)?;
     say(&format!(
         "\nIrradiation through {}, kWh/m2 (means by area):\n{}",
         args.weather.display(),
@@ -115,8 +119,8 @@ fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<
     let site = OpenSite::of(archive)?;
     let conditions = weather.conditions(usize::from(archive.manifest().settings.steps()));
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
-    let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
-    let bins = Periods::new(Every::Total, years, &stamped).bins();
+    let stamps: Vec<_> = conditions.iter().filter_map(|condition| condition.stamp).collect();
+    let bins = Periods::new(Every::Total, years, &stamps, ClockReading::default()).bins();
     let (patches, storage) = (archive.manifest().settings.patches(), temporary_files());
     let settings = ReplaySettings { patches, memory, storage: &storage, ..ReplaySettings::default() };
     let changeable = Changeable::of(&site, archive.manifest());
@@ -139,7 +143,7 @@ fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<
     Ok(rows)
 }
 
-fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Result<()> {
+fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>, about: &Provenance) -> Result<()> {
     let pieces = pieces_by_name(covered);
     let patches: Vec<Patch> = rows
         .iter()
@@ -149,7 +153,7 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>) -> Resu
             total_kwh_m2: row.total(),
         })
         .collect();
-    write_ply(Sink::file(path)?, &patches)
+    write_ply(Sink::file(path)?, &patches, about)
 }
 
 fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, &Piece> {

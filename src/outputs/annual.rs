@@ -5,10 +5,13 @@ use std::io::{self, Write};
 
 use glam::DVec3;
 
+use super::provenance::Provenance;
 use super::sink::Sink;
+use super::tables::csvw::{self, CsvColumn};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::units::tilt_and_azimuth;
 
@@ -25,8 +28,9 @@ impl AnnualRow {
     }
 }
 
-/// Writes `receiver,x,y,z,nx,ny,nz,area,surface`, what the receiver stands for, its tilt and azimuth, and the sums.
-pub fn write_table(sink: Sink, rows: &[AnnualRow]) -> Result<()> {
+/// Writes `receiver,x,y,z,nx,ny,nz,area,surface`, what the receiver stands for, its tilt and azimuth (from true north), and the sums;
+/// and beside them what they are.
+pub fn write_table(sink: Sink, rows: &[AnnualRow], north: North, provenance: &Provenance) -> Result<()> {
     let path = sink.path().to_owned();
     let mut csv = ::csv::Writer::from_writer(sink);
     let failed = |error: ::csv::Error| Error::io(&path, "write to")(io::Error::from(error));
@@ -35,9 +39,11 @@ pub fn write_table(sink: Sink, rows: &[AnnualRow]) -> Result<()> {
         places.chain(ModelPart::COLUMNS).chain(["tilt_deg", "azimuth_deg"]).map(str::to_owned).collect();
     let sums = Component::ALL.map(|component| format!("{}_kwh_m2", component.name()));
     csv.write_record(places.iter().chain(&sums)).map_err(failed)?;
+    let columns: Vec<CsvColumn> = places.iter().chain(&sums).map(|name| CsvColumn::named(name)).collect();
+    csvw::write(&path, &columns, provenance)?;
     for row in rows {
         let Receiver { id, position: p, normal: n, area, surface, part } = &row.receiver;
-        let (tilt, azimuth) = tilt_and_azimuth(*n);
+        let (tilt, azimuth) = tilt_and_azimuth(north.to_true(*n));
         let mut cells = vec![id.clone()];
         cells.extend([p.x, p.y, p.z].map(|metres| format!("{metres:.4}")));
         cells.extend([n.x, n.y, n.z].map(|share| format!("{share:.6}")));
@@ -61,7 +67,7 @@ pub struct Patch<'a> {
 }
 
 /// Writes a binary PLY file: vertices with `total_kwh_m2` and colours from 0 (dark) to the largest sum (bright), triangles or points.
-pub fn write_ply(mut sink: Sink, patches: &[Patch]) -> Result<()> {
+pub fn write_ply(mut sink: Sink, patches: &[Patch], provenance: &Provenance) -> Result<()> {
     let path = sink.path().to_owned();
     let largest = patches.iter().map(|patch| patch.total_kwh_m2).fold(0.0, f32::max);
     let faces: usize = patches.iter().map(|patch| patch.triangles.len()).sum();
@@ -74,10 +80,12 @@ pub fn write_ply(mut sink: Sink, patches: &[Patch]) -> Result<()> {
             max: i32::MAX as u64,
         });
     }
+    let about = provenance.ascii().into_iter().map(|(name, value)| format!("comment {name} {value}\n"));
+    let about: String = about.collect();
     let mut write = || -> io::Result<()> {
         write!(
             sink,
-            "ply\nformat binary_little_endian 1.0\ncomment heliotile: total_kwh_m2, colours from 0 to {largest:.1}\n\
+            "ply\nformat binary_little_endian 1.0\ncomment heliotile: total_kwh_m2, colours from 0 to {largest:.1}\n{about}\
              element vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n\
              property float total_kwh_m2\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
         )?;
@@ -129,7 +137,8 @@ fn colour(share: f32) -> [u8; 3] {
 mod tests {
     use super::*;
 
-    /// Of 2 patches, one of 2 triangles and one a point, the PLY file has 7 vertices of 31 bytes and 2 faces of 13; 0 is dark, the most bright.
+    /// Of 2 patches, one of 2 triangles and one a point, the PLY file has 7 vertices of 31 bytes and 2 faces of 13, 5 comments are single
+    /// lines; 0 is dark, the most bright.
     #[test]
     fn ply() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -139,11 +148,14 @@ mod tests {
             Patch { triangles: &square, middle: DVec3::ZERO, total_kwh_m2: 0.0 },
             Patch { triangles: &[], middle: DVec3::Z, total_kwh_m2: 1000.0 },
         ];
-        write_ply(Sink::file(&path).expect("created"), &patches).expect("written");
+        let about = crate::outputs::provenance::tests::example();
+        write_ply(Sink::file(&path).expect("created"), &patches, &about).expect("written");
         let bytes = std::fs::read(&path).expect("read");
         let end = bytes.windows(11).position(|w| w == b"end_header\n").expect("a header") + 11;
         let header = String::from_utf8_lossy(&bytes[..end]);
         assert!(header.contains("element vertex 7\n") && header.contains("element face 2\n"), "{header}");
+        assert!(header.contains("\ncomment heliotile.weather a<b>\\u{a}.epw\n"), "{header}");
+        assert_eq!(header.matches("\ncomment ").count(), 5);
         assert_eq!(bytes.len() - end, 7 * 31 + 2 * 13);
         assert_eq!((colour(0.0), colour(1.0), colour(f32::NAN)[0] < 255), ([0, 0, 4], [252, 255, 164], true));
     }

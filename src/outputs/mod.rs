@@ -9,6 +9,7 @@ pub mod groups;
 pub mod kinds_and_sides;
 pub mod periods;
 pub mod pictures;
+pub mod provenance;
 pub mod receivers;
 pub mod sink;
 pub mod tables;

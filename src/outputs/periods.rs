@@ -3,10 +3,13 @@
 use std::collections::HashMap;
 use std::str::FromStr;
 
+use crate::outputs::tables::row_labels::{Precision, RowLabels};
 use heliotile_core::error::Error;
 use heliotile_core::units::kwh_from_w;
 use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::time::bins::Bins;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
 /// What a row of a replay's results stands for.
@@ -42,10 +45,50 @@ impl FromStr for Every {
     }
 }
 
+/// Which moment of its interval a row of means is labelled with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StampAt {
+    /// 06:00 for 06:00 to 07:00
+    #[default]
+    Start,
+    /// 06:30
+    Middle,
+    /// 07:00; the last hour of a day gets 00:00 of the next
+    End,
+}
+
+impl StampAt {
+    pub const fn name(self) -> &'static str {
+        match self {
+            StampAt::Start => "start",
+            StampAt::Middle => "middle",
+            StampAt::End => "end",
+        }
+    }
+
+    /// Minutes after the midnight before an interval.
+    fn minutes(self, stamp: &Stamp) -> f64 {
+        let share = match self {
+            StampAt::Start => 0.0,
+            StampAt::Middle => 0.5,
+            StampAt::End => 1.0,
+        };
+        stamp.start_min + share * 60.0 * stamp.hours
+    }
+}
+
+/// How moments are told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ClockReading {
+    /// Of the weather file's clock.
+    pub offset: UtcOffset,
+    pub at: StampAt,
+}
+
 /// The periods of a series, in order of first appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periods {
-    pub labels: Vec<String>,
+    pub labels: RowLabels,
     /// `[condition]`: place in `labels`.
     pub index_of_condition: Vec<usize>,
     /// `[condition]`: length of its interval. A sum in kWh/m2 is the sum over conditions of mean W/m2 x hours / 1000.
@@ -53,40 +96,47 @@ pub struct Periods {
 }
 
 impl Periods {
-    /// Groups conditions, given with their labels. In a typical year days are labelled `MM-DD`, months `MM`, the year `year`;
-    /// where the years of the file matter they are named: `YYYY-MM-DD`, `YYYY-MM`, `YYYY`. `total` is one period.
-    pub fn new(every: Every, years: Years, conditions: &[(String, Stamp)]) -> Self {
-        let named = years.matter();
-        let mut place_of: HashMap<String, usize> = HashMap::new();
-        let mut periods = Periods {
-            labels: Vec::new(),
-            index_of_condition: Vec::with_capacity(conditions.len()),
-            hours: conditions.iter().map(|(_, stamp)| stamp.hours).collect(),
-        };
-        for (label, Stamp { date, .. }) in conditions {
-            let (month, day) = (date.month, date.day);
-            let year = if named { format!("{:04}-", date.year) } else { String::new() };
-            let label = match every {
-                Every::Hour => label.clone(),
-                Every::Day => format!("{year}{month:02}-{day:02}"),
-                Every::Month => format!("{year}{month:02}"),
-                Every::Year if named => format!("{:04}", date.year),
-                Every::Year => "year".to_string(),
-                Every::Total => "total".to_string(),
-            };
-            let next = periods.labels.len();
-            let place = if every == Every::Hour {
+    /// Groups conditions. In a typical year days are labelled `MM-DD`, months `MM`, the year `year`: words; where the years matter
+    /// they are named, `YYYY-MM-DD`, `YYYY-MM`, `YYYY`, and the labels are instants too: the starts of the periods. `total` is one period,
+    /// and a word. Single conditions are always instants.
+    pub fn new(every: Every, years: Years, stamps: &[Stamp], clock: ClockReading) -> Self {
+        let mut place_of: HashMap<(i32, u32, u32), usize> = HashMap::new();
+        let (mut starts, mut index_of_condition) = (Vec::new(), Vec::with_capacity(stamps.len()));
+        for stamp in stamps {
+            let Date { year, month, day } = stamp.date;
+            let year = if years.matter() { year } else { 0 };
+            let next = starts.len();
+            let place = match every {
                 // Rows stay rows, also where a label repeats.
-                next
-            } else {
-                *place_of.entry(label.clone()).or_insert(next)
+                Every::Hour => next,
+                Every::Day => *place_of.entry((year, month, day)).or_insert(next),
+                Every::Month => *place_of.entry((year, month, 1)).or_insert(next),
+                Every::Year => *place_of.entry((year, 1, 1)).or_insert(next),
+                Every::Total => 0,
             };
             if place == next {
-                periods.labels.push(label);
+                starts.push(match every {
+                    Every::Hour => (stamp.date, clock.at.minutes(stamp)),
+                    Every::Day | Every::Total => (stamp.date, 0.0),
+                    Every::Month => (Date { day: 1, ..stamp.date }, 0.0),
+                    Every::Year => (Date { month: 1, day: 1, ..stamp.date }, 0.0),
+                });
             }
-            periods.index_of_condition.push(place);
+            index_of_condition.push(place);
         }
-        periods
+        let moments = |precision| RowLabels::moments(&starts, clock.offset, precision);
+        let words = |word: fn(&Date) -> String| RowLabels::words(starts.iter().map(|(date, _)| word(date)).collect());
+        let labels = match (every, years.matter()) {
+            (Every::Hour, _) => moments(Precision::Minute),
+            (Every::Day, true) => moments(Precision::Day),
+            (Every::Month, true) => moments(Precision::Month),
+            (Every::Year, true) => moments(Precision::Year),
+            (Every::Day, false) => words(|date| format!("{:02}-{:02}", date.month, date.day)),
+            (Every::Month, false) => words(|date| format!("{:02}", date.month)),
+            (Every::Year, false) => words(|_| "year".into()),
+            (Every::Total, _) => words(|_| "total".into()),
+        };
+        Periods { labels, index_of_condition, hours: stamps.iter().map(|stamp| stamp.hours).collect() }
     }
 
     /// Sums of energy, kWh/m2, from means over the conditions, W/m2.
@@ -102,58 +152,89 @@ impl Periods {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_core::weather::time::calendar::Date;
 
-    fn series(days: &[(i32, u32, u32)]) -> Vec<(String, Stamp)> {
-        days.iter()
-            .map(|&(y, m, d)| {
-                let date = Date::new(y, m, d).expect("a date");
-                (date.label(0), Stamp { date, hours: 1.0 })
-            })
-            .collect()
+    /// The last hours of some days.
+    fn series(days: &[(i32, u32, u32)]) -> Vec<Stamp> {
+        let stamp = |&(y, m, d): &(i32, u32, u32)| Stamp {
+            date: Date::new(y, m, d).expect("a date"),
+            start_min: 1380.0,
+            hours: 1.0,
+        };
+        days.iter().map(stamp).collect()
     }
 
-    fn periods(every: Every, series: &[(String, Stamp)]) -> Periods {
-        Periods::new(every, Years::of(series.iter().map(|(_, stamp)| stamp.date)), series)
+    fn in_zone(hours: f64, at: StampAt) -> ClockReading {
+        ClockReading { offset: UtcOffset::of_hours(hours), at }
     }
 
-    /// Two days of one year give 2 days, 2 months, 1 year and 1 total, the first three with the year in the label.
+    fn periods(every: Every, stamps: &[Stamp]) -> Periods {
+        Periods::new(every, Years::of(stamps.iter().map(|stamp| stamp.date)), stamps, in_zone(1.0, StampAt::Start))
+    }
+
+    /// The last hour of 31 December from 23:00 on is 23:00, 23:30 and 00:00 of the new year by its start, middle and end; a quarter of an hour
+    /// has its middle at 07:30 min; sums keep the start of their period.
+    #[test]
+    fn stamps() {
+        let last = series(&[(2019, 12, 31)]);
+        for (at, text, utc_s) in [
+            (StampAt::Start, "2019-12-31T23:00+01:00", 1_577_829_600),
+            (StampAt::Middle, "2019-12-31T23:30+01:00", 1_577_831_400),
+            (StampAt::End, "2020-01-01T00:00+01:00", 1_577_833_200),
+        ] {
+            let labels = Periods::new(Every::Hour, Years::One, &last, in_zone(1.0, at)).labels;
+            assert_eq!((labels.text[0].as_str(), labels.instants.map(|i| i.utc_s)), (text, Some(vec![utc_s])));
+            let month = Periods::new(Every::Month, Years::One, &last, in_zone(1.0, at)).labels;
+            assert_eq!(
+                (month.text[0].as_str(), month.instants.map(|i| i.utc_s)),
+                ("2019-12", Some(vec![1_575_154_800]))
+            );
+        }
+        let quarter = [Stamp { start_min: 0.0, hours: 0.25, ..last[0] }];
+        let labels = Periods::new(Every::Hour, Years::One, &quarter, in_zone(-3.5, StampAt::Middle)).labels;
+        assert_eq!(labels.text, ["2019-12-31T00:07:30-03:30"]);
+    }
+
+    /// Two days of one year give 2 days, 2 months, 1 year and 1 total, the first three with the year in the label; days are
+    /// instants at local midnight.
     #[test]
     fn one_year() {
         let s = series(&[(2019, 1, 31), (2019, 1, 31), (2019, 2, 1)]);
         let day = periods(Every::Day, &s);
-        assert_eq!(day.labels, ["2019-01-31", "2019-02-01"]);
+        assert_eq!(day.labels.text, ["2019-01-31", "2019-02-01"]);
         assert_eq!(day.index_of_condition, [0, 0, 1]);
         assert_eq!(day.hours, [1.0; 3]);
-        assert_eq!(periods(Every::Month, &s).labels, ["2019-01", "2019-02"]);
-        assert_eq!(periods(Every::Year, &s).labels, ["2019"]);
+        assert_eq!(periods(Every::Month, &s).labels.text, ["2019-01", "2019-02"]);
+        assert_eq!(periods(Every::Year, &s).labels.text, ["2019"]);
         assert_eq!(periods(Every::Hour, &s).index_of_condition, [0, 1, 2]);
         let total = periods(Every::Total, &s);
-        assert_eq!((total.labels, total.index_of_condition), (vec!["total".to_string()], vec![0; 3]));
+        assert_eq!((total.labels, total.index_of_condition), (RowLabels::words(vec!["total".into()]), vec![0; 3]));
+        assert_eq!(day.labels.instants.map(|i| i.utc_s), Some(vec![1_548_889_200, 1_548_975_600]));
     }
 
     /// A typical year with months of two years is one `year` without years in its labels.
     #[test]
     fn typical_year() {
         let s = series(&[(2007, 1, 1), (2004, 2, 1)]);
-        assert_eq!(periods(Every::Day, &s).labels, ["01-01", "02-01"]);
-        assert_eq!(periods(Every::Month, &s).labels, ["01", "02"]);
-        assert_eq!(periods(Every::Year, &s).labels, ["year"]);
+        assert_eq!(periods(Every::Day, &s).labels.text, ["01-01", "02-01"]);
+        assert_eq!(periods(Every::Month, &s).labels.text, ["01", "02"]);
+        assert_eq!(periods(Every::Year, &s).labels, RowLabels::words(vec!["year".into()]));
+        assert_eq!(periods(Every::Hour, &s).labels.text, ["2007-01-01T23:00+01:00", "2004-02-01T23:00+01:00"]);
     }
 
     /// One month of a typical year is labelled as in the whole year: `01`, not with the year it comes from.
     #[test]
     fn part_of_typical_year() {
         let s = series(&[(2007, 1, 1), (2007, 1, 2)]);
-        assert_eq!(Periods::new(Every::Month, Years::Typical, &s).labels, ["01"]);
+        let month = Periods::new(Every::Month, Years::Typical, &s, ClockReading::default());
+        assert_eq!(month.labels, RowLabels::words(vec!["01".into()]));
     }
 
     /// Two Januaries are two months and two years; no rows give no periods.
     #[test]
     fn several_years() {
         let s = series(&[(2007, 1, 1), (2007, 2, 1), (2008, 1, 1)]);
-        assert_eq!(periods(Every::Month, &s).labels, ["2007-01", "2007-02", "2008-01"]);
-        assert_eq!(periods(Every::Year, &s).labels, ["2007", "2008"]);
+        assert_eq!(periods(Every::Month, &s).labels.text, ["2007-01", "2007-02", "2008-01"]);
+        assert_eq!(periods(Every::Year, &s).labels.text, ["2007", "2008"]);
         assert_eq!(periods(Every::Day, &[]).labels.len(), 0);
     }
 

@@ -64,6 +64,14 @@ impl Sink {
         }
     }
 
+    /// The file that it becomes; none for the standard output.
+    pub fn file_path(&self) -> Option<&Path> {
+        match &self.target {
+            Target::Stdout(_) => None,
+            Target::File { path, .. } => Some(path),
+        }
+    }
+
     /// Whether nobody reads any more (`heliotile ... | head`): further rows need not be made.
     pub fn is_closed(&self) -> bool {
         matches!(self.target, Target::Stdout(None))

@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
+use super::provenance::Provenance;
 use super::sink::Sink;
+use crate::outputs::tables::csvw::{self, CsvColumn};
 use crate::outputs::tables::quoted;
 use heliotile_core::error::{Error, Result};
 
@@ -13,11 +15,12 @@ pub const COLUMNS: &str = "receiver,sky_view,ground_view,obstruction_view,nothin
 /// A table being written.
 pub struct ViewFactorTable {
     sink: Sink,
+    provenance: Provenance,
 }
 
 impl ViewFactorTable {
     /// `-` is the standard output; any other name ends in .csv.
-    pub fn create(path: &Path) -> Result<Self> {
+    pub fn create(path: &Path, provenance: Provenance) -> Result<Self> {
         let csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
         let sink = match path == Path::new("-") {
             true => Sink::stdout(),
@@ -30,7 +33,7 @@ impl ViewFactorTable {
                 });
             }
         };
-        let mut table = ViewFactorTable { sink };
+        let mut table = ViewFactorTable { sink, provenance };
         table.write(&format!("{COLUMNS}\n"))?;
         Ok(table)
     }
@@ -48,8 +51,12 @@ impl ViewFactorTable {
         self.sink.is_closed()
     }
 
-    /// Completes the table; only now does its file appear.
+    /// Completes the table; only now does its file appear, and before it the one that says what it holds.
     pub fn finish(self) -> Result<u64> {
+        if let Some(path) = self.sink.file_path() {
+            let columns: Vec<CsvColumn> = COLUMNS.split(',').map(CsvColumn::named).collect();
+            csvw::write(path, &columns, &self.provenance)?;
+        }
         self.sink.finish()
     }
 

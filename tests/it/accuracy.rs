@@ -106,11 +106,21 @@ fn tradeoff() {
     assert!(absolute("sky_fine", "128") > 16.0 * absolute("sky_fine", "2048"), "{sources:?}");
     assert!(absolute("cell_factor", "16") > 4.0 * absolute("cell_factor", "1"), "{sources:?}");
     assert!(absolute("patches", "145") > absolute("patches", "577"), "{sources:?}");
+    let beside: serde_json::Value = serde_json::from_str(&read("tradeoff.csv-metadata.json")).expect("JSON");
+    let columns = beside["tableSchema"]["columns"].as_array().expect("columns").len();
+    assert_eq!(columns, read("tradeoff.csv").lines().next().unwrap_or_default().split(',').count());
+    for picture in ["error_time.svg", "error_bytes.svg", "sources.svg"] {
+        let svg = read(picture);
+        assert!(
+            svg.starts_with("<svg ")
+                && svg.matches("<metadata>{\"heliotile.command\":\"heliotile tradeoff ").count() == 1
+        );
+    }
     let page = read("index.html");
     assert_eq!(page.matches("<svg").count(), 3);
     assert!(!page.contains("src=") && !page.contains("href="), "{page}");
     assert!(page.contains("<b>standard</b>") && page.contains("The best bargain here is"));
-    assert_eq!(fs::read_dir(folder.path("report")).expect("a folder").count(), 6);
+    assert_eq!(fs::read_dir(folder.path("report")).expect("a folder").count(), 8);
 }
 
 /// Errors that are no percentages, a target beside a quality or settings, weather that is not there, and a report in place of a file or of

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
+use heliotile::pictures::Provenance;
 use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::radiosity::MaxBounces;
@@ -224,8 +225,12 @@ fn fisheye_shows_what_is_there() {
     let archive = Archive::open(&site.path).expect("an archive");
     let draw = |id: &str, overlay: &Overlay| {
         decoded(
-            &fisheye(&ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver"), overlay)
-                .expect("a picture"),
+            &fisheye(
+                &ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver"),
+                overlay,
+                &Provenance::default(),
+            )
+            .expect("a picture"),
         )
     };
     let (up, south) = (draw("up", &Overlay::default()), draw("south", &Overlay::default()));
@@ -255,7 +260,7 @@ fn fisheye_shows_what_is_there() {
     let view =
         ReceiverView::load(&OpenSite::of(&Archive::open(&clad.path).expect("an archive")).expect("a site"), "up")
             .expect("a receiver");
-    let mirrored = decoded(&fisheye(&view, &Overlay::default()).expect("a picture"));
+    let mirrored = decoded(&fisheye(&view, &Overlay::default(), &Provenance::default()).expect("a picture"));
     assert_eq!([pixel(&mirrored, 190.0, 40.0), pixel(&mirrored, 355.0, 22.0)], [MIRROR, GROUND]);
     let place = Place::new(52.0, 0.0, 0.0, 0.0).expect("a place");
     let path = SunPath::of(&place);

@@ -160,7 +160,7 @@ fn hours() {
     assert!(bright.iter().all(|(place, values)| values[0] == whole[place][0]));
     assert!(summed(&bright, 1) > 1.1 * summed(&whole, 1));
 
-    let first = key("1998-03-20T00:00", "low");
+    let first = key("1998-03-20T00:00-07:00", "low");
     let air = 5.670_374_419e-8 * (273.15_f64 - 5.7).powi(4);
     let expected = 0.5 * 237.0 + 0.5 * air;
     assert!((whole[&first][0] - expected).abs() < 0.1, "{:?} {expected}", whole[&first]);

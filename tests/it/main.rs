@@ -30,5 +30,6 @@ mod store;
 mod study;
 mod terrain;
 mod tidy;
+mod times;
 mod transfer;
 mod weather;

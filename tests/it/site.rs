@@ -135,7 +135,8 @@ fn run_and_run_again() {
     let report = run("--spacing 5m");
     let made = folder.path("a.sun");
     assert_eq!(names(&made), ["golden_3_days", "receivers.csv", "site.helio"]);
-    assert_eq!(names(&made.join("golden_3_days")), ["annual.csv", "annual.ply", "made-from.json"]);
+    let results = ["annual.csv", "annual.csv-metadata.json", "annual.ply", "made-from.json"];
+    assert_eq!(names(&made.join("golden_3_days")), results);
     let table = rows(&read(&made.join("golden_3_days/annual.csv")));
     let count = rows(&read(&made.join("receivers.csv"))).len();
     assert_eq!(table.len(), count);

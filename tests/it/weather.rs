@@ -20,12 +20,12 @@ static LAWN: LazyLock<Site> = LazyLock::new(|| {
     site(&scene(&ground(50.0, 0.0, 0), &[0.2]), &receivers, &BuildSettings::default())
 });
 
-fn data(name: &str) -> PathBuf {
+pub fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather").join(name)
 }
 
 /// A weather file of hourly rows; `light` gives GHI, DNI and DHI of a date and hour 0 to 23.
-fn epw(place: &str, days: &[Date], light: impl Fn(Date, u32) -> [f64; 3]) -> String {
+pub fn epw(place: &str, days: &[Date], light: impl Fn(Date, u32) -> [f64; 3]) -> String {
     let mut text = format!(
         "LOCATION,Town,S,Country,X,0,{place},0\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\nGROUND TEMPERATURES,0\n\
          HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,\nCOMMENTS 2,\nDATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
@@ -42,7 +42,7 @@ fn epw(place: &str, days: &[Date], light: impl Fn(Date, u32) -> [f64; 3]) -> Str
 }
 
 /// All days of a month, or of a year where `month` is 0.
-fn days(year: i32, month: u32) -> Vec<Date> {
+pub fn days(year: i32, month: u32) -> Vec<Date> {
     let months = if month == 0 { 1..=12 } else { month..=month };
     months.flat_map(|m| (1..=31).filter_map(move |day| Date::new(year, m, day))).collect()
 }
@@ -57,7 +57,7 @@ fn run(command: &str, table: &str, text: &str, rest: &str) -> Output {
 }
 
 /// Sun and sky that reach each receiver directly, by row label, and the warnings. Everything must be finite and not negative.
-fn replay(text: &str, rest: &str) -> (BTreeMap<(String, String), [f64; 2]>, String) {
+pub fn replay(text: &str, rest: &str) -> (BTreeMap<(String, String), [f64; 2]>, String) {
     let output = run("replay", "--weather", text, rest);
     let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{warnings}");
@@ -139,9 +139,9 @@ fn southern_hemisphere() {
         |_, hour| if (8..16).contains(&hour) { [9999.0, 500.0, 50.0] } else { [0.0; 3] },
     );
     let (rows, _) = replay(&text, "--steps 4");
-    let noon = |id| at(&rows, "2019-06-21T11:00", id)[0];
+    let noon = |id| at(&rows, "2019-06-21T11:00+10:00", id)[0];
     assert!((noon("n") / 421.0 - 1.0).abs() < 0.01 && noon("s") == 0.0, "{} {}", noon("n"), noon("s"));
-    let morning = |id| at(&rows, "2019-06-21T08:00", id)[0];
+    let morning = |id| at(&rows, "2019-06-21T08:00+10:00", id)[0];
     assert!(morning("e") > 300.0 && morning("w") == 0.0);
 }
 
@@ -166,7 +166,7 @@ fn twilight() {
     let date = Date::new(2019, 3, 21).expect("a date");
     let text = epw("50,0,0", &[date], |_, hour| if hour == 5 { [7.0, 80.0, 7.0] } else { [0.0; 3] });
     let (rows, warnings) = replay(&text, "");
-    let dawn = |id| at(&rows, "2019-03-21T05:00", id);
+    let dawn = |id| at(&rows, "2019-03-21T05:00+00:00", id);
     assert_eq!(dawn("up")[0] + dawn("e")[0], 0.0);
     assert!((dawn("up")[1] / 7.0 - 1.0).abs() < 1e-5, "{:?}", dawn("up"));
     assert!(dawn("e")[1] > dawn("w")[1] && dawn("w")[1] > 1.0, "{:?} {:?}", dawn("e"), dawn("w"));
@@ -216,6 +216,6 @@ fn missing_light() {
     let ghi = epw("50,0,0", &[date], |_, hour| [if (7..17).contains(&hour) { 400.0 } else { 0.0 }, 9999.0, 9999.0]);
     let (rows, warnings) = replay(&ghi, "");
     assert!(warnings.contains("line 15 and on: missing DNI and DHI of 13 hours estimated from GHI"), "{warnings}");
-    let [sun, sky] = at(&rows, "2019-03-21T12:00", "up");
+    let [sun, sky] = at(&rows, "2019-03-21T12:00+00:00", "up");
     assert!((sun + sky - 400.0).abs() < 1.0 && sun > 90.0, "{sun} {sky}");
 }

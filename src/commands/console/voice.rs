@@ -51,6 +51,11 @@ pub fn remark_aside(text: &str) {
     }
 }
 
+/// Says what a user may want to know and what nothing is wrong with, beside a table.
+pub fn note(text: &str) {
+    remark_aside(&format!("note: {text}\n"));
+}
+
 /// Prints a warning of a command that goes on: its first line, and the list behind that if it is wanted.
 pub fn warn(text: &str) {
     let verbose = VOLUME.load(Ordering::Relaxed) == Volume::Verbose as u8;

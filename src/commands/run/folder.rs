@@ -15,6 +15,7 @@ use crate::commands::{guard_archive, guard_output, guard_site, warn};
 use crate::outputs::periods::Every;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::By;
+use crate::outputs::tables::writer::files_of;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{BuildSettings, Effects};
 use heliotile_core::archive::{Access, Archive, format};
@@ -84,9 +85,14 @@ impl Files {
         [self.table.clone(), self.map.clone()].into_iter().chain(periods).collect()
     }
 
+    /// The same with what is said of them beside them.
+    fn written_and_beside(&self, args: &RunArgs) -> Vec<PathBuf> {
+        self.written(args).iter().flat_map(|file| files_of(file)).collect()
+    }
+
     /// Refuses to replace an input, a folder or a device.
     pub fn guard(&self, site: &Site, args: &RunArgs) -> Result<()> {
-        let mut outputs = self.written(args);
+        let mut outputs = self.written_and_beside(args);
         outputs.push(self.archive.clone());
         for output in &outputs {
             guard_site(output, site, &[Some(&args.weather), args.receivers.as_deref()])?;
@@ -174,7 +180,8 @@ impl Files {
     /// Makes the weather's folder one of this archive and weather, so that results can be written there.
     pub fn claim(&self, archive: &Archive, weather: &Weather, args: &RunArgs) -> Result<()> {
         fs::create_dir_all(&self.results).map_err(Error::io(&self.results, "create"))?;
-        let names = self.written(args).into_iter().filter_map(|file| file.file_name()?.to_str().map(str::to_owned));
+        let names =
+            self.written_and_beside(args).into_iter().filter_map(|file| file.file_name()?.to_str().map(str::to_owned));
         let mut now = MadeFrom::new(archive, weather, &args.weather, names.collect());
         if let Some(earlier) = MadeFrom::read(&self.results)? {
             if earlier.is_same(&now) {

@@ -7,14 +7,15 @@ use clap::Parser;
 
 use super::folder::Files;
 use crate::cli::{Cli, Command, RunArgs, name_of};
-use crate::commands::replay::replay_rows;
+use crate::commands::replay::{dated, replay_rows};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::span::Span;
 
 /// Writes the tables that are asked for.
 pub fn write(args: &RunArgs, files: &Files, archive: &Archive, weather: &Weather) -> Result<()> {
-    let all = vec![true; weather.rows.len()];
+    let whole = Span::new(None, None)?;
     args.every.iter().try_for_each(|every| {
         let (every, output) = (name_of(every), files.periods(*every, args));
         // The command line that gives the same table, so that what is not said is as in `replay`.
@@ -27,7 +28,8 @@ pub fn write(args: &RunArgs, files: &Files, archive: &Archive, weather: &Weather
             return Err(Error::argument("--every", what, "this is a fault of the program: please report it"));
         };
         replay.common.memory = args.memory;
-        replay_rows(&replay, archive, weather, &all).map(drop)
+        let dated = dated(&replay, &whole, weather)?;
+        replay_rows(&replay, archive, weather, &dated).map(drop)
     })
 }
 

@@ -6,7 +6,7 @@ mod report;
 mod sources;
 
 use super::terminal::Terminal;
-use super::{Outcome, load_scene, read_receivers, read_suns, say, workspace, workspace_beside};
+use super::{Outcome, invocation, load_scene, read_receivers, read_suns, say, workspace, workspace_beside};
 use crate::cli::TradeoffArgs;
 use crate::outputs::sink::write_texts;
 use heliotile_builder::accuracy::trial::Bench;
@@ -54,7 +54,11 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
         sample: some.len(),
         weather: suns.name(),
     };
-    write_texts(folder, &report::files(&site, &ladder, sources.as_deref())?)?;
+    let about = match args.weather {
+        Some(_) => invocation::provenance().with("weather", suns.name()),
+        None => invocation::provenance(),
+    };
+    write_texts(folder, &report::files(&site, &ladder, sources.as_deref(), &about)?)?;
     say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;
     Ok(Outcome::Fine)
 }

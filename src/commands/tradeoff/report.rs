@@ -5,6 +5,8 @@ use std::path::Path;
 use super::ladder::{LadderTable, Step};
 use super::sources::Point;
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
+use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::csvw::{self, CsvColumn};
 use heliotile_core::error::Result;
 
 /// The page that shows everything.
@@ -27,6 +29,7 @@ pub fn files(
     site: &SiteSummary,
     ladder: &LadderTable,
     sources: Option<&[Point]>,
+    about: &Provenance,
 ) -> Result<Vec<(&'static str, String)>> {
     let time = picture(ladder, "Error against time", "CPU seconds a receiver: build and a year's replay", |step| {
         step.seconds() / ladder.receivers as f64
@@ -35,14 +38,29 @@ pub fn files(
         step.bytes as f64 / 1e3 / ladder.receivers as f64
     })?;
     let mut pictures = vec![("error_time.svg", time), ("error_bytes.svg", size)];
-    let mut files = vec![("tradeoff.csv", ladder_csv(ladder))];
+    let table = ladder_csv(ladder);
+    let mut files =
+        vec![("tradeoff.csv-metadata.json", columns("tradeoff.csv", &table, about)), ("tradeoff.csv", table)];
     if let Some(points) = sources {
         pictures.push(("sources.svg", sources_picture(points)?));
-        files.push(("sources.csv", sources_csv(points)));
+        let table = sources_csv(points);
+        files.push(("sources.csv-metadata.json", columns("sources.csv", &table, about)));
+        files.push(("sources.csv", table));
     }
+    pictures.iter_mut().for_each(|(_, svg)| *svg = about.in_svg(svg));
     files.push((PAGE, page(site, ladder, &pictures)));
     files.extend(pictures);
     Ok(files)
+}
+
+/// What the columns of a table are.
+fn columns(name: &str, table: &str, about: &Provenance) -> String {
+    let header = table.lines().next().unwrap_or_default().split(',');
+    let column = |name: &str| match name {
+        "rung" | "setting" | "against" | "frontier" => CsvColumn::text(name),
+        _ => CsvColumn::number(name),
+    };
+    csvw::text(name, &header.map(column).collect::<Vec<_>>(), about)
 }
 
 fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&Step) -> f64) -> Result<String> {

@@ -32,6 +32,8 @@ pub struct Instant {
 pub struct Stamp {
     /// Date of the row; months of a typical year come from different years.
     pub date: Date,
+    /// When the interval begins, minutes after local midnight.
+    pub start_min: f64,
     /// Length of the interval.
     pub hours: f64,
 }

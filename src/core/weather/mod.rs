@@ -4,6 +4,7 @@
 pub mod air;
 pub mod closure;
 pub mod conditions;
+pub mod dated;
 pub mod distance;
 pub mod emission;
 mod erbs;

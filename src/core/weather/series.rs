@@ -58,7 +58,7 @@ impl Weather {
                 let condition = Condition::new(label, &suns, row.sun, row.dni_w_m2, row.dhi_w_m2);
                 Condition {
                     extraterrestrial_w_m2: extraterrestrial_w_m2(date),
-                    stamp: Some(Stamp { date, hours: self.interval_hours }),
+                    stamp: Some(Stamp { date, start_min: row.interval.start_min, hours: self.interval_hours }),
                     ..condition
                 }
             })
@@ -114,6 +114,7 @@ mod tests {
             assert_eq!(c.stamp.map(|s| (s.date.month, s.date.day, s.hours)), Some((3, 21, 1.0)));
         }
         assert_eq!(all[0].label, "2021-03-21T06:00");
+        assert_eq!(all[0].stamp.map(|s| s.start_min), Some(360.0));
         // The sun is above 0 deg from 06:05 on: the mean sine altitude of the lit part is that of its middle, 4.2 deg.
         let mean: f64 = all[0].suns.iter().map(|i| i.weight * i.sun.z).sum();
         assert!((mean - 0.074).abs() < 0.006, "{mean}");

@@ -5,8 +5,6 @@ use std::path::Path;
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::weather::row::WeatherRow;
-use crate::weather::series::Weather;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 use crate::weather::time::years::Years;
@@ -104,21 +102,21 @@ impl Span {
 
     /// For each row of a file whether all of its interval is meant. No row at all is an error, and so is a year where the
     /// file's months come from different ones.
-    pub fn rows_of(&self, weather: &Weather, file: &Path) -> Result<Vec<bool>> {
+    pub fn rows_of(&self, rows: &[Interval], file: &Path) -> Result<Vec<bool>> {
         let has_year = [self.from, self.to].into_iter().flatten().any(|moment| moment.year.is_some());
-        let dates = || weather.rows.iter().map(|row| row.interval.date);
-        if has_year && Years::of(dates()) == Years::Typical {
+        if has_year && Years::of(rows.iter().map(|row| row.date)) == Years::Typical {
             let what = format!("its months come from different years, {self} would take some of them only");
-            return Err(Error::input(file, None, what, "give month and day alone, such as 03-01"));
+            let hint = "give month and day alone, such as 03-01, or put them into one year with --year";
+            return Err(Error::input(file, None, what, hint));
         }
-        let chosen: Vec<bool> = weather.rows.iter().map(|row| self.contains(&row.interval)).collect();
+        let chosen: Vec<bool> = rows.iter().map(|row| self.contains(row)).collect();
         if chosen.contains(&true) {
             return Ok(chosen);
         }
-        let label = |row: Option<&WeatherRow>, minutes: fn(&Interval) -> f64| {
-            row.map_or_else(String::new, |row| row.interval.date.label(minutes(&row.interval) as u32))
+        let label = |row: Option<&Interval>, minutes: fn(&Interval) -> f64| {
+            row.map_or_else(String::new, |row| row.date.label(minutes(row) as u32))
         };
-        let (first, last) = (label(weather.rows.first(), |i| i.start_min), label(weather.rows.last(), |i| i.end_min));
+        let (first, last) = (label(rows.first(), |i| i.start_min), label(rows.last(), |i| i.end_min));
         let what = format!("holds {first} to {last}, nothing {self}");
         Err(Error::input(file, None, what, "choose a part of the file"))
     }
@@ -165,29 +163,15 @@ impl fmt::Display for Span {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::weather::series::WeatherReport;
-    use crate::weather::time::sun::Location;
 
     /// Hours of some days, given as (year, month, day).
-    fn weather(days: &[(i32, u32, u32)]) -> Weather {
-        let site = Location::new(52.0, 4.0, 1.0, 0.0).expect("a site");
-        let row = |&(year, month, day): &(i32, u32, u32), hour: u32| {
+    fn hours_of(days: &[(i32, u32, u32)]) -> Vec<Interval> {
+        let hour = |&(year, month, day): &(i32, u32, u32), hour: u32| {
             let date = Date::new(year, month, day).expect("a date");
             let start_min = f64::from(hour * 60);
-            let interval = Interval { date, start_min, end_min: start_min + 60.0 };
-            let sun = site.sun(date, interval.middle_min());
-            let (ghi_w_m2, albedo, snow_depth_cm) = (None, None, None);
-            WeatherRow { line: 9, interval, sun, ghi_w_m2, dni_w_m2: 0.0, dhi_w_m2: 0.0, albedo, snow_depth_cm }
+            Interval { date, start_min, end_min: start_min + 60.0 }
         };
-        let rows = days.iter().flat_map(|day| (0..24).map(move |hour| row(day, hour))).collect();
-        Weather {
-            place: String::new(),
-            site,
-            rows,
-            air: Vec::new(),
-            interval_hours: 1.0,
-            report: WeatherReport::default(),
-        }
+        days.iter().flat_map(|day| (0..24).map(move |h| hour(day, h))).collect()
     }
 
     fn span(from: &str, to: &str) -> Result<Span> {
@@ -198,7 +182,7 @@ mod tests {
     /// Hours that spans take of six days of 2019: whole days, parts of days, over the new year, one side open.
     #[test]
     fn hours_taken() {
-        let file = weather(&[(2019, 1, 1), (2019, 2, 28), (2019, 3, 1), (2019, 3, 31), (2019, 11, 1), (2019, 12, 31)]);
+        let file = hours_of(&[(2019, 1, 1), (2019, 2, 28), (2019, 3, 1), (2019, 3, 31), (2019, 11, 1), (2019, 12, 31)]);
         for (from, to, hours) in [
             ("", "", 144),
             ("2019-03-01", "2019-03-31", 48),
@@ -228,9 +212,9 @@ mod tests {
     fn years_of_files() {
         let file = Path::new("w.epw");
         let of_2007 = span("2007-01-01", "2007-12-31").expect("a span");
-        let text = of_2007.rows_of(&weather(&[(2007, 1, 1), (2004, 2, 1)]), file).expect_err("typical").to_string();
+        let text = of_2007.rows_of(&hours_of(&[(2007, 1, 1), (2004, 2, 1)]), file).expect_err("typical").to_string();
         assert!(text.contains("different years") && text.contains("03-01"), "{text}");
-        let two = weather(&[(2007, 1, 1), (2008, 1, 1)]);
+        let two = hours_of(&[(2007, 1, 1), (2008, 1, 1)]);
         assert_eq!(of_2007.rows_of(&two, file).expect("rows").iter().filter(|c| **c).count(), 24);
         let every = span("01-01", "01-31").expect("a span").rows_of(&two, file).expect("rows");
         assert_eq!(every.iter().filter(|c| **c).count(), 48);

@@ -88,8 +88,8 @@ impl Canvas {
         self.words.push(Word { text: text.to_string(), at, colour, large: true, alignment: side });
     }
 
-    /// The picture as PNG.
-    pub fn png(self) -> Result<Vec<u8>> {
+    /// The picture as PNG, with texts by their names.
+    pub fn png(self, texts: Vec<(String, String)>) -> Result<Vec<u8>> {
         let mut page = Page { width: self.width, height: self.height, pixels: self.means() };
         for word in &self.words {
             let font: &MonoFont = if word.large { &FONT_9X15_BOLD } else { &FONT_7X13 };
@@ -109,6 +109,9 @@ impl Canvas {
         encoder.set_depth(png::BitDepth::Eight);
         // Flat areas pack better as they are.
         encoder.set_filter(png::Filter::NoFilter);
+        for (name, text) in texts {
+            encoder.add_text_chunk(name, text).map_err(refuse)?;
+        }
         let mut writer = encoder.write_header().map_err(refuse)?;
         writer.write_image_data(page.pixels.as_flattened()).map_err(refuse)?;
         writer.finish().map_err(refuse)?;

@@ -9,6 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
+use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{Frame, texel_of};
 use heliotile_core::replay::receiver_view::ReceiverView;
@@ -55,7 +56,7 @@ pub struct Overlay {
 }
 
 /// The picture as PNG.
-pub fn fisheye(view: &ReceiverView, overlay: &Overlay) -> Result<Vec<u8>> {
+pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) -> Result<Vec<u8>> {
     let frame = Frame::of(view.receiver.normal);
     let paint = |x: f64, y: f64| direction_at(x, y).map_or(PAPER, |direction| colour(view, &frame, direction));
     let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
@@ -69,7 +70,7 @@ pub fn fisheye(view: &ReceiverView, overlay: &Overlay) -> Result<Vec<u8>> {
         canvas.dot(place_of(sun), 6.5, SUN);
     }
     draw_words(&mut canvas, view, overlay);
-    canvas.png()
+    canvas.png(provenance.ascii())
 }
 
 /// Where a direction above the horizon is drawn: x to the right, y down.

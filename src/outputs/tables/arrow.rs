@@ -1,5 +1,6 @@
-//! Tables as Arrow IPC files: one record batch a tile, labels and receivers as dictionaries, values as f32, the unit in the
-//! metadata of each field. `.arrow` is plain, so that it can be mapped; `.feather` is compressed.
+//! Tables as Arrow IPC files: one record batch a tile, times as timestamps with their zone, other labels and receivers as dictionaries,
+//! values as f32, the unit in the metadata of each field, provenance in that of the schema. `.arrow` is plain, so that it can be mapped;
+//! `.feather` is compressed.
 //!
 //! A file holds one dictionary a column, so all names must be known before the first row.
 
@@ -7,13 +8,18 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use arrow_array::types::Int32Type;
-use arrow_array::{Array, ArrayRef, DictionaryArray, Float32Array, Int32Array, RecordBatch, StringArray};
+use arrow_array::{
+    Array, ArrayRef, DictionaryArray, Float32Array, RecordBatch, StringArray, TimestampMicrosecondArray,
+    new_empty_array,
+};
 use arrow_ipc::CompressionType;
 use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
-use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema};
+use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema, TimeUnit};
 
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
@@ -22,31 +28,43 @@ use heliotile_core::replay::values::TileValues;
 /// Of zstd: higher levels take longer for little on floats.
 const LEVEL: i32 = 1;
 
-/// Columns of a table: two dictionaries of strings, then values with their unit.
-pub(super) fn schema(layout: &Layout) -> Schema {
+/// Columns of a table: times, or a dictionary of strings; a dictionary of strings; values with their unit. And provenance.
+pub(super) fn schema(layout: &Layout, labels: &RowLabels, provenance: &Provenance) -> Schema {
     let names = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
-    let strings = [layout.label(), layout.place()].map(|name| Field::new(name, names.clone(), false));
+    let label = match &labels.instants {
+        Some(instants) => DataType::Timestamp(TimeUnit::Microsecond, Some(instants.zone().into())),
+        None => names.clone(),
+    };
+    let first = [Field::new(layout.label(), label, false), Field::new(layout.place(), names, false)];
     let unit = [("unit".to_string(), layout.unit().to_string())];
     let value = |name: String| Field::new(name, DataType::Float32, false).with_metadata(Metadata::from(unit.clone()));
-    Schema::new(strings.into_iter().chain(layout.values().into_iter().map(value)).collect::<Vec<_>>())
+    let fields: Vec<Field> = first.into_iter().chain(layout.values().into_iter().map(value)).collect();
+    Schema::new_with_metadata(fields, provenance.entries().into_iter().collect::<Metadata>())
 }
 
 /// An Arrow file being written.
 pub struct ArrowTable {
     writer: FileWriter<Sink>,
     schema: Arc<Schema>,
-    labels: ArrayRef,
+    labels: RowLabels,
     names: Arc<StringArray>,
     components: ComponentList,
-    /// Keys of the labels, again and again, for as many receivers as any tile had.
-    label_keys: Int32Array,
+    /// The labels, again and again, for as many receivers as any tile had.
+    label_column: ArrayRef,
     /// Names that were written.
     done: usize,
     path: PathBuf,
 }
 
 impl ArrowTable {
-    pub fn new(sink: Sink, layout: &Layout, labels: &[String], names: &[String], packed: bool) -> Result<Self> {
+    pub fn new(
+        sink: Sink,
+        layout: &Layout,
+        labels: &RowLabels,
+        names: &[String],
+        provenance: &Provenance,
+        packed: bool,
+    ) -> Result<Self> {
         let path = sink.path().to_path_buf();
         for (what, count) in
             [("rows of a receiver in an Arrow file", labels.len()), ("names in an Arrow file", names.len())]
@@ -55,7 +73,7 @@ impl ArrowTable {
                 return Err(Error::Limit { what: what.into(), value: count as u64, max: i32::MAX as u64 });
             }
         }
-        let schema = Arc::new(schema(layout));
+        let schema = Arc::new(schema(layout, labels, provenance));
         let start = || {
             let mut options = IpcWriteOptions::default();
             if packed {
@@ -68,25 +86,39 @@ impl ArrowTable {
         Ok(ArrowTable {
             writer: start().map_err(|e| failed(&path, e))?,
             schema,
-            labels: Arc::new(StringArray::from_iter_values(labels)),
+            labels: labels.clone(),
             names: Arc::new(StringArray::from_iter_values(names)),
             components: layout.components.clone(),
-            label_keys: Int32Array::from(Vec::<i32>::new()),
+            label_column: new_empty_array(&DataType::Int32),
             done: 0,
             path,
         })
     }
 
+    /// The labels of some receivers.
+    fn label_column(&self, count: usize) -> std::result::Result<ArrayRef, ArrowError> {
+        Ok(match &self.labels.instants {
+            Some(instants) => {
+                let times = TimestampMicrosecondArray::from(instants.utc_us().repeat(count));
+                Arc::new(times.with_timezone(instants.zone()))
+            }
+            None => {
+                let keys: Vec<i32> = (0..count).flat_map(|_| 0..self.labels.len() as i32).collect();
+                let words = Arc::new(StringArray::from_iter_values(&self.labels.text));
+                Arc::new(DictionaryArray::<Int32Type>::try_new(keys.into(), words)?)
+            }
+        })
+    }
+
     fn batch(&mut self, count: usize, values: &TileValues) -> std::result::Result<RecordBatch, ArrowError> {
         let (labels, rows) = (self.labels.len(), count * self.labels.len());
-        if self.label_keys.len() < rows {
-            self.label_keys = (0..count).flat_map(|_| 0..labels as i32).collect::<Vec<_>>().into();
+        if self.label_column.len() < rows {
+            self.label_column = self.label_column(count)?;
         }
         let first = self.done as i32;
         let places = (first..first + count as i32).flat_map(|place| std::iter::repeat_n(place, labels));
-        let labels = DictionaryArray::<Int32Type>::try_new(self.label_keys.slice(0, rows), self.labels.clone())?;
         let names = DictionaryArray::<Int32Type>::try_new(places.collect::<Vec<_>>().into(), self.names.clone())?;
-        let mut columns: Vec<ArrayRef> = vec![Arc::new(labels), Arc::new(names)];
+        let mut columns: Vec<ArrayRef> = vec![self.label_column.slice(0, rows), Arc::new(names)];
         for component in self.components.as_slice() {
             columns.push(Arc::new(Float32Array::from(values.component(*component).to_vec())));
         }

@@ -1,11 +1,15 @@
-//! Tables as CSV (RFC 4180, LF line ends). W/m2 with three decimals, kWh/m2 with six significant digits, exact zeros as `0`.
+//! Tables as CSV (RFC 4180, LF line ends). W/m2 with three decimals, kWh/m2 with six significant digits, exact zeros as `0`. What the
+//! columns are stands beside a file (see [`crate::outputs::tables::csvw`]), not beside the standard output.
 
 use std::io::Write;
 
 use rayon::prelude::*;
 
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
+use crate::outputs::tables::csvw::{self, CsvColumn};
 use crate::outputs::tables::layout::{Labels, Layout};
+use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
@@ -21,22 +25,26 @@ pub struct CsvTable {
     labels: Vec<String>,
     components: ComponentList,
     number: fn(&mut Vec<u8>, f32),
+    columns: Vec<CsvColumn>,
+    provenance: Provenance,
 }
 
 impl CsvTable {
-    pub fn new(mut sink: Sink, layout: &Layout, labels: &[String]) -> Result<Self> {
+    pub fn new(mut sink: Sink, layout: &Layout, labels: &RowLabels, provenance: &Provenance) -> Result<Self> {
         let header = layout.names().join(",") + "\n";
         if let Err(error) = sink.write_all(header.as_bytes()) {
             return Err(Error::io(sink.path(), "write to")(error));
         }
         Ok(CsvTable {
             sink,
-            labels: labels.iter().map(|l| quoted(l)).collect(),
+            labels: labels.text.iter().map(|l| quoted(l)).collect(),
             components: layout.components.clone(),
             number: match layout.labels {
                 Labels::Sums => six_digits,
                 Labels::Conditions | Labels::Times => three_decimals,
             },
+            columns: CsvColumn::of_results(layout, labels),
+            provenance: provenance.clone(),
         })
     }
 
@@ -79,7 +87,12 @@ impl Table for CsvTable {
     }
 
     fn finish(self: Box<Self>) -> Result<u64> {
-        self.sink.finish()
+        // The table last: where it is, so is what is said of it.
+        let beside = match self.sink.file_path() {
+            Some(path) => csvw::write(path, &self.columns, &self.provenance)?,
+            None => 0,
+        };
+        Ok(beside + self.sink.finish()?)
     }
 }
 

@@ -5,15 +5,151 @@ use std::io::Read;
 use std::path::PathBuf;
 
 use arrow_array::cast::AsArray;
-use arrow_array::types::{Float32Type, Int32Type};
+use arrow_array::types::{Float32Type, Int32Type, TimestampMicrosecondType};
 use arrow_ipc::reader::FileReader;
-use arrow_schema::{DataType, Schema};
+use arrow_schema::{DataType, Metadata, Schema, TimeUnit};
 use parquet::arrow::parquet_to_arrow_schema;
+use parquet::basic::{Encoding, LogicalType};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::record::RowAccessor;
 
+use crate::outputs::provenance;
 use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::row_labels::{Precision, RowLabels};
+use crate::outputs::tables::table::Places;
+use crate::outputs::tables::writer::TableWriter;
 use crate::outputs::tables::writer::tests::{create, names, tile, value};
 use heliotile_core::replay::components::Component;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
+
+/// Hours from 2019-03-01 on in a zone.
+fn hours(count: u32, zone_hours: f64) -> RowLabels {
+    let date = Date::new(2019, 3, 1).expect("a date");
+    let moments: Vec<_> = (0..count).map(|hour| (date, f64::from(60 * hour))).collect();
+    RowLabels::moments(&moments, UtcOffset::of_hours(zone_hours), Precision::Minute)
+}
+
+/// 2 receivers x 24 hours of +01:00 in a file of a kind.
+fn written_hours(folder: &tempfile::TempDir, name: &str, zone_hours: f64) -> PathBuf {
+    let path = folder.path().join(name);
+    let layout = Layout { labels: Labels::Times, ..layout() };
+    let receivers = names("r", 2);
+    let places = Places { count: 2, names: &|| Ok(receivers.clone()) };
+    let about = provenance::tests::example();
+    let mut writer = TableWriter::create(&path, &layout, &hours(24, zone_hours), &places, &about).expect("created");
+    writer.write_tile(&receivers, &tile(0, 2, 24)).expect("written");
+    assert_eq!(writer.finish().expect("finished").rows, 48);
+    path
+}
+
+/// Midnight of 1 March 2019 at +01:00, microseconds of UTC.
+const FIRST_US: i64 = 1_551_394_800_000_000;
+const HOUR_US: i64 = 3_600_000_000;
+
+/// The times of two receivers, one after the other.
+fn expected_us() -> Vec<i64> {
+    (0..48).map(|row| FIRST_US + row % 24 * HOUR_US).collect()
+}
+
+/// Provenance stands in the metadata of a schema: the 4 entries, with the options as JSON.
+fn check_provenance(metadata: &Metadata) {
+    assert_eq!(metadata.iter().filter(|(name, _)| name.starts_with("heliotile.")).count(), 4);
+    assert_eq!(metadata.get("heliotile.options").map(String::as_str), Some(r#"{"every":"hour"}"#));
+    assert_eq!(metadata.get("heliotile.command").map(String::as_str), Some("heliotile replay été.helio"));
+}
+
+/// Hours in Arrow files are timestamps in microseconds with their zone, `+01:00` or, at half hours, the name of one; 48 values count from
+/// midnight of that zone, and the schema has the provenance.
+#[test]
+fn arrow_times() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, zone_hours, zone) in
+        [("t.arrow", 1.0, "+01:00"), ("t.feather", 5.5, "Asia/Kolkata"), ("n.arrow", -3.5, "-03:30")]
+    {
+        let file = File::open(written_hours(&folder, name, zone_hours)).expect("open");
+        let reader = FileReader::try_new(file, None).expect("an Arrow file");
+        let expected = DataType::Timestamp(TimeUnit::Microsecond, Some(zone.into()));
+        assert_eq!(reader.schema().field(0).data_type(), &expected);
+        check_provenance(reader.schema().metadata());
+        let batches: Vec<_> = reader.map(|batch| batch.expect("a batch")).collect();
+        let times = batches[0].column(0).as_primitive::<TimestampMicrosecondType>();
+        let shift = ((zone_hours - 1.0) * 3.6e9) as i64;
+        assert_eq!(times.values().iter().map(|us| us + shift).collect::<Vec<_>>(), expected_us());
+    }
+}
+
+/// Hours in Parquet are 64-bit microseconds of UTC with the logical type of instants, coded as differences: 48 values. The Arrow schema
+/// beside them knows the zone, and both hold the provenance.
+#[test]
+fn parquet_times() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = File::open(written_hours(&folder, "t.parquet", 1.0)).expect("open");
+    let reader = SerializedFileReader::new(file).expect("Parquet");
+    let metadata = reader.metadata().file_metadata();
+    let column = metadata.schema_descr().column(0);
+    assert_eq!(column.logical_type_ref(), Some(&LogicalType::timestamp(true, parquet::basic::TimeUnit::MICROS)));
+    assert_eq!(column.physical_type(), parquet::basic::Type::INT64);
+    let chunk = reader.metadata().row_group(0).column(0);
+    assert!(chunk.encodings().any(|encoding| encoding == Encoding::DELTA_BINARY_PACKED));
+    let times = reader.get_row_iter(None).expect("rows").map(|row| row.expect("a row").get_timestamp_micros(0));
+    assert_eq!(times.map(|us| us.expect("a time")).collect::<Vec<_>>(), expected_us());
+    let pairs = metadata.key_value_metadata().expect("metadata");
+    assert_eq!(pairs.iter().filter(|pair| pair.key.starts_with("heliotile.")).count(), 4);
+    let schema = parquet_to_arrow_schema(metadata.schema_descr(), metadata.key_value_metadata()).expect("a schema");
+    let zoned = DataType::Timestamp(TimeUnit::Microsecond, Some("+01:00".into()));
+    assert_eq!(schema.field(0).data_type(), &zoned);
+    check_provenance(schema.metadata());
+}
+
+/// Hours of an `.npz` file are readings of the local clock in seconds, the first of 24 is midnight of 1 March 2019, beside how far it is
+/// ahead of UTC: 60 minutes. Its provenance is JSON, and so is that of the axes of an `.npy` file, whose times have the offset.
+#[test]
+fn numpy_times() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = File::open(written_hours(&folder, "t.npz", 1.0)).expect("open");
+    let mut zip = zip::ZipArchive::new(file).expect("a zip archive");
+    let mut array = |name: &str| {
+        let mut bytes = Vec::new();
+        zip.by_name(name).expect("an array").read_to_end(&mut bytes).expect("read");
+        bytes
+    };
+    let whole = |bytes: &[u8]| i64::from_le_bytes(bytes.try_into().expect("8 bytes"));
+    let times = array("time.npy");
+    assert!(times[10..].starts_with(b"{'descr': '<M8[s]', 'fortran_order': False, 'shape': (24,), }"));
+    let seconds: Vec<i64> = times[128..].chunks_exact(8).map(whole).collect();
+    assert_eq!((seconds.len(), seconds[0], seconds[23]), (24, 1_551_398_400, 1_551_398_400 + 23 * 3600));
+    let offset = array("utc_offset.npy");
+    let head = String::from_utf8_lossy(&offset[10..offset.len() - 8]).trim().to_string();
+    assert_eq!(head, "{'descr': '<m8[m]', 'fortran_order': False, 'shape': (), }");
+    assert_eq!(whole(&offset[offset.len() - 8..]), 60);
+    let letters = array("provenance.npy");
+    let text: String = letters[128..]
+        .chunks_exact(4)
+        .filter_map(|b| char::from_u32(u32::from_le_bytes([b[0], b[1], b[2], b[3]])))
+        .collect();
+    let provenance: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(provenance["heliotile.options"]["every"], "hour");
+
+    written_hours(&folder, "t.npy", 1.0);
+    let axes = std::fs::read_to_string(folder.path().join("t.axes.json")).expect("axes");
+    let axes: serde_json::Value = serde_json::from_str(&axes).expect("JSON");
+    assert_eq!((&axes["time"][6], &axes["provenance"]), (&serde_json::json!("2019-03-01T06:00+01:00"), &provenance));
+}
+
+/// A CSV file of hours has its times with their offset, and beside it a file that names it and its 4 columns; nothing else is in the folder.
+#[test]
+fn csv_times() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = written_hours(&folder, "t.csv", 5.5);
+    let text = std::fs::read_to_string(&path).expect("read");
+    assert_eq!(text.lines().filter(|line| line.starts_with("2019-03-01T06:00+05:30,r")).count(), 2);
+    let beside = std::fs::read_to_string(folder.path().join("t.csv-metadata.json")).expect("metadata");
+    let beside: serde_json::Value = serde_json::from_str(&beside).expect("JSON");
+    let columns = beside["tableSchema"]["columns"].as_array().map(Vec::len);
+    assert_eq!((&beside["url"], columns), (&serde_json::json!("t.csv"), Some(4)));
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 2);
+}
 
 /// Two columns, the last one first.
 fn layout() -> Layout {

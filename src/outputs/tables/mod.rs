@@ -2,13 +2,16 @@
 
 mod arrow;
 mod csv;
+pub mod csvw;
 #[cfg(test)]
 mod format_tests;
 pub mod layout;
 mod npy;
 mod npz;
 mod parquet;
+pub mod row_labels;
 pub mod table;
 pub mod writer;
+mod zone_name;
 
 pub use csv::quoted;

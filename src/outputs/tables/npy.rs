@@ -9,8 +9,10 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::json;
 
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
@@ -67,18 +69,25 @@ pub struct NpyTable {
 }
 
 impl NpyTable {
-    pub fn new(path: &Path, layout: &Layout, labels: &[String], announced: u64) -> Result<Self> {
+    pub fn new(
+        path: &Path,
+        layout: &Layout,
+        labels: &RowLabels,
+        provenance: &Provenance,
+        announced: u64,
+    ) -> Result<Self> {
         let mut values = Sink::file(path)?;
         let mut axes = Sink::file(&NpyTable::axes_of(path))?;
         let shape = [announced, labels.len() as u64, layout.components().len() as u64];
         write(&mut values, &header("<f4", &shape))?;
         let known = format!(
-            "{{\"axes\": {}, \"unit\": {},\n\"column\": {},\n{}: {},\n{}: [",
+            "{{\"axes\": {}, \"unit\": {},\n\"provenance\": {},\n\"column\": {},\n{}: {},\n{}: [",
             json!([layout.place(), layout.label(), "column"]),
             json!(layout.unit()),
+            provenance.json(),
             json!(layout.values()),
             json!(layout.label()),
-            json!(labels),
+            json!(labels.text),
             json!(layout.place()),
         );
         write(&mut axes, known.as_bytes())?;

@@ -1,5 +1,8 @@
 //! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`crate::outputs::tables::npy`]), names of
-//! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone string `unit`.
+//! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone strings `unit` and `provenance` (JSON).
+//!
+//! NumPy's times have no zone. Those of `time` are readings of the local clock, so that days are days; `utc_offset`, a lone
+//! time difference, is how far that clock is ahead of UTC.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -7,9 +10,11 @@ use std::path::PathBuf;
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipWriter};
 
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::npy::{array_bytes, header, incomplete};
+use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::values::TileValues;
@@ -18,7 +23,8 @@ use heliotile_core::replay::values::TileValues;
 pub struct NpzTable {
     zip: ZipWriter<StreamWriter<Sink>>,
     layout: Layout,
-    labels: Vec<String>,
+    labels: RowLabels,
+    provenance: Provenance,
     /// Of the receivers so far: they are written last.
     names: Vec<String>,
     announced: u64,
@@ -26,14 +32,20 @@ pub struct NpzTable {
 }
 
 impl NpzTable {
-    pub fn new(sink: Sink, layout: &Layout, labels: &[String], announced: u64) -> Result<Self> {
+    pub fn new(
+        sink: Sink,
+        layout: &Layout,
+        labels: &RowLabels,
+        provenance: &Provenance,
+        announced: u64,
+    ) -> Result<Self> {
         let path = sink.path().to_path_buf();
         let mut zip = ZipWriter::new_stream(sink);
         let shape = [announced, labels.len() as u64, layout.components().len() as u64];
         let values = header("<f4", &shape);
         start(&mut zip, "values").and_then(|()| zip.write_all(&values)).map_err(Error::io(&path, "write to"))?;
-        let (layout, labels) = (layout.clone(), labels.to_vec());
-        Ok(NpzTable { zip, layout, labels, names: Vec::new(), announced, path })
+        let (layout, labels, provenance) = (layout.clone(), labels.clone(), provenance.clone());
+        Ok(NpzTable { zip, layout, labels, provenance, names: Vec::new(), announced, path })
     }
 }
 
@@ -52,9 +64,17 @@ impl Table for NpzTable {
         let mut end = || {
             let zip = &mut self.zip;
             strings(zip, place, &self.names, &[self.names.len() as u64])?;
-            strings(zip, label, &self.labels, &[self.labels.len() as u64])?;
+            match &self.labels.instants {
+                Some(instants) => {
+                    let local = instants.local_s();
+                    integers(zip, label, "<M8[s]", &local, &[local.len() as u64])?;
+                    integers(zip, "utc_offset", "<m8[m]", &[instants.offset.minutes().into()], &[])?;
+                }
+                None => strings(zip, label, &self.labels.text, &[self.labels.len() as u64])?,
+            }
             strings(zip, "column", &self.layout.values(), &[self.layout.components().len() as u64])?;
-            strings(zip, "unit", &[self.layout.unit().to_string()], &[])
+            strings(zip, "unit", &[self.layout.unit().to_string()], &[])?;
+            strings(zip, "provenance", &[self.provenance.json().to_string()], &[])
         };
         end().map_err(Error::io(&self.path, "write to"))?;
         let sink = self.zip.finish().map_err(|e| Error::io(&self.path, "write to")(e.into()))?;
@@ -66,6 +86,19 @@ impl Table for NpzTable {
 fn start(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str) -> io::Result<()> {
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
     Ok(zip.start_file(format!("{name}.npy"), options)?)
+}
+
+/// An array of 8 bytes a value, of a type such as NumPy's times; a lone value without a shape.
+fn integers(
+    zip: &mut ZipWriter<StreamWriter<Sink>>,
+    name: &str,
+    kind: &str,
+    all: &[i64],
+    shape: &[u64],
+) -> io::Result<()> {
+    start(zip, name)?;
+    zip.write_all(&header(kind, shape))?;
+    zip.write_all(&all.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())
 }
 
 /// An array of strings, a lone one without a shape: UTF-32 of the length of the longest, zeros behind.

@@ -1,5 +1,6 @@
-//! Tables as Parquet: one row group a tile, zstd level 1, labels and receivers as dictionary-encoded strings, values as f32. The
-//! Arrow schema stands in the metadata: readers make categories of the strings and know the unit of a field.
+//! Tables as Parquet: one row group a tile, zstd level 1, times as differences of microseconds of UTC, other labels and receivers as
+//! dictionary-encoded strings, values as f32. The Arrow schema stands in the metadata: readers make categories of the strings, know the
+//! zone of the times and the unit of a field; provenance stands beside it.
 //!
 //! Columns of a tile are encoded in parallel, each into memory, then appended in order. The label column is the same in
 //! every tile with as many receivers, so its bytes are kept and appended again.
@@ -9,7 +10,7 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 use parquet::arrow::add_encoded_arrow_schema_to_metadata;
-use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as PhysicalType, ZstdLevel};
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, TimeUnit, Type as PhysicalType, ZstdLevel};
 use parquet::column::writer::{ColumnCloseResult, ColumnWriter, get_column_writer};
 use parquet::data_type::ByteArray;
 use parquet::errors::ParquetError;
@@ -19,9 +20,11 @@ use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedW
 use parquet::schema::types::{ColumnDescPtr, ColumnPath, Type};
 use rayon::prelude::*;
 
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::arrow;
 use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
@@ -48,12 +51,20 @@ struct Chunk {
     close: ColumnCloseResult,
 }
 
+/// The label column of a receiver.
+enum LabelValues {
+    Words(Vec<ByteArray>),
+    /// Microseconds since 1970-01-01 00:00 UTC.
+    Times(Vec<i64>),
+}
+
 /// A Parquet table being written.
 pub struct ParquetTable {
     writer: SerializedFileWriter<Sink>,
     columns: Vec<ColumnDescPtr>,
     properties: WriterPropertiesPtr,
-    labels: Vec<ByteArray>,
+    labels: LabelValues,
+    rows_of_name: usize,
     components: ComponentList,
     /// The label column of the last tile, and its number of receivers.
     label_chunk: Option<(usize, Chunk)>,
@@ -61,10 +72,10 @@ pub struct ParquetTable {
 }
 
 impl ParquetTable {
-    pub fn new(sink: Sink, layout: &Layout, labels: &[String]) -> Result<Self> {
+    pub fn new(sink: Sink, layout: &Layout, labels: &RowLabels, provenance: &Provenance) -> Result<Self> {
         let path = sink.path().to_path_buf();
         let fail = |e: ParquetError| failed(&path, e);
-        let (schema, properties) = schema(layout).map_err(fail)?;
+        let (schema, properties) = schema(layout, labels, provenance).map_err(fail)?;
         let properties = Arc::new(properties);
         let writer = SerializedFileWriter::new(sink, schema, properties.clone()).map_err(fail)?;
         let columns = writer.schema_descr().columns().to_vec();
@@ -72,7 +83,11 @@ impl ParquetTable {
             writer,
             columns,
             properties,
-            labels: labels.iter().map(|l| ByteArray::from(l.as_str())).collect(),
+            labels: match &labels.instants {
+                Some(instants) => LabelValues::Times(instants.utc_us()),
+                None => LabelValues::Words(labels.text.iter().map(|l| ByteArray::from(l.as_str())).collect()),
+            },
+            rows_of_name: labels.len(),
             components: layout.components.clone(),
             label_chunk: None,
             path,
@@ -109,14 +124,18 @@ impl Table for ParquetTable {
             .enumerate()
             .map(|(i, column)| match (i, &self.label_chunk) {
                 (0, Some((count, chunk))) if *count == receivers.len() => Ok(chunk.clone()),
-                (0, _) => {
-                    let repeated = receivers.iter().map(|_| self.labels.as_slice());
-                    self.encode(column, repeated, write_strings)
-                }
+                (0, _) => match &self.labels {
+                    LabelValues::Words(words) => {
+                        self.encode(column, receivers.iter().map(|_| words), |w, words| write_strings(w, words))
+                    }
+                    LabelValues::Times(times) => {
+                        self.encode(column, receivers.iter().map(|_| times), |w, times| write_times(w, times))
+                    }
+                },
                 (1, _) => self.encode(column, receivers.iter(), |writer, name| {
                     // A short part again and again: a clone for each row would take longer than all values.
-                    let part = vec![ByteArray::from(name.as_str()); self.labels.len().min(NAMES_AT_ONCE)];
-                    let mut rows_left = self.labels.len();
+                    let part = vec![ByteArray::from(name.as_str()); self.rows_of_name.min(NAMES_AT_ONCE)];
+                    let mut rows_left = self.rows_of_name;
                     while rows_left > 0 {
                         let rows = rows_left.min(part.len());
                         write_strings(writer, part.get(..rows).unwrap_or_default())?;
@@ -159,6 +178,13 @@ fn write_strings(writer: &mut ColumnWriter<'_>, values: &[ByteArray]) -> std::re
     }
 }
 
+fn write_times(writer: &mut ColumnWriter<'_>, values: &[i64]) -> std::result::Result<(), ParquetError> {
+    match writer {
+        ColumnWriter::Int64ColumnWriter(writer) => writer.write_batch(values, None, None).map(|_| ()),
+        _ => Err(ParquetError::General("a time column is not one".into())),
+    }
+}
+
 fn write_floats(writer: &mut ColumnWriter<'_>, values: &[f32]) -> std::result::Result<(), ParquetError> {
     match writer {
         ColumnWriter::FloatColumnWriter(writer) => writer.write_batch(values, None, None).map(|_| ()),
@@ -166,11 +192,17 @@ fn write_floats(writer: &mut ColumnWriter<'_>, values: &[f32]) -> std::result::R
     }
 }
 
-/// Schema and settings. Units stand in the key-value metadata as `unit.COLUMN`.
-fn schema(layout: &Layout) -> std::result::Result<(Arc<Type>, WriterProperties), ParquetError> {
+/// Schema and settings. The key-value metadata are provenance, and units as `unit.COLUMN`; the Arrow schema in them has both again, as
+/// pyarrow looks nowhere else where there is one.
+fn schema(
+    layout: &Layout,
+    labels: &RowLabels,
+    provenance: &Provenance,
+) -> std::result::Result<(Arc<Type>, WriterProperties), ParquetError> {
     let names = layout.names();
     let mut fields = Vec::with_capacity(names.len());
-    let mut units = Vec::with_capacity(names.len());
+    let about = provenance.entries().into_iter().map(|(name, value)| KeyValue::new(name, value));
+    let mut about: Vec<KeyValue> = about.collect();
     let mut properties = WriterProperties::builder()
         .set_created_by(concat!("heliotile ", env!("CARGO_PKG_VERSION")).to_string())
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(1)?))
@@ -182,21 +214,28 @@ fn schema(layout: &Layout) -> std::result::Result<(Arc<Type>, WriterProperties),
         .set_column_bloom_filter_enabled(ColumnPath::from(layout.place()), true)
         .set_column_bloom_filter_max_ndv(ColumnPath::from(layout.place()), NAMES_OF_TILE);
     for (i, name) in names.iter().enumerate() {
-        let field = if i < 2 {
+        let field = if i == 0 && labels.instants.is_some() {
+            let column = ColumnPath::from(name.as_str());
+            properties = properties
+                .set_column_dictionary_enabled(column.clone(), false)
+                .set_column_encoding(column, TIME_ENCODING);
+            let utc = LogicalType::timestamp(true, TimeUnit::MICROS);
+            Type::primitive_type_builder(name, PhysicalType::INT64).with_logical_type(Some(utc))
+        } else if i < 2 {
             Type::primitive_type_builder(name, PhysicalType::BYTE_ARRAY).with_logical_type(Some(LogicalType::String))
         } else {
             let column = ColumnPath::from(name.as_str());
             properties = properties
                 .set_column_dictionary_enabled(column.clone(), FLOAT_DICTIONARY)
                 .set_column_encoding(column, FLOAT_ENCODING);
-            units.push(KeyValue::new(format!("unit.{name}"), layout.unit().to_string()));
+            about.push(KeyValue::new(format!("unit.{name}"), layout.unit().to_string()));
             Type::primitive_type_builder(name, PhysicalType::FLOAT)
         };
         fields.push(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?));
     }
     let schema = Type::group_type_builder("results").with_fields(fields).build()?;
-    let mut properties = properties.set_key_value_metadata(Some(units)).build();
-    add_encoded_arrow_schema_to_metadata(&arrow::schema(layout), &mut properties);
+    let mut properties = properties.set_key_value_metadata(Some(about)).build();
+    add_encoded_arrow_schema_to_metadata(&arrow::schema(layout, labels, provenance), &mut properties);
     Ok((Arc::new(schema), properties))
 }
 
@@ -204,6 +243,9 @@ fn schema(layout: &Layout) -> std::result::Result<(Arc<Type>, WriterProperties),
 /// dictionaries of floats are slower and larger. Measured in `table_tests::year_of_rows`.
 const FLOAT_DICTIONARY: bool = false;
 const FLOAT_ENCODING: Encoding = Encoding::BYTE_STREAM_SPLIT;
+
+/// Equal steps take next to nothing as differences.
+const TIME_ENCODING: Encoding = Encoding::DELTA_BINARY_PACKED;
 
 fn failed(path: &Path, error: ParquetError) -> Error {
     Error::io(path, "write")(std::io::Error::other(error))

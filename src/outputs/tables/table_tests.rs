@@ -1,10 +1,14 @@
 //! Tests of [`super`].
 
 use super::*;
+use crate::outputs::provenance;
 use crate::outputs::tables::layout::{By, Labels};
+use crate::outputs::tables::row_labels::Precision;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
 use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
 
 /// All columns.
 fn all(labels: Labels) -> Layout {
@@ -18,7 +22,8 @@ pub(in crate::outputs) fn create(
     receivers: &[String],
 ) -> Result<TableWriter> {
     let places = Places { count: receivers.len() as u64, names: &|| Ok(receivers.to_vec()) };
-    TableWriter::create(path, layout, labels, &places)
+    let labels = RowLabels::words(labels.to_vec());
+    TableWriter::create(path, layout, &labels, &places, &provenance::tests::example())
 }
 
 pub(in crate::outputs) fn names(prefix: &str, count: usize) -> Vec<String> {
@@ -62,7 +67,8 @@ fn csv_round_trip() {
     writer.write_tile(&names("s", 2), &tile(3, 2, 30)).expect("written");
     let stats = writer.finish().expect("finished");
     let text = std::fs::read_to_string(&path).expect("read");
-    assert_eq!((stats.rows, stats.bytes), (150, text.len() as u64));
+    let beside = std::fs::metadata(folder.path().join("t.csv-metadata.json")).expect("metadata").len();
+    assert_eq!((stats.rows, stats.bytes), (150, text.len() as u64 + beside));
     let head = "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total\n";
     assert!(text.starts_with(head), "{text}");
     let mut reader = ::csv::Reader::from_reader(text.as_bytes());
@@ -147,13 +153,19 @@ fn refusals_and_empty_tables() {
 fn year_of_rows() {
     let count: usize = std::env::var("HELIOTILE_ROWS").ok().and_then(|n| n.parse().ok()).unwrap_or(16);
     let folder = tempfile::tempdir().expect("a folder");
-    let labels = names("2019-01-01T0", 8760);
+    let date = |day: u32| Date::new(2019, 1 + day / 31, 1 + day % 31);
+    let days = (0..372).filter_map(date);
+    let moments: Vec<_> = days.flat_map(|date| (0..24).map(move |hour| (date, f64::from(60 * hour)))).collect();
+    let labels = RowLabels::moments(&moments, UtcOffset::of_hours(1.0), Precision::Minute);
+    assert_eq!(labels.len(), 8760);
     let receivers = names("receiver_", count);
     for ending in ["parquet", "csv", "arrow", "feather", "npy", "npz"] {
         let path = folder.path().join(format!("t.{ending}"));
         let tiles: Vec<_> = (0..count.div_ceil(64)).map(|t| tile(t * 64, (count - t * 64).min(64), 8760)).collect();
         let start = std::time::Instant::now();
-        let mut writer = create(&path, &all(Labels::Times), &labels, &receivers).expect("created");
+        let places = Places { count: count as u64, names: &|| Ok(receivers.clone()) };
+        let about = provenance::tests::example();
+        let mut writer = TableWriter::create(&path, &all(Labels::Times), &labels, &places, &about).expect("created");
         for (tile, names) in tiles.iter().zip(receivers.chunks(64)) {
             writer.write_tile(names, tile).expect("written");
         }

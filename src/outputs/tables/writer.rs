@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::arrow::ArrowTable;
 use crate::outputs::tables::csv::CsvTable;
+use crate::outputs::tables::csvw;
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::npy::NpyTable;
 use crate::outputs::tables::npz::NpzTable;
 use crate::outputs::tables::parquet::ParquetTable;
+use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::{Places, Table};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::values::TileValues;
@@ -57,8 +60,12 @@ impl Format {
 
 /// The files that a table of this name consists of.
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
-    let axes = matches!(Format::of(path), Ok(Format::Npy)).then(|| NpyTable::axes_of(path));
-    [Some(path.to_path_buf()), axes].into_iter().flatten().collect()
+    let beside = match Format::of(path) {
+        Ok(Format::Npy) => Some(NpyTable::axes_of(path)),
+        Ok(Format::Csv) if path != Path::new("-") => Some(csvw::beside(path)),
+        _ => None,
+    };
+    [Some(path.to_path_buf()), beside].into_iter().flatten().collect()
 }
 
 /// A table being written.
@@ -71,18 +78,24 @@ pub struct TableWriter {
 
 impl TableWriter {
     /// Starts a table in the format that the name says.
-    pub fn create(path: &Path, layout: &Layout, labels: &[String], places: &Places) -> Result<Self> {
+    pub fn create(
+        path: &Path,
+        layout: &Layout,
+        labels: &RowLabels,
+        places: &Places,
+        about: &Provenance,
+    ) -> Result<Self> {
         let sink = || if path == Path::new("-") { Ok(Sink::stdout()) } else { Sink::file(path) };
         let format = Format::of(path)?;
         let table: Box<dyn Table> = match format {
-            Format::Csv => Box::new(CsvTable::new(sink()?, layout, labels)?),
-            Format::Parquet => Box::new(ParquetTable::new(sink()?, layout, labels)?),
+            Format::Csv => Box::new(CsvTable::new(sink()?, layout, labels, about)?),
+            Format::Parquet => Box::new(ParquetTable::new(sink()?, layout, labels, about)?),
             Format::Arrow | Format::Feather => {
                 let names = (places.names)()?;
-                Box::new(ArrowTable::new(sink()?, layout, labels, &names, format == Format::Feather)?)
+                Box::new(ArrowTable::new(sink()?, layout, labels, &names, about, format == Format::Feather)?)
             }
-            Format::Npy => Box::new(NpyTable::new(path, layout, labels, places.count)?),
-            Format::Npz => Box::new(NpzTable::new(sink()?, layout, labels, places.count)?),
+            Format::Npy => Box::new(NpyTable::new(path, layout, labels, about, places.count)?),
+            Format::Npz => Box::new(NpzTable::new(sink()?, layout, labels, about, places.count)?),
         };
         Ok(TableWriter { table, path: path.to_path_buf(), labels: labels.len(), rows: 0 })
     }

@@ -28,11 +28,25 @@ impl Date {
 
     /// Julian date (UT) of `minutes` after the local midnight that starts this date, in a zone `zone_hours` east.
     pub fn julian_date(self, minutes: f64, zone_hours: f64) -> f64 {
-        let years_before = f64::from(self.year - 1);
-        let leap_days = (years_before / 4.0).floor() - (years_before / 100.0).floor() + (years_before / 400.0).floor();
+        JULIAN_DAY_OF_1970 + f64::from(self.days_since_1970()) + (minutes - 60.0 * zone_hours) / 1440.0
+    }
+
+    /// Days from 1970-01-01 to this date, negative before.
+    pub fn days_since_1970(self) -> i32 {
+        let years_before = self.year - 1;
+        let leap_days = years_before / 4 - years_before / 100 + years_before / 400;
         // 1 January of the year 1 lies 719,162 days before 1970-01-01.
-        let days = years_before * 365.0 + leap_days + f64::from(self.day_of_year()) - 719_163.0;
-        JULIAN_DAY_OF_1970 + days + (minutes - 60.0 * zone_hours) / 1440.0
+        years_before * 365 + leap_days + self.day_of_year() as i32 - 719_163
+    }
+
+    /// The day after: of 31 December 2999 too, for labels of its last hour's end.
+    pub fn next(self) -> Self {
+        let Date { year, month, day } = self;
+        match (day < days_in_month(year, month), month) {
+            (true, _) => Date { day: day + 1, ..self },
+            (false, 12) => Date { year: year + 1, month: 1, day: 1 },
+            (false, _) => Date { month: month + 1, day: 1, ..self },
+        }
     }
 
     /// `YYYY-MM-DDTHH:MM`, for minutes of this date (0..1440).
@@ -88,6 +102,25 @@ mod tests {
         }
         assert_eq!(Date::new(2016, 12, 31).expect("a date").day_of_year(), 366);
         assert!(Date::new(2016, 13, 1).is_none() && Date::new(2016, 4, 31).is_none());
+    }
+
+    /// 1970-01-01 is day 0, the day before it -1, 2000-03-01 day 11017 (Reda and Andreas' 2000-01-01 is 10957), and through 800 years from
+    /// 1600 every day's next one is one day on: 292,194 days.
+    #[test]
+    fn days_go_on() {
+        let date = |y, m, d| Date::new(y, m, d).expect("a date");
+        for ((y, m, d), days) in
+            [((1970, 1, 1), 0), ((1969, 12, 31), -1), ((2000, 3, 1), 11_017), ((1, 1, 1), -719_162)]
+        {
+            assert_eq!(date(y, m, d).days_since_1970(), days);
+        }
+        let (mut day, mut count) = (date(1600, 1, 1), 0);
+        while day != date(2400, 1, 1) {
+            assert_eq!(day.next().days_since_1970(), day.days_since_1970() + 1);
+            (day, count) = (day.next(), count + 1);
+        }
+        assert_eq!(count, 292_194);
+        assert_eq!(date(2999, 12, 31).next(), Date { year: 3000, month: 1, day: 1 });
     }
 
     /// The day after 28 February may be 29 February or 1 March, whatever the years; two days on is not the day after.

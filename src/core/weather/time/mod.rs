@@ -5,4 +5,5 @@ pub mod bins;
 pub mod calendar;
 pub mod sun;
 pub mod sun_path;
+pub mod utc_offset;
 pub mod years;

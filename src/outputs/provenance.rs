@@ -1,0 +1,137 @@
+//! What a file was made of. In: the command line, the archive, the weather. Out: keys and values that every format writes: metadata of
+//! Parquet and Arrow, comments of PLY, text of PNG, an element of SVG, JSON. No time of day and no name of a machine: equal inputs
+//! give equal bytes.
+
+use std::path::Path;
+
+use serde_json::{Map, Value};
+
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
+
+/// What a file was made of: names and values, in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    entries: Vec<(&'static str, String)>,
+    /// Options that change values, as they were resolved.
+    options: Map<String, Value>,
+}
+
+/// Of all names.
+const PREFIX: &str = "heliotile.";
+
+impl Provenance {
+    /// Of a command line: what was typed, and what it stands for.
+    pub fn new(command: String, options: Map<String, Value>) -> Self {
+        let version = env!("CARGO_PKG_VERSION").to_string();
+        Provenance { entries: vec![("version", version), ("command", command)], options }
+    }
+
+    /// One more value.
+    pub fn with(mut self, name: &'static str, value: impl ToString) -> Self {
+        self.entries.push((name, value.to_string()));
+        self
+    }
+
+    /// An option whose value follows from the inputs.
+    pub fn with_option(mut self, name: &str, value: impl Into<Value>) -> Self {
+        self.options.insert(name.to_string(), value.into());
+        self
+    }
+
+    /// The archive's file name, and the root that `info` prints.
+    pub fn with_archive(self, path: &Path, archive: &Archive) -> Self {
+        self.with("archive", file_name(path)).with("archive_root", format::hex(&archive.root()))
+    }
+
+    /// The weather's file name, place and clock.
+    pub fn with_weather(self, path: &Path, weather: &Weather) -> Self {
+        // Names are filled up with blanks in some files.
+        let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
+        self.with("weather", file_name(path))
+            .with("weather_place", place)
+            .with("weather_latitude_deg", weather.site.latitude_deg)
+            .with("weather_longitude_deg", weather.site.longitude_deg)
+            .with("utc_offset", UtcOffset::of_hours(weather.site.zone_hours))
+    }
+
+    /// Names, with their prefix, and values.
+    pub fn entries(&self) -> Vec<(String, String)> {
+        let options = (!self.options.is_empty()).then(|| ("options", Value::Object(self.options.clone()).to_string()));
+        let all = self.entries.iter().cloned().chain(options);
+        all.map(|(name, value)| (format!("{PREFIX}{name}"), value)).collect()
+    }
+
+    /// The same in ASCII without control characters, for formats that have nothing else: `\u{e9}` for an e with an accent.
+    pub fn ascii(&self) -> Vec<(String, String)> {
+        let plain = |c: char| if (' '..='~').contains(&c) { c.to_string() } else { c.escape_unicode().to_string() };
+        let text = |text: String| text.chars().map(plain).collect();
+        self.entries().into_iter().map(|(name, value)| (name, text(value))).collect()
+    }
+
+    /// As one JSON object, whose options are an object too.
+    pub fn json(&self) -> Value {
+        let text = |(name, value): &(&str, String)| (format!("{PREFIX}{name}"), Value::String(value.clone()));
+        let mut all: Map<String, Value> = self.entries.iter().map(text).collect();
+        if !self.options.is_empty() {
+            all.insert(format!("{PREFIX}options"), Value::Object(self.options.clone()));
+        }
+        Value::Object(all)
+    }
+
+    /// A picture with this as its element `metadata`.
+    pub fn in_svg(&self, svg: &str) -> String {
+        match svg.split_once('>') {
+            Some((head, rest)) => {
+                let text = escaped(&self.json().to_string());
+                format!("{head}>\n<metadata>{text}</metadata>{rest}")
+            }
+            None => svg.to_string(),
+        }
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// Text inside an element of XML or HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// One of a site with an accent, a sign of XML and a line end.
+    pub fn example() -> Provenance {
+        let options = [("every".to_string(), Value::from("hour"))].into_iter().collect();
+        Provenance::new("heliotile replay été.helio".into(), options).with("weather", "a<b>\n.epw")
+    }
+
+    /// Four entries have the prefix and the options last; in ASCII they have no accents and no line ends; as JSON the options are an object.
+    #[test]
+    fn entries() {
+        let all = example().with_option("steps", 6).entries();
+        let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["heliotile.version", "heliotile.command", "heliotile.weather", "heliotile.options"]);
+        assert_eq!(all[3].1, r#"{"every":"hour","steps":6}"#);
+        let ascii = example().ascii();
+        assert_eq!(ascii[1].1, r"heliotile replay \u{e9}t\u{e9}.helio");
+        assert_eq!(ascii[2].1, r"a<b>\u{a}.epw");
+        assert_eq!(example().json()["heliotile.options"]["every"], "hour");
+        assert!(Provenance::default().entries().is_empty());
+    }
+
+    /// A picture gets one element behind its first tag, with 2 of its signs escaped.
+    #[test]
+    fn in_a_picture() {
+        let svg = example().in_svg("<svg width=\"1\">\n<path/></svg>\n");
+        assert!(
+            svg.starts_with("<svg width=\"1\">\n<metadata>{\"heliotile.command\"") && svg.ends_with("<path/></svg>\n")
+        );
+        assert!(svg.contains("a&lt;b&gt;\\n.epw") && svg.matches("<metadata>").count() == 1, "{svg}");
+    }
+}

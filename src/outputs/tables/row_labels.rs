@@ -1,0 +1,144 @@
+//! Labels of a table's rows. In: words, or moments of a local clock. Out: text as CSV has it, and instants for formats that know time.
+
+use crate::outputs::tables::zone_name;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
+
+/// How much of a moment its text says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// `2019`
+    Year,
+    /// `2019-03`
+    Month,
+    /// `2019-03-01`
+    Day,
+    /// `2019-03-01T06:00+01:00`
+    Minute,
+    /// `2019-03-01T06:00:30+01:00`
+    Second,
+}
+
+/// Labels as instants.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Instants {
+    /// Seconds since 1970-01-01 00:00 UTC.
+    pub utc_s: Vec<i64>,
+    /// Of the local standard time that the labels are told in.
+    pub offset: UtcOffset,
+    /// Of the text.
+    pub precision: Precision,
+}
+
+/// Labels of the rows of a receiver, in order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RowLabels {
+    pub text: Vec<String>,
+    /// The same as instants; none for names of conditions, `total` and the periods of a typical year.
+    pub instants: Option<Instants>,
+}
+
+impl RowLabels {
+    /// Labels that are no times.
+    pub fn words(text: Vec<String>) -> Self {
+        RowLabels { text, instants: None }
+    }
+
+    /// Moments of a local clock: a date, and minutes from its midnight to the next.
+    pub fn moments(moments: &[(Date, f64)], offset: UtcOffset, precision: Precision) -> Self {
+        let seconds = |minutes: f64| (60.0 * minutes).round() as i64;
+        let odd = moments.iter().any(|(_, minutes)| seconds(*minutes) % 60 != 0);
+        let precision = if odd && precision == Precision::Minute { Precision::Second } else { precision };
+        let zone = offset.to_string();
+        let text = |&(date, minutes): &(Date, f64)| {
+            let seconds = seconds(minutes);
+            let (date, seconds) = if seconds < DAY_S { (date, seconds) } else { (date.next(), seconds - DAY_S) };
+            let Date { year, month, day } = date;
+            let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
+            match precision {
+                Precision::Year => format!("{year:04}"),
+                Precision::Month => format!("{year:04}-{month:02}"),
+                Precision::Day => format!("{year:04}-{month:02}-{day:02}"),
+                Precision::Minute => format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}{zone}"),
+                Precision::Second => {
+                    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{:02}{zone}", seconds % 60)
+                }
+            }
+        };
+        let utc = |&(date, minutes): &(Date, f64)| {
+            i64::from(date.days_since_1970()) * DAY_S + seconds(minutes) - 60 * i64::from(offset.minutes())
+        };
+        let utc_s = moments.iter().map(utc).collect();
+        RowLabels { text: moments.iter().map(text).collect(), instants: Some(Instants { utc_s, offset, precision }) }
+    }
+
+    pub fn len(&self) -> usize {
+        self.text.len()
+    }
+}
+
+/// Seconds of a day.
+const DAY_S: i64 = 86_400;
+
+impl Instants {
+    /// Microseconds since 1970-01-01 00:00 UTC: the unit that pandas, Polars and DuckDB work in.
+    pub fn utc_us(&self) -> Vec<i64> {
+        self.utc_s.iter().map(|seconds| seconds * 1_000_000).collect()
+    }
+
+    /// Seconds from 1970-01-01 00:00 to the same reading of the local clock.
+    pub fn local_s(&self) -> Vec<i64> {
+        self.utc_s.iter().map(|seconds| seconds + 60 * i64::from(self.offset.minutes())).collect()
+    }
+
+    /// The time zone of a column.
+    pub fn zone(&self) -> String {
+        zone_name::of(self.offset, self.utc_s.iter().copied().min().unwrap_or(0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(moments: &[((i32, u32, u32), f64)], hours: f64, precision: Precision) -> RowLabels {
+        let moments: Vec<_> =
+            moments.iter().map(|((y, m, d), minutes)| (Date::new(*y, *m, *d).expect("a date"), *minutes)).collect();
+        RowLabels::moments(&moments, UtcOffset::of_hours(hours), precision)
+    }
+
+    /// 06:00 in zones of +1, -7 and +5.5 h is 05:00, 13:00 and 00:30 UTC; 24:00 of 31 December is 00:00 of the new year; half minutes
+    /// bring seconds into all labels.
+    #[test]
+    fn local_and_utc() {
+        let day = 17_956 * 86_400;
+        for (hours, text, utc) in [
+            (1.0, "2019-03-01T06:00+01:00", day + 5 * 3600),
+            (-7.0, "2019-03-01T06:00-07:00", day + 13 * 3600),
+            (5.5, "2019-03-01T06:00+05:30", day + 1800),
+        ] {
+            let labels = labels(&[((2019, 3, 1), 360.0)], hours, Precision::Minute);
+            assert_eq!(labels.text, [text]);
+            let instants = labels.instants.expect("instants");
+            assert_eq!((instants.utc_s[0], instants.local_s()[0]), (utc, day + 6 * 3600));
+            assert_eq!(instants.utc_us()[0], utc * 1_000_000);
+        }
+        let end = labels(&[((2019, 12, 31), 1440.0), ((2020, 2, 28), 1440.0)], 0.0, Precision::Minute);
+        assert_eq!(end.text, ["2020-01-01T00:00+00:00", "2020-02-29T00:00+00:00"]);
+        assert_eq!(end.instants.expect("instants").utc_s[0], 1_577_836_800);
+        let half = labels(&[((2019, 3, 1), 0.5), ((2019, 3, 1), 1.0)], 1.0, Precision::Minute);
+        assert_eq!(half.text, ["2019-03-01T00:00:30+01:00", "2019-03-01T00:01:00+01:00"]);
+    }
+
+    /// Days, months and years are dates without a clock, and instants at local midnight: 23:00 UTC of the day before at +1 h.
+    #[test]
+    fn periods() {
+        for (precision, text) in
+            [(Precision::Day, "2019-03-01"), (Precision::Month, "2019-03"), (Precision::Year, "2019")]
+        {
+            let labels = labels(&[((2019, 3, 1), 0.0)], 1.0, precision);
+            assert_eq!(labels.text, [text]);
+            assert_eq!(labels.instants.expect("instants").utc_s, [17_956 * 86_400 - 3600]);
+        }
+    }
+}

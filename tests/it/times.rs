@@ -1,0 +1,195 @@
+//! When results are, and what they say of where they come from: zones, years, stamps, provenance in every file.
+
+use std::fs;
+use std::path::Path;
+
+use heliotile_core::weather::time::calendar::Date;
+
+use crate::cli::{Folder, golden, stderr, stdout};
+use crate::weather::{data, days, epw, replay};
+
+/// The first cells of a table's rows of one receiver.
+fn labels(table: &str, receiver: &str) -> Vec<String> {
+    let rows = table.lines().skip(1).filter_map(|line| line.split_once(','));
+    rows.filter(|(_, rest)| rest.starts_with(&format!("{receiver},"))).map(|(label, _)| label.to_string()).collect()
+}
+
+/// A table without its first column.
+fn values(table: &str) -> Vec<&str> {
+    table.lines().skip(1).filter_map(|line| line.split_once(',')).map(|(_, rest)| rest).collect()
+}
+
+/// Under a constant DNI the horizontal gets most in the hour that solar noon is in, 12 h - (longitude / 15 - zone) - equation of time: in
+/// Sydney's summer, The Hague's and Golden's, in Pune at +05:30 and in Darwin at +09:30; 5 of 5, each with its offset.
+#[test]
+fn noon_is_in_the_right_hour() {
+    // The equation of time, minutes: +2 on 21 December, -2 on 21 June (Meeus, "Astronomical algorithms", 1998, chapter 28).
+    for (place, longitude, zone, month, equation_min, offset) in [
+        ("-33.87,151.21,10", 151.21, 10.0, 12, 2.0, "+10:00"),
+        ("52.08,4.3,1", 4.3, 1.0, 6, -2.0, "+01:00"),
+        ("39.74,-105.18,-7", -105.18, -7.0, 6, -2.0, "-07:00"),
+        ("18.52,73.86,5.5", 73.86, 5.5, 12, 2.0, "+05:30"),
+        ("-12.46,130.84,9.5", 130.84, 9.5, 12, 2.0, "+09:30"),
+    ] {
+        let date = Date::new(2019, month, 21).expect("a date");
+        let light = |_, hour| if (5..20).contains(&hour) { [9999.0, 500.0, 50.0] } else { [0.0; 3] };
+        let (rows, _) = replay(&epw(place, &[date], light), "--steps 12");
+        let up = rows.iter().filter(|((_, id), _)| id == "up");
+        let brightest = up.max_by(|a, b| a.1[0].total_cmp(&b.1[0])).map(|((label, _), _)| label.as_str());
+        let noon_h = 12.0 - (longitude / 15.0 - zone) - equation_min / 60.0;
+        let expected = format!("2019-{month:02}-21T{:02}:00{offset}", noon_h as u32);
+        assert_eq!(brightest, Some(expected.as_str()), "{place}, noon at {noon_h:.2}");
+    }
+}
+
+/// A typical year keeps the years of its months, 1991 to 2004, and one note says so; `--year 2019` puts its 8760 hours into one year, in order
+/// and without gaps, and 2020 lacks the 24 hours of 29 February with one warning. The values are the same bytes. Days and months of
+/// a typical year get dates, and `--from` takes them.
+#[test]
+fn one_year() {
+    let folder = Folder::new();
+    folder.build();
+    let year = data("golden_tmy3.epw");
+    let replay = |rest: &str| {
+        let output = folder.run(&format!("replay site.helio --columns total --weather {} {rest}", year.display()));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (stdout(&output), stderr(&output))
+    };
+    let (mixed, said) = replay("");
+    assert!(
+        said.lines().count() == 1 && said.contains("years, 1991 to 2004") && said.contains("--year 2019"),
+        "{said}"
+    );
+    assert_eq!(labels(&mixed, "roof")[0], "1999-01-01T00:00-07:00");
+    for (year, odd) in [(2019, 0), (2020, 1)] {
+        let (put, said) = replay(&format!("--year {year}"));
+        assert_eq!((values(&put) == values(&mixed), said.lines().count()), (true, odd), "{said}");
+        let labels = labels(&put, "roof");
+        let hours = days(year, 0).into_iter().filter(|d| year == 2019 || (d.month, d.day) != (2, 29));
+        let hours = hours.flat_map(|date| (0..24).map(move |hour| format!("{}-07:00", date.label(60 * hour))));
+        assert_eq!(labels.len(), 8760);
+        assert!(labels.into_iter().eq(hours), "{year}");
+    }
+    let (months, said) = replay("--year 2019 --every month");
+    assert_eq!((labels(&months, "roof")[11].as_str(), said.as_str()), ("2019-12", ""));
+    let (words, said) = replay("--every month");
+    assert_eq!((labels(&words, "roof")[11].as_str(), values(&words)), ("12", values(&months)));
+    assert!(said.contains("days and months have no year"), "{said}");
+    assert_eq!(replay("--every total").1, "");
+    let (day, _) = replay("--year 2019 --from 2019-07-04 --to 2019-07-04");
+    assert_eq!((labels(&day, "roof").len(), labels(&day, "roof")[0].as_str()), (24, "2019-07-04T00:00-07:00"));
+}
+
+/// 29 February of 2020 is left out of 2019, 24 of 8784 hours, with one warning; wrong years are refused, 3 of 3.
+#[test]
+fn leap_days() {
+    let leap = epw("40,-105,-7", &days(2020, 0), |_, _| [9999.0, 0.0, 10.0]);
+    let (rows, said) = replay(&leap, "--year 2019");
+    assert_eq!(rows.keys().filter(|(_, id)| id == "up").count(), 8760);
+    assert!(
+        said.contains("29 February is left out, as 2019 has none: 24 of 8784 rows") && said.lines().count() == 1,
+        "{said}"
+    );
+    let (rows, said) = replay(&leap, "--every day --year 2024");
+    assert_eq!((rows.keys().filter(|(_, id)| id == "up").count(), said.as_str()), (366, ""));
+    let folder = Folder::new();
+    folder.build();
+    let replay = format!("replay site.helio --weather {}", golden().display());
+    folder.refused(&format!("{replay} --year 0"), &["--year", "1..=2999"]);
+    folder.refused(
+        &format!("{replay} --year 2019 --to 1998-03-20"),
+        &["holds 2019-03-20T00:00", "nothing to 1998-03-20"],
+    );
+    let two: Vec<Date> = [2007, 2008].iter().filter_map(|year| Date::new(*year, 1, 1)).collect();
+    folder.write(
+        "two.epw",
+        &epw("40,-105,-7", &two, |_, _| [9999.0, 0.0, 10.0]).replace("DATA PERIODS,1,", "DATA PERIODS,2,"),
+    );
+    folder.refused("replay site.helio --weather two.epw --year 2019", &["several years", "--from"]);
+}
+
+/// The last of 72 hours is labelled 23:00, 23:30 or 00:00 of the next day; sums of days are labelled alike by all three.
+#[test]
+fn stamps() {
+    let folder = Folder::new();
+    folder.build();
+    let run = |rest: &str| stdout(&folder.run(&format!("replay site.helio --weather {} {rest}", golden().display())));
+    for (stamp, last) in [("start", "22T23:00"), ("middle", "22T23:30"), ("end", "23T00:00")] {
+        let labels = labels(&run(&format!("--stamp {stamp}")), "roof");
+        assert_eq!((labels.len(), labels[71].as_str()), (72, format!("1998-03-{last}-07:00").as_str()));
+        assert_eq!(run(&format!("--stamp {stamp} --every day")), run("--every day"));
+    }
+    folder.refused(&format!("replay site.helio -w {} --stamp noon", golden().display()), &["start, middle, end"]);
+}
+
+/// Bytes of a file without the zeros of UTF-32, as text.
+fn text_of(path: &Path) -> String {
+    let bytes: Vec<u8> = fs::read(path).expect("a file").into_iter().filter(|byte| *byte != 0).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// Each of 10 files, or the one beside it, names the archive's root, the program's version and the command; 8 name the weather too. Neither
+/// the output's name nor the memory changes a byte.
+#[test]
+fn every_file_says_what_it_is_made_of() {
+    let folder = Folder::new();
+    folder.build();
+    let info = stdout(&folder.run("info site.helio"));
+    let root = info.lines().find_map(|line| line.trim().strip_prefix("root        ")).expect("a root").to_string();
+    let weather = golden();
+    let replay = format!("replay site.helio --weather {}", weather.display());
+    let export = "export site.helio";
+    for (command, name, said_in) in [
+        (replay.as_str(), "t.parquet", "t.parquet"),
+        (&replay, "t.arrow", "t.arrow"),
+        (&replay, "t.feather", "t.feather"),
+        (&replay, "t.npz", "t.npz"),
+        (&replay, "t.npy", "t.axes.json"),
+        (&replay, "t.csv", "t.csv-metadata.json"),
+        (&format!("{export} -r south --weather {}", weather.display()), "t.png", "t.png"),
+        (&format!("{export} -r south"), "t.exr", "t.exr"),
+        (&format!("{export} --view-factors"), "v.csv", "v.csv-metadata.json"),
+    ] {
+        let output = folder.run(&format!("{command} -o {name}"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let text = text_of(&folder.path(said_in));
+        let verb = command.split(' ').next().unwrap_or_default();
+        let of_weather = command.contains("--weather");
+        assert!(text.contains(&root) && text.contains("heliotile.version"), "{name}");
+        assert!(text.contains(&format!("heliotile {verb} site.helio")), "{name}");
+        assert_eq!(text.contains("heliotile.weather_place"), of_weather, "{name}");
+        let before = fs::read(folder.path(said_in)).expect("a file");
+        let other = if said_in == name { format!("other.{name}") } else { name.to_string() };
+        assert_eq!(folder.run(&format!("{command} --memory 1GiB -o {other}")).status.code(), Some(0));
+        let again = if said_in == name { other } else { said_in.to_string() };
+        assert!(before == fs::read(folder.path(&again)).expect("a file"), "{name}");
+    }
+    let run = format!("run scene.obj -m materials.toml --weather {} --quality draft -o out", weather.display());
+    assert_eq!(folder.run(&run).status.code(), Some(0));
+    for name in ["out/annual.ply", "out/annual.csv-metadata.json"] {
+        let text = text_of(&folder.path(name));
+        assert!(text.contains("heliotile.archive_root") && text.contains("heliotile.weather_place"), "{name}");
+    }
+    let head = text_of(&folder.path("out/annual.ply"));
+    assert!(head.contains("\ncomment heliotile.weather golden_3_days.epw\n"));
+}
+
+/// The file beside a CSV file replaces no input: of a query and of an export, 2 of 2 are refused, and nothing lies beside the
+/// standard output.
+#[test]
+fn what_stands_beside_is_guarded() {
+    let folder = Folder::new();
+    folder.build();
+    folder.write("t.csv-metadata.json", "receiver\nroof\n");
+    let query = "query site.helio -c conditions.csv";
+    folder.refused(
+        &format!("{query} --receivers t.csv-metadata.json -o t.csv"),
+        &["t.csv-metadata.json", "also an input"],
+    );
+    fs::copy(folder.path("site.helio"), folder.path("v.csv-metadata.json")).expect("copied");
+    folder.refused("export v.csv-metadata.json --view-factors -o v.csv", &["v.csv-metadata.json", "also an input"]);
+    let count = || fs::read_dir(folder.path(".")).expect("a folder").count();
+    let before = count();
+    assert_eq!(folder.run(&format!("{query} -o -")).status.code(), Some(0));
+    assert_eq!(count(), before);
+}
