@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{AccuracyArgs, Bytes, CoverArgs, SceneArgs, parse_memory};
+use super::{AccuracyArgs, Bytes, CoverArgs, SceneArgs, WeatherArgs, parse_memory};
 
 #[derive(Args, Debug)]
 pub struct RunArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file
+    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Folder for receivers.csv, site.helio, annual.csv and annual.ply [default: the name of the first scene file, with .sun]
@@ -26,4 +26,6 @@ pub struct RunArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: WeatherArgs,
 }

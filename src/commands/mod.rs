@@ -20,8 +20,8 @@ use std::fs::{self, File};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Bytes, Command, SceneArgs};
-use crate::files::read_weather;
+use crate::cli::{Bytes, Command, SceneArgs, WeatherArgs};
+use crate::files::read_weather_as;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::build::Workspace;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -143,9 +143,9 @@ fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<R
 }
 
 /// What errors are estimated under: a weather file, or suns from all sides.
-fn read_suns(weather: Option<&Path>) -> Result<ErrorConditions> {
+fn read_suns(weather: Option<&Path>, about: &WeatherArgs, scene: &Scene) -> Result<ErrorConditions> {
     let Some(path) = weather else { return Ok(ErrorConditions::Spread) };
-    let weather = read_weather(path)?;
+    let weather = read_weather_as(path, &about.options(false), &mut || Ok(scene.place))?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     ErrorConditions::of_weather(path, weather)
 }

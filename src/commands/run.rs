@@ -15,7 +15,7 @@ use super::{
     workspace_beside,
 };
 use crate::cli::{Percent, RunArgs};
-use crate::files::read_weather;
+use crate::files::read_weather_as;
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
@@ -68,12 +68,16 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
             "give it a name of its own with --output",
         ));
     }
-    let weather = read_weather(&args.weather)?;
-    weather.report.warnings.iter().for_each(|w| warn(w));
-    let (scene, covered) = match args.receivers {
-        Some(_) => (load_scene(&args.scene)?, None),
-        None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered)))?,
+    let load = || match args.receivers {
+        Some(_) => load_scene(&args.scene).map(|scene| (scene, None)),
+        None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered))),
     };
+    // Before the scene, which takes longer: a wrong weather file is found at once.
+    let mut loaded = None;
+    let mut place = || Ok(loaded.insert(load()?).0.place);
+    let weather = read_weather_as(&args.weather, &args.about_weather.options(false), &mut place)?;
+    weather.report.warnings.iter().for_each(|w| warn(w));
+    let (scene, covered) = loaded.map_or_else(load, Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
     fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
     if let Some(covered) = &covered {
@@ -88,11 +92,12 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     say(&table(&rows, covered.as_ref(), &args.weather))?;
     say(&format!(
         "{}: {}site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
-         --weather {} --every month -o months.csv\n",
+         --weather {}{} --every month -o months.csv\n",
         folder.display(),
         if covered.is_some() { "receivers.csv, " } else { "" },
         files.archive.display(),
-        args.weather.display()
+        args.weather.display(),
+        args.about_weather
     ))?;
     Ok(Outcome::Fine)
 }
@@ -118,7 +123,13 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene) -> Result<Archive> {
         return Ok(archive);
     }
     let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
-    let asked = BuildRequest { settings, accuracy: &args.accuracy, effects: EffectChoice::Auto, store: None };
+    let asked = BuildRequest {
+        settings,
+        accuracy: &args.accuracy,
+        about_weather: &args.about_weather,
+        effects: EffectChoice::Auto,
+        store: None,
+    };
     let mut write = |start: Start| {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
         plan_and_write(build, &asked, &Output { start, ..Output::new(files.archive.clone()) })
@@ -153,7 +164,7 @@ fn fits(
 /// Sums over the weather file of all receivers, in the archive's order.
 fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<Vec<AnnualRow>> {
     let site = OpenSite::of(archive)?;
-    let conditions = weather.conditions(usize::from(archive.manifest().settings.steps()));
+    let conditions = weather.conditions(weather.steps_of(archive.manifest().settings.steps()));
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
     let bins = Periods::new(Every::Total, years, &stamped).bins();
