@@ -12,6 +12,7 @@ mod scene;
 mod shells;
 mod study;
 mod tradeoff;
+mod weather;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -43,6 +44,7 @@ pub use self::scene::{MaterialsArgs, PlaceArgs, SceneArgs};
 pub use self::shells::{CompletionsArgs, ManArgs};
 pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
+pub use self::weather::{ClockArgs, WeatherArgs};
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]
@@ -224,7 +226,7 @@ pub struct QueryArgs {
 pub struct ReplayArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Weather file, EPW or TMY3 (CSV)
+    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Rows: means in W/m2, or sums in kWh/m2
@@ -244,7 +246,7 @@ pub struct ReplayArgs {
     /// Last day that counts, the whole of it; before --from it is that of the next year: --from 11-01 --to 02-28
     #[arg(long, value_name = "DAY")]
     pub to: Option<Moment>,
-    /// Sun positions within each interval of the weather file, 1 to 60 [default: those that the archive was built for]
+    /// Sun positions within each interval of the weather file, 1 to 60 [default: those that the archive was built for, which are an hour's]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=60))]
     pub steps: Option<u16>,
     /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each row of the weather file, or 12 lines,
@@ -265,6 +267,8 @@ pub struct ReplayArgs {
     /// column `temperature_c`; may be repeated, the last one counts [default: the weather file's dry bulb temperature]
     #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
     pub temperature: Vec<Temperature>,
+    #[command(flatten)]
+    pub about_weather: WeatherArgs,
 }
 
 #[derive(Args, Debug)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::choice;
-use crate::cli::{AccuracyArgs, Bytes, SceneArgs, parse_memory};
+use crate::cli::{AccuracyArgs, Bytes, ClockArgs, SceneArgs, parse_memory};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 #[derive(Args, Debug)]
@@ -43,6 +43,8 @@ pub struct BuildArgs {
     /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
 }
 
 #[derive(Args, Debug)]
@@ -60,6 +62,8 @@ pub struct PlanArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
 }
 
 fn parse_seconds(text: &str) -> Result<u32, String> {

@@ -3,6 +3,7 @@
 use heliotile_builder::settings::{Quality, Share};
 use heliotile_core::archive::Access;
 use heliotile_core::replay::reflectances::Snow;
+use heliotile_core::weather::options::StampedAt;
 
 use crate::outputs::periods::{Every, StampAt};
 use crate::outputs::tables::layout::By;
@@ -33,6 +34,14 @@ impl NamedValues for Access {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("map", "Through a mapping: fastest once the file is in memory", Access::Mapped),
         ("pread", "By reads at a position: for files that others may shorten, and network file systems", Access::Read),
+    ];
+}
+
+impl NamedValues for StampedAt {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("start", "The interval starts there", StampedAt::Start),
+        ("middle", "It is the middle of the interval, or the moment that the values are of", StampedAt::Middle),
+        ("end", "The interval ends there", StampedAt::End),
     ];
 }
 

@@ -16,7 +16,7 @@ pub struct AccuracyArgs {
     /// Largest RMSE of hourly totals, in percent of their mean, such as 2%: settings are chosen by trying some on a sample of the receivers
     #[arg(long, value_name = "PERCENT", conflicts_with = "set")]
     pub error: Option<Percent>,
-    /// Weather file (EPW or TMY3) to estimate errors under [default: suns from all sides]
+    /// Weather file to estimate errors under [default: suns from all sides]
     #[arg(long, value_name = "FILE", requires = "error")]
     pub error_weather: Option<PathBuf>,
     /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`

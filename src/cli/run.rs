@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::choice;
-use super::{AccuracyArgs, Bytes, CoverArgs, SceneArgs, parse_memory};
+use super::{AccuracyArgs, Bytes, ClockArgs, CoverArgs, SceneArgs, parse_memory};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
 
@@ -16,7 +16,7 @@ const ENDINGS: [&str; 6] = ["csv", "parquet", "arrow", "feather", "npy", "npz"];
 pub struct RunArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file
+    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Folder for receivers.csv, site.helio, and a folder for each weather file with annual.csv and annual.ply [default: the name of the
@@ -45,4 +45,6 @@ pub struct RunArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Bytes, SceneArgs, parse_memory};
+use crate::cli::{Bytes, ClockArgs, SceneArgs, parse_memory};
 use heliotile_builder::settings::EffectChoice;
 
 #[derive(Args, Debug)]
@@ -20,7 +20,7 @@ pub struct TradeoffArgs {
     /// Receivers to try settings on, spread over the site
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub sample: u16,
-    /// Weather file (EPW or TMY3) to estimate errors and to time replays under [default: suns from all sides]
+    /// Weather file to estimate errors and to time replays under [default: suns from all sides]
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
     /// Also try each setting alone: sources.csv and a picture (takes several times as long)
@@ -32,4 +32,6 @@ pub struct TradeoffArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
 }

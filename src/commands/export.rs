@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Outcome, guard_output, invocation, warn};
 use crate::cli::ExportArgs;
-use crate::files::read_weather;
+use crate::files::read_weather_as;
 use crate::outputs::pictures::exr::exr;
 use crate::outputs::pictures::fisheye::{Overlay, fisheye};
 use crate::outputs::provenance::Provenance;
@@ -25,6 +25,7 @@ use heliotile_core::replay::maps::{Illumination, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::site::north::North;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::sun_path::SunPath;
 
@@ -142,7 +143,9 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
     let mut provenance = invocation::provenance();
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
-            let weather = read_weather(file)?;
+            let options = WeatherOptions { zone_hours: args.time_zone, ..WeatherOptions::default() };
+            let mut place = || Ok(Archive::open_with(&args.archive, args.io)?.manifest().place);
+            let weather = read_weather_as(file, &options, &mut place)?;
             provenance = provenance.with_weather(file, &weather);
             // Names are filled up with blanks in some files.
             let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -23,8 +23,8 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Bytes, Cli, Command, EverywhereArgs, SceneArgs};
-use crate::files::read_weather;
+use crate::cli::{Bytes, Cli, ClockArgs, Command, EverywhereArgs, SceneArgs};
+use crate::files::read_weather_as;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::build::Workspace;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -170,9 +170,9 @@ fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<R
 }
 
 /// What errors are estimated under: a weather file, or suns from all sides.
-fn read_suns(weather: Option<&Path>) -> Result<ErrorConditions> {
+fn read_suns(weather: Option<&Path>, about: &ClockArgs, scene: &Scene) -> Result<ErrorConditions> {
     let Some(path) = weather else { return Ok(ErrorConditions::Spread) };
-    let weather = read_weather(path)?;
+    let weather = read_weather_as(path, &about.options(false), &mut || Ok(scene.place))?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     ErrorConditions::of_weather(path, weather)
 }

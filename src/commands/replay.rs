@@ -8,7 +8,7 @@ use super::terminal::Terminal;
 use super::voice::{note, remark_aside};
 use super::{Outcome, guard_output, invocation, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
-use crate::files::{read_conditions, read_file, read_weather, read_weather_with_air};
+use crate::files::{read_conditions, read_file, read_weather_as};
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::periods::{ClockReading, Every, Periods, StampAt};
 use crate::outputs::provenance::Provenance;
@@ -112,10 +112,13 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         });
     }
     let span = Span::new(args.from, args.to)?;
-    let weather = if longwave { read_weather_with_air(&args.weather)? } else { read_weather(&args.weather)? };
+    let options = args.about_weather.options(longwave);
+    let mut archive = None;
+    let weather =
+        read_weather_as(&args.weather, &options, &mut || Ok(archive.insert(open(&args.common)?).manifest().place))?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let dated = dated(args, &span, &weather)?;
-    let archive = open(&args.common)?;
+    let archive = archive.map_or_else(|| open(&args.common), Ok)?;
     let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
     replay_rows(args, &archive, &weather, &dated)
@@ -129,9 +132,9 @@ pub(super) fn replay_rows(
     dated: &DatedRows,
 ) -> Result<Outcome> {
     let chosen = &dated.chosen;
-    let steps = args.steps.unwrap_or_else(|| archive.manifest().settings.steps());
+    let steps = args.steps.map_or_else(|| weather.steps_of(archive.manifest().settings.steps()), usize::from);
     let mut conditions: Vec<Condition> = {
-        let all = weather.conditions(usize::from(steps)).into_iter();
+        let all = weather.conditions(steps).into_iter();
         all.zip(chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
     };
     if asks_longwave(&args.common) {

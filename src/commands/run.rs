@@ -17,7 +17,7 @@ use super::{
     Outcome, interrupt, invocation, load_scene, read_receivers, remark, say, temporary_files, warn, workspace_beside,
 };
 use crate::cli::RunArgs;
-use crate::files::{read_file, read_weather};
+use crate::files::{read_file, read_weather_as};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::kinds_and_sides::by_kind_and_side;
 use crate::outputs::periods::{ClockReading, Every, Periods};
@@ -47,13 +47,17 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     let site = args.scene.site()?;
     let files = Files::of(args);
     files.guard(&site, args)?;
-    let weather = read_weather(&args.weather)?;
+    let load = || match args.receivers {
+        Some(_) => load_scene(&args.scene).map(|scene| (scene, None)),
+        None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered))),
+    };
+    // Before the scene, which takes longer: a wrong weather file is found at once.
+    let mut loaded = None;
+    let mut place = || Ok(loaded.insert(load()?).0.place);
+    let weather = read_weather_as(&args.weather, &args.about_weather.options(false), &mut place)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     files.check_weather(&weather, args)?;
-    let (scene, covered) = match args.receivers {
-        Some(_) => (load_scene(&args.scene)?, None),
-        None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered)))?,
-    };
+    let (scene, covered) = loaded.map_or_else(load, Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
     let archive = up_to_date(args, &files, &scene, covered.as_ref())?;
     nothing_seen(&archive)?.iter().for_each(|lost| warn(lost));
@@ -102,7 +106,13 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene, covered: Option<&Cov
         return Ok(archive);
     }
     let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
-    let asked = BuildRequest { settings, accuracy: &args.accuracy, effects: EffectChoice::Auto, store: None };
+    let asked = BuildRequest {
+        settings,
+        accuracy: &args.accuracy,
+        about_weather: &args.about_weather,
+        effects: EffectChoice::Auto,
+        store: None,
+    };
     let mut write = |start: Start| {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
         plan_and_write(build, &asked, &Output { start, ..Output::new(files.archive.clone()) })
@@ -117,7 +127,7 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene, covered: Option<&Cov
 /// Sums over the weather file of all receivers, in the archive's order.
 fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<Vec<AnnualRow>> {
     let site = OpenSite::of(archive)?;
-    let conditions = weather.conditions(usize::from(archive.manifest().settings.steps()));
+    let conditions = weather.conditions(weather.steps_of(archive.manifest().settings.steps()));
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let stamps: Vec<_> = conditions.iter().filter_map(|condition| condition.stamp).collect();
     let bins = Periods::new(Every::Total, years, &stamps, ClockReading::default()).bins();

@@ -10,7 +10,7 @@ use super::{
     Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, remark, say, warn, workspace,
     workspace_beside,
 };
-use crate::cli::{AccuracyArgs, BuildArgs, Percent, PlanArgs};
+use crate::cli::{AccuracyArgs, BuildArgs, ClockArgs, Percent, PlanArgs};
 use heliotile_builder::build::{Build, Output, PreparedScene, Start};
 use heliotile_builder::planning::{ErrorTarget, PlanReport, PlanRequest};
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Rungs};
@@ -29,6 +29,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let asked = BuildRequest {
         settings: BuildSettings { share: args.share, ..settings_of(&args.accuracy)? },
         accuracy: &args.accuracy,
+        about_weather: &args.about_weather,
         effects: args.effects,
         store: args.store.as_deref().map(Folder::create).transpose()?,
     };
@@ -56,7 +57,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     let settings = settings_of(&args.accuracy)?;
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
     let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
-    let plan = decide(&mut build, settings, &args.accuracy, args.effects)?;
+    let plan = decide(&mut build, settings, &args.accuracy, &args.about_weather, args.effects)?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",
         args.scene.first().display(),
@@ -72,6 +73,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
 pub struct BuildRequest<'a> {
     pub settings: BuildSettings,
     pub accuracy: &'a AccuracyArgs,
+    pub about_weather: &'a ClockArgs,
     pub effects: EffectChoice,
     pub store: Option<Folder>,
 }
@@ -79,7 +81,7 @@ pub struct BuildRequest<'a> {
 /// Plans, builds, and says what is done.
 pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -> Result<()> {
     let _watch = interrupt::watch();
-    let planned = decide(&mut build, asked.settings, asked.accuracy, asked.effects)?;
+    let planned = decide(&mut build, asked.settings, asked.accuracy, asked.about_weather, asked.effects)?;
     remark(&tables::forecast(&planned.forecast))?;
     let plan = &planned.plan;
     let scene = build.scene.scene;
@@ -103,9 +105,12 @@ fn decide(
     build: &mut Build,
     settings: BuildSettings,
     accuracy: &AccuracyArgs,
+    about_weather: &ClockArgs,
     effects: EffectChoice,
 ) -> Result<PlanReport> {
-    let suns = accuracy.error.map(|_| read_suns(accuracy.error_weather.as_deref())).transpose()?;
+    let scene = build.scene.scene;
+    let suns =
+        accuracy.error.map(|_| read_suns(accuracy.error_weather.as_deref(), about_weather, scene)).transpose()?;
     let target = |(Percent(percent), suns)| ErrorTarget { percent, suns };
     let target = accuracy.error.zip(suns.as_ref()).map(target);
     let plan = build.plan(&PlanRequest { settings, effects, target }).map_err(|error| match error {

@@ -224,11 +224,12 @@ impl Files {
         files.extend(self.written(args).iter().map(name));
         format!(
             "{}: {}; annual.ply is the map\nmonths or hours: the same command with --every month, or heliotile replay {} \
-             --weather {} --every hour -o hours.parquet\n",
+             --weather {}{} --every hour -o hours.parquet\n",
             self.folder.display(),
             files.join(", "),
             self.archive.display(),
-            args.weather.display()
+            args.weather.display(),
+            args.about_weather
         )
     }
 }

@@ -97,6 +97,7 @@ impl Default for ReplaySettings<'_> {
 pub struct Replay<'a> {
     site: OpenSite<'a>,
     forcing: Forcing,
+    memory: MemoryBudget,
     /// Only where there are mirrors, and they are asked for.
     mirrors: Option<MirrorTable>,
     /// Only where the archive's own responses do not serve.
@@ -156,7 +157,7 @@ impl<'a> Replay<'a> {
         let derives = reflects && (settings.depth != MaxBounces::All || !schedules.is_empty());
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
-            return Replay::with(site, forcing, None);
+            return Replay::with(site, forcing, settings.memory, None);
         }
         let tables = Tables::of(site)?;
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
@@ -169,7 +170,7 @@ impl<'a> Replay<'a> {
         };
         if !derives {
             let states = states_of(true)?;
-            return Replay::with(site, behind(forced(&[])?, ways(&states)), None);
+            return Replay::with(site, behind(forced(&[])?, ways(&states)), memory, None);
         }
         let solved = |finer| -> Result<(States, ResponseSolver)> {
             let states = states_of(finer)?;
@@ -183,13 +184,18 @@ impl<'a> Replay<'a> {
         }
         let forcing = forced(&if states.reflectances.len() == 1 { Vec::new() } else { states.ways(bins) })?;
         let forcing = behind(forcing, ways(&states));
-        Replay::with(site, forcing, Some((tables, responder)))
+        Replay::with(site, forcing, memory, Some((tables, responder)))
     }
 
-    fn with(site: &OpenSite<'a>, forcing: Forcing, responder: Option<(Tables<'a>, ResponseSolver)>) -> Result<Self> {
+    fn with(
+        site: &OpenSite<'a>,
+        forcing: Forcing,
+        memory: MemoryBudget,
+        responder: Option<(Tables<'a>, ResponseSolver)>,
+    ) -> Result<Self> {
         let reflects = forcing.reads_mirrors() && !site.orientations().is_empty();
         let mirrors = reflects.then(|| MirrorTable::of(site));
-        Ok(Replay { site: site.clone(), forcing, mirrors, responder })
+        Ok(Replay { site: site.clone(), forcing, memory, mirrors, responder })
     }
 
     /// Number of tiles: those from 0 up to it can be asked for.
@@ -197,13 +203,15 @@ impl<'a> Replay<'a> {
         self.site.tiles()
     }
 
-    /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, and
-    /// as many as neighbours that share what they see had better be, while their results are small. A damaged block is an error in the
+    /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, if
+    /// half of the memory holds them, and as many as neighbours that share what they see had better be, while their results are small. A damaged block is an error in the
     /// place of all that are made with it; tiles after these follow.
     pub fn results(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let cores = rayon::current_num_threads().max(1);
-        let step = (RESULT_BYTES / self.forcing.tile_bytes().max(1)).clamp(cores, 16 * cores);
+        let half = usize::try_from(self.memory.total() / 2).unwrap_or(usize::MAX);
+        let fit = (half / self.forcing.working_bytes().max(1)).clamp(1, cores);
+        let step = (RESULT_BYTES / self.forcing.tile_bytes().max(1)).clamp(fit, 16 * cores);
         (0..tiles.len()).step_by(step).flat_map(move |first| {
             match self.run(tiles.iter().copied().skip(first).take(step)) {
                 Ok(results) => results.into_iter().map(Ok).collect(),

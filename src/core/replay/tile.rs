@@ -109,6 +109,11 @@ impl Forcing {
         Forcing { shaded: Some(shaded), ..self }
     }
 
+    /// Bytes that a full tile takes while it is made: its results, and the sums of reflected light beside them.
+    pub fn working_bytes(&self) -> usize {
+        self.tile_bytes() + TILE * self.bins * (size_of::<f64>() + size_of::<f32>())
+    }
+
     /// Bytes of the results of a full tile, and of the responses that they are made of.
     pub fn tile_bytes(&self) -> usize {
         let responses = self.reflected.len() * Response::len(self.response_projection.side());

@@ -50,6 +50,16 @@ fn sky_emissivity(dry_bulb_c: f64, dew_point_c: f64, opaque_sky_tenths: f64) -> 
     (clear * (1.0 + 0.0224 * n - 0.0035 * n * n + 0.00028 * n * n * n)).min(1.0)
 }
 
+/// Dew point from temperature and relative humidity in percent, above 0, by the Magnus formula over water with the coefficients of
+/// Alduchov and Eskridge, "Improved Magnus form approximation of saturation vapor pressure", Journal of Applied Meteorology 35, 1996,
+/// eq. 21 (0.4 % of the pressure from -40 to 50 degrees Celsius).
+pub(super) fn dew_point_c(dry_bulb_c: f64, humidity_percent: f64) -> f64 {
+    const A: f64 = 17.625;
+    const B_C: f64 = 243.04;
+    let exponent = (humidity_percent / 100.0).ln() + A * dry_bulb_c / (B_C + dry_bulb_c);
+    B_C * exponent / (A - exponent)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,6 +86,15 @@ mod tests {
         ] {
             let got = air.sky_w_m2().expect("all is given");
             assert!((got - expected).abs() < 0.05, "{air:?}: {got}");
+        }
+    }
+
+    /// Saturated air is at its dew point, and at 25 degrees Celsius and 50 % it is 13.85 (by hand: ln 0.5 + 17.625 x 25 / 268.04 = 0.95072,
+    /// x 243.04 / 16.67428), to 0.01.
+    #[test]
+    fn dew_points() {
+        for (dry_bulb_c, humidity, expected) in [(25.0, 50.0, 13.857), (-5.0, 100.0, -5.0), (30.0, 100.0, 30.0)] {
+            assert!((dew_point_c(dry_bulb_c, humidity) - expected).abs() < 0.01, "{dry_bulb_c}");
         }
     }
 

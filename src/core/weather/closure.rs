@@ -3,6 +3,8 @@
 //! A wrong time zone, a longitude of the wrong sign, rows in UT, or labels at the wrong end of the interval show as a smaller
 //! residual at a shifted sun. Nothing is shifted silently: the reader warns.
 
+use std::ops::RangeInclusive;
+
 use rayon::prelude::*;
 
 use crate::weather::row::WeatherRow;
@@ -11,6 +13,10 @@ use crate::weather::time::sun::Location;
 /// Shifts tried: half a day each way, first coarsely (the residual changes over hours), then by the minute.
 const HALF_DAY_MIN: i32 = 720;
 const COARSE_MIN: i32 = 30;
+const STEPS: i32 = HALF_DAY_MIN / COARSE_MIN;
+
+/// A tenth of a minute is worth saying if it takes this share of the RMSE, or less, to the whole minute's.
+const CLEARLY_BETTER: f64 = 0.95;
 
 /// Rows with less light say little: the sun is low, or its interval is cut by the horizon.
 const SMALLEST_GHI_W_M2: f64 = 50.0;
@@ -32,17 +38,16 @@ pub struct Closure {
     pub rmse_w_m2: f64,
     /// At the best of the shifts tried.
     pub best_rmse_w_m2: f64,
-    /// Best shift, minutes after mid-interval (negative: before).
-    pub best_shift_min: i32,
+    /// Best shift, minutes after mid-interval (negative: before): whole ones, or tenths where these fit clearly better.
+    pub best_shift_min: f64,
     /// Root mean square of GHI - DHI: what is left if no sun is put in at all.
     pub sunless_rmse_w_m2: f64,
 }
 
 impl Closure {
     /// The check over rows for which GHI, DNI and DHI were all in the file.
-    pub fn of(site: &Location, rows: &[WeatherRow]) -> Option<Self> {
+    pub fn of<'r>(site: &Location, rows: impl Iterator<Item = &'r WeatherRow>) -> Option<Self> {
         let mut usable: Vec<(&WeatherRow, f64)> = rows
-            .iter()
             .filter(|row| row.dni_w_m2 > 0.0)
             .filter_map(|row| row.ghi_w_m2.map(|ghi| (row, ghi)))
             .filter(|(_, ghi)| *ghi > SMALLEST_GHI_W_M2)
@@ -52,25 +57,28 @@ impl Closure {
         }
         let stride = usable.len().div_ceil(MOST_ROWS);
         usable = usable.into_iter().step_by(stride).collect();
-        let rmse = |shift_min: i32| {
+        let rmse = |shift_min: f64| {
             let sum: f64 = usable
                 .iter()
                 .map(|(row, ghi)| {
-                    let sun = site.turned(row.sun, f64::from(shift_min));
+                    let sun = site.turned(row.sun, shift_min);
                     let residual = ghi - row.dhi_w_m2 - row.dni_w_m2 * sun.z.max(0.0);
                     residual * residual
                 })
                 .sum();
             (sum / usable.len() as f64).sqrt()
         };
-        let at_middle = rmse(0);
-        let better = |best: (f64, i32), shifts: Vec<i32>| {
+        let at_middle = rmse(0.0);
+        let better = |best: (f64, f64), shifts: Vec<f64>| {
             let tried: Vec<_> = shifts.into_par_iter().map(|shift| (rmse(shift), shift)).collect();
             tried.into_iter().fold(best, |best, next| if next.0 < best.0 { next } else { best })
         };
-        let steps = HALF_DAY_MIN / COARSE_MIN;
-        let coarse = better((at_middle, 0), (-steps..=steps).map(|i| i * COARSE_MIN).collect());
-        let best = better(coarse, (1 - COARSE_MIN..COARSE_MIN).map(|i| coarse.1 + i).collect());
+        let minutes =
+            |range: RangeInclusive<i32>, around: f64, each: f64| range.map(|i| around + f64::from(i) * each).collect();
+        let coarse = better((at_middle, 0.0), minutes(-STEPS..=STEPS, 0.0, f64::from(COARSE_MIN)));
+        let whole = better(coarse, minutes(1 - COARSE_MIN..=COARSE_MIN - 1, coarse.1, 1.0));
+        let tenths = better(whole, (-9..=9).map(|tenth| (whole.1 * 10.0 + f64::from(tenth)) / 10.0).collect());
+        let best = if tenths.0 < CLEARLY_BETTER * whole.0 { tenths } else { whole };
         let sunless: f64 = usable.iter().map(|(row, ghi)| (ghi - row.dhi_w_m2).powi(2)).sum();
         Some(Closure {
             rmse_w_m2: at_middle,
@@ -80,28 +88,40 @@ impl Closure {
         })
     }
 
-    /// A sentence if another time fits better by a factor of two and by more than 5 W/m2, or if none fits.
-    pub fn warning(&self, site: &Location) -> Option<String> {
-        let Closure { rmse_w_m2, best_rmse_w_m2, best_shift_min, sunless_rmse_w_m2 } = *self;
-        if best_rmse_w_m2 > LARGEST_SHARE * sunless_rmse_w_m2 {
+    /// The shift if it fits better than none by a factor of two and by more than 5 W/m2.
+    pub fn better_shift_min(&self) -> Option<f64> {
+        let better = self.rmse_w_m2 > 2.0 * self.best_rmse_w_m2 && self.rmse_w_m2 - self.best_rmse_w_m2 > 5.0;
+        (better && self.fits_somewhere()).then_some(self.best_shift_min)
+    }
+
+    fn fits_somewhere(&self) -> bool {
+        self.best_rmse_w_m2 <= LARGEST_SHARE * self.sunless_rmse_w_m2
+    }
+
+    /// A sentence if another time fits better, or if none fits. `moved_min`: how far time stamps were moved already.
+    pub fn warning(&self, site: &Location, moved_min: f64) -> Option<String> {
+        let Closure { rmse_w_m2, best_rmse_w_m2, sunless_rmse_w_m2, .. } = *self;
+        if !self.fits_somewhere() {
             return Some(format!(
                 "GHI = DHI + DNI cos(z) does not hold: {rmse_w_m2:.1} W/m2 RMSE, {best_rmse_w_m2:.1} at the best of all time \
                  shifts, {sunless_rmse_w_m2:.1} without any sun. Latitude or the radiation columns look wrong; they are used as \
                  they stand"
             ));
         }
-        let wrong = rmse_w_m2 > 2.0 * best_rmse_w_m2 && rmse_w_m2 - best_rmse_w_m2 > 5.0;
-        wrong.then(|| {
-            let hours = f64::from(best_shift_min) / 60.0;
+        self.better_shift_min().map(|shift_min| {
+            let hours = shift_min / 60.0;
             // Into the ranges that the header allows.
             let zone = (site.zone_hours - hours + 12.0).rem_euclid(24.0) - 12.0;
             let longitude = (site.longitude_deg + 15.0 * hours + 180.0).rem_euclid(360.0) - 180.0;
+            // Binary fractions of tenths are not worth printing.
+            let whole_shift = ((moved_min + shift_min) * 1e3).round() / 1e3;
+            let done = if moved_min == 0.0 { "Nothing was shifted".into() } else { format!("With {moved_min}min it is not mended") };
             format!(
                 "GHI = DHI + DNI cos(z) fits best with the sun {} min {} mid-interval ({best_rmse_w_m2:.1} W/m2 RMSE against \
-                 {rmse_w_m2:.1} at mid-interval): time zone, longitude or time stamps look wrong. Nothing was shifted; on line 1 \
-                 a time zone of {zone:.2} or a longitude of {longitude:.1} gives this shift",
-                best_shift_min.abs(),
-                if best_shift_min < 0 { "before" } else { "after" },
+                 {rmse_w_m2:.1} at mid-interval): time zone, longitude or time stamps look wrong. {done}; --shift {whole_shift}min puts \
+                 the sun there, and so does a time zone of {zone:.2} or a longitude of {longitude:.1}",
+                shift_min.abs(),
+                if shift_min < 0.0 { "before" } else { "after" },
             )
         })
     }

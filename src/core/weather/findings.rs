@@ -50,6 +50,13 @@ pub struct Tally {
     pub first_line: usize,
 }
 
+impl Tally {
+    /// Its hours without the noise of adding minutes.
+    pub fn tidy_hours(&self) -> f64 {
+        (self.hours * 1e3).round() / 1e3
+    }
+}
+
 /// Tallies of all kinds.
 #[derive(Clone, Debug, Default)]
 pub struct Findings([Tally; KINDS.len()]);
@@ -75,7 +82,8 @@ impl Findings {
     /// A sentence for each kind that occurs, with the line of its first row.
     pub fn sentences(&self) -> impl Iterator<Item = (usize, String)> {
         KINDS.into_iter().map(|kind| (kind, self.of(kind))).filter(|(_, tally)| tally.rows > 0).map(|(kind, tally)| {
-            let Tally { hours, dni_kwh_m2, first_line, .. } = tally;
+            let Tally { dni_kwh_m2, first_line, .. } = tally;
+            let hours = tally.tidy_hours();
             let sentence = match kind {
                 Finding::ComputedDni => format!("missing DNI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
                 Finding::ComputedDhi => format!("missing DHI of {hours} hours computed from GHI = DHI + DNI cos(z)"),

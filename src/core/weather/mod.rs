@@ -10,6 +10,8 @@ pub mod emission;
 mod erbs;
 pub mod findings;
 pub mod formats;
+mod judging;
+pub mod options;
 pub mod row;
 pub mod series;
 pub mod span;

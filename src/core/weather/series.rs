@@ -1,4 +1,4 @@
-//! A weather file's rows, checked, and the conditions of its intervals. Reading is in [`crate::weather::formats::epw`].
+//! A weather file's rows, checked, and the conditions of its intervals. Reading is in [`crate::weather::formats`].
 //!
 //! DNI acts only while the sun is up: intervals with a sunrise or sunset are cut to their sunlit part before the sub-step
 //! mid-points are taken, and the DNI, an interval mean of energy, is spread over that part (weights sum to 1). The mean of the
@@ -44,6 +44,12 @@ pub struct Weather {
 }
 
 impl Weather {
+    /// Sun positions of an interval where an hour has so many: the sun moves as far from one to the next.
+    pub fn steps_of(&self, steps_an_hour: u16) -> usize {
+        // What falls short of a whole step by a rounding error is one.
+        ((f64::from(steps_an_hour) * self.interval_hours - 1e-9).ceil() as usize).max(1)
+    }
+
     /// One condition per row, in file order, with the sun at `steps` mid-points of the sunlit part of its interval (at least
     /// one). The label is the START of the interval in local standard time, `YYYY-MM-DDTHH:MM`: hour 1 of EPW is 00:00.
     /// Rows without light get no suns.
@@ -54,7 +60,7 @@ impl Weather {
                 let dark = row.dni_w_m2 == 0.0 && row.dhi_w_m2 == 0.0;
                 let suns = if dark { Vec::new() } else { self.site.sunlit(&row.interval, row.sun, steps) };
                 let date = row.interval.date;
-                let label = date.label(row.interval.start_min as u32);
+                let label = row.interval.label();
                 let condition = Condition::new(label, &suns, row.sun, row.dni_w_m2, row.dhi_w_m2);
                 Condition {
                     extraterrestrial_w_m2: extraterrestrial_w_m2(date),

@@ -136,16 +136,17 @@ impl Span {
 }
 
 impl Moment {
+    /// A whole day has all intervals that count to it, also where they reach over its midnights.
     fn start(&self) -> Place {
-        self.place(0)
+        self.place(f64::NEG_INFINITY)
     }
 
     fn end(&self) -> Place {
-        self.place(1440)
+        self.place(f64::INFINITY)
     }
 
-    fn place(&self, otherwise: u32) -> Place {
-        (self.year.unwrap_or(0), self.month, self.day, f64::from(self.minutes.unwrap_or(otherwise)))
+    fn place(&self, otherwise: f64) -> Place {
+        (self.year.unwrap_or(0), self.month, self.day, self.minutes.map_or(otherwise, f64::from))
     }
 }
 

@@ -66,7 +66,7 @@ impl RowLabels {
             }
         };
         let utc = |&(date, minutes): &(Date, f64)| {
-            i64::from(date.days_since_1970()) * DAY_S + seconds(minutes) - 60 * i64::from(offset.minutes())
+            i64::from(date.day_number()) * DAY_S + seconds(minutes) - 60 * i64::from(offset.minutes())
         };
         let utc_s = moments.iter().map(utc).collect();
         RowLabels { text: moments.iter().map(text).collect(), instants: Some(Instants { utc_s, offset, precision }) }

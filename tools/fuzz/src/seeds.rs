@@ -3,6 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Workspace};
+use heliotile_builder::observer::Silent;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE};
 use heliotile_core::archive::{Access, Archive};
@@ -11,15 +15,11 @@ use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath, ReceiverMirrors, Window};
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::Chain;
 use heliotile_core::site::crossing::Crossing;
-use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Workspace};
-use heliotile_builder::observer::Silent;
-use heliotile_core::memory::MemoryBudget;
-use heliotile_builder::settings::BuildSettings;
 use heliotile_scene::Scene;
-use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_scene::covering::receivers::read_receivers;
 
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 5 5 0\nv 9 5 0\nv 9 5 6\nv 5 5 6\n\
@@ -218,6 +218,9 @@ pub fn write() {
     let day = day.join("\r\n");
     seed("epw", day.as_bytes());
     seed("weather", day.as_bytes());
+    let rows = "2021-06-01T10:00+01:00,600,500,100,0.2,20,50\n2021-06-01T11:00+01:00,700,600,,0.2,21,50\n\
+                2021-06-01T13:00+01:00,700,600,100,0.2,21,50\n";
+    seed("weather_csv", format!("time,ghi,dni,dhi,albedo,temp_air,rh\n{rows}").as_bytes());
 }
 
 /// Rows of mirrors and canopies, which the tiny site does not have all of.

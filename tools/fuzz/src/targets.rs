@@ -27,6 +27,8 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::parse_conditions;
 use heliotile_core::weather::emission::Emission;
 use heliotile_core::weather::formats::epw::{parse_epw, parse_epw_with_air};
+use heliotile_core::weather::formats::weather_file::parse_weather_as;
+use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::receivers::read_receivers_with_warnings;
@@ -36,7 +38,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 33] = [
+pub const TARGETS: [(&str, Target); 34] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -70,6 +72,7 @@ pub const TARGETS: [(&str, Target); 33] = [
     ("conditions", conditions),
     ("epw", epw),
     ("weather", weather),
+    ("weather_csv", weather_csv),
 ];
 
 thread_local! {
@@ -443,5 +446,23 @@ fn no_file(name: &Path) -> heliotile_core::error::Result<Vec<u8>> {
 fn weather(data: &[u8]) {
     if let Ok(weather) = parse_epw(Path::new("year.epw"), data) {
         assert_eq!(weather.conditions(2).len(), weather.rows.len());
+    }
+}
+
+/// Weather of every kind that has no name of its own, with all that the user can say about it.
+fn weather_csv(data: &[u8]) {
+    let options = WeatherOptions {
+        latitude_deg: Some(52.0),
+        longitude_deg: Some(4.0),
+        zone_hours: Some(1.0),
+        shift: TimeShift::Auto,
+        stamped_at: None,
+        with_air: true,
+    };
+    if let Ok(weather) = parse_weather_as(Path::new("year.csv"), data, &options, &mut || Ok(None)) {
+        assert!(weather.conditions(2).len() == weather.rows.len() && weather.air.len() == weather.rows.len());
+        assert!(
+            weather.rows.iter().all(|row| row.dni_w_m2.is_finite() && row.dhi_w_m2.is_finite() && row.sun.is_finite())
+        );
     }
 }

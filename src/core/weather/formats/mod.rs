@@ -2,5 +2,9 @@
 
 pub mod epw;
 pub mod schedule_csv;
-pub mod tmy3;
+mod stamp_text;
+mod stamped;
+mod surfrad;
+mod tmy3;
+mod weather_csv;
 pub mod weather_file;

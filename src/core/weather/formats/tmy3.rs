@@ -9,11 +9,9 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
-use crate::weather::formats::epw::header::EpwHeader;
-use crate::weather::formats::epw::judge::judged;
-use crate::weather::formats::epw::row::{LOWEST_OFFSET_W_M2, RawRow};
-use crate::weather::formats::epw::warn_of_part;
-use crate::weather::series::Weather;
+use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, irradiance};
+use crate::weather::judging::station::Station;
+use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::{Interval, Location};
 
@@ -71,10 +69,10 @@ impl Columns {
     }
 }
 
-pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
+pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Result<RawWeather> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = text.lines().zip(1_usize..);
-    let header = site(path, lines.next().map_or("", |(line, _)| line))?;
+    let station = site(path, lines.next().map_or("", |(line, _)| line))?;
     let columns = Columns::read(path, lines.next().map_or("", |(line, _)| line))?;
     let mut raw: Vec<RawRow> = Vec::new();
     let mut air = Vec::new();
@@ -97,20 +95,18 @@ pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather
             return Err(Error::input(path, line, what, hint));
         }
         raw.push(row);
-        if with_air {
+        if options.with_air {
             air.push(air_of(&cells, &columns));
         }
     }
     if raw.is_empty() {
         return Err(Error::input(path, None, "the file has no weather rows", "TMY3 has them from line 3 on"));
     }
-    let mut weather = judged(path, header, &raw, air)?;
-    warn_of_part(path, &mut weather);
-    Ok(weather)
+    Ok(RawWeather { station, rows: raw, air, step_min: 60.0, stamped_at: StampedAt::End, warnings: Vec::new() })
 }
 
 /// The first line; the name may hold commas, so numbers are counted from its end.
-fn site(path: &Path, line: &str) -> Result<EpwHeader> {
+fn site(path: &Path, line: &str) -> Result<Station> {
     let hint = "number,name,state,time zone,latitude,longitude,elevation";
     let line = line.trim_start_matches('\u{feff}').trim_end_matches([',', ' ', '\r']);
     let cells: Vec<&str> = line.split(',').map(|cell| cell.trim_matches(['"', ' '])).collect();
@@ -124,7 +120,7 @@ fn site(path: &Path, line: &str) -> Result<EpwHeader> {
     let (latitude, longitude) = (number(latitude, "latitude")?, number(longitude, "longitude")?);
     let site = Location::new(latitude, longitude, number(zone, "time zone")?, number(elevation, "elevation")?);
     let site = site.map_err(|what| Error::input(path, 1, what, hint))?;
-    Ok(EpwHeader { place: name.join(", "), site, periods: 1, records_per_hour: 1 })
+    Ok(Station::known(name.join(", "), site))
 }
 
 fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<RawRow> {
@@ -148,11 +144,7 @@ fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<Ra
         match text.parse::<f64>() {
             _ if text.is_empty() => Ok(None),
             Ok(value) if value <= MISSING || value >= MISSING_RADIATION => Ok(None),
-            Ok(value) if value >= 0.0 => Ok(Some(value + 0.0)),
-            Ok(value) if value >= LOWEST_OFFSET_W_M2 => {
-                negative = true;
-                Ok(Some(0.0))
-            }
+            Ok(value) if let Some(value) = irradiance(value, &mut negative) => Ok(Some(value)),
             _ => Err(bad(name, text, "write W/m2 from 0 up, -9900 where missing")),
         }
     };
@@ -170,8 +162,8 @@ fn number(cells: &[&str], place: Option<usize>, [low, high]: [f64; 2]) -> Option
 
 fn air_of(cells: &[&str], columns: &Columns) -> Air {
     Air {
-        dry_bulb_c: number(cells, columns.dry_bulb, crate::weather::formats::epw::AIR_C),
-        dew_point_c: number(cells, columns.dew_point, crate::weather::formats::epw::AIR_C),
+        dry_bulb_c: number(cells, columns.dry_bulb, AIR_C),
+        dew_point_c: number(cells, columns.dew_point, AIR_C),
         infrared_w_m2: None,
         opaque_sky_tenths: number(cells, columns.opaque_sky, [0.0, 10.0]),
     }
@@ -180,10 +172,10 @@ fn air_of(cells: &[&str], columns: &Columns) -> Air {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::weather::formats::weather_file::{parse_weather, parse_weather_with_air};
+    use crate::weather::formats::weather_file::{parse_weather, parse_weather_as};
 
-    fn parse(text: &str) -> Result<Weather> {
-        super::parse(Path::new("w.csv"), text.as_bytes(), false)
+    fn parse(text: &str) -> Result<crate::weather::series::Weather> {
+        parse_weather(Path::new("w.csv"), text.as_bytes())
     }
 
     /// The hours of Golden's EPW written as TMY3 give the same light, suns and air, 8760 of 8760; its missing infrared radiation is
@@ -204,7 +196,8 @@ mod tests {
             csv += &format!("{clock},{light},{air},{}\n", c[32]);
         }
         let one = parse_weather(&epw, &bytes).expect("EPW");
-        let two = parse_weather_with_air(Path::new("golden.csv"), csv.as_bytes()).expect("TMY3");
+        let with_air = WeatherOptions { with_air: true, ..WeatherOptions::default() };
+        let two = parse_weather_as(Path::new("golden.csv"), csv.as_bytes(), &with_air, &mut || Ok(None)).expect("TMY3");
         assert_eq!((two.rows.len(), one.rows.len(), two.place.as_str()), (8760, 8760, "GOLDEN, NREL, CO"));
         assert_eq!(one.site.zone_hours, two.site.zone_hours);
         for (a, b) in one.rows.iter().zip(&two.rows) {

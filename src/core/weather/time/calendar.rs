@@ -28,11 +28,11 @@ impl Date {
 
     /// Julian date (UT) of `minutes` after the local midnight that starts this date, in a zone `zone_hours` east.
     pub fn julian_date(self, minutes: f64, zone_hours: f64) -> f64 {
-        JULIAN_DAY_OF_1970 + f64::from(self.days_since_1970()) + (minutes - 60.0 * zone_hours) / 1440.0
+        JULIAN_DAY_OF_1970 + f64::from(self.day_number()) + (minutes - 60.0 * zone_hours) / 1440.0
     }
 
     /// Days from 1970-01-01 to this date, negative before.
-    pub fn days_since_1970(self) -> i32 {
+    pub fn day_number(self) -> i32 {
         let years_before = self.year - 1;
         let leap_days = years_before / 4 - years_before / 100 + years_before / 400;
         // 1 January of the year 1 lies 719,162 days before 1970-01-01.
@@ -47,6 +47,23 @@ impl Date {
             (false, 12) => Date { year: year + 1, month: 1, day: 1 },
             (false, _) => Date { month: month + 1, day: 1, ..self },
         }
+    }
+
+    /// The date of a [`Date::day_number`], in the years 1 to 2999.
+    pub fn of_day_number(days: i32) -> Option<Self> {
+        // 400 years have 146,097 days; a year too early does no harm.
+        let about = (i64::from(days) + 719_162) * 400 / 146_097;
+        (i32::try_from(about).ok()?.max(1)..3000).find_map(|year| {
+            let first = Date::new(year, 1, 1)?;
+            let mut left = u32::try_from(days - first.day_number()).ok()?;
+            let month = (1..=12).find(|&month| {
+                let length = days_in_month(year, month);
+                let here = left < length;
+                left -= if here { 0 } else { length };
+                here
+            })?;
+            Date::new(year, month, left + 1)
+        })
     }
 
     /// `YYYY-MM-DDTHH:MM`, for minutes of this date (0..1440).
@@ -94,6 +111,27 @@ mod tests {
         }
     }
 
+    /// All 730,000 days of the years 1 to 1999 or so, and the last of 2999, come back from their numbers, which count up by 1 from day to day;
+    /// 1970-01-01 is 0, and what lies outside the years is no date.
+    #[test]
+    fn day_numbers() {
+        let first = Date::new(1, 1, 1).expect("a date").day_number();
+        let mut before = Date::of_day_number(first).expect("a date");
+        for number in first + 1..first + 730_000 {
+            let date = Date::of_day_number(number).expect("a date");
+            assert!(date.day_number() == number && before.is_followed_by(date), "{before:?} {date:?}");
+            before = date;
+        }
+        let last = Date::new(2999, 12, 31).expect("a date");
+        assert_eq!(
+            (Date::of_day_number(0), Date::of_day_number(last.day_number())),
+            (Date::new(1970, 1, 1), Some(last))
+        );
+        for outside in [first - 1, last.day_number() + 1, i32::MIN, i32::MAX] {
+            assert_eq!(Date::of_day_number(outside), None);
+        }
+    }
+
     /// 29 February exists in 2000 and 2016, not in 1900 and 2007; 31 December 2016 is day 366.
     #[test]
     fn leap_years() {
@@ -112,11 +150,11 @@ mod tests {
         for ((y, m, d), days) in
             [((1970, 1, 1), 0), ((1969, 12, 31), -1), ((2000, 3, 1), 11_017), ((1, 1, 1), -719_162)]
         {
-            assert_eq!(date(y, m, d).days_since_1970(), days);
+            assert_eq!(date(y, m, d).day_number(), days);
         }
         let (mut day, mut count) = (date(1600, 1, 1), 0);
         while day != date(2400, 1, 1) {
-            assert_eq!(day.next().days_since_1970(), day.days_since_1970() + 1);
+            assert_eq!(day.next().day_number(), day.day_number() + 1);
             (day, count) = (day.next(), count + 1);
         }
         assert_eq!(count, 292_194);

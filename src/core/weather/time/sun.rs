@@ -36,14 +36,15 @@ pub struct Location {
     pub elevation_m: f64,
 }
 
-/// A stretch of local standard time within one day.
+/// A stretch of local standard time, counted to one day: within it, or over its midnight where time stamps are the middle of their
+/// intervals or were moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Day of the interval.
+    /// Day that the interval counts to.
     pub date: Date,
-    /// Minutes after local midnight.
+    /// Minutes after the midnight that starts this day; negative on the day before.
     pub start_min: f64,
-    /// Minutes after local midnight, above `start_min`; 1440 is the next midnight.
+    /// Minutes after the same midnight, above `start_min`; 1440 is the next one.
     pub end_min: f64,
 }
 
@@ -51,6 +52,15 @@ impl Interval {
     /// Length in hours.
     pub fn hours(&self) -> f64 {
         (self.end_min - self.start_min) / 60.0
+    }
+
+    /// When it starts, `YYYY-MM-DDTHH:MM`, on the day before or after its own if that is where it starts.
+    pub fn label(&self) -> String {
+        // To the second: stamps hold fractions of minutes, and a minute must not be lost to the last bit of one.
+        let minutes = ((self.start_min * 60.0).round() / 60.0).floor();
+        let days = (minutes / 1440.0).floor();
+        let date = Date::of_day_number(self.date.day_number().saturating_add(days as i32)).unwrap_or(self.date);
+        date.label((minutes - 1440.0 * days) as u32)
     }
 
     /// Its middle, minutes after local midnight.

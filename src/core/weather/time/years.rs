@@ -4,6 +4,9 @@ use std::collections::HashMap;
 
 use crate::weather::time::calendar::Date;
 
+/// Farther from one row to the next, or backwards, months are not of one series.
+const LONGEST_GAP_DAYS: i32 = 31;
+
 /// Years of a series of dates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Years {
@@ -11,7 +14,7 @@ pub enum Years {
     One,
     /// A typical year: months come from different years, none from two.
     Typical,
-    /// Some month occurs in two years: the series is really several years long.
+    /// The series goes on over the new year, or some month occurs in two years: it really is of several years.
     Several,
 }
 
@@ -19,13 +22,18 @@ impl Years {
     /// What the years of these dates, in the order of the file, stand for.
     pub fn of(dates: impl IntoIterator<Item = Date>) -> Self {
         let mut year_of_month = HashMap::new();
-        let (mut first, mut years) = (None, Years::One);
-        for Date { year, month, .. } in dates {
-            if *first.get_or_insert(year) != year {
-                years = Years::Typical;
-            }
+        let (mut before, mut years): (Option<Date>, _) = (None, Years::One);
+        for date in dates {
+            let Date { year, month, .. } = date;
             if *year_of_month.entry(month).or_insert(year) != year {
                 return Years::Several;
+            }
+            if let Some(before) = before.replace(date).filter(|before| before.year != year) {
+                let goes_on = (0..=LONGEST_GAP_DAYS).contains(&(date.day_number() - before.day_number()));
+                years = match (years, goes_on) {
+                    (Years::One | Years::Several, true) => Years::Several,
+                    _ => Years::Typical,
+                };
             }
         }
         years
@@ -40,6 +48,15 @@ impl Years {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A winter from 31 December to 1 January is of two years, and so is December to January; 2007 after 2008 is not.
+    #[test]
+    fn over_the_new_year() {
+        let of = |dates: &[(i32, u32, u32)]| Years::of(dates.iter().filter_map(|&(y, m, d)| Date::new(y, m, d)));
+        assert_eq!(of(&[(2018, 12, 30), (2018, 12, 31), (2019, 1, 1), (2019, 2, 1)]), Years::Several);
+        assert_eq!(of(&[(2018, 12, 1), (2019, 1, 1)]), Years::Several);
+        assert_eq!(of(&[(2008, 12, 31), (2007, 1, 1), (2007, 2, 1)]), Years::Typical);
+    }
 
     /// One year, months of two years, a month in two years: 3 of 3, and the years of the second do not matter.
     #[test]

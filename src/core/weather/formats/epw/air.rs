@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
+use crate::weather::judging::raw_weather::AIR_C;
 
 /// Places of the columns in a data row.
 const DRY_BULB: usize = 6;
@@ -12,9 +13,6 @@ const INFRARED: usize = 12;
 const OPAQUE_SKY: usize = 23;
 
 const MISSING_RADIATION: f64 = 9999.0;
-
-/// The coldest and hottest air near the ground, with room: -89 (Vostok, 1983) and 57 degrees Celsius (Death Valley, 1913).
-pub const AIR_C: [f64; 2] = [-90.0, 70.0];
 
 /// Reads the cells of a line.
 pub fn read_air(path: &Path, line: usize, cells: &[&str]) -> Result<Air> {

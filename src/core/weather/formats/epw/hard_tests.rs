@@ -1,8 +1,11 @@
 //! Hard cases of weather files: gaps, impossible values, clocks that are wrong, high latitudes. More of [`super`]'s tests.
 
+use std::path::Path;
+
+use crate::error::Result;
 use crate::weather::findings::Finding;
 use crate::weather::formats::epw::tests::{HEADER, file, hours, read, row};
-use crate::weather::formats::epw::*;
+use crate::weather::series::Weather;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Location;
 
@@ -234,12 +237,12 @@ fn wrong_time_stamps() {
         let closure = report.closure.expect("enough rows");
         let text = report.warnings.join("\n");
         assert_eq!(text.contains("Nothing was shifted"), flagged, "{closure:?} {text}");
-        assert!((f64::from(closure.best_shift_min) - late_min).abs() <= 2.0, "{closure:?}");
+        assert!((closure.best_shift_min - late_min).abs() <= 2.0, "{closure:?}");
         assert!(flagged || closure.rmse_w_m2 < 0.1, "{closure:?}");
     }
 }
 
-/// Golden with a zone of -6 or 0 or the longitude's sign lost is found to be 60, 420 and 599 min off, the last two also at least
+/// Golden with a zone of -6 or 0 or the longitude's sign lost is found to be 60, 420 and 598.7 min off (105.18 degrees twice), the last two also at least
 /// 3 h from their meridian, and zone or longitude that the warning gives close to 1 W/m2; with the latitude's sign lost or DHI
 /// 50 too high nothing fits. The file as it is has 0.7 W/m2 and no warning.
 #[test]
@@ -249,9 +252,9 @@ fn wrong_places() {
     let closure = good.closure.expect("enough rows");
     assert!(closure.rmse_w_m2 < 1.0 && good.warnings.is_empty(), "{closure:?}");
     for (wrong, shift_min, apart, parts) in [
-        ("39.74,-105.18,-6.0", 60, false, ["a time zone of -7.00", "a longitude of -90.2"]),
-        ("39.74,-105.18,0.0", 420, true, ["a time zone of -7.00", "and time zone 0 are 7.0 h apart"]),
-        ("39.74,105.18,-7.0", 599, true, ["a longitude of -105.1", "longitude 105.18 and"]),
+        ("39.74,-105.18,-6.0", 60.0, false, ["a time zone of -7.00", "a longitude of -90.2"]),
+        ("39.74,-105.18,0.0", 420.0, true, ["a time zone of -7.00", "and time zone 0 are 7.0 h apart"]),
+        ("39.74,105.18,-7.0", 598.7, true, ["a longitude of -105.1", "longitude 105.18 and"]),
     ] {
         let report = golden(place, wrong, &[]).expect("valid").report;
         let text = report.warnings.join("\n");

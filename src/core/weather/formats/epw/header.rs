@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::weather::judging::station::Station;
 use crate::weather::time::sun::Location;
 
 /// What the header lines say.
 pub struct EpwHeader {
-    pub place: String,
-    pub site: Location,
+    pub station: Station,
     pub periods: u32,
     pub records_per_hour: u32,
 }
@@ -35,7 +35,7 @@ impl EpwHeader {
         let site =
             Location::new(latitude, longitude, zone, elevation).map_err(|what| Error::input(path, 1, what, hint))?;
         let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
-        let place = format!("{}, {}", cell(1), cell(3));
+        let station = Station::known(format!("{}, {}", cell(1), cell(3)), site);
         for (text, line) in lines {
             let cells: Vec<&str> = text.split(',').map(str::trim).collect();
             if !cells.first().is_some_and(|c| c.eq_ignore_ascii_case("DATA PERIODS")) {
@@ -53,7 +53,7 @@ impl EpwHeader {
                     supported: "the divisors of 60: 1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60".into(),
                 });
             }
-            return Ok(EpwHeader { place, site, periods, records_per_hour });
+            return Ok(EpwHeader { station, periods, records_per_hour });
         }
         let hint = "an EPW file has eight header lines, the last is DATA PERIODS";
         Err(Error::input(path, None, "the line DATA PERIODS is missing", hint))

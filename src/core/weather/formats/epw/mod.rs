@@ -7,34 +7,43 @@
 //! radiation of 0, which no sky sends.
 
 mod air;
-mod gaps;
-pub(super) mod header;
-pub(super) mod judge;
-pub(super) mod row;
+mod header;
+mod row;
 
 use std::path::Path;
 
-pub(super) use air::AIR_C;
 use air::read_air;
 use header::EpwHeader;
-use judge::judged;
-use row::{DHI, RawRow};
+use row::{DHI, read_row};
 
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
+use crate::weather::judging::judged;
+use crate::weather::judging::raw_weather::{RawRow, RawWeather};
+use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::series::Weather;
 
 /// Reads and checks the bytes of a weather file; `path` is its name in messages. The text need not be UTF-8: only its numbers are used.
 pub fn parse_epw(path: &Path, bytes: &[u8]) -> Result<Weather> {
-    parse(path, bytes, false)
+    let options = WeatherOptions::default();
+    judged(path, read(path, bytes, &options)?, &options, &mut || Ok(None))
 }
 
 /// The same with the air of every row, which longwave irradiance is made of.
 pub fn parse_epw_with_air(path: &Path, bytes: &[u8]) -> Result<Weather> {
-    parse(path, bytes, true)
+    let options = WeatherOptions { with_air: true, ..WeatherOptions::default() };
+    judged(path, read(path, bytes, &options)?, &options, &mut || Ok(None))
 }
 
-pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather> {
+/// Whether a file says that it is one, by its first line or by its name.
+pub(super) fn is_epw(path: &Path, bytes: &[u8]) -> bool {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let named = path.to_string_lossy().to_lowercase();
+    start.get(..8).is_some_and(|word| word.eq_ignore_ascii_case(b"LOCATION"))
+        || named.strip_suffix(".gz").unwrap_or(&named).ends_with(".epw")
+}
+
+pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Result<RawWeather> {
     let mut lines =
         bytes.split(|b| *b == b'\n').zip(1_usize..).map(|(line, number)| (String::from_utf8_lossy(line), number));
     let header = EpwHeader::read(path, &mut lines)?;
@@ -54,7 +63,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather
             let what = format!("the row has {} columns instead of {expected}", cells.len());
             return Err(Error::input(path, line, what, "the file may be cut off; fetch it again"));
         }
-        let row = RawRow::read(path, line, &cells, header.records_per_hour, &mut odd_minute)?;
+        let row = read_row(path, line, &cells, header.records_per_hour, &mut odd_minute)?;
         if let Some(before) = raw.last()
             && !before.is_followed_by(&row)
         {
@@ -71,7 +80,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather
             gaps_left -= 1;
         }
         raw.push(row);
-        if with_air {
+        if options.with_air {
             air.push(read_air(path, line, &cells)?);
         }
     }
@@ -79,30 +88,21 @@ pub(super) fn parse(path: &Path, bytes: &[u8], with_air: bool) -> Result<Weather
         let hint = "an EPW file has its rows after the line DATA PERIODS";
         return Err(Error::input(path, None, "the file has no weather rows", hint));
     }
-    let mut weather = judged(path, header, &raw, air)?;
-    warn_of_part(path, &mut weather);
-    if let Some((line, minute)) = odd_minute {
-        weather.report.warnings.push(format!(
+    let ignored = odd_minute.map(|(line, minute)| {
+        format!(
             "{}, line {line}: minute {minute} of an hourly row is ignored, the row holds the whole hour",
             path.display()
-        ));
-    }
-    Ok(weather)
+        )
+    });
+    Ok(RawWeather {
+        station: header.station,
+        rows: raw,
+        air,
+        step_min: 60.0 / f64::from(header.records_per_hour),
+        stamped_at: StampedAt::End,
+        warnings: ignored.into_iter().collect(),
+    })
 }
-
-/// Says if a file is shorter than a year.
-pub(super) fn warn_of_part(path: &Path, weather: &mut Weather) {
-    let hours = weather.rows.len() as f64 * weather.interval_hours;
-    if hours < HOURS_OF_YEAR {
-        weather.report.warnings.push(format!(
-            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums are sums of these",
-            path.display()
-        ));
-    }
-}
-
-/// Hours of a year that is not a leap year.
-const HOURS_OF_YEAR: f64 = 8760.0;
 
 #[cfg(test)]
 mod hard_tests;

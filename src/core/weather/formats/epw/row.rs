@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::weather::judging::raw_weather::{RawRow, irradiance};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 
@@ -17,110 +18,73 @@ const ALBEDO: usize = 32;
 const MISSING_RADIATION: f64 = 9999.0;
 const MISSING_SNOW_CM: f64 = 999.0;
 
-/// Thermopile pyranometers read a little below 0 under a cold sky: ISO 9060:2018 allows class C an offset of 30 W/m2. Below
-/// that a number is a foreign code for missing (-99, -999) or a slip.
-pub const LOWEST_OFFSET_W_M2: f64 = -30.0;
-
-/// A row as it stands in the file.
-pub struct RawRow {
-    pub line: usize,
-    pub interval: Interval,
-    pub ghi: Option<f64>,
-    pub dni: Option<f64>,
-    pub dhi: Option<f64>,
-    /// Whether one of them was below 0, and was set to 0.
-    pub negative: bool,
-    /// Above 0 and at most 1; several sources write 0 where they have none, at night too.
-    pub albedo: Option<f64>,
-    pub snow_depth_cm: Option<f64>,
-}
-
-impl RawRow {
-    /// Reads the cells of a line. `odd_minute` gets line and minute of the first hourly row whose minute is not 0 or 60.
-    pub fn read(
-        path: &Path,
-        line: usize,
-        cells: &[&str],
-        records_per_hour: u32,
-        odd_minute: &mut Option<(usize, u32)>,
-    ) -> Result<Self> {
-        let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
-        let bad = |name: &str, text: &str, hint: &str| {
-            Error::input(path, line, format!("column `{name}` holds `{text}`"), hint)
-        };
-        let mut clock = [0_u32; 5];
-        let names = ["year", "month", "day", "hour", "minute"];
-        for (i, (value, name)) in clock.iter_mut().zip(names).enumerate() {
-            let text = cell(i);
-            *value = text.parse().map_err(|_| bad(name, text, "write a whole number"))?;
-        }
-        let [year, month, day, hour, minute] = clock;
-        let date = i32::try_from(year).ok().and_then(|year| Date::new(year, month, day));
-        let Some(date) = date else {
-            let what = format!("the date {year}-{month}-{day} does not exist");
-            return Err(Error::input(path, line, what, "correct year, month or day"));
-        };
-        if !(1..=24).contains(&hour) {
-            return Err(bad("hour", cell(3), "hours run from 1 to 24"));
-        }
-        let step = 60 / records_per_hour;
-        let minute = match minute {
-            0 => 60,
-            _ if records_per_hour == 1 => {
-                if minute != 60 {
-                    odd_minute.get_or_insert((line, minute));
-                }
-                60
-            }
-            1..=60 if minute % step == 0 => minute,
-            _ => {
-                let hint = format!("with {records_per_hour} records an hour, minutes are multiples of {step} up to 60");
-                return Err(bad("minute", cell(MINUTE), &hint));
-            }
-        };
-        let end = (hour - 1) * 60 + minute;
-        let mut negative = false;
-        let mut radiation = |i: usize, name: &str| {
-            let text = cell(i);
-            match text.parse::<f64>() {
-                _ if text.is_empty() => Ok(None),
-                Ok(value) if value >= MISSING_RADIATION => Ok(None),
-                // Adding 0 turns the -0.00 of some files into 0.
-                Ok(value) if value >= 0.0 => Ok(Some(value + 0.0)),
-                Ok(value) if value >= LOWEST_OFFSET_W_M2 => {
-                    negative = true;
-                    Ok(Some(0.0))
-                }
-                _ => Err(bad(name, text, "write W/m2 from 0 up, 9999 where missing")),
-            }
-        };
-        let optional = |i: usize, low: f64, high: f64| {
-            let value = cell(i).parse::<f64>().ok();
-            value.filter(|v| (low..=high).contains(v))
-        };
-        let ghi = radiation(GHI, "global horizontal radiation")?;
-        let dni = radiation(DNI, "direct normal radiation")?;
-        let dhi = radiation(DHI, "diffuse horizontal radiation")?;
-        Ok(RawRow {
-            line,
-            interval: Interval { date, start_min: f64::from(end - step), end_min: f64::from(end) },
-            ghi,
-            dni,
-            dhi,
-            negative,
-            albedo: optional(ALBEDO, 0.0, 1.0).filter(|a| *a > 0.0),
-            snow_depth_cm: optional(SNOW_DEPTH, 0.0, MISSING_SNOW_CM - 0.5),
-        })
+/// Reads the cells of a line. `odd_minute` gets line and minute of the first hourly row whose minute is not 0 or 60.
+pub fn read_row(
+    path: &Path,
+    line: usize,
+    cells: &[&str],
+    records_per_hour: u32,
+    odd_minute: &mut Option<(usize, u32)>,
+) -> Result<RawRow> {
+    let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
+    let bad =
+        |name: &str, text: &str, hint: &str| Error::input(path, line, format!("column `{name}` holds `{text}`"), hint);
+    let mut clock = [0_u32; 5];
+    let names = ["year", "month", "day", "hour", "minute"];
+    for (i, (value, name)) in clock.iter_mut().zip(names).enumerate() {
+        let text = cell(i);
+        *value = text.parse().map_err(|_| bad(name, text, "write a whole number"))?;
     }
-
-    /// Whether the next row starts where this one ends.
-    pub fn is_followed_by(&self, next: &RawRow) -> bool {
-        let (end, start) = (self.interval.end_min, next.interval.start_min);
-        if self.interval.date == next.interval.date {
-            start == end
-        } else {
-            let whole_days = end == 1440.0 && start == 0.0;
-            whole_days && self.interval.date.is_followed_by(next.interval.date)
-        }
+    let [year, month, day, hour, minute] = clock;
+    let date = i32::try_from(year).ok().and_then(|year| Date::new(year, month, day));
+    let Some(date) = date else {
+        let what = format!("the date {year}-{month}-{day} does not exist");
+        return Err(Error::input(path, line, what, "correct year, month or day"));
+    };
+    if !(1..=24).contains(&hour) {
+        return Err(bad("hour", cell(3), "hours run from 1 to 24"));
     }
+    let step = 60 / records_per_hour;
+    let minute = match minute {
+        0 => 60,
+        _ if records_per_hour == 1 => {
+            if minute != 60 {
+                odd_minute.get_or_insert((line, minute));
+            }
+            60
+        }
+        1..=60 if minute % step == 0 => minute,
+        _ => {
+            let hint = format!("with {records_per_hour} records an hour, minutes are multiples of {step} up to 60");
+            return Err(bad("minute", cell(MINUTE), &hint));
+        }
+    };
+    let end = (hour - 1) * 60 + minute;
+    let mut negative = false;
+    let mut radiation = |i: usize, name: &str| {
+        let text = cell(i);
+        match text.parse::<f64>() {
+            _ if text.is_empty() => Ok(None),
+            Ok(value) if value >= MISSING_RADIATION => Ok(None),
+            Ok(value) if let Some(value) = irradiance(value, &mut negative) => Ok(Some(value)),
+            _ => Err(bad(name, text, "write W/m2 from 0 up, 9999 where missing")),
+        }
+    };
+    let optional = |i: usize, low: f64, high: f64| {
+        let value = cell(i).parse::<f64>().ok();
+        value.filter(|v| (low..=high).contains(v))
+    };
+    let ghi = radiation(GHI, "global horizontal radiation")?;
+    let dni = radiation(DNI, "direct normal radiation")?;
+    let dhi = radiation(DHI, "diffuse horizontal radiation")?;
+    Ok(RawRow {
+        line,
+        interval: Interval { date, start_min: f64::from(end - step), end_min: f64::from(end) },
+        ghi,
+        dni,
+        dhi,
+        negative,
+        albedo: optional(ALBEDO, 0.0, 1.0).filter(|a| *a > 0.0),
+        snow_depth_cm: optional(SNOW_DEPTH, 0.0, MISSING_SNOW_CM - 0.5),
+    })
 }

@@ -1,6 +1,10 @@
 //! Tests of [`super`].
 
-use crate::weather::formats::epw::*;
+use std::path::Path;
+
+use crate::error::Result;
+use crate::weather::formats::epw::parse_epw;
+use crate::weather::series::Weather;
 use crate::weather::time::calendar::Date;
 
 pub(super) const HEADER: &str = "LOCATION,Town,S,Country,X,0,45.0,8.0,1.0,250\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n\
@@ -17,7 +21,7 @@ pub(super) fn read(rows: &str) -> Result<Weather> {
 }
 
 pub(super) fn file(text: &str) -> Result<Weather> {
-    parse(Path::new("w.epw"), text.as_bytes(), false)
+    parse_epw(Path::new("w.epw"), text.as_bytes())
 }
 
 pub(super) fn hours(days: &[(u32, u32, u32)], light: &str) -> String {
@@ -39,7 +43,7 @@ fn typical_year_cut() {
     assert!(w.report.warnings[0].contains("holds 72 of the 8760 hours"), "{:?}", w.report.warnings);
     assert!(w.rows.iter().all(|r| r.albedo.is_some_and(|a| a > 0.1) && r.snow_depth_cm == Some(0.0)));
     let closure = w.report.closure.expect("enough rows");
-    assert!(closure.rmse_w_m2 < 3.0 && closure.best_shift_min == 0, "{closure:?}");
+    assert!(closure.rmse_w_m2 < 3.0 && closure.best_shift_min == 0.0, "{closure:?}");
     let conditions = w.conditions(4);
     assert_eq!(conditions[0].label, format!("{}-03-20T00:00", w.rows[0].interval.date.year));
     let noon = &conditions[12];
@@ -146,5 +150,5 @@ fn errors_name_line_and_column() {
         let text = file(text).expect_err(expected).to_string();
         assert!(text.contains(expected), "{text}");
     }
-    assert!(parse(Path::new("w.epw"), &[0xff, 0, 10, 13, 200], false).is_err());
+    assert!(parse_epw(Path::new("w.epw"), &[0xff, 0, 10, 13, 200]).is_err());
 }

@@ -5,12 +5,12 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::weather::air::Air;
 use crate::weather::closure::Closure;
 use crate::weather::findings::Finding;
-use crate::weather::formats::epw::gaps::{Filled, fill};
-use crate::weather::formats::epw::header::EpwHeader;
-use crate::weather::formats::epw::row::RawRow;
+use crate::weather::judging::gaps::{Filled, fill};
+use crate::weather::judging::raw_weather::{RawRow, RawWeather};
+use crate::weather::judging::station::ScenePlace;
+use crate::weather::options::{TimeShift, WeatherOptions};
 use crate::weather::row::WeatherRow;
 use crate::weather::series::{Weather, WeatherReport};
 use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
@@ -23,35 +23,59 @@ const FARTHEST_CLOCK_HOURS: f64 = 3.0;
 const LARGEST_DIFFUSE_RATIO: f64 = 1.10;
 const SMALLEST_JUDGED_DHI_W_M2: f64 = 50.0;
 
-/// Fills what is missing, then judges the rows and the file as a whole. `air` of the rows, if it is asked for.
-pub fn judged(path: &Path, header: EpwHeader, raw: &[RawRow], air: Vec<Air>) -> Result<Weather> {
-    let site = header.site;
-    let done: Vec<(WeatherRow, Vec<Finding>)> = raw.par_iter().map(|raw| judged_row(raw, &site)).collect();
+/// Hours of a year that is not a leap year.
+const HOURS_OF_YEAR: f64 = 8760.0;
+
+/// Rows without gaps, and what is odd about each.
+type Judged = Vec<(WeatherRow, Vec<Finding>)>;
+
+/// Moves time stamps as the user says, fills what is missing, then judges the rows and the file as a whole.
+pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: ScenePlace) -> Result<Weather> {
+    let RawWeather { station, mut rows, air, step_min, stamped_at, warnings } = raw;
+    let (site, note) = station.location(path, options, scene)?;
     let mut report = WeatherReport::default();
+    report.warnings.extend(note);
+    let asked = options.stamped_at.unwrap_or(stamped_at);
+    let mut moved_min = match options.shift {
+        TimeShift::Minutes(minutes) => minutes,
+        TimeShift::Auto => 0.0,
+    };
+    shift(&mut rows, moved_min + (stamped_at.share_before() - asked.share_before()) * step_min);
+    let mut done = all_judged(&rows, &site);
+    report.closure = closure(&site, &rows, &done);
+    if let (TimeShift::Auto, Some(before)) = (options.shift, report.closure)
+        && let Some(found_min) = before.better_shift_min()
+    {
+        moved_min = found_min;
+        shift(&mut rows, moved_min);
+        done = all_judged(&rows, &site);
+        report.closure = closure(&site, &rows, &done);
+        let after = report.closure.map_or(before.best_rmse_w_m2, |closure| closure.rmse_w_m2);
+        report.warnings.push(format!(
+            "{}: time stamps are moved by {moved_min} min, which --shift auto found: GHI = DHI + DNI cos(z) then holds to {after:.1} \
+             W/m2 RMSE, before to {:.1}",
+            path.display(),
+            before.rmse_w_m2
+        ));
+    }
     for (row, findings) in &done {
         for kind in findings {
             report.findings.add(*kind, row.line, row.interval.hours(), row.dni_w_m2);
         }
     }
-    for (raw, air) in raw.iter().zip(&air) {
+    for (raw, air) in rows.iter().zip(&air) {
         if air.infrared_w_m2.is_none() && air.sky_w_m2().is_some() {
             report.findings.add(Finding::ComputedInfrared, raw.line, raw.interval.hours(), 0.0);
         }
     }
     let lost = report.findings.of(Finding::Zeroed);
     if lost.rows > 0 && done.iter().all(|(row, _)| row.dni_w_m2 == 0.0 && row.dhi_w_m2 == 0.0) {
-        let what = format!("no row holds light; DNI or DHI of {} hours is missing, and so is GHI", lost.hours);
+        let what = format!("no row holds light; DNI or DHI of {} hours is missing, and so is GHI", lost.tidy_hours());
         return Err(Error::input(path, lost.first_line, what, "give a weather file with solar radiation"));
     }
-    let complete: Vec<WeatherRow> = done
-        .iter()
-        .zip(raw)
-        .filter(|(_, raw)| raw.dni.is_some() && raw.dhi.is_some())
-        .map(|((row, _), _)| *row)
-        .collect();
-    report.closure = Closure::of(&site, &complete);
     let ahead = site.hours_ahead_of_clock();
-    if ahead.abs() > FARTHEST_CLOCK_HOURS {
+    // A shift says that the clock is known to be wrong.
+    if moved_min == 0.0 && ahead.abs() > FARTHEST_CLOCK_HOURS && !station.zone_is_certain {
         let Location { longitude_deg, zone_hours, .. } = site;
         report.warnings.push(format!(
             "{}, line 1: longitude {longitude_deg} and time zone {zone_hours} are {:.1} h apart; east is positive in both",
@@ -62,17 +86,43 @@ pub fn judged(path: &Path, header: EpwHeader, raw: &[RawRow], air: Vec<Air>) -> 
     for (line, sentence) in report.findings.sentences() {
         report.warnings.push(format!("{}, line {line} and on: {sentence}", path.display()));
     }
-    if let Some(sentence) = report.closure.and_then(|c| c.warning(&site)) {
+    if let Some(sentence) = report.closure.and_then(|c| c.warning(&site, moved_min)) {
         report.warnings.push(format!("{}: {sentence}", path.display()));
     }
+    let hours = rows.len() as f64 * step_min / 60.0;
+    if hours < HOURS_OF_YEAR {
+        report.warnings.push(format!(
+            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums are sums of these",
+            path.display()
+        ));
+    }
+    report.warnings.extend(warnings);
     Ok(Weather {
-        place: header.place,
+        place: station.name,
         site,
         rows: done.into_iter().map(|(row, _)| row).collect(),
         air,
-        interval_hours: 1.0 / f64::from(header.records_per_hour),
+        interval_hours: step_min / 60.0,
         report,
     })
+}
+
+/// Moves intervals; each stays with the day that the file counts it to.
+fn shift(rows: &mut [RawRow], minutes: f64) {
+    for row in rows {
+        row.interval.start_min += minutes;
+        row.interval.end_min += minutes;
+    }
+}
+
+fn all_judged(raw: &[RawRow], site: &Location) -> Judged {
+    raw.par_iter().map(|raw| judged_row(raw, site)).collect()
+}
+
+/// The check over rows for which nothing was filled in.
+fn closure(site: &Location, raw: &[RawRow], done: &Judged) -> Option<Closure> {
+    let given = done.iter().zip(raw).filter(|(_, raw)| raw.dni.is_some() && raw.dhi.is_some());
+    Closure::of(site, given.map(|((row, _), _)| row))
 }
 
 /// A row without gaps, and what is odd about it. Gaps of the night are not: nothing is lost there.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::weather::erbs::diffuse_fraction;
 use crate::weather::findings::Finding;
-use crate::weather::formats::epw::row::RawRow;
+use crate::weather::judging::raw_weather::RawRow;
 use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
 /// Below this cosine GHI says nothing about DNI: (GHI - DHI) / cos z would blow up.

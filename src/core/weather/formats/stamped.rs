@@ -1,0 +1,183 @@
+//! Rows by their time stamps. In: rows in file order, each with the moment it is stamped with. Out: their intervals; rows that are missing
+//! are counted, rows out of order refused.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::weather::judging::raw_weather::RawRow;
+use crate::weather::options::StampedAt;
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::Interval;
+
+/// Steps that series of weather may have, seconds.
+const STEPS_S: std::ops::RangeInclusive<i64> = 60..=3600;
+
+const DAY_S: i64 = 86_400;
+
+/// Rows and their time stamps.
+pub struct StampedRows {
+    /// Intervals are not yet known.
+    pub rows: Vec<RawRow>,
+    /// `[row]`: seconds after 1970-01-01 00:00 of the clock that days and labels go by.
+    pub seconds: Vec<i64>,
+    pub stamped_at: StampedAt,
+    /// Whether a row stamped with its end counts to the day that it starts in, as the 24:00 of an hour does, and not to that of the stamp.
+    pub day_of_start: bool,
+    /// How long after its stamp each row really was.
+    pub late_min: f64,
+    /// How far the first stamp was taken to another clock than the file's, seconds.
+    pub moved_s: i64,
+}
+
+/// Rows with their intervals.
+pub struct SteppedRows {
+    pub rows: Vec<RawRow>,
+    pub step_min: f64,
+    /// What is missing.
+    pub warning: Option<String>,
+}
+
+/// What is missing between rows.
+#[derive(Default)]
+struct Missing {
+    rows: i64,
+    gaps: usize,
+    /// Line and stamps of the first.
+    first: Option<(usize, i64, i64)>,
+}
+
+impl StampedRows {
+    /// Finds the step, the most common time from row to row, and with it the intervals.
+    pub fn stepped(self, path: &Path) -> Result<SteppedRows> {
+        let step = self.step(path)?;
+        let missing = self.check_order(path, step)?;
+        let back = self.back(step);
+        let StampedRows { mut rows, seconds, stamped_at, late_min, .. } = self;
+        let step_min = step as f64 / 60.0;
+        let before_min = stamped_at.share_before() * step_min - back as f64 / 60.0;
+        for (row, at) in rows.iter_mut().zip(seconds) {
+            let at = at - back;
+            let Some(date) = date_of(at) else {
+                let what = "the time stamp lies in no year from 1 to 2999";
+                return Err(Error::input(path, row.line, what, "correct the time stamp"));
+            };
+            let start_min = at.rem_euclid(DAY_S) as f64 / 60.0 - before_min + late_min;
+            row.interval = Interval { date, start_min, end_min: start_min + step_min };
+        }
+        Ok(SteppedRows { rows, step_min, warning: missing.sentence(path, step) })
+    }
+
+    /// How long before its stamp a row counts to a day.
+    fn back(&self, step: i64) -> i64 {
+        if self.stamped_at == StampedAt::End && self.day_of_start { step } else { 0 }
+    }
+
+    fn step(&self, path: &Path) -> Result<i64> {
+        let mut counts = BTreeMap::<i64, usize>::new();
+        for (before, after) in self.seconds.iter().zip(self.seconds.iter().skip(1)) {
+            *counts.entry(after - before).or_default() += 1;
+        }
+        // The smallest of those that are equally common.
+        let most = counts.iter().filter(|(step, _)| **step > 0).max_by_key(|(step, count)| (**count, -**step));
+        let line = self.rows.first().map(|row| row.line);
+        let Some((&step, _)) = most else {
+            let what = "has no two rows in order, so that their step is not known";
+            return Err(Error::input(path, line, what, "give a series of weather, in order"));
+        };
+        if !STEPS_S.contains(&step) {
+            let what = format!("rows are {} min apart", step as f64 / 60.0);
+            return Err(Error::input(path, line, what, "give a series in steps of 1 minute to 1 hour"));
+        }
+        Ok(step)
+    }
+
+    /// Rows follow each other, with gaps of whole steps; where months of a typical year meet, years may jump.
+    fn check_order(&self, path: &Path, step: i64) -> Result<Missing> {
+        let mut missing = Missing::default();
+        let pairs = self.seconds.iter().zip(self.seconds.iter().skip(1)).zip(self.rows.iter().skip(1));
+        for ((&before, &after), row) in pairs {
+            let apart = after - before;
+            if apart == step {
+                continue;
+            }
+            // The 24:00 that ends a month is stamped with the next one, in the year of its own.
+            let back = self.back(step) + self.moved_s;
+            if months_meet(before - back, after - back, step) {
+                if self.moved_s != 0 {
+                    let what = format!(
+                        "is a typical year: line {} goes on in another year, and days of another clock would mix both",
+                        row.line
+                    );
+                    return Err(Error::input(
+                        path,
+                        None,
+                        what,
+                        "leave --time-zone out: days are then those of the file, such as UTC",
+                    ));
+                }
+                continue;
+            }
+            if apart <= 0 {
+                let what = match apart {
+                    0 => format!("the row has the time stamp of the row before, {}", label(after)),
+                    _ => format!("the row is stamped {}, before the row before it, {}", label(after), label(before)),
+                };
+                let hint = "put the rows in order, each once; a clock with daylight saving repeats an hour in autumn: write standard \
+                            time, or an offset in every stamp, 2021-10-31T02:30+01:00";
+                return Err(Error::input(path, row.line, what, hint));
+            }
+            if apart % step != 0 {
+                let what = format!(
+                    "the row is stamped {}, {} min after the row before, where steps are {} min",
+                    label(after),
+                    apart as f64 / 60.0,
+                    step as f64 / 60.0
+                );
+                return Err(Error::input(
+                    path,
+                    row.line,
+                    what,
+                    "give rows of one step; they may be missing, not moved",
+                ));
+            }
+            missing.rows += apart / step - 1;
+            missing.gaps += 1;
+            missing.first.get_or_insert((row.line, before, after));
+        }
+        Ok(missing)
+    }
+}
+
+impl Missing {
+    fn sentence(&self, path: &Path, step: i64) -> Option<String> {
+        let (line, before, after) = self.first?;
+        let Missing { rows, gaps, .. } = self;
+        let hours = (*rows * step) as f64 / 3600.0;
+        Some(format!(
+            "{}, line {line} and on: {rows} rows ({hours:.1} hours) are missing in {gaps} gap{}, the first between {} and {}; nothing is \
+             filled in, sums lack them",
+            path.display(),
+            if *gaps == 1 { "" } else { "s" },
+            label(before),
+            label(after)
+        ))
+    }
+}
+
+/// Whether the day of the second stamp follows that of the first in a year whose months come from different ones, and the clock goes on.
+fn months_meet(before: i64, after: i64, step: i64) -> bool {
+    let goes_on = after.rem_euclid(DAY_S) + DAY_S - before.rem_euclid(DAY_S) == step;
+    goes_on
+        && date_of(before)
+            .zip(date_of(after))
+            .is_some_and(|(before, after)| before.month != after.month && before.is_followed_by(after))
+}
+
+fn date_of(seconds: i64) -> Option<Date> {
+    Date::of_day_number(i32::try_from(seconds.div_euclid(DAY_S)).ok()?)
+}
+
+fn label(seconds: i64) -> String {
+    date_of(seconds).map_or_else(String::new, |date| date.label(seconds.rem_euclid(DAY_S) as u32 / 60))
+}

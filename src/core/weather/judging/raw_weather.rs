@@ -1,0 +1,67 @@
+//! A weather file as it stands there, before it is judged.
+
+use crate::weather::air::Air;
+use crate::weather::judging::station::Station;
+use crate::weather::options::StampedAt;
+use crate::weather::time::sun::Interval;
+
+/// Thermopile pyranometers read a little below 0 under a cold sky: ISO 9060:2018 allows class C an offset of 30 W/m2. Below
+/// that a number is a foreign code for missing (-99, -999) or a slip.
+const LOWEST_OFFSET_W_M2: f64 = -30.0;
+
+/// The coldest and hottest air near the ground, with room: -89 (Vostok, 1983) and 57 degrees Celsius (Death Valley, 1913).
+pub const AIR_C: [f64; 2] = [-90.0, 70.0];
+
+/// What a reader makes of a file.
+pub struct RawWeather {
+    pub station: Station,
+    /// In file order, at least one.
+    pub rows: Vec<RawRow>,
+    /// `[row]`; empty if only light was asked for.
+    pub air: Vec<Air>,
+    /// Length of every row's interval.
+    pub step_min: f64,
+    /// Where in its interval each row's time stamp was taken to stand.
+    pub stamped_at: StampedAt,
+    /// What the reader has to say, each sentence naming the file.
+    pub warnings: Vec<String>,
+}
+
+/// A row as it stands in the file.
+pub struct RawRow {
+    pub line: usize,
+    pub interval: Interval,
+    pub ghi: Option<f64>,
+    pub dni: Option<f64>,
+    pub dhi: Option<f64>,
+    /// Whether one of them was below 0, and was set to 0.
+    pub negative: bool,
+    /// Above 0 and at most 1; several sources write 0 where they have none, at night too.
+    pub albedo: Option<f64>,
+    pub snow_depth_cm: Option<f64>,
+}
+
+impl RawRow {
+    /// Whether the next row starts where this one ends.
+    pub fn is_followed_by(&self, next: &RawRow) -> bool {
+        let (end, start) = (self.interval.end_min, next.interval.start_min);
+        if self.interval.date == next.interval.date {
+            start == end
+        } else {
+            let whole_days = end == 1440.0 && start == 0.0;
+            whole_days && self.interval.date.is_followed_by(next.interval.date)
+        }
+    }
+}
+
+/// An irradiance that is not negative; what an instrument reads a little below 0 is 0, and `negative` is told. `None` for NaN and what is
+/// lower than an instrument could read.
+pub fn irradiance(value: f64, negative: &mut bool) -> Option<f64> {
+    // Adding 0 turns the -0.00 of some files into 0.
+    if value >= 0.0 {
+        return Some(value + 0.0);
+    }
+    let offset = value >= LOWEST_OFFSET_W_M2;
+    *negative |= offset;
+    offset.then_some(0.0)
+}

@@ -1,0 +1,149 @@
+//! What a user says about a weather file that the file does not say, or says wrongly. In: options as text. Out: checked values.
+
+use std::str::FromStr;
+
+/// What is to be made of a weather file; the default believes the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WeatherOptions {
+    /// North positive, in place of the file's.
+    pub latitude_deg: Option<f64>,
+    /// East positive, in place of the file's.
+    pub longitude_deg: Option<f64>,
+    /// Hours that the clock is ahead of UTC, in place of the file's.
+    pub zone_hours: Option<f64>,
+    /// How far time stamps are moved.
+    pub shift: TimeShift,
+    /// Where in its interval a time stamp stands, in place of what is usual for the format.
+    pub stamped_at: Option<StampedAt>,
+    /// Whether the air of every row is read too, which longwave irradiance is made of.
+    pub with_air: bool,
+}
+
+/// Where in its interval the time stamp of a row stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StampedAt {
+    /// The interval starts there.
+    Start,
+    /// It is the middle of the interval; values at one moment are taken for means around it.
+    Middle,
+    /// The interval ends there.
+    End,
+}
+
+impl StampedAt {
+    /// Share of the interval that lies before the stamp.
+    pub fn share_before(self) -> f64 {
+        match self {
+            StampedAt::Start => 0.0,
+            StampedAt::Middle => 0.5,
+            StampedAt::End => 1.0,
+        }
+    }
+}
+
+/// How far the time stamps of a file are moved before the sun is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeShift {
+    /// So many minutes, later if positive.
+    Minutes(f64),
+    /// To where GHI = DHI + DNI cos z fits best, if it fits clearly better there.
+    Auto,
+}
+
+impl Default for TimeShift {
+    fn default() -> Self {
+        TimeShift::Minutes(0.0)
+    }
+}
+
+/// Farther is a slip.
+const LARGEST_SHIFT_MIN: f64 = 1440.0;
+
+/// `41min`, `-30min`, `0.5h` or `auto`.
+impl FromStr for TimeShift {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let hint = "give a number with its unit, such as 41min, -30min or 0.5h, or `auto`";
+        if text == "auto" {
+            return Ok(TimeShift::Auto);
+        }
+        let units = [("minutes", 1.0), ("min", 1.0), ("h", 60.0), ("s", 1.0 / 60.0)];
+        let found = units.iter().find_map(|(unit, minutes)| Some((text.strip_suffix(unit)?, minutes)));
+        let (number, minutes) = found.ok_or(hint)?;
+        let minutes = number.trim_end().parse::<f64>().map_err(|_| hint)? * minutes;
+        match (-LARGEST_SHIFT_MIN..=LARGEST_SHIFT_MIN).contains(&minutes) {
+            true => Ok(TimeShift::Minutes(minutes)),
+            false => Err("a shift is at most 24h, to either side".into()),
+        }
+    }
+}
+
+/// Hours ahead of UTC: `+01:00`, `-0330`, `1`, `5.5`, `UTC`, `Z`.
+pub fn parse_zone(text: &str) -> Option<f64> {
+    if ["UTC", "GMT", "Z"].iter().any(|name| text.eq_ignore_ascii_case(name)) {
+        return Some(0.0);
+    }
+    let (sign, digits) = match (text.strip_prefix('-'), text.strip_prefix('+')) {
+        (Some(digits), _) => (-1.0, digits),
+        (_, Some(digits)) => (1.0, digits),
+        _ => (1.0, text),
+    };
+    if !digits.starts_with(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let clock = match digits.split_once(':') {
+        Some(clock) => Some(clock),
+        None if digits.len() == 4 && digits.bytes().all(|b| b.is_ascii_digit()) => digits.split_at_checked(2),
+        None => None,
+    };
+    let hours = match clock {
+        Some((hours, minutes)) => {
+            let whole = |text: &str| text.parse::<u32>().ok().filter(|_| (1..=2).contains(&text.len()));
+            f64::from(whole(hours)?) + f64::from(whole(minutes).filter(|minutes| *minutes < 60)?) / 60.0
+        }
+        None => digits.parse().ok()?,
+    };
+    Some(sign * hours).filter(|hours| (-12.0..=14.0).contains(hours))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twelve ways to write a zone give their hours; eight that are none are refused.
+    #[test]
+    fn zones() {
+        for (text, hours) in [
+            ("+01:00", 1.0),
+            ("-07:00", -7.0),
+            ("-0330", -3.5),
+            ("+05:45", 5.75),
+            ("1", 1.0),
+            ("-7", -7.0),
+            ("5.5", 5.5),
+            ("+14", 14.0),
+            ("UTC", 0.0),
+            ("utc", 0.0),
+            ("Z", 0.0),
+            ("0", 0.0),
+        ] {
+            assert_eq!(parse_zone(text), Some(hours), "{text}");
+        }
+        for text in ["", "+", "CET", "15", "+01:60", "nan", "inf", "--1"] {
+            assert_eq!(parse_zone(text), None, "{text}");
+        }
+    }
+
+    /// 41min, -30min, 0.5h, 1h and 90s are 41, -30, 30, 60 and 1.5 minutes; 7 others are refused with what to write.
+    #[test]
+    fn shifts() {
+        for (text, minutes) in [("41min", 41.0), ("-30min", -30.0), ("0.5h", 30.0), ("1h", 60.0), ("90s", 1.5)] {
+            assert_eq!(text.parse(), Ok(TimeShift::Minutes(minutes)));
+        }
+        assert_eq!("auto".parse(), Ok(TimeShift::Auto));
+        for text in ["", "41", "h", "one h", "nanmin", "25h", "-1e9min"] {
+            assert!(text.parse::<TimeShift>().is_err(), "{text}");
+        }
+    }
+}
