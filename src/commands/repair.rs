@@ -39,7 +39,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         let what = "is of format 1.0, whose cells hang on the middle of its scene and cannot be traced again";
         return Err(Error::input(&args.archive, None, what, "build it again from its scene and receivers"));
     }
-    let scene = load_scene(&args.scene)?;
+    let mut scene = load_scene(&args.scene)?;
     let (found, expected) = (format::hex(&scene.content_hash()), &archive.manifest().scene.content_hash);
     if found != *expected {
         let what = format!("is not the scene of the archive: its hash is {found}, that of the archive {expected}");
@@ -50,6 +50,8 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
             "give the scene and the materials that the archive was built from",
         ));
     }
+    // It may have been stated by options, and is no part of the scene's content.
+    scene.place = archive.manifest().place;
     let workspace = workspace_beside(output, args.memory);
     let mut receivers = match &args.receivers {
         Some(path) => {
