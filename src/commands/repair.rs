@@ -62,6 +62,8 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
             "give the scene and the materials that the archive was built from",
         ));
     }
+    // It may have been stated by options, and is no part of the scene's content.
+    scene.place = archive.manifest().place;
     let workspace = workspace_beside(output, args.memory);
     let mut receivers = match &args.receivers {
         Some(path) => {

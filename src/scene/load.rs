@@ -276,6 +276,10 @@ impl Pile {
         let mut walls = Walls::default();
         corners().for_each(|triangle| walls.add(triangle));
         let (low, high) = bounds(corners().flatten());
+        if !low.is_finite() {
+            // Nothing that could lie anywhere.
+            return Ok(());
+        }
         self.extents.push(Extent {
             file: part.file.clone(),
             raster: place.is_none(),

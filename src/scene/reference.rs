@@ -167,8 +167,9 @@ mod tests {
     use super::*;
 
     /// Seventeen points of fourteen kinds of systems (UTM, RD New, Lambert-93, Gauss-Krueger, the oblique Mercator of Switzerland, the
-    /// British grid, Krovak, Lambert equal-area, feet, ...) have the latitude, longitude and convergence that PROJ gives (pyproj 3.7.2,
-    /// `get_factors().meridian_convergence`): places to 0.0002 degrees, for without grids of shifts, convergence to 0.01 degrees.
+    /// British grid, Krovak, feet, ...) have the latitude, longitude and convergence that PROJ gives (pyproj 3.7.2,
+    /// `get_factors().meridian_convergence`, for equal areas `Geod.inv` along y): places to 0.0002 degrees, for without grids of shifts,
+    /// convergence to 0.004 degrees, as north of old datums is not quite that of today.
     #[test]
     fn against_proj() {
         for (epsg, x, y, latitude, longitude, convergence) in [
@@ -182,7 +183,7 @@ mod tests {
             (5514, -743011.7, -1043823.2, 50.08, 14.42, -7.83335),
             (3006, 755944.9, 7085159.0, 63.8, 20.2, 4.66825),
             (2180, 750732.5, 242838.3, 50.0, 22.5, 2.68255),
-            (3035, 3760649.8, 2889877.9, 48.86, 2.35, -5.82732),
+            (3035, 3760649.8, 2889877.9, 48.86, 2.35, -5.83424),
             (7856, 333510.7, 6250800.2, -33.87, 151.2, 1.00339),
             (3067, 140027.7, 6691432.3, 60.2, 20.5, -5.64648),
             (2263, 998114.0, 194309.3, 40.7, -73.95, 0.03270),
@@ -194,7 +195,7 @@ mod tests {
             let off = (place.latitude_deg - latitude, place.longitude_deg - longitude);
             assert!(off.0.abs() < 2e-4 && off.1.abs() < 2e-4, "{epsg}: {place:?}");
             let off = place.convergence_deg - convergence;
-            assert!(off.abs() < 0.01, "{epsg}: {place:?}, {convergence}, {off}");
+            assert!(off.abs() < 0.004, "{epsg}: {place:?}, {convergence}, {off}");
             let unit = Reference::Epsg(epsg).unit_m();
             assert!((length / unit - 1.0).abs() < 2.1e-3, "{epsg}: {length}");
         }

@@ -87,6 +87,25 @@ fn info_tells_the_place() {
     assert!(turned.contains("rotation    -30 degrees clockwise"), "{turned}");
 }
 
+/// An archive whose place was stated by an option is repaired, after one byte of its materials was changed, to its bytes without the option.
+#[test]
+fn repair_keeps_the_place() {
+    let folder = Folder::new();
+    southern(&folder);
+    folder.run("build meadow.obj --crs 25832 -r south.csv -o s.helio");
+    let whole = std::fs::read(folder.path("s.helio")).expect("built");
+    let archive = heliotile::Archive::open(&folder.path("s.helio")).expect("an archive");
+    let entry = archive.entries_of(heliotile_core::archive::format::MATERIALS)[0];
+    let at = entry.offset as usize + 3;
+    drop(archive);
+    let mut bad = whole.clone();
+    bad[at] ^= 1;
+    std::fs::write(folder.path("s.helio"), &bad).expect("written");
+    let repaired = folder.run("repair s.helio meadow.obj -r south.csv");
+    assert_eq!(repaired.status.code(), Some(0), "{}", stderr(&repaired));
+    assert!(std::fs::read(folder.path("s.helio")).expect("repaired") == whole);
+}
+
 /// Seven wrong options are refused with what to give.
 #[test]
 fn wrong_options() {
@@ -142,13 +161,7 @@ fn told_before_work() {
     assert!(told.contains("warning: mm.obj: walls are") && told.contains("give --scale 0.001"), "{told}");
     folder.refused("receivers mm.obj", &["--spacing", "receivers on 500.0 km2", "--scale 0.001 for millimetres"]);
     let scaled = folder.run("receivers mm.obj --scale 0.001 -o r.csv");
-    assert_eq!(
-        stdout(&scaled).contains("125 receivers on 5 surfaces"),
-        true,
-        "{} {}",
-        stdout(&scaled),
-        stderr(&scaled)
-    );
+    assert!(stdout(&scaled).contains("125 receivers on 5 surfaces"), "{} {}", stdout(&scaled), stderr(&scaled));
 }
 
 /// No scene of the tests, 7 files of 5 kinds, is told that it is in another unit or place.

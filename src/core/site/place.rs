@@ -46,7 +46,7 @@ impl Place {
     pub fn note(&self) -> Option<String> {
         let grid = self.epsg.map_or(String::new(), |epsg| format!(" in EPSG:{epsg}"));
         let noted = self.convergence_deg.abs() > NOTED_DEG;
-        noted.then(|| format!("y lies {}{grid}: suns, which go by true north, are turned by that", self.y()))
+        noted.then(|| format!("y lies {}{grid}: suns are turned by that", self.y()))
     }
 
     /// Whether two places are one, but for the last digits that are lost when they are written down.

@@ -22,7 +22,7 @@ pub struct Extent {
     pub file: PathBuf,
     /// Whether it is a raster of heights.
     pub raster: bool,
-    /// Lowest and highest corner in the scene.
+    /// Lowest and highest corner in the scene, finite.
     pub bounds: [DVec3; 2],
     /// What was added to its positions.
     pub shift: DVec3,

@@ -62,9 +62,6 @@ fn unit(extents: &[Extent]) -> Option<String> {
     let solid = || extents.iter().filter(|extent| !extent.raster);
     let (low, high) = bounds(solid().flat_map(|extent| extent.bounds));
     let first = solid().next()?;
-    if !(low.is_finite() && high.is_finite()) {
-        return None;
-    }
     let size = high - low;
     let several = solid().nth(1).is_some();
     let told =
@@ -130,7 +127,7 @@ fn gap(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
 
 /// Warns of groups of files that lie far from the first one, and refuses those that lie out of sight.
 fn far_parts(extents: &[Extent], report: &mut LoadReport) -> Result<()> {
-    let mut left: Vec<&Extent> = extents.iter().filter(|extent| extent.bounds[0].is_finite()).collect();
+    let mut left: Vec<&Extent> = extents.iter().collect();
     let mut groups: Vec<Vec<&Extent>> = Vec::new();
     while let Some(seed) = left.first().copied() {
         let mut group = vec![seed];

@@ -161,7 +161,7 @@ fn receivers() {
 }
 
 /// The place is that of the option where a file says another, with a warning; latitude and longitude beside a system only confirm it, unless
-/// they contradict; a turn adds to the convergence, and needs a place.
+/// they contradict; a turn adds to the convergence, and needs a place; feet are told of until they are scaled by 0.3048006.
 #[test]
 fn frames() {
     let rd = house(1.0, [78_000.0, 457_000.0, 0.0]);
@@ -188,6 +188,16 @@ fn frames() {
     let nowhere = SiteFrame { rotate_deg: Some(10.0), ..plain };
     let error = folder.load(&["a.obj"], &nowhere).expect_err("no place").to_string();
     assert!(error.contains("--rotate-deg") && error.contains("give --latitude and --longitude as well"), "{error}");
+    let york = Folder::with(&[("york.obj", house(3.28, [998_114.0, 194_309.3, 0.0]))]);
+    let feet = SiteFrame { epsg: Some(2263), ..plain };
+    one(
+        &york.said(&["york.obj"], &feet),
+        &["coordinates of EPSG:2263 are in units of 0.3048006 m", "give --scale 0.3048006"],
+    );
+    let scaled = SiteFrame { scale: Some(0.3048006), ..feet };
+    assert_eq!(york.said(&["york.obj"], &scaled), [""; 0]);
+    let place = york.load(&["york.obj"], &scaled).expect("a scene").place.expect("a place");
+    assert!((place.latitude_deg - 40.7).abs() < 1e-3 && (place.longitude_deg + 73.95).abs() < 1e-3, "{place:?}");
     let web = Folder::with(&[("web.obj", house(1.0, [478_600.0, 6_814_000.0, 0.0]))]);
     let found = web.said(&["web.obj"], &SiteFrame { epsg: Some(3857), ..plain });
     one(&found, &["a metre of EPSG:3857 is 0.6", "EPSG:32631"]);
