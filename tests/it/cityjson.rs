@@ -55,7 +55,7 @@ fn sequence() {
     assert!(left_out.iter().any(|warning| warning.contains("6 left out as geometry in another level of detail")));
     assert!(left_out.iter().any(|warning| warning.contains("3 left out as coarser geometry")));
     let coarse = Part { lod: Some("1.2".into()), ..Part::plain(&file("small.city.jsonl"), None) };
-    let coarse = Scene::load_site(&Site { parts: vec![coarse] }).expect("readable");
+    let coarse = Scene::load_site(&Site { parts: vec![coarse], ..Site::default() }).expect("readable");
     assert_eq!(coarse.report.faces_read, 6 + 6 + 10);
     let (roof, ground) = (share(&coarse, "RoofSurface").1, share(&coarse, "GroundSurface").1);
     assert!((roof / ground - 1.0).abs() < 1e-9 && (110.0..125.0).contains(&roof), "{roof} {ground}");
