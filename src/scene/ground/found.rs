@@ -13,8 +13,10 @@ const SAME_HEIGHT_M: f64 = 0.01;
 /// Faces whose normals are less upright than this stand (cosine).
 const UPRIGHT: f64 = 0.1;
 /// Points on each side of the plan: the most of these for which looking at each triangle's points stays within `MOST_VISITS`.
-const SIDES: [usize; 7] = [1024, 512, 256, 128, 64, 32, 16];
+const SIDES: [usize; 6] = [1024, 512, 256, 128, 64, 32];
 const MOST_VISITS: f64 = 3e8;
+/// Where none of them does.
+const LEAST_SIDE: usize = 16;
 
 /// Whether ground lies free somewhere: where nothing of `above` is over it. Standing triangles do not count.
 pub(crate) fn lies_free(
@@ -38,7 +40,7 @@ pub(crate) fn lies_free(
     };
     let shares: f64 = ground.clone().chain(above.clone()).map(share).sum();
     let fits = |side: &usize| shares * (side * side) as f64 <= MOST_VISITS;
-    let side = SIDES.into_iter().find(fits).unwrap_or(SIDES[SIDES.len() - 1]);
+    let side = SIDES.into_iter().find(fits).unwrap_or(LEAST_SIDE);
     let plan = Plan { low, cell: extent / side as f64, side };
     let (ground, above) = (plan.highest(ground), plan.highest(above));
     let (mut free, mut all) = (0_usize, 0_usize);
