@@ -252,17 +252,14 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
         .for_each(|n| remark_aside(&format!("{n}\n")));
     let chosen = Chosen::of(args, archive, &site)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
-    let layout = Layout { labels: series.kind, by: args.by, components };
+    let mut layout = Layout { labels: series.kind, by: args.by, components, facts: Vec::new() };
     let mut means = match args.by {
         By::Receiver => None,
         by => {
-            let groups = Groups::new(chosen.receivers(archive, &site), by, &args.archive)?;
-            Some(GroupMeans::new(
-                groups,
-                layout.components(),
-                labels.len(),
-                MemoryBudget::new(args.memory.0).share(Use::SurfaceSums),
-            )?)
+            let groups = Groups::new(chosen.receivers(archive, &site), by, &args.archive)?.facing(site.north());
+            layout.facts = groups.facts(by, &layout.components);
+            let memory = MemoryBudget::new(args.memory.0).share(Use::SurfaceSums);
+            Some(GroupMeans::new(groups, layout.components(), labels.len(), memory)?)
         }
     };
     let storage = temporary_files();
@@ -290,15 +287,15 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
         let (receivers, values) = chosen.results(*tile, result?);
         match &mut means {
             Some(means) => means.add(&values),
-            None => table.write_tile(&receivers, &values)?,
+            None => table.write_tile(&receivers, &values, &[])?,
         }
         progress.advance(receivers.len() as u64);
         if table.is_closed() {
             break;
         }
     }
-    for (names, values) in means.iter().flat_map(GroupMeans::tiles) {
-        table.write_tile(&names, &values)?;
+    for (names, values, extents) in means.iter().flat_map(GroupMeans::tiles) {
+        table.write_tile(&names, &values, extents)?;
     }
     drop(progress);
     table.finish()?;

@@ -7,11 +7,12 @@ use std::path::Path;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::outputs::tables::layout::By;
+use crate::outputs::tables::layout::{By, Fact};
 
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::Component;
+use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::values::TileValues;
+use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
 /// Groups that become one tile of a table.
@@ -124,9 +125,23 @@ impl Groups {
         &self.names
     }
 
-    /// How large they are, in the order of [`Groups::names`].
-    pub fn extents(&self) -> &[Extent] {
-        &self.extents
+    /// What a table says of them besides: areas and sums where all have an area (sums, if totals are asked for), and where surfaces look.
+    pub fn facts(&self, by: By, components: &ComponentList) -> Vec<Fact> {
+        let has_areas = !self.extents.is_empty() && self.extents.iter().all(|extent| extent.area_m2.is_some());
+        let has_total = components.as_slice().contains(&Component::Total);
+        let facts = [
+            (Fact::Area, has_areas),
+            (Fact::Tilt, by == By::Surface),
+            (Fact::Azimuth, by == By::Surface),
+            (Fact::Sum, has_areas && has_total),
+        ];
+        facts.into_iter().filter_map(|(fact, is_known)| is_known.then_some(fact)).collect()
+    }
+
+    /// The same, of which directions are given by true north.
+    pub fn facing(mut self, north: North) -> Self {
+        self.extents.iter_mut().for_each(|extent| extent.normal = north.to_true(extent.normal));
+        self
     }
 }
 
@@ -196,8 +211,8 @@ impl GroupMeans {
         });
     }
 
-    /// The means: names of some surfaces and their values, all other components zero.
-    pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues)> + '_ {
+    /// The means: names and extents of some groups and their values, all other components zero.
+    pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues, &[Extent])> + '_ {
         self.groups.names.chunks(GROUPS_AT_ONCE).enumerate().map(move |(i, names)| {
             let mut values = TileValues::new(names.len(), self.labels);
             let first = i * GROUPS_AT_ONCE * self.labels;
@@ -206,7 +221,8 @@ impl GroupMeans {
                 let target = values.component_mut(*component);
                 target.iter_mut().zip(here).for_each(|(value, sum)| *value = *sum as f32);
             }
-            (names.to_vec(), values)
+            let extents = self.groups.extents.chunks(GROUPS_AT_ONCE).nth(i).unwrap_or_default();
+            (names.to_vec(), values, extents)
         })
     }
 }
@@ -243,11 +259,11 @@ mod tests {
             }
             means.add(&values);
         }
-        let areas: Vec<Option<f64>> = means.groups().extents().iter().map(|extent| extent.area_m2).collect();
+        let areas: Vec<Option<f64>> = means.groups().extents.iter().map(|extent| extent.area_m2).collect();
         assert_eq!(areas, [None, Some(4.0)]);
         let tiles: Vec<_> = means.tiles().collect();
         assert_eq!(tiles.len(), 1);
-        let (names, values) = &tiles[0];
+        let (names, values, _) = &tiles[0];
         assert_eq!(names, &["lawn", "wall"]);
         assert_eq!(values.component(Component::Total), [3.5, -3.5, 3.25, -3.25]);
         assert!(values.component(Component::SunDirect).iter().all(|v| *v == 0.0));

@@ -21,9 +21,8 @@ use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
+use crate::outputs::tables::tile_columns::TileColumns;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::values::TileValues;
 
 /// Of zstd: higher levels take longer for little on floats.
 const LEVEL: i32 = 1;
@@ -36,9 +35,12 @@ pub(super) fn schema(layout: &Layout, labels: &RowLabels, provenance: &Provenanc
         None => names.clone(),
     };
     let first = [Field::new(layout.label(), label, false), Field::new(layout.place(), names, false)];
-    let unit = [("unit".to_string(), layout.unit().to_string())];
-    let value = |name: String| Field::new(name, DataType::Float32, false).with_metadata(Metadata::from(unit.clone()));
-    let fields: Vec<Field> = first.into_iter().chain(layout.values().into_iter().map(value)).collect();
+    let value = |(name, unit): (String, &str)| {
+        let unit = [("unit".to_string(), unit.to_string())];
+        Field::new(name, DataType::Float32, false).with_metadata(Metadata::from(unit))
+    };
+    let values = layout.values().into_iter().zip(layout.units()).map(value);
+    let fields: Vec<Field> = first.into_iter().chain(values).collect();
     Schema::new_with_metadata(fields, provenance.entries().into_iter().collect::<Metadata>())
 }
 
@@ -48,7 +50,6 @@ pub struct ArrowTable {
     schema: Arc<Schema>,
     labels: RowLabels,
     names: Arc<StringArray>,
-    components: ComponentList,
     /// The labels, again and again, for as many receivers as any tile had.
     label_column: ArrayRef,
     /// Names that were written.
@@ -88,7 +89,6 @@ impl ArrowTable {
             schema,
             labels: labels.clone(),
             names: Arc::new(StringArray::from_iter_values(names)),
-            components: layout.components.clone(),
             label_column: new_empty_array(&DataType::Int32),
             done: 0,
             path,
@@ -110,7 +110,7 @@ impl ArrowTable {
         })
     }
 
-    fn batch(&mut self, count: usize, values: &TileValues) -> std::result::Result<RecordBatch, ArrowError> {
+    fn batch(&mut self, count: usize, values: &TileColumns) -> std::result::Result<RecordBatch, ArrowError> {
         let (labels, rows) = (self.labels.len(), count * self.labels.len());
         if self.label_column.len() < rows {
             self.label_column = self.label_column(count)?;
@@ -119,15 +119,15 @@ impl ArrowTable {
         let places = (first..first + count as i32).flat_map(|place| std::iter::repeat_n(place, labels));
         let names = DictionaryArray::<Int32Type>::try_new(places.collect::<Vec<_>>().into(), self.names.clone())?;
         let mut columns: Vec<ArrayRef> = vec![self.label_column.slice(0, rows), Arc::new(names)];
-        for component in self.components.as_slice() {
-            columns.push(Arc::new(Float32Array::from(values.component(*component).to_vec())));
+        for number in 0..values.count() {
+            columns.push(Arc::new(Float32Array::from(values.column(number).to_vec())));
         }
         RecordBatch::try_new(self.schema.clone(), columns)
     }
 }
 
 impl Table for ArrowTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
         let known = self.done + receivers.len() <= self.names.len()
             && receivers.iter().enumerate().all(|(i, name)| self.names.value(self.done + i) == name);
         if !known {

@@ -11,9 +11,8 @@ use crate::outputs::tables::csvw::{self, CsvColumn};
 use crate::outputs::tables::layout::{Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
+use crate::outputs::tables::tile_columns::TileColumns;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::values::TileValues;
 
 /// Receivers formatted before a write: bounds the memory of a tile's text to a few 10 MB.
 const RECEIVERS_AT_ONCE: usize = 16;
@@ -23,7 +22,8 @@ pub struct CsvTable {
     sink: Sink,
     /// Quoted where needed.
     labels: Vec<String>,
-    components: ComponentList,
+    /// So many columns are components, those behind them facts of groups.
+    components: usize,
     number: fn(&mut Vec<u8>, f32),
     columns: Vec<CsvColumn>,
     provenance: Provenance,
@@ -38,7 +38,7 @@ impl CsvTable {
         Ok(CsvTable {
             sink,
             labels: labels.text.iter().map(|l| quoted(l)).collect(),
-            components: layout.components.clone(),
+            components: layout.components().len(),
             number: match layout.labels {
                 Labels::Sums => six_digits,
                 Labels::Conditions | Labels::Times => three_decimals,
@@ -48,16 +48,17 @@ impl CsvTable {
         })
     }
 
-    fn rows_of(&self, name: &str, receiver: usize, values: &TileValues) -> Vec<u8> {
-        let columns: Vec<&[f32]> = self.components.as_slice().iter().map(|c| values.row(*c, receiver)).collect();
+    fn rows_of(&self, name: &str, receiver: usize, values: &TileColumns) -> Vec<u8> {
+        let columns = values.rows(receiver);
         let mut text = Vec::with_capacity(self.labels.len() * (name.len() + 64));
         for (i, label) in self.labels.iter().enumerate() {
             text.extend_from_slice(label.as_bytes());
             text.push(b',');
             text.extend_from_slice(name.as_bytes());
-            for column in &columns {
+            for (place, column) in columns.iter().enumerate() {
                 text.push(b',');
-                (self.number)(&mut text, column.get(i).copied().unwrap_or(0.0));
+                let number = if place < self.components { self.number } else { six_digits };
+                number(&mut text, column.get(i).copied().unwrap_or(0.0));
             }
             text.push(b'\n');
         }
@@ -66,7 +67,7 @@ impl CsvTable {
 }
 
 impl Table for CsvTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
         for (chunk, names) in receivers.chunks(RECEIVERS_AT_ONCE).enumerate() {
             let texts: Vec<Vec<u8>> = names
                 .par_iter()

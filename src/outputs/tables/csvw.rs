@@ -71,7 +71,8 @@ impl CsvColumn {
         };
         let label = CsvColumn { name: layout.label().into(), datatype, unit: None };
         let values = layout.values();
-        let values = values.iter().map(|name| CsvColumn { unit: Some(layout.unit()), ..CsvColumn::number(name) });
+        let values = values.iter().zip(layout.units());
+        let values = values.map(|(name, unit)| CsvColumn { unit: Some(unit), ..CsvColumn::number(name) });
         [label, CsvColumn::text(layout.place())].into_iter().chain(values).collect()
     }
 
@@ -153,7 +154,8 @@ mod tests {
     /// are strings.
     #[test]
     fn results() {
-        let layout = Layout { labels: Labels::Times, by: By::Receiver, components: "total".parse().expect("a name") };
+        let components = "total".parse().expect("a name");
+        let layout = Layout { labels: Labels::Times, by: By::Receiver, components, facts: Vec::new() };
         let moment = (Date::new(2019, 3, 1).expect("a date"), 0.0);
         let labels = RowLabels::moments(&[moment], UtcOffset::default(), Precision::Minute);
         let columns = CsvColumn::of_results(&layout, &labels);

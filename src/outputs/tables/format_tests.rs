@@ -38,7 +38,7 @@ fn written_hours(folder: &tempfile::TempDir, name: &str, zone_hours: f64) -> Pat
     let places = Places { count: 2, names: &|| Ok(receivers.clone()) };
     let about = provenance::tests::example();
     let mut writer = TableWriter::create(&path, &layout, &hours(24, zone_hours), &places, &about).expect("created");
-    writer.write_tile(&receivers, &tile(0, 2, 24)).expect("written");
+    writer.write_tile(&receivers, &tile(0, 2, 24), &[]).expect("written");
     assert_eq!(writer.finish().expect("finished").rows, 48);
     path
 }
@@ -153,7 +153,8 @@ fn csv_times() {
 
 /// Two columns, the last one first.
 fn layout() -> Layout {
-    Layout { labels: Labels::Sums, by: By::Surface, components: "total,sky_direct".parse().expect("names") }
+    let components = "total,sky_direct".parse().expect("names");
+    Layout { labels: Labels::Sums, by: By::Surface, components, facts: Vec::new() }
 }
 
 /// 2 + 1 receivers x 48 labels in a file of a kind.
@@ -161,8 +162,8 @@ fn written(folder: &tempfile::TempDir, name: &str) -> PathBuf {
     let path = folder.path().join(name);
     let receivers = names("été ", 3);
     let mut writer = create(&path, &layout(), &names("l", 48), &receivers).expect("created");
-    writer.write_tile(&receivers[..2], &tile(0, 2, 48)).expect("written");
-    writer.write_tile(&receivers[2..], &tile(2, 1, 48)).expect("written");
+    writer.write_tile(&receivers[..2], &tile(0, 2, 48), &[]).expect("written");
+    writer.write_tile(&receivers[2..], &tile(2, 1, 48), &[]).expect("written");
     assert_eq!(writer.finish().expect("finished").rows, 144);
     path
 }
@@ -266,7 +267,7 @@ fn npz_round_trip() {
     for name in ["short.npz", "short.npy"] {
         let mut writer =
             create(&folder.path().join(name), &layout(), &names("l", 48), &names("r", 3)).expect("created");
-        writer.write_tile(&names("r", 2), &tile(0, 2, 48)).expect("written");
+        writer.write_tile(&names("r", 2), &tile(0, 2, 48), &[]).expect("written");
         let text = writer.finish().expect_err("too few").to_string();
         assert!(text.contains("2 receivers came, 3 were announced"), "{text}");
     }

@@ -42,12 +42,27 @@ impl By {
     }
 }
 
+/// What a group of receivers is besides the irradiance that it gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fact {
+    /// Area of its receivers.
+    Area,
+    /// Where it looks in the mean: 0 up, 90 to the side.
+    Tilt,
+    /// ... clockwise from true north.
+    Azimuth,
+    /// What all of it gets: total x area.
+    Sum,
+}
+
 /// The columns of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
     pub labels: Labels,
     pub by: By,
     pub components: ComponentList,
+    /// Of groups; behind the components.
+    pub facts: Vec<Fact>,
 }
 
 impl Layout {
@@ -71,7 +86,8 @@ impl Layout {
     /// Names of the value columns.
     pub fn values(&self) -> Vec<String> {
         let suffix = if self.labels == Labels::Sums { SUM_SUFFIX } else { "" };
-        self.components().iter().map(|component| format!("{}{suffix}", component.name())).collect()
+        let components = self.components().iter().map(|component| format!("{}{suffix}", component.name()));
+        components.chain(self.facts.iter().map(|fact| self.fact(*fact).0.to_owned())).collect()
     }
 
     /// Names of all columns.
@@ -79,7 +95,24 @@ impl Layout {
         [self.label().to_string(), self.place().to_string()].into_iter().chain(self.values()).collect()
     }
 
-    /// Unit of the value columns.
+    /// Name and unit of a fact.
+    fn fact(&self, fact: Fact) -> (&'static str, &'static str) {
+        match (fact, self.labels) {
+            (Fact::Area, _) => ("area_m2", "m2"),
+            (Fact::Tilt, _) => ("tilt_deg", "deg"),
+            (Fact::Azimuth, _) => ("azimuth_deg", "deg"),
+            (Fact::Sum, Labels::Sums) => ("total_kwh", "kWh"),
+            (Fact::Sum, Labels::Conditions | Labels::Times) => ("total_w", "W"),
+        }
+    }
+
+    /// Units of the value columns, in the order of [`Layout::values`].
+    pub fn units(&self) -> Vec<&'static str> {
+        let components = self.components().iter().map(|_| self.unit());
+        components.chain(self.facts.iter().map(|fact| self.fact(*fact).1)).collect()
+    }
+
+    /// Unit of the components.
     pub fn unit(&self) -> &'static str {
         match self.labels {
             Labels::Sums => "kWh/m2",
@@ -95,12 +128,21 @@ mod tests {
     /// All columns of a query are the 9 of the contract; two columns of sums come in the order asked, with their unit's ending.
     #[test]
     fn names() {
-        let all = Layout { labels: Labels::Conditions, by: By::Receiver, components: ComponentList::all() };
+        let all = Layout {
+            labels: Labels::Conditions,
+            by: By::Receiver,
+            components: ComponentList::all(),
+            facts: Vec::new(),
+        };
         let expected =
             "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total";
         assert_eq!((all.names().join(",").as_str(), all.unit()), (expected, "W/m2"));
-        let two =
-            Layout { labels: Labels::Sums, by: By::Surface, components: "total,sky_direct".parse().expect("names") };
+        let two = Layout {
+            labels: Labels::Sums,
+            by: By::Surface,
+            components: "total,sky_direct".parse().expect("names"),
+            facts: Vec::new(),
+        };
         assert_eq!(two.names(), ["time", "surface", "total_kwh_m2", "sky_direct_kwh_m2"]);
         assert_eq!(two.unit(), "kWh/m2");
     }

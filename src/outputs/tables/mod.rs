@@ -11,6 +11,7 @@ mod npz;
 mod parquet;
 pub mod row_labels;
 pub mod table;
+pub mod tile_columns;
 pub mod writer;
 mod zone_name;
 

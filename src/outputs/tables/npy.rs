@@ -7,16 +7,15 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
+use crate::outputs::tables::tile_columns::TileColumns;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::Component;
-use heliotile_core::replay::values::TileValues;
 
 /// Values begin at a multiple of this, as NumPy writes them, so that they can be mapped.
 const ALIGNMENT: usize = 64;
@@ -39,18 +38,24 @@ pub(super) fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
 }
 
 /// The values of a tile as they stand in an array.
-pub(super) fn array_bytes(values: &TileValues, components: &[Component]) -> Vec<u8> {
-    let size = values.labels() * components.len() * size_of::<f32>();
+pub(super) fn array_bytes(values: &TileColumns) -> Vec<u8> {
+    let row = values.count() * size_of::<f32>();
+    let size = values.labels() * row;
     let mut bytes = vec![0; values.receivers() * size];
     bytes.par_chunks_mut(size.max(1)).enumerate().for_each(|(receiver, out)| {
-        let columns: Vec<&[f32]> = components.iter().map(|c| values.row(*c, receiver)).collect();
-        for (label, out) in out.chunks_exact_mut(components.len() * size_of::<f32>()).enumerate() {
+        let columns = values.rows(receiver);
+        for (label, out) in out.chunks_exact_mut(row.max(1)).enumerate() {
             for (column, out) in columns.iter().zip(out.chunks_exact_mut(size_of::<f32>())) {
                 out.copy_from_slice(&column.get(label).copied().unwrap_or_default().to_le_bytes());
             }
         }
     });
     bytes
+}
+
+/// The unit of all columns, or that of each where they differ.
+fn unit(layout: &Layout) -> Value {
+    if layout.facts.is_empty() { json!(layout.unit()) } else { json!(layout.units()) }
 }
 
 /// The error of a table that got fewer or more receivers than its shape says.
@@ -63,7 +68,6 @@ pub(super) fn incomplete(path: &Path, got: u64, announced: u64) -> Error {
 pub struct NpyTable {
     values: Sink,
     axes: Sink,
-    layout: Layout,
     announced: u64,
     done: u64,
 }
@@ -78,12 +82,12 @@ impl NpyTable {
     ) -> Result<Self> {
         let mut values = Sink::file(path)?;
         let mut axes = Sink::file(&NpyTable::axes_of(path))?;
-        let shape = [announced, labels.len() as u64, layout.components().len() as u64];
+        let shape = [announced, labels.len() as u64, layout.values().len() as u64];
         write(&mut values, &header("<f4", &shape))?;
         let known = format!(
             "{{\"axes\": {}, \"unit\": {},\n\"provenance\": {},\n\"column\": {},\n{}: {},\n{}: [",
             json!([layout.place(), layout.label(), "column"]),
-            json!(layout.unit()),
+            unit(layout),
             provenance.json(),
             json!(layout.values()),
             json!(layout.label()),
@@ -91,7 +95,7 @@ impl NpyTable {
             json!(layout.place()),
         );
         write(&mut axes, known.as_bytes())?;
-        Ok(NpyTable { values, axes, layout: layout.clone(), announced, done: 0 })
+        Ok(NpyTable { values, axes, announced, done: 0 })
     }
 
     /// The file beside an array that says what is where in it.
@@ -101,13 +105,13 @@ impl NpyTable {
 }
 
 impl Table for NpyTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
         for name in receivers {
             let comma = if self.done == 0 { "\n" } else { ",\n" };
             write(&mut self.axes, format!("{comma}{}", json!(name)).as_bytes())?;
             self.done += 1;
         }
-        write(&mut self.values, &array_bytes(values, self.layout.components()))
+        write(&mut self.values, &array_bytes(values))
     }
 
     fn finish(mut self: Box<Self>) -> Result<u64> {

@@ -1,5 +1,5 @@
 //! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`crate::outputs::tables::npy`]), names of
-//! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone strings `unit` and `provenance` (JSON).
+//! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone strings `unit` (one for each column where they differ) and `provenance` (JSON).
 //!
 //! NumPy's times have no zone. Those of `time` are readings of the local clock, so that days are days; `utc_offset`, a lone
 //! time difference, is how far that clock is ahead of UTC.
@@ -16,8 +16,8 @@ use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::npy::{array_bytes, header, incomplete};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
+use crate::outputs::tables::tile_columns::TileColumns;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::values::TileValues;
 
 /// An archive of arrays being written.
 pub struct NpzTable {
@@ -41,7 +41,7 @@ impl NpzTable {
     ) -> Result<Self> {
         let path = sink.path().to_path_buf();
         let mut zip = ZipWriter::new_stream(sink);
-        let shape = [announced, labels.len() as u64, layout.components().len() as u64];
+        let shape = [announced, labels.len() as u64, layout.values().len() as u64];
         let values = header("<f4", &shape);
         start(&mut zip, "values").and_then(|()| zip.write_all(&values)).map_err(Error::io(&path, "write to"))?;
         let (layout, labels, provenance) = (layout.clone(), labels.clone(), provenance.clone());
@@ -50,9 +50,9 @@ impl NpzTable {
 }
 
 impl Table for NpzTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
         self.names.extend_from_slice(receivers);
-        let bytes = array_bytes(values, self.layout.components());
+        let bytes = array_bytes(values);
         self.zip.write_all(&bytes).map_err(Error::io(&self.path, "write to"))
     }
 
@@ -72,8 +72,14 @@ impl Table for NpzTable {
                 }
                 None => strings(zip, label, &self.labels.text, &[self.labels.len() as u64])?,
             }
-            strings(zip, "column", &self.layout.values(), &[self.layout.components().len() as u64])?;
-            strings(zip, "unit", &[self.layout.unit().to_string()], &[])?;
+            strings(zip, "column", &self.layout.values(), &[self.layout.values().len() as u64])?;
+            match self.layout.facts.is_empty() {
+                true => strings(zip, "unit", &[self.layout.unit().to_string()], &[])?,
+                false => {
+                    let units: Vec<String> = self.layout.units().into_iter().map(str::to_owned).collect();
+                    strings(zip, "unit", &units, &[units.len() as u64])?;
+                }
+            }
             strings(zip, "provenance", &[self.provenance.json().to_string()], &[])
         };
         end().map_err(Error::io(&self.path, "write to"))?;

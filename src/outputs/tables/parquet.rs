@@ -26,9 +26,8 @@ use crate::outputs::tables::arrow;
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Table;
+use crate::outputs::tables::tile_columns::TileColumns;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::values::TileValues;
 
 /// Dictionaries up to this size stay dictionaries: labels of a year of minutes are 10 MB.
 const DICTIONARY_BYTES: usize = 32 << 20;
@@ -65,7 +64,6 @@ pub struct ParquetTable {
     properties: WriterPropertiesPtr,
     labels: LabelValues,
     rows_of_name: usize,
-    components: ComponentList,
     /// The label column of the last tile, and its number of receivers.
     label_chunk: Option<(usize, Chunk)>,
     path: std::path::PathBuf,
@@ -88,7 +86,6 @@ impl ParquetTable {
                 None => LabelValues::Words(labels.text.iter().map(|l| ByteArray::from(l.as_str())).collect()),
             },
             rows_of_name: labels.len(),
-            components: layout.components.clone(),
             label_chunk: None,
             path,
         })
@@ -116,7 +113,7 @@ impl ParquetTable {
 }
 
 impl Table for ParquetTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
         let path = self.path.clone();
         let chunks: Vec<Chunk> = self
             .columns
@@ -143,11 +140,7 @@ impl Table for ParquetTable {
                     }
                     Ok(())
                 }),
-                _ => {
-                    let component = self.components.as_slice().get(i - 2);
-                    let parts = component.map(|c| values.component(*c)).into_iter();
-                    self.encode(column, parts, write_floats)
-                }
+                _ => self.encode(column, std::iter::once(values.column(i - 2)), write_floats),
             })
             .collect::<std::result::Result<_, ParquetError>>()
             .map_err(|e| failed(&path, e))?;
@@ -213,6 +206,7 @@ fn schema(
         .set_dictionary_page_size_limit(DICTIONARY_BYTES)
         .set_column_bloom_filter_enabled(ColumnPath::from(layout.place()), true)
         .set_column_bloom_filter_max_ndv(ColumnPath::from(layout.place()), NAMES_OF_TILE);
+    let units = layout.units();
     for (i, name) in names.iter().enumerate() {
         let field = if i == 0 && labels.instants.is_some() {
             let column = ColumnPath::from(name.as_str());
@@ -228,7 +222,7 @@ fn schema(
             properties = properties
                 .set_column_dictionary_enabled(column.clone(), FLOAT_DICTIONARY)
                 .set_column_encoding(column, FLOAT_ENCODING);
-            about.push(KeyValue::new(format!("unit.{name}"), layout.unit().to_string()));
+            about.push(KeyValue::new(format!("unit.{name}"), units.get(i - 2).map(|unit| (*unit).to_owned())));
             Type::primitive_type_builder(name, PhysicalType::FLOAT)
         };
         fields.push(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?));

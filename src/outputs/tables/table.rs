@@ -1,10 +1,10 @@
 //! The one row model of all results: a label, a receiver, components.
 //!
-//! In: tiles of values, `[component][receiver][label]`, f32. Out: rows, receiver-major inside a tile (all labels of receiver
+//! In: tiles of values, `[column][receiver][label]`, f32. Out: rows, receiver-major inside a tile (all labels of receiver
 //! 0, then of receiver 1).
 
+use crate::outputs::tables::tile_columns::TileColumns;
 use heliotile_core::error::Result;
-use heliotile_core::replay::values::TileValues;
 
 /// Receivers or surfaces that rows will come for.
 pub struct Places<'a> {
@@ -16,7 +16,7 @@ pub struct Places<'a> {
 /// What each format does.
 pub trait Table {
     /// Appends the rows of a tile of the right shape, which is not empty.
-    fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()>;
+    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()>;
 
     /// Whether nobody reads any more.
     fn is_closed(&self) -> bool {

@@ -12,7 +12,7 @@ use heliotile_core::weather::time::utc_offset::UtcOffset;
 
 /// All columns.
 fn all(labels: Labels) -> Layout {
-    Layout { labels, by: By::Receiver, components: ComponentList::all() }
+    Layout { labels, by: By::Receiver, components: ComponentList::all(), facts: Vec::new() }
 }
 
 pub(in crate::outputs) fn create(
@@ -63,8 +63,8 @@ fn csv_round_trip() {
     let path = folder.path().join("t.csv");
     let labels = names("l,", 30);
     let mut writer = create(&path, &all(Labels::Conditions), &labels, &[]).expect("created");
-    writer.write_tile(&names("r", 3), &tile(0, 3, 30)).expect("written");
-    writer.write_tile(&names("s", 2), &tile(3, 2, 30)).expect("written");
+    writer.write_tile(&names("r", 3), &tile(0, 3, 30), &[]).expect("written");
+    writer.write_tile(&names("s", 2), &tile(3, 2, 30), &[]).expect("written");
     let stats = writer.finish().expect("finished");
     let text = std::fs::read_to_string(&path).expect("read");
     let beside = std::fs::metadata(folder.path().join("t.csv-metadata.json")).expect("metadata").len();
@@ -98,7 +98,7 @@ fn parquet_round_trip() {
     let receivers = names("r", 10);
     for (first, count) in [(0, 4), (4, 4), (8, 2)] {
         let part = &receivers[first..first + count];
-        writer.write_tile(part, &tile(first, count, 48)).expect("written");
+        writer.write_tile(part, &tile(first, count, 48), &[]).expect("written");
     }
     let stats = writer.finish().expect("finished");
     let file = std::fs::File::open(&path).expect("open");
@@ -137,9 +137,9 @@ fn refusals_and_empty_tables() {
     for name in ["t.csv", "t.PARQUET", "t.arrow", "t.Feather", "t.npz", "t.npy"] {
         let path = folder.path().join(name);
         let mut writer = create(&path, &all(Labels::Times), &names("t", 2), &[]).expect("created");
-        assert!(writer.write_tile(&names("r", 2), &tile(0, 2, 3)).is_err());
-        assert!(writer.write_tile(&names("r", 3), &tile(0, 2, 2)).is_err());
-        writer.write_tile(&[], &tile(0, 0, 2)).expect("nothing to write");
+        assert!(writer.write_tile(&names("r", 2), &tile(0, 2, 3), &[]).is_err());
+        assert!(writer.write_tile(&names("r", 3), &tile(0, 2, 2), &[]).is_err());
+        writer.write_tile(&[], &tile(0, 0, 2), &[]).expect("nothing to write");
         let stats = writer.finish().expect("finished");
         assert!(stats.rows == 0 && stats.bytes > 70, "{stats:?}");
     }
@@ -167,7 +167,7 @@ fn year_of_rows() {
         let about = provenance::tests::example();
         let mut writer = TableWriter::create(&path, &all(Labels::Times), &labels, &places, &about).expect("created");
         for (tile, names) in tiles.iter().zip(receivers.chunks(64)) {
-            writer.write_tile(names, tile).expect("written");
+            writer.write_tile(names, tile, &[]).expect("written");
         }
         let stats = writer.finish().expect("finished");
         println!("{ending}: {stats:?} {:.2} s", start.elapsed().as_secs_f64());

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::outputs::groups::Extent;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::arrow::ArrowTable;
@@ -13,6 +14,7 @@ use crate::outputs::tables::npz::NpzTable;
 use crate::outputs::tables::parquet::ParquetTable;
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::{Places, Table};
+use crate::outputs::tables::tile_columns::TileColumns;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::values::TileValues;
 
@@ -72,6 +74,7 @@ pub fn files_of(path: &Path) -> Vec<PathBuf> {
 pub struct TableWriter {
     table: Box<dyn Table>,
     path: PathBuf,
+    layout: Layout,
     labels: usize,
     rows: u64,
 }
@@ -97,11 +100,12 @@ impl TableWriter {
             Format::Npy => Box::new(NpyTable::new(path, layout, labels, about, places.count)?),
             Format::Npz => Box::new(NpzTable::new(sink()?, layout, labels, about, places.count)?),
         };
-        Ok(TableWriter { table, path: path.to_path_buf(), labels: labels.len(), rows: 0 })
+        Ok(TableWriter { table, path: path.to_path_buf(), layout: layout.clone(), labels: labels.len(), rows: 0 })
     }
 
     /// Appends the rows of a tile; a shape other than receivers x labels is an error, nothing is written then.
-    pub fn write_tile(&mut self, receivers: &[String], values: &TileValues) -> Result<()> {
+    /// `extents` are those of groups, as many as rows have names; none for receivers.
+    pub fn write_tile(&mut self, receivers: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
         if values.receivers() != receivers.len() || values.labels() != self.labels {
             let what = format!(
                 "rows of {} receivers x {} labels do not fit {} x {}",
@@ -115,7 +119,7 @@ impl TableWriter {
         if receivers.is_empty() || self.labels == 0 || self.is_closed() {
             return Ok(());
         }
-        self.table.write_tile(receivers, values)?;
+        self.table.write_tile(receivers, &TileColumns::of(values, &self.layout, extents))?;
         self.rows += (receivers.len() * self.labels) as u64;
         Ok(())
     }
