@@ -146,8 +146,8 @@ fn refusals_and_empty_tables() {
 }
 
 /// 16 receivers x 8760 hours of noise, half of the hours zero, take less than 14 bytes a row of Parquet (7 values are 28).
-/// Measured in release for 480 receivers (HELIOTILE_ROWS=480, one of 2 shared cores, best of 3): Parquet 0.8 s, 47 MB (values
-/// plain 56 MB, as dictionary 87 MB); CSV 0.7 s, 259 MB; `.arrow` 0.5 s, 152 MB; `.feather` 0.6 s, 52 MB; `.npy` 0.3 s, `.npz`
+/// Measured in release for 480 receivers (HELIOTILE_ROWS=480, one of 2 shared cores, best of 3): Parquet 0.8 s, 46 MB (values
+/// plain 56 MB, as dictionary 87 MB); CSV 0.7 s, 284 MB; `.arrow` 0.5 s, 168 MB; `.feather` 0.6 s, 52 MB; `.npy` 0.3 s, `.npz`
 /// 0.7 s, 118 MB.
 #[test]
 fn year_of_rows() {

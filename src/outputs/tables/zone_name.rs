@@ -6,8 +6,8 @@
 
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// Offset in minutes, name, and from when on the zone has had it without a break, seconds since 1970: the first 1 January behind its last
-/// change in the IANA time zone database (files `asia`, `australasia`).
+/// Offset in minutes, name, and from when on the zone has had it without a break, local seconds since 1970: the first 1 January behind its
+/// last change in the IANA time zone database (files `asia`, `australasia`).
 const NAMED: [(i32, &str, i64); 7] = [
     (-570, "Pacific/Marquesas", -1_798_761_600), // 1913
     (210, "Asia/Tehran", 1_672_531_200),         // 2023
@@ -20,7 +20,9 @@ const NAMED: [(i32, &str, i64); 7] = [
 
 /// For instants from `first_s` on, seconds since 1970-01-01 00:00 UTC.
 pub fn of(offset: UtcOffset, first_s: i64) -> String {
-    let fits = |(minutes, _, since): &&(i32, &str, i64)| *minutes == offset.minutes() && *since <= first_s;
+    let fits = |(minutes, _, since): &&(i32, &str, i64)| {
+        *minutes == offset.minutes() && *since <= first_s + 60 * i64::from(*minutes)
+    };
     NAMED.iter().find(fits).map_or_else(|| offset.to_string(), |(_, name, _)| (*name).to_string())
 }
 
@@ -38,9 +40,9 @@ mod tests {
         for (hours, expected) in [(5.5, "Asia/Kolkata"), (9.5, "Australia/Darwin"), (6.5, "Asia/Yangon")] {
             assert_eq!(name(hours, 0), expected);
         }
-        assert_eq!((name(4.5, 0).as_str(), name(3.5, 1_672_531_200).as_str()), ("Asia/Kabul", "Asia/Tehran"));
+        assert_eq!((name(4.5, 0).as_str(), name(3.5, 1_672_518_600).as_str()), ("Asia/Kabul", "Asia/Tehran"));
         assert_eq!(name(-9.5, 0), "Pacific/Marquesas");
-        // Nepal was at 05:30 until 1985.
-        assert_eq!((name(5.75, 536_457_600).as_str(), name(5.75, 0).as_str()), ("Asia/Kathmandu", "+05:45"));
+        // Midnights of the clock, and a second before; Nepal was at 05:30 until 1985.
+        assert_eq!((name(5.75, 536_436_900).as_str(), name(5.75, 536_436_899).as_str()), ("Asia/Kathmandu", "+05:45"));
     }
 }
