@@ -103,7 +103,7 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene, covered: Option<&Cov
     }
     if let Found::Same(archive) = found {
         remark(&format!("{}: up to date, nothing is traced again\n", files.archive.display()))?;
-        return Ok(archive);
+        return Ok(*archive);
     }
     let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
     let asked = BuildRequest {

@@ -109,7 +109,7 @@ fn refusals() {
         assert!(!folder.path("out.csv").exists());
     }
     let output = folder.run("receivers a.obj -o a.obj");
-    assert!(stderr(&output).contains("is also an input"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("which is CSV: it ends with .csv"), "{}", stderr(&output));
 }
 
 pub fn names(folder: &Path) -> Vec<String> {

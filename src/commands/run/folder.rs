@@ -46,7 +46,7 @@ pub struct Files {
 pub enum Found {
     Nothing,
     /// What a build would give.
-    Same(Archive),
+    Same(Box<Archive>),
     /// How it differs from that.
     Other(Vec<String>),
 }
@@ -144,7 +144,7 @@ impl Files {
             others.push(format!("the table of receivers now {difference}"));
         }
         others.extend(other_accuracy(&archive, settings, args));
-        Ok(if others.is_empty() { Found::Same(archive) } else { Found::Other(others) })
+        Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
     }
 
     /// The refusal to replace what is in the folder.
