@@ -3,10 +3,13 @@
 mod build;
 mod choice;
 mod cover;
+mod everywhere;
 mod export;
+mod misplaced;
 mod quality;
 mod run;
 mod scene;
+mod shells;
 mod study;
 mod tradeoff;
 
@@ -29,11 +32,15 @@ use heliotile_core::weather::temperatures::Temperature;
 use self::choice::choice;
 
 pub use self::build::{BuildArgs, PlanArgs};
+pub use self::choice::name_of;
 pub use self::cover::{CoverArgs, ReceiversArgs};
+pub use self::everywhere::EverywhereArgs;
 pub use self::export::ExportArgs;
+pub use self::misplaced::parse;
 pub use self::quality::{AccuracyArgs, Percent};
 pub use self::run::RunArgs;
 pub use self::scene::SceneArgs;
+pub use self::shells::{CompletionsArgs, ManArgs};
 pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
 
@@ -43,6 +50,8 @@ pub use self::tradeoff::TradeoffArgs;
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
+    #[command(flatten)]
+    pub everywhere: EverywhereArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -79,6 +88,10 @@ pub enum Command {
     Export(ExportArgs),
     /// The studies of the paper, drawn again
     Study(StudyArgs),
+    /// Completions of this command line for a shell
+    Completions(CompletionsArgs),
+    /// Manual pages of all commands
+    Man(ManArgs),
 }
 
 /// A number of bytes: `2GiB`, `512MiB`, `800MB`.

@@ -106,14 +106,16 @@ pub use heliotile_scene::Scene;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 /// The program `heliotile`: parses the command line, does what it asks and prints the error, if there is one. 0 fine, 1 found a problem, 2
-/// could not run.
+/// could not run, 130 stopped by Ctrl-C, 143 by SIGTERM.
 pub fn program() -> ExitCode {
-    match commands::run(&cli::Cli::parse().command) {
+    match commands::run(&cli::parse()) {
         Ok(commands::Outcome::Fine) => ExitCode::SUCCESS,
         Ok(commands::Outcome::ProblemFound) => ExitCode::from(1),
+        Err(error @ Error::Stopped { .. }) => {
+            eprintln!("heliotile: {error}; to go on: {}", commands::again());
+            commands::exit_code()
+        }
         Err(error) => {
             eprintln!("heliotile: {error}");
             ExitCode::from(2)

@@ -19,6 +19,9 @@ pub mod building {}
 #[doc = include_str!("effects.md")]
 pub mod effects {}
 
+#[doc = include_str!("command-line.md")]
+pub mod command_line {}
+
 #[doc = include_str!("query-and-replay.md")]
 pub mod query_and_replay {}
 

@@ -18,13 +18,15 @@ pub struct BuildArgs {
     /// Archive to write
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: PathBuf,
-    /// Go on with a build of the same inputs that was interrupted
-    #[arg(long)]
+    /// Said by older command lines: a build goes on anyway where one of the same inputs was interrupted
+    #[arg(long, hide = true)]
+    #[allow(dead_code)] // Taken, and nothing follows from it.
     pub resume: bool,
     /// Seconds between checkpoints: what a crash costs at most
     #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = parse_seconds)]
     pub checkpoint: u32,
-    /// Start anew where an interrupted build lies
+    /// Discard an interrupted build that lies there and start anew; without it, the build goes on with one of the same inputs and
+    /// refuses to discard one of others
     #[arg(long, conflicts_with = "resume")]
     pub fresh: bool,
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference

@@ -24,6 +24,11 @@ pub fn choice<T: NamedValues>() -> impl TypedValueParser<Value = T> {
     })
 }
 
+/// Name of a value on the command line.
+pub fn name_of<T: NamedValues + PartialEq>(value: &T) -> &'static str {
+    T::VALUES.iter().find(|(.., other)| other == value).map_or("", |(name, ..)| name)
+}
+
 impl NamedValues for Access {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("map", "Through a mapping: fastest once the file is in memory", Access::Mapped),

@@ -4,7 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::choice::choice;
 use super::{AccuracyArgs, Bytes, CoverArgs, SceneArgs, parse_memory};
+use crate::outputs::periods::Every;
+use crate::outputs::tables::layout::By;
+
+/// Endings of tables that `replay` writes.
+const ENDINGS: [&str; 6] = ["csv", "parquet", "arrow", "feather", "npy", "npz"];
 
 #[derive(Args, Debug)]
 pub struct RunArgs {
@@ -13,7 +19,8 @@ pub struct RunArgs {
     /// Weather file
     #[arg(long, short)]
     pub weather: PathBuf,
-    /// Folder for receivers.csv, site.helio, annual.csv and annual.ply [default: the name of the first scene file, with .sun]
+    /// Folder for receivers.csv, site.helio, and a folder for each weather file with annual.csv and annual.ply [default: the name of the
+    /// first scene file, with .sun]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -23,6 +30,18 @@ pub struct RunArgs {
     pub receivers: Option<PathBuf>,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
+    /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas
+    #[arg(long, value_name = "PERIOD", value_parser = choice::<Every>(), value_delimiter = ',')]
+    pub every: Vec<Every>,
+    /// What rows of these tables are about
+    #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "every")]
+    pub by: By,
+    /// Ending of these tables, which chooses their format
+    #[arg(long, value_parser = ENDINGS, default_value = "csv", requires = "every")]
+    pub format: String,
+    /// Replace what the folder holds of another scene, spacing, accuracy or weather, which is refused otherwise
+    #[arg(long)]
+    pub replace: bool,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,

@@ -2,25 +2,26 @@
 
 pub mod build;
 mod chosen;
+mod console;
 pub mod export;
 pub mod inspect;
-mod interrupt;
+mod preflight;
 pub mod receivers;
 pub mod repair;
 pub mod replay;
 pub mod run;
 mod scene;
+mod shells;
 pub mod store;
 pub mod study;
-mod terminal;
 pub mod tradeoff;
 pub mod transfer;
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Bytes, Command, SceneArgs};
+use crate::cli::{Bytes, Cli, Command, EverywhereArgs, SceneArgs};
 use crate::files::read_weather;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::build::Workspace;
@@ -33,6 +34,10 @@ use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_scene::Scene;
 use heliotile_scene::site::Site;
 
+pub use console::interrupt::{again, exit_code};
+use console::voice::{Volume, remark, say, warn};
+use console::{interrupt, terminal, voice};
+
 /// How a command that ran ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -42,8 +47,10 @@ pub enum Outcome {
     ProblemFound,
 }
 
-/// Runs one command.
-pub fn run(command: &Command) -> Result<Outcome> {
+/// Runs a command line, once its files are known to be what it takes.
+pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
+    preflight::check(command)?;
+    set_up(everywhere)?;
     match command {
         Command::Build(args) => build::run(args),
         Command::Plan(args) => build::plan(args),
@@ -61,7 +68,22 @@ pub fn run(command: &Command) -> Result<Outcome> {
         Command::Diff(args) => transfer::diff(args),
         Command::Export(args) => export::run(args),
         Command::Study(args) => study::run(args),
+        Command::Completions(args) => shells::completions(args),
+        Command::Man(args) => shells::man(args),
     }
+}
+
+/// Makes the options of all commands hold for the whole program.
+fn set_up(args: &EverywhereArgs) -> Result<()> {
+    voice::set_volume(match (args.quiet, args.verbose) {
+        (true, _) => Volume::Quiet,
+        (_, true) => Volume::Verbose,
+        _ => Volume::Usual,
+    });
+    let Some(threads) = args.threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|error| {
+        Error::argument("--threads", format!("{threads} threads cannot be started: {error}"), "give a smaller number")
+    })
 }
 
 /// Reads a scene and prints what its files are warned of.
@@ -74,7 +96,7 @@ fn load_scene(args: &SceneArgs) -> Result<Scene> {
 /// Prints what loading a scene came across.
 fn say_report(scene: &Scene) -> Result<()> {
     scene.report.warnings.iter().for_each(|w| warn(w));
-    scene.report.notes.iter().try_for_each(|note| say(&format!("{note}\n")))
+    scene.report.notes.iter().try_for_each(|note| remark(&format!("{note}\n")))
 }
 
 /// Refuses an output that would replace a file of the scene or another input.
@@ -155,18 +177,4 @@ fn same_file(a: &Path, b: &Path) -> bool {
         (Ok(a), Ok(b)) => a == b,
         _ => false,
     }
-}
-
-/// Writes text to standard output; a reader that went away is no error.
-fn say(text: &str) -> Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("standard output"), "write to")(e)),
-        _ => Ok(()),
-    }
-}
-
-/// Prints a warning of a command that goes on.
-fn warn(text: &str) {
-    // A closed standard error must not end the work.
-    let _ = writeln!(std::io::stderr(), "warning: {text}");
 }

@@ -3,13 +3,13 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use super::terminal::Terminal;
-use super::{Outcome, guard_site, say, warn};
+use super::voice::remark_aside;
+use super::{Outcome, guard_site, remark, warn};
 use crate::cli::{CoverArgs, ReceiversArgs};
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
 use crate::outputs::sink::Sink;
@@ -87,16 +87,11 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
     let text = summary(&covered, &scene);
     // Standard output may be the table.
     if to_file {
-        say(&format!("{}: {text}", args.output.display()))?
+        remark(&format!("{}: {text}", args.output.display()))?
     } else {
-        eprint(&text)
+        remark_aside(&text)
     }
     Ok(Outcome::Fine)
-}
-
-fn eprint(text: &str) {
-    // A closed standard error must not end the work.
-    let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
 /// Reads a scene and covers it.
@@ -104,7 +99,7 @@ pub(super) fn cover_site(site: &Site, args: &CoverArgs) -> Result<(Scene, Covere
     let (scene, soup) = Scene::load_with_objects(site)?;
     scene.report.warnings.iter().for_each(|w| warn(w));
     // Standard output may be the table.
-    scene.report.notes.iter().for_each(|note| eprint(&format!("{note}\n")));
+    scene.report.notes.iter().for_each(|note| remark_aside(&format!("{note}\n")));
     let covered = cover_scene(&scene, &soup, args)?;
     Ok((scene, covered))
 }
@@ -132,11 +127,7 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
     }
     let points: f64 = chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum();
     if points > MOST_POINTS {
-        return Err(Error::Limit {
-            what: "the number of receivers".into(),
-            value: points as u64,
-            max: MOST_POINTS as u64,
-        });
+        return Err(too_many(args, points, |density| chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum()));
     }
     let (tracer, _) = Canopies::split(scene);
     let terminal = Terminal::default();
@@ -154,8 +145,11 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
     let covered = Covered { surfaces, chosen, small };
     if covered.count(Lying::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
-        let hint = match covered.count(Lying::Inside) {
-            0 => "lower --min-area, or cover other surfaces",
+        let hint = match (covered.chosen.is_empty(), covered.count(Lying::Inside)) {
+            (true, _) => {
+                "lower --min-area, cover other surfaces with --on, or see with `heliotile info` whether the scene is in metres"
+            }
+            (_, 0) => "cover other surfaces with --on: these all touch one another, or the ground",
             _ => {
                 "see where the parts of the scene lie (`heliotile info` of each): one may be below the terrain, or in another unit"
             }
@@ -163,6 +157,46 @@ fn cover_scene(scene: &Scene, soup: &Soup, args: &CoverArgs) -> Result<Covered> 
         return Err(Error::argument("--on", what.trim_end(), hint));
     }
     Ok(covered)
+}
+
+/// The refusal of too many receivers, with what would be few enough.
+fn too_many(args: &CoverArgs, points: f64, of: impl Fn(Density) -> f64) -> Error {
+    let limit = format!("the limit is {:.0} million", MOST_POINTS / 1e6);
+    if let Some(count) = args.per_surface {
+        // At least one for each surface.
+        let fewer = (f64::from(count) * MOST_POINTS / points).floor().max(1.0);
+        let what = format!("{count} for each surface are {:.0} million receivers, {limit}", points / 1e6);
+        return Error::argument(
+            "--per-surface",
+            what,
+            format!("--per-surface {fewer:.0}, or fewer surfaces with --on"),
+        );
+    }
+    let wider = wide_enough(args.spacing.0, points, |metres| of(Density::Spacing(metres)));
+    let hint = match wider {
+        Some((metres, count)) => format!("--spacing {metres}m would give {}, or cover less with --on", millions(count)),
+        None => "cover fewer surfaces with --on".into(),
+    };
+    let what = format!("{} m would give {} receivers, {limit}", args.spacing.0, millions(points));
+    Error::argument("--spacing", what, hint)
+}
+
+fn millions(count: f64) -> String {
+    if count < 1e6 { format!("{count:.0}") } else { format!("{:.0} million", count / 1e6) }
+}
+
+/// The least spacing of two digits that is wide enough, metres, and how many receivers it gives.
+fn wide_enough(metres: f64, points: f64, of: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    // Areas take most of them, by the square of the spacing.
+    let about = metres * (points / MOST_POINTS).sqrt();
+    let step = 10_f64.powf(about.log10().floor() - 1.0);
+    let first = (about / step).floor();
+    (0..1000).find_map(|i| {
+        // Decimal digits, such as 0.35, as they are written.
+        let wider = ((first + f64::from(i)) * step * 1e6).round() / 1e6;
+        let count = of(wider);
+        (count <= MOST_POINTS).then_some((wider, count))
+    })
 }
 
 fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {

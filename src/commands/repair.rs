@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::terminal::Terminal;
-use super::{Outcome, guard_site, interrupt, load_scene, read_receivers, say, workspace_beside};
+use super::{Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, remark, workspace_beside};
 use crate::cli::RepairArgs;
 use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Start};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -21,6 +21,9 @@ use heliotile_core::text::counted;
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let output = args.output.as_ref().unwrap_or(&args.archive);
     guard_site(output, &args.scene.site()?, &[args.receivers.as_deref()])?;
+    if output != &args.archive {
+        guard_archive(output)?;
+    }
     // A damaged block makes references to it dangle: those are no damage of their own.
     let mut report = archive::verify(&args.archive, Access::Read, false)?;
     if report.problems.is_empty() {
@@ -30,7 +33,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         if output != &args.archive {
             copy_whole(&args.archive, output)?;
         }
-        say(&format!("{}: nothing to repair\n", args.archive.display()))?;
+        remark(&format!("{}: nothing to repair\n", args.archive.display()))?;
         return Ok(Outcome::Fine);
     }
     // Without header, directory and manifest nothing is known of the rest.
@@ -64,13 +67,13 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
             ReceiverTiles::from_receivers(&receivers_of(&archive)?, scene.mesh.origin, &workspace.folder, budget)?
         }
     };
-    interrupt::watch();
+    let _watch = interrupt::watch();
     // Under a name of its own until it is known to be what it was.
     let repaired = with_ending(output, ".repaired");
     SiteSettings::of(&archive.manifest().settings, archive.path())?;
     let settings = BuildSettings::of(&archive.manifest().settings);
     let plan = Plan { accuracy: archive.manifest().accuracy.clone(), ..Plan::of(settings) };
-    let to = Output { start: Start::GoOn, ..Output::new(repaired.clone()) };
+    let to = Output { start: Start::Resume, ..Output::new(repaired.clone()) };
     let root = archive.root();
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
     let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
@@ -87,7 +90,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     }
     std::fs::rename(&repaired, output).map_err(Error::io(output, "rename the repaired archive to"))?;
     let bad = counted(report.problems.len() as u64, "problem");
-    say(&format!("{}: {bad} repaired with {}, root as before\n", output.display(), counted(rays, "ray")))?;
+    remark(&format!("{}: {bad} repaired with {}, root as before\n", output.display(), counted(rays, "ray")))?;
     Ok(Outcome::Fine)
 }
 

@@ -25,6 +25,7 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::row::WeatherRow;
+use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::bins::Bins;
@@ -100,15 +101,20 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let archive = open(&args.common)?;
     let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
+    replay_rows(args, &archive, &weather, &chosen)
+}
+
+/// Replays the chosen rows of a weather file that was read already, with its air if longwave is asked for.
+pub(super) fn replay_rows(args: &ReplayArgs, archive: &Archive, weather: &Weather, chosen: &[bool]) -> Result<Outcome> {
     let steps = args.steps.unwrap_or_else(|| archive.manifest().settings.steps());
     // Labels are those of the whole file, whatever part of it is taken.
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let mut conditions: Vec<Condition> = {
         let all = weather.conditions(usize::from(steps)).into_iter();
-        all.zip(&chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
+        all.zip(chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
     };
-    if longwave {
-        let emissions = emissions(&weather, &args.weather, &chosen, &args.temperature, &read_file)?;
+    if asks_longwave(&args.common) {
+        let emissions = emissions(weather, &args.weather, chosen, &args.temperature, &read_file)?;
         conditions.iter_mut().zip(emissions).for_each(|(condition, emission)| condition.emission = Some(emission));
     }
     let stamped: Vec<_> = conditions.iter().filter_map(|c| Some((c.label.clone(), c.stamp?))).collect();
@@ -123,9 +129,9 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         snow: args.snow.map(|snow| (snow, args.snow_reflectance)),
         transmittance: args.transmittance.clone(),
     };
-    let rows = (weather.rows.as_slice(), chosen.as_slice());
+    let rows = (weather.rows.as_slice(), chosen);
     let series = Series { conditions: &conditions, kind, labels: &periods.labels, bins: &bins, changes, rows };
-    run(&args.common, &archive, &series)
+    run(&args.common, archive, &series)
 }
 
 fn asks_longwave(args: &RecombineArgs) -> bool {

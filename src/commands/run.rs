@@ -1,31 +1,30 @@
 //! `heliotile run`: from scene files to a year's sun in one go. In: a scene, weather. Out: a folder with receivers, the archive, sums and
 //! a map. What is there already and still fits is not traced again.
 
+mod folder;
+mod made_from;
+mod periods;
+
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::build::{BuildRequest, plan_and_write, settings_of};
 use super::receivers::{self, Covered, cover_site};
-use super::repair::other_receivers;
 use super::terminal::Terminal;
-use super::{
-    Outcome, guard_archive, guard_output, guard_site, load_scene, read_receivers, say, temporary_files, warn,
-    workspace_beside,
-};
-use crate::cli::{Percent, RunArgs};
+use super::{Outcome, interrupt, load_scene, read_receivers, remark, say, temporary_files, warn, workspace_beside};
+use crate::cli::RunArgs;
 use crate::files::read_weather;
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::periods::{Every, Periods};
 use crate::outputs::sink::Sink;
+use folder::{Files, Found, PlannedReceivers};
 use heliotile_builder::build::{Build, Output, PreparedScene, Start};
 use heliotile_builder::observer::Stage;
-use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::EffectChoice;
-use heliotile_builder::settings::{BuildSettings, Effects};
 use heliotile_builder::transfer::ArchiveReceivers;
-use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
@@ -38,84 +37,57 @@ use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::Piece;
 use heliotile_scene::covering::surfaces::SurfaceKind;
 
-/// Files of the folder.
-struct Files {
-    receivers: PathBuf,
-    archive: PathBuf,
-    table: PathBuf,
-    map: PathBuf,
-}
-
 /// `heliotile run`.
 pub fn run(args: &RunArgs) -> Result<Outcome> {
     let site = args.scene.site()?;
-    let folder = args.output.clone().unwrap_or_else(|| default_folder(args.scene.first()));
-    let files = Files {
-        receivers: args.receivers.clone().unwrap_or_else(|| folder.join("receivers.csv")),
-        archive: folder.join("site.helio"),
-        table: folder.join("annual.csv"),
-        map: folder.join("annual.ply"),
-    };
-    for output in [&files.archive, &files.table, &files.map] {
-        guard_site(output, &site, &[Some(&args.weather), args.receivers.as_deref()])?;
-    }
-    guard_archive(&files.archive)?;
-    if folder.exists() && !folder.is_dir() {
-        return Err(Error::input(
-            &folder,
-            None,
-            "is a file, and the output is a folder",
-            "give it a name of its own with --output",
-        ));
-    }
+    let files = Files::of(args);
+    files.guard(&site, args)?;
     let weather = read_weather(&args.weather)?;
     weather.report.warnings.iter().for_each(|w| warn(w));
+    files.check_weather(&weather, args)?;
     let (scene, covered) = match args.receivers {
         Some(_) => (load_scene(&args.scene)?, None),
         None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered)))?,
     };
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
-    fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
-    if let Some(covered) = &covered {
-        guard_output(&files.receivers, &[&args.weather])?;
-        receivers::write(Sink::file(&files.receivers)?, covered.free(), args.cover.offset.0, false)?;
-        say(&format!("{}: {}", files.receivers.display(), receivers::summary(covered, &scene)))?;
-    }
-    let archive = up_to_date(args, &files, &scene)?;
+    let archive = up_to_date(args, &files, &scene, covered.as_ref())?;
+    interrupt::stop_if_requested("after site.helio was complete")?;
+    files.claim(&archive, &weather, args)?;
     let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
     write_table(Sink::file(&files.table)?, &rows)?;
     write_map(&files.map, &rows, covered.as_ref())?;
+    periods::write(args, &files, &archive, &weather)?;
     say(&table(&rows, covered.as_ref(), &args.weather))?;
-    say(&format!(
-        "{}: {}site.helio, annual.csv, annual.ply (the map)\nfor hours, months or other weather: heliotile replay {} \
-         --weather {} --every month -o months.csv\n",
-        folder.display(),
-        if covered.is_some() { "receivers.csv, " } else { "" },
-        files.archive.display(),
-        args.weather.display()
-    ))?;
+    remark(&files.summary(args, covered.is_some()))?;
     Ok(Outcome::Fine)
 }
 
-/// `town.city.json` gives `town.sun`, beside nothing: in the folder that one works in.
-fn default_folder(scene: &Path) -> PathBuf {
-    let whole = fs::canonicalize(scene).unwrap_or_else(|_| scene.to_owned());
-    let name = whole.file_name().unwrap_or_default().to_string_lossy();
-    let stem = name.split('.').find(|part| !part.is_empty()).unwrap_or("site");
-    PathBuf::from(format!("{stem}.sun"))
-}
-
-/// The archive of these inputs: the one that is there, or a new one.
-fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene) -> Result<Archive> {
+/// The archive of these inputs: the one that is there, or a new one. What is there of other inputs is kept, unless it is to be replaced.
+fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene, covered: Option<&Covered>) -> Result<Archive> {
+    fs::create_dir_all(&files.folder).map_err(Error::io(&files.folder, "create"))?;
+    let planned = match covered {
+        Some(covered) => Some(PlannedReceivers::write(covered, args, files)?),
+        None => None,
+    };
     let workspace = workspace_beside(&files.archive, args.memory);
-    let mut receivers = read_receivers(&files.receivers, scene, &workspace)?;
+    let path = planned.as_ref().map_or(files.receivers.as_path(), PlannedReceivers::path);
+    let mut receivers = read_receivers(path, scene, &workspace)?;
     let settings = settings_of(&args.accuracy)?;
-    if files.archive.exists()
-        && let Ok(archive) = Archive::open_with(&files.archive, Access::Read)
-        && fits(&archive, scene, &mut receivers, &settings, args)?
-    {
-        say(&format!("{}: up to date, nothing is traced again\n", files.archive.display()))?;
-        return Ok(archive);
+    let mut differences = planned.as_ref().map_or(Ok(Vec::new()), |planned| planned.differences(files))?;
+    let found = files.archive_of(scene, &mut receivers, &settings, args)?;
+    if let Found::Other(others) = &found {
+        differences.extend_from_slice(others);
+    }
+    if !args.replace && !differences.is_empty() {
+        return Err(files.refuse(&differences));
+    }
+    if let (Some(planned), Some(covered)) = (planned, covered) {
+        planned.place(files)?;
+        remark(&format!("{}: {}", files.receivers.display(), receivers::summary(covered, scene)))?;
+    }
+    if let Found::Same(archive) = found {
+        remark(&format!("{}: up to date, nothing is traced again\n", files.archive.display()))?;
+        return Ok(*archive);
     }
     let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
     let asked = BuildRequest { settings, accuracy: &args.accuracy, effects: EffectChoice::Auto, store: None };
@@ -123,31 +95,11 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene) -> Result<Archive> {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
         plan_and_write(build, &asked, &Output { start, ..Output::new(files.archive.clone()) })
     };
-    match write(Start::GoOn) {
-        // What lies there was begun for other inputs.
-        Err(Error::Incomplete { .. }) => write(Start::Fresh)?,
-        done => done?,
+    match write(Start::Resume) {
+        Err(Error::Incomplete { .. }) if args.replace => write(Start::Fresh)?,
+        done => done.map_err(|error| error.advise(folder::OTHER_INPUTS))?,
     }
     Archive::open_with(&files.archive, Access::Read)
-}
-
-/// Whether an archive is what a build would give.
-fn fits(
-    archive: &Archive,
-    scene: &Scene,
-    receivers: &mut ReceiverTiles,
-    settings: &BuildSettings,
-    args: &RunArgs,
-) -> Result<bool> {
-    let manifest = archive.manifest();
-    let stated = BuildSettings { left_out: Effects::default(), ..BuildSettings::of(&manifest.settings) };
-    let accuracy = manifest.accuracy.as_ref();
-    let chosen = match args.accuracy.error {
-        Some(Percent(target)) => accuracy.is_some_and(|accuracy| accuracy.target_percent == target),
-        None => stated == *settings && accuracy.is_none(),
-    };
-    let same_scene = manifest.scene.content_hash == format::hex(&scene.content_hash());
-    Ok(chosen && same_scene && other_receivers(archive, receivers)?.is_none())
 }
 
 /// Sums over the weather file of all receivers, in the archive's order.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::terminal::Terminal;
-use super::{Outcome, guard_archive, guard_output, say, workspace, workspace_beside};
+use super::{Outcome, guard_archive, guard_output, remark, say, workspace, workspace_beside};
 use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
 use heliotile_builder::transfer::{self, Assembled, Difference, Differences, Selection, listed};
 use heliotile_core::archive::{Archive, format};
@@ -19,7 +19,7 @@ pub fn merge(args: &MergeArgs) -> Result<Outcome> {
     let workspace = workspace_beside(&args.output, args.memory);
     let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &merged.written;
-    say(&format!(
+    remark(&format!(
         "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} of {}, {} of {}, {} of both\n  \
          root {}\n",
         args.output.display(),
@@ -48,7 +48,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
     let workspace = workspace_beside(&args.output, args.memory);
     let extracted = transfer::extract(&archive, &selection, &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &extracted.written;
-    say(&format!(
+    remark(&format!(
         "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
         args.output.display(),
         extracted.of.receivers,

@@ -30,6 +30,11 @@ pub enum Error {
         /// What to do.
         hint: String,
     },
+    /// Work that the user asked to stop; what was finished is kept where that is said.
+    Stopped {
+        /// What had been done by then.
+        what: String,
+    },
     /// The operating system refused.
     Io {
         /// The file or folder.
@@ -142,6 +147,7 @@ impl fmt::Display for Error {
                 Ok(())
             }
             Error::Incomplete { partial, what, hint } => write!(f, "{}: {what}\n  to fix: {hint}", partial.display()),
+            Error::Stopped { what } => write!(f, "stopped {what}"),
             Error::Io { path, action, source } => write!(f, "cannot {action} {}: {source}", path.display()),
             Error::Corrupt { path, block, offset, got, expected } => write!(
                 f,

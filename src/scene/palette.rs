@@ -139,7 +139,7 @@ impl Palette {
 }
 
 /// So many names stand in a warning itself.
-const MOST_NAMED: usize = 3;
+const MOST_NAMED: usize = 4;
 
 fn assumed_warning(assumed: Vec<String>) -> Option<String> {
     let (start, end) = ("nobody says how much light", "--materials materials.toml says it");

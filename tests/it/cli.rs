@@ -205,7 +205,8 @@ fn wrong_inputs() {
     let query = "query site.helio --conditions conditions.csv";
     folder.write("conditions.csv", &CONDITIONS.replace("800", "-800"));
     folder.refused(query, &["conditions.csv", "line 2", "dni_w_m2", "-800"]);
-    folder.refused(&format!("{query} -o out.xlsx"), &["conditions.csv"]);
+    // Before anything is read.
+    folder.refused(&format!("{query} -o out.xlsx"), &["out.xlsx", ".csv", ".parquet"]);
     folder.write("conditions.csv", CONDITIONS);
     folder.refused(&format!("{query} -o out.xlsx"), &[".csv", ".parquet"]);
     folder.refused(&format!("{query} --sky cie:16"), &["cie"]);

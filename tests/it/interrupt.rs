@@ -30,7 +30,7 @@ fn signal(child: &Child, name: &str) {
     assert!(status.success());
 }
 
-/// A build killed at 12 random times and resumed each time ends with the very bytes of an undisturbed one, and while it is not
+/// A build killed at 12 random times and given again each time ends with the very bytes of an undisturbed one, and while it is not
 /// finished no archive has its name. (`tools/kill-loop` does it 200 times.)
 #[test]
 fn killed_builds_go_on() {
@@ -41,7 +41,7 @@ fn killed_builds_go_on() {
     let length = start.elapsed();
     let expected = fs::read(&whole).expect("an archive");
     for round in 0..12_u64 {
-        let mut child = build(&site, &["--resume"]).spawn().expect("a build");
+        let mut child = build(&site, &[]).spawn().expect("a build");
         sleep(length.mul_f64(unit(mix(round, 7))));
         child.kill().expect("a kill");
         child.wait().expect("its end");
@@ -50,16 +50,22 @@ fn killed_builds_go_on() {
             fs::remove_file(&site).expect("removed");
         }
     }
-    let last = build(&site, &["--resume"]).output().expect("a build");
+    let last = build(&site, &[]).output().expect("a build");
     assert!(last.status.success(), "{}", message(last));
     assert!(fs::read(&site).expect("an archive") == expected);
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 2, "left-overs");
 }
 
-/// SIGINT ends a build with exit code 2, and the message says how to go on; without --resume the build that lies there is not
-/// overwritten; other settings are refused by name; --fresh starts anew.
+/// SIGINT ends a build with exit code 130, SIGTERM with 143, and one line says how to go on, with the command; other settings are refused by
+/// name and nothing is lost; the same command goes on, 2 of 2, also with `--resume` before it, and --fresh starts anew.
 #[test]
 fn stopped_builds_say_how_to_go_on() {
+    for (name, code) in [("-INT", 130), ("-TERM", 143)] {
+        stopped_by(name, code);
+    }
+}
+
+fn stopped_by(name: &str, code: i32) {
     let folder = tempfile::tempdir().expect("a folder");
     let (site, log) = (folder.path().join("site.helio"), folder.path().join("site.helio.partial.log"));
     let child = build(&site, &[]).spawn().expect("a build");
@@ -68,32 +74,43 @@ fn stopped_builds_say_how_to_go_on() {
         assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint");
         sleep(Duration::from_millis(2));
     }
-    signal(&child, "-INT");
+    signal(&child, name);
     let stopped = child.wait_with_output().expect("its end");
-    assert_eq!(stopped.status.code(), Some(2));
+    assert_eq!(stopped.status.code(), Some(code));
     let said = message(stopped);
-    assert!(said.contains("the build was stopped after") && said.contains("with --resume to go on"), "{said}");
+    let last = said.lines().last().unwrap_or_default();
+    assert!(last.starts_with("heliotile: stopped after ") && last.contains(" blocks of "), "{said}");
+    let (_, again) = last.split_once("; to go on: ").expect("a command");
+    assert!(again.contains(" build ") && again.contains("--checkpoint 0"), "{said}");
     let refused = |more: &[&str], parts: &[&str]| {
         let output = build(&site, more).output().expect("a build");
         assert_eq!(output.status.code(), Some(2));
         let said = message(output);
         assert!(parts.iter().all(|part| said.contains(part)), "{said}");
     };
-    refused(&[], &["--resume", "--fresh"]);
-    refused(&["--resume", "--set", "hit=32"], &["settings"]);
+    refused(&["--set", "hit=32"], &["settings", "--fresh", "-o"]);
     assert!(!site.exists());
+    let kept = fs::read(&log).expect("a journal");
+    // What a shell makes of the line is the command that goes on.
+    let on = Command::new("sh").args(["-c", again]).output().expect("a shell");
+    let said = message(on.clone());
+    assert!(on.status.success() && said.contains("going on after"), "{said}");
+    let whole = fs::read(&site).expect("an archive");
+    fs::remove_file(&site).expect("removed");
+    assert!(!kept.is_empty() && !log.exists());
+    let resumed = build(&site, &["--resume"]).output().expect("a build");
+    assert!(resumed.status.success() && fs::read(&site).expect("an archive") == whole);
     let fresh = build(&site, &["--fresh"]).output().expect("a build");
     assert!(fresh.status.success() && site.exists() && !log.exists(), "{}", message(fresh));
 }
 
 /// A build whose files may take 400 kB and no more ends with exit code 2 and says how to go on; with room it goes on to the bytes of
-/// an undisturbed one. `--resume` where nothing lies says that it starts anew.
+/// an undisturbed one.
 #[test]
 fn full_disks_cost_what_follows_the_checkpoint() {
     let folder = tempfile::tempdir().expect("a folder");
     let (whole, site) = (folder.path().join("whole.helio"), folder.path().join("site.helio"));
-    let anew = build(&whole, &["--resume"]).output().expect("a build");
-    assert!(anew.status.success() && message(anew).contains("no checkpoint to go on from: starting anew"));
+    assert!(build(&whole, &[]).output().expect("a build").status.success());
     let expected = fs::read(&whole).expect("an archive");
     assert!(expected.len() > 800_000, "{}", expected.len());
     // A shell's limit, in blocks of 512 bytes; without the signal that comes with it, writing fails.
@@ -103,8 +120,8 @@ fn full_disks_cost_what_follows_the_checkpoint() {
     let stopped = limited.arg(full.get_program()).args(full.get_args()).output().expect("a shell");
     assert_eq!(stopped.status.code(), Some(2));
     let said = message(stopped);
-    assert!(said.contains("site.helio.partial: ") && said.contains("with --resume to go on after"), "{said}");
-    let done = build(&site, &["--resume"]).output().expect("a build");
+    assert!(said.contains("site.helio.partial: ") && said.contains("the same command again to go on after"), "{said}");
+    let done = build(&site, &[]).output().expect("a build");
     assert!(done.status.success(), "{}", message(done));
     assert!(fs::read(&site).expect("an archive") == expected);
 }

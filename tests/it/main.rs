@@ -12,6 +12,7 @@ mod hostile;
 mod interrupt;
 mod kaitai;
 mod longwave;
+mod manners;
 mod mirrors;
 mod numerics;
 mod physics;

@@ -94,19 +94,13 @@ impl Build<'_> {
             receivers: self.receivers.content_hash(),
             settings: settings.hash()?,
         })?;
-        match (output.start, writer.resumed()) {
-            (_, Some(done)) => self.observer.warn(&format!(
-                "going on after {} blocks of {:.1} MB",
-                done.blocks,
-                done.bytes as f64 / 1e6
-            )),
-            (Start::Resume, None) => self.observer.warn("there is no checkpoint to go on from: starting anew"),
-            _ => {}
+        if let Some(done) = writer.resumed() {
+            let megabytes = done.bytes as f64 / 1e6;
+            self.observer.warn(&format!("going on after {} blocks of {megabytes:.1} MB", done.blocks));
         }
         let facts = self.facts(settings, &output.path)?;
         let known = Known::new(earlier, &facts);
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, (facts, known));
-        let tracer = tracer.starting(output.start);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
         if matches!(traced, Err(Error::Io { .. })) {
             // Where another file failed, such as a temporary one, what was written can be kept.
@@ -120,7 +114,7 @@ impl Build<'_> {
             let (bytes, root) = (summary.bytes, summary.root);
             Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors })
         };
-        traced.and_then(finish).map_err(|error| output.start.kept(error, kept))
+        traced.and_then(finish).map_err(|error| output::kept(error, kept))
     }
 }
 

@@ -27,10 +27,9 @@ impl Output {
     pub(super) fn writer(&self, job: &Job) -> Result<Writer> {
         let mut writer = match self.start {
             Start::New => Writer::create(&self.path, job),
-            Start::Resume | Start::GoOn => Writer::resume(&self.path, job),
+            Start::Resume => Writer::resume(&self.path, job),
             Start::Fresh => Writer::create_fresh(&self.path, job),
-        }
-        .map_err(|error| error.advise(self.start.advice()))?;
+        }?;
         writer.set_checkpoint_every(self.checkpoint_every);
         Ok(writer)
     }
@@ -46,40 +45,19 @@ pub enum Start {
     Resume,
     /// Throw it away, and begin anew.
     Fresh,
-    /// As `Resume`, for a command without options of that kind.
-    GoOn,
 }
 
-impl Start {
-    /// What can be done where another interrupted build lies.
-    fn advice(self) -> &'static str {
-        match self {
-            Start::GoOn => "remove it to start again",
-            _ => {
-                "give the inputs that it was started with and --resume to go on with it, or --fresh to discard it and start \
-                 again"
-            }
+/// An error of the disk, with what can be done about it if something is kept.
+pub(super) fn kept(error: Error, kept: Option<Progress>) -> Error {
+    match (error, kept) {
+        (Error::Io { path, action, source }, Some(done)) => {
+            let hint = format!(
+                "make room or mend what is wrong, then give the same command again to go on after {} blocks",
+                done.blocks
+            );
+            let source = io::Error::new(source.kind(), format!("{source}\n  to fix: {hint}"));
+            Error::Io { path, action, source }
         }
-    }
-
-    /// How work that was stopped goes on.
-    pub(super) fn again(self) -> &'static str {
-        match self {
-            Start::GoOn => "give the same command again to go on",
-            _ => "give the same command with --resume to go on",
-        }
-    }
-
-    /// An error of the disk, with what can be done about it if something is kept.
-    pub(super) fn kept(self, error: Error, kept: Option<Progress>) -> Error {
-        match (error, kept) {
-            (Error::Io { path, action, source }, Some(done)) => {
-                let hint =
-                    format!("make room or mend what is wrong, then {} after {} blocks", self.again(), done.blocks);
-                let source = io::Error::new(source.kind(), format!("{source}\n  to fix: {hint}"));
-                Error::Io { path, action, source }
-            }
-            (error, _) => error,
-        }
+        (error, _) => error,
     }
 }

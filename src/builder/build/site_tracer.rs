@@ -6,7 +6,6 @@ use std::sync::atomic::AtomicU64;
 
 use super::Workspace;
 use super::known::Known;
-use super::output::Start;
 use super::prepared::PreparedScene;
 use crate::observer::Observer;
 use crate::settings::{BuildSettings, Effect};
@@ -40,7 +39,6 @@ pub(super) struct SiteTracer<'a> {
     /// Largest share of light that was lost behind the last mirror followed, as bits of an f64: of a receiver's, of a cell's.
     pub lost: [AtomicU64; 2],
     pub observer: &'a dyn Observer,
-    start: Start,
 }
 
 impl<'a> SiteTracer<'a> {
@@ -68,13 +66,7 @@ impl<'a> SiteTracer<'a> {
             lost: Default::default(),
             canopies,
             observer,
-            start: Start::New,
         }
-    }
-
-    /// For a build that starts in some way.
-    pub fn starting(self, start: Start) -> Self {
-        SiteTracer { start, ..self }
     }
 
     /// Whether an effect is to be traced, if the scene has it.
@@ -89,13 +81,10 @@ impl<'a> SiteTracer<'a> {
             return if writer.due() { writer.checkpoint() } else { Ok(()) };
         }
         writer.checkpoint()?;
-        let (what, hint) = match writer.committed() {
-            Some(done) => (
-                format!("the build was stopped after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6),
-                self.start.again(),
-            ),
-            None => ("the build was stopped before anything was written".into(), "start it again"),
+        let what = match writer.committed() {
+            Some(done) => format!("after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6),
+            None => "before anything was written".into(),
         };
-        Err(Error::input(writer.partial(), None, what, hint))
+        Err(Error::Stopped { what })
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::terminal::Terminal;
 use super::{
-    Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, say, warn, workspace,
+    Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, remark, say, warn, workspace,
     workspace_beside,
 };
 use crate::cli::{AccuracyArgs, BuildArgs, Percent, PlanArgs};
@@ -14,7 +14,7 @@ use heliotile_builder::build::{Build, Output, PreparedScene, Start};
 use heliotile_builder::planning::{ErrorTarget, PlanReport, PlanRequest};
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Rungs};
 use heliotile_builder::store::{Folder, Store, StoreKey, open_all};
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
 /// `heliotile build`.
@@ -32,18 +32,18 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     };
     let output = Output {
         path: args.output.clone(),
-        start: match (args.resume, args.fresh) {
-            (true, _) => Start::Resume,
-            (_, true) => Start::Fresh,
-            _ => Start::New,
-        },
+        start: if args.fresh { Start::Fresh } else { Start::Resume },
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
     };
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
     let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
-    plan_and_write(build, &asked, &output)?;
+    plan_and_write(build, &asked, &output).map_err(|error| error.advise(OTHER_INPUTS))?;
     Ok(Outcome::Fine)
 }
+
+/// What can be done where a build of other inputs was interrupted.
+const OTHER_INPUTS: &str =
+    "give the inputs that it was started with to go on with it, --fresh to discard it, or another name with -o";
 
 /// `heliotile plan`.
 pub fn plan(args: &PlanArgs) -> Result<Outcome> {
@@ -75,9 +75,9 @@ pub struct BuildRequest<'a> {
 
 /// Plans, builds, and says what is done.
 pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -> Result<()> {
-    interrupt::watch();
+    let _watch = interrupt::watch();
     let planned = decide(&mut build, asked.settings, asked.accuracy, asked.effects)?;
-    say(&tables::forecast(&planned.forecast))?;
+    remark(&tables::forecast(&planned.forecast))?;
     let plan = &planned.plan;
     let scene = build.scene.scene;
     let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
@@ -87,10 +87,10 @@ pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -
         store.add(&key, &output.path, &report.root)?;
     }
     report.warnings.iter().for_each(|w| warn(w));
-    say(&tables::summary(&report, scene, &output.path))?;
+    remark(&tables::summary(&report, scene, &output.path))?;
     if let Some(choice) = &planned.choice {
         let taken = report.seconds.iter().map(|stage| stage.1).sum();
-        say(&tables::outcome(choice, planned.forecast.seconds(), taken))?;
+        remark(&tables::outcome(choice, planned.forecast.seconds(), taken))?;
     }
     Ok(())
 }
@@ -105,9 +105,13 @@ fn decide(
     let suns = accuracy.error.map(|_| read_suns(accuracy.error_weather.as_deref())).transpose()?;
     let target = |(Percent(percent), suns)| ErrorTarget { percent, suns };
     let target = accuracy.error.zip(suns.as_ref()).map(target);
-    let plan = build.plan(&PlanRequest { settings, effects, target })?;
+    let plan = build.plan(&PlanRequest { settings, effects, target }).map_err(|error| match error {
+        // What a trial had written is gone.
+        Error::Stopped { .. } => Error::Stopped { what: "while settings were tried".into() },
+        error => error,
+    })?;
     if let Some(choice) = &plan.choice {
-        say(&tables::choice(choice))?;
+        remark(&tables::choice(choice))?;
     }
     Ok(plan)
 }

@@ -1,0 +1,17 @@
+//! Options of all commands: how much is said, and by how many threads the work is done.
+
+use clap::Args;
+
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of all commands")]
+pub struct EverywhereArgs {
+    /// No progress and no remarks on what was done: only what was asked for, warnings and errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Show the lists behind warnings
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    pub verbose: bool,
+    /// Threads to work with, 1 to 1024; results do not depend on it [default: all processors]
+    #[arg(long, value_name = "N", global = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}

@@ -1,0 +1,119 @@
+//! Ctrl-C and its like: the first one asks long work to stop where it can go on later, the second one ends the program.
+
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::thread;
+use std::time::Duration;
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::voice::aside;
+use heliotile_core::error::{Error, Result};
+
+/// What signals set.
+struct Signals {
+    /// The first one that came, 0 for none.
+    first: Arc<AtomicUsize>,
+    /// Whether the next one ends the program.
+    at_once: Arc<AtomicBool>,
+}
+
+/// Shells count a program that a signal ended so.
+const ENDED_BY_SIGNAL: i32 = 128;
+
+/// How often is looked whether a signal came, to say so.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Empty until a command wants to know of signals.
+static SIGNALS: OnceLock<Signals> = OnceLock::new();
+
+fn registered() -> Signals {
+    let signals = Signals { first: Arc::default(), at_once: Arc::default() };
+    for signal in [SIGINT, SIGTERM] {
+        // In this order: the signal that sets the flag must not meet it. Where the system refuses, a signal ends the program as ever.
+        let _ = flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL + signal, Arc::clone(&signals.at_once));
+        let _ = flag::register(signal, Arc::clone(&signals.at_once));
+        let _ = flag::register_usize(signal, Arc::clone(&signals.first), signal as usize);
+    }
+    let first = Arc::clone(&signals.first);
+    thread::spawn(move || {
+        while first.load(Ordering::Relaxed) == 0 {
+            thread::sleep(LOOK_EVERY);
+        }
+        aside("stopping at the next checkpoint; once more to stop at once\n");
+    });
+    signals
+}
+
+/// While it lives, Ctrl-C is a request.
+pub struct Watch(());
+
+/// From now on, until the value is dropped, Ctrl-C is a request.
+pub fn watch() -> Watch {
+    let signals = SIGNALS.get_or_init(registered);
+    signals.at_once.store(requested(), Ordering::Relaxed);
+    Watch(())
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        SIGNALS.get().into_iter().for_each(|signals| signals.at_once.store(true, Ordering::Relaxed));
+    }
+}
+
+/// Whether the user wants the work to stop.
+pub fn requested() -> bool {
+    first() != 0
+}
+
+/// The first signal that came, 0 for none.
+fn first() -> usize {
+    SIGNALS.get().map_or(0, |signals| signals.first.load(Ordering::Relaxed))
+}
+
+/// Stops between two parts of a command.
+pub fn stop_if_requested(what: &str) -> Result<()> {
+    if requested() { Err(Error::Stopped { what: what.to_owned() }) } else { Ok(()) }
+}
+
+/// The exit code of work that was stopped: 130 for Ctrl-C, 143 for SIGTERM.
+pub fn exit_code() -> ExitCode {
+    let signal = match first() {
+        0 => SIGINT,
+        signal => signal as i32,
+    };
+    ExitCode::from((ENDED_BY_SIGNAL + signal) as u8)
+}
+
+/// How work that was stopped goes on: the command line again, without what would throw away what is kept.
+pub fn again() -> String {
+    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    words.filter(|word| word != "--fresh").map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%@".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 2 plain words stay, 3 others get quotes that a shell takes off again.
+    #[test]
+    fn words_of_a_shell() {
+        for word in ["--output=a/b.helio", "5%"] {
+            assert_eq!(quoted(word), word);
+        }
+        for (word, expected) in [("", "''"), ("my town.obj", "'my town.obj'"), ("it's", r"'it'\''s'")] {
+            assert_eq!(quoted(word), expected);
+        }
+    }
+}

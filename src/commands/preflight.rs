@@ -1,0 +1,242 @@
+//! What is looked at before a command begins its work. In: a command line. Out: a refusal where a file that it reads is not there or is of
+//! another kind, or a file that it writes has a wrong ending or no folder: at once, not after an hour.
+
+mod kind;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::starts_as_archive;
+use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand};
+use crate::outputs::tables::writer::Format;
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_core::error::{Error, Result};
+use kind::Wanted;
+
+/// What is written.
+enum Written {
+    Archive,
+    /// In a format by its ending.
+    Table,
+    /// A table that is CSV.
+    Csv,
+    /// Any other file, whose command looks at the ending.
+    File,
+    Folder,
+}
+
+/// Refuses what cannot work.
+pub fn check(command: &Command) -> Result<()> {
+    let mut files = Files::default();
+    files.collect(command);
+    files.outputs.iter().try_for_each(|(path, written)| check_output(path, written))?;
+    files.inputs.iter().try_for_each(|(path, wanted)| {
+        is_there(path)?;
+        wanted.check(path)
+    })
+}
+
+/// Files that a command line names.
+#[derive(Default)]
+struct Files<'a> {
+    inputs: Vec<(&'a Path, Wanted)>,
+    outputs: Vec<(&'a Path, Written)>,
+}
+
+impl<'a> Files<'a> {
+    fn collect(&mut self, command: &'a Command) {
+        match command {
+            Command::Run(args) => {
+                self.scene(&args.scene);
+                self.read(&args.weather, Wanted::Weather);
+                self.read_if(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.write_if(&args.output, Written::Folder);
+            }
+            Command::Receivers(args) => {
+                self.scene(&args.scene);
+                self.write(&args.output, Written::Csv);
+                self.write_if(&args.buried, Written::Csv);
+            }
+            Command::Build(args) => {
+                self.scene(&args.scene);
+                self.read(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.write(&args.output, Written::Archive);
+            }
+            Command::Plan(args) => {
+                self.scene(&args.scene);
+                self.read(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+            }
+            Command::Tradeoff(args) => {
+                self.scene(&args.scene);
+                self.read(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.write(&args.output, Written::Folder);
+            }
+            Command::Query(args) => {
+                self.recombined(&args.common);
+                self.read(&args.conditions, Wanted::Conditions);
+            }
+            Command::Replay(args) => {
+                self.recombined(&args.common);
+                self.read(&args.weather, Wanted::Weather);
+            }
+            Command::Info(args) => {
+                args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
+                self.read_if(&args.materials, Wanted::Other);
+            }
+            Command::Verify(args) => self.read(&args.archive, Wanted::Archive),
+            Command::Repair(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.scene(&args.scene);
+                self.read_if(&args.receivers, Wanted::Receivers);
+                self.write_if(&args.output, Written::Archive);
+            }
+            Command::Extract(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.read_if(&args.receivers, Wanted::Other);
+                self.write(&args.output, Written::Archive);
+            }
+            Command::Merge(args) => {
+                self.read(&args.first, Wanted::Archive);
+                self.read(&args.second, Wanted::Archive);
+                self.write(&args.output, Written::Archive);
+            }
+            Command::Diff(args) => {
+                self.read(&args.first, Wanted::Archive);
+                self.read(&args.second, Wanted::Archive);
+            }
+            Command::Export(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.write(&args.output, Written::File);
+            }
+            Command::Study(args) => match &args.command {
+                StudyCommand::Wall(args) => self.write(&args.output, Written::Folder),
+            },
+            Command::Man(args) => self.write(&args.output, Written::Folder),
+            Command::Store(_) | Command::Completions(_) => {}
+        }
+    }
+
+    fn scene(&mut self, args: &'a SceneArgs) {
+        args.scene.iter().for_each(|file| self.read(file, Wanted::Scene));
+        self.read_if(&args.materials, Wanted::Other);
+    }
+
+    fn recombined(&mut self, args: &'a RecombineArgs) {
+        self.read(&args.archive, Wanted::Archive);
+        self.read_if(&args.receivers, Wanted::Other);
+        self.write(&args.output, Written::Table);
+    }
+
+    fn read(&mut self, path: &'a Path, wanted: Wanted) {
+        self.inputs.push((path, wanted));
+    }
+
+    fn read_if(&mut self, path: &'a Option<PathBuf>, wanted: Wanted) {
+        self.inputs.extend(path.as_deref().map(|path| (path, wanted)));
+    }
+
+    fn write(&mut self, path: &'a Path, written: Written) {
+        self.outputs.push((path, written));
+    }
+
+    fn write_if(&mut self, path: &'a Option<PathBuf>, written: Written) {
+        self.outputs.extend(path.as_deref().map(|path| (path, written)));
+    }
+}
+
+/// Names alike to this degree are taken for one that was misspelt.
+const ALIKE: f64 = 0.85;
+
+/// Refuses a file that is not there, and names one that may be meant.
+fn is_there(path: &Path) -> Result<()> {
+    let Err(source) = fs::metadata(path) else { return Ok(()) };
+    if source.kind() != io::ErrorKind::NotFound {
+        return Err(Error::io(path, "read")(source));
+    }
+    let folder = folder_of(path);
+    let hint = if folder.is_dir() {
+        match alike(path, folder) {
+            Some(name) => format!("\n  to fix: {} is there: is it meant?", path.with_file_name(name).display()),
+            None => String::new(),
+        }
+    } else {
+        format!("\n  to fix: there is no folder {}; paths start at {}", folder.display(), here())
+    };
+    Err(Error::io(path, "read")(io::Error::new(source.kind(), format!("{source}{hint}"))))
+}
+
+/// The file of a folder whose name is most like that of a path, if one is alike.
+fn alike(path: &Path, folder: &Path) -> Option<String> {
+    let wanted = path.file_name()?.to_string_lossy().to_lowercase();
+    let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+    let entries = fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut found: Vec<(f64, String)> = entries
+        .filter_map(|name| {
+            let other = name.to_lowercase();
+            // The right name with another ending is nearer than anything else.
+            let same_stem = !stem(&wanted).is_empty() && stem(&other) == stem(&wanted);
+            let score = strsim::jaro_winkler(&wanted, &other) + if same_stem { 1.0 } else { 0.0 };
+            (score > ALIKE).then_some((score, name))
+        })
+        .collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+    found.into_iter().next().map(|(_, name)| name)
+}
+
+fn here() -> String {
+    std::env::current_dir().map_or(".".into(), |folder| folder.display().to_string())
+}
+
+fn check_output(path: &Path, written: &Written) -> Result<()> {
+    if path == Path::new("-") && !matches!(written, Written::Archive | Written::Folder) {
+        return Ok(());
+    }
+    let has = |wanted: &str| ending(path) == wanted;
+    match written {
+        // What is there and no archive is refused later, for what it is.
+        Written::Archive if has("helio") || path.exists() && starts_as_archive(path) != Some(true) => {}
+        Written::Archive => {
+            let what = "is no name of an archive: it ends with .helio";
+            return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("helio").display())));
+        }
+        Written::Table => drop(Format::of(path)?),
+        Written::Csv if has("csv") || path.exists() && !path.is_file() => {}
+        Written::Csv => {
+            let what = "is no name of this table, which is CSV: it ends with .csv";
+            return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("csv").display())));
+        }
+        Written::Folder if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
+            let what = "is the name of a file, and the output is a folder of several";
+            return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("").display())));
+        }
+        // It is made with those above it.
+        Written::Folder => return Ok(()),
+        Written::File => {}
+    }
+    let folder = folder_of(path);
+    if folder.is_dir() {
+        return Ok(());
+    }
+    let (what, hint) = match folder.exists() {
+        true => (format!("{} is no folder", folder.display()), "give a path in a folder".into()),
+        false => (format!("there is no folder {}", folder.display()), format!("mkdir -p {}", folder.display())),
+    };
+    Err(Error::input(path, None, what, hint))
+}
+
+/// Endings that no folder is meant to have.
+const FILES: [&str; 19] = [
+    "helio", "csv", "parquet", "arrow", "feather", "npy", "npz", "json", "geojson", "gpkg", "ply", "obj", "epw",
+    "toml", "png", "exr", "svg", "html", "txt",
+];
+
+/// Ending of a name, in small letters.
+fn ending(path: &Path) -> String {
+    path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase())
+}

@@ -1,0 +1,189 @@
+//! What a file is by its first bytes and, where these do not say it, by its name. In: a file. Out: a kind that is certain, or none: then
+//! its reader decides.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::ending;
+use heliotile_core::archive::format;
+use heliotile_core::error::{Error, Result};
+
+/// What a command takes a file for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    Scene,
+    SceneOrArchive,
+    Archive,
+    Weather,
+    Receivers,
+    Conditions,
+    /// Whatever it is, its reader decides.
+    Other,
+}
+
+/// What a file certainly is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Archive,
+    /// Of this format.
+    Weather(&'static str),
+    /// Of this format.
+    Scene(&'static str),
+    Receivers,
+    Conditions,
+    /// A table that the program wrote.
+    Results,
+}
+
+/// This much of a file says what it is.
+const HEAD: u64 = 4096;
+
+impl Wanted {
+    /// Refuses a file that is certainly something else, with what to do with it.
+    pub fn check(self, path: &Path) -> Result<()> {
+        let Some(kind) = kind_of(path) else { return Ok(()) };
+        let good = matches!(
+            (self, kind),
+            (Wanted::Other, _)
+                | (Wanted::Scene | Wanted::SceneOrArchive, Kind::Scene(_))
+                | (Wanted::Archive | Wanted::SceneOrArchive, Kind::Archive)
+                | (Wanted::Weather, Kind::Weather(_))
+                | (Wanted::Receivers, Kind::Receivers)
+                | (Wanted::Conditions, Kind::Conditions)
+        );
+        if good {
+            return Ok(());
+        }
+        let what = format!("is {}, not {}", kind.name(), self.name());
+        Err(Error::input(path, None, what, self.advice(kind, &path.display().to_string())))
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Wanted::Scene => "a scene",
+            Wanted::SceneOrArchive => "an archive or a scene",
+            Wanted::Archive => "an archive",
+            Wanted::Weather => "weather",
+            Wanted::Receivers => "a table of receivers",
+            Wanted::Conditions => "a table of conditions",
+            Wanted::Other => "what is needed here",
+        }
+    }
+
+    fn advice(self, kind: Kind, file: &str) -> String {
+        match (self, kind) {
+            (Wanted::Weather, Kind::Scene(_)) => {
+                format!("scene files go without an option: heliotile run {file} --weather WEATHER.epw")
+            }
+            (_, Kind::Archive) => {
+                format!("replay it, nothing is traced again: heliotile replay {file} --weather WEATHER.epw")
+            }
+            (Wanted::Archive, Kind::Scene(_)) => {
+                format!("trace it first: heliotile run {file} --weather WEATHER.epw makes an archive of it")
+            }
+            (Wanted::Conditions, Kind::Weather(_)) => format!("heliotile replay SITE.helio --weather {file}"),
+            (_, Kind::Weather(_)) => format!("give weather with its option: --weather {file}"),
+            (_, Kind::Receivers) => format!("give receivers with their option: --receivers {file}"),
+            (_, Kind::Conditions) => format!("heliotile query SITE.helio --conditions {file}"),
+            (Wanted::Receivers, Kind::Scene(_)) => format!("heliotile receivers {file} -o receivers.csv makes them"),
+            (_, Kind::Scene(_)) => {
+                format!("scene files go without an option: heliotile run {file} --weather WEATHER.epw")
+            }
+            (_, Kind::Results) => "it is a table that heliotile wrote: give what it was made from".into(),
+        }
+    }
+}
+
+impl Kind {
+    fn name(self) -> String {
+        match self {
+            Kind::Archive => "an archive of heliotile".into(),
+            Kind::Weather(format) => format!("weather ({format})"),
+            Kind::Scene(format) => format!("a scene ({format})"),
+            Kind::Receivers => "a table of receivers".into(),
+            Kind::Conditions => "a table of conditions".into(),
+            Kind::Results => "a table of results".into(),
+        }
+    }
+}
+
+fn kind_of(path: &Path) -> Option<Kind> {
+    let mut head = Vec::new();
+    // A pipe would lose what is read here.
+    let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|about| about.is_file()))?;
+    file.take(HEAD).read_to_end(&mut head).ok()?;
+    by_content(&head).or_else(|| by_name(path))
+}
+
+fn by_content(head: &[u8]) -> Option<Kind> {
+    for (start, kind) in [
+        (format::MAGIC.as_slice(), Kind::Archive),
+        (b"glTF", Kind::Scene("glTF")),
+        (b"II*\0", Kind::Scene("TIFF")),
+        (b"MM\0*", Kind::Scene("TIFF")),
+        (b"II+\0", Kind::Scene("TIFF")),
+        (b"ply\n", Kind::Scene("PLY")),
+        (b"ply\r", Kind::Scene("PLY")),
+    ] {
+        if head.starts_with(start) {
+            return Some(kind);
+        }
+    }
+    let text = String::from_utf8_lossy(head);
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let mut lines = text.lines();
+    let (first, second) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
+    let columns: Vec<&str> = first.split([',', ';', '\t']).map(str::trim).collect();
+    let all = |names: &[&str]| names.iter().all(|name| columns.contains(name));
+    match () {
+        () if first.starts_with("LOCATION,") => Some(Kind::Weather("EPW")),
+        () if second.starts_with("Date (MM/DD/YYYY)") => Some(Kind::Weather("TMY3")),
+        () if text.starts_with('{') && text.contains("CityJSON") => Some(Kind::Scene("CityJSON")),
+        () if all(&["receiver", "x", "y", "z"]) => Some(Kind::Receivers),
+        () if all(&["condition", "dni_w_m2", "dhi_w_m2"]) => Some(Kind::Conditions),
+        () if columns.iter().any(|name| ["total", "total_kwh_m2"].contains(name)) && columns.contains(&"receiver") => {
+            Some(Kind::Results)
+        }
+        () => None,
+    }
+}
+
+/// Formats of text that can begin with anything.
+fn by_name(path: &Path) -> Option<Kind> {
+    Some(Kind::Scene(match ending(path).as_str() {
+        "obj" => "OBJ",
+        "stl" => "STL",
+        "ply" => "PLY",
+        "gltf" | "glb" => "glTF",
+        "idf" | "epjson" => "EnergyPlus",
+        "jsonl" => "CityJSON",
+        _ => return None,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 11 beginnings each is taken for what it is, or for nothing where that is not certain.
+    #[test]
+    fn beginnings() {
+        for (head, kind) in [
+            ("LOCATION,Golden,CO,USA,TMY3,724666,39.74,-105.18,-7.0,1829.0\n", Some(Kind::Weather("EPW"))),
+            ("724666,\"GOLDEN\",CO,-7.0,39.7,-105.2,1829\nDate (MM/DD/YYYY),Time\n", Some(Kind::Weather("TMY3"))),
+            ("\u{feff}{\"type\":\"CityJSON\",\"version\":\"2.0\"", Some(Kind::Scene("CityJSON"))),
+            ("glTF\u{2}", Some(Kind::Scene("glTF"))),
+            ("II*\0", Some(Kind::Scene("TIFF"))),
+            ("ply\nformat", Some(Kind::Scene("PLY"))),
+            ("receiver,x,y,z,nx,ny,nz\n", Some(Kind::Receivers)),
+            ("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n", Some(Kind::Conditions)),
+            ("time,receiver,total\n", Some(Kind::Results)),
+            ("time,ghi,dni,dhi\n", None),
+            ("v 0 0 0\n", None),
+        ] {
+            assert_eq!(by_content(head.as_bytes()), kind, "{head}");
+        }
+        assert_eq!(by_content(&format::MAGIC), Some(Kind::Archive));
+    }
+}

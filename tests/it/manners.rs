@@ -1,0 +1,283 @@
+//! How the program treats its user: files that it keeps, names that it refuses before any work, and how much it says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::cli::{Folder, golden, stderr, stdout};
+use crate::site::{houses, names};
+
+/// Two houses and the weather of three days under a name of its own.
+fn town() -> Folder {
+    let folder = Folder::new();
+    folder.write("a.obj", &houses(false));
+    fs::copy(golden(), folder.path("golden.epw")).expect("copied");
+    folder
+}
+
+const RUN: &str = "run a.obj --weather golden.epw --quality draft --spacing 5m";
+
+fn good(folder: &Folder, arguments: &str) -> (String, String) {
+    let output = folder.run(arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
+    (stdout(&output), stderr(&output))
+}
+
+/// All files below a folder with their bytes.
+fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files = Vec::new();
+    for name in names(folder) {
+        let path = folder.join(name);
+        match path.is_dir() {
+            true => files.extend(bytes(&path)),
+            false => files.push((path.clone(), fs::read(&path).expect("a file"))),
+        }
+    }
+    files
+}
+
+/// Other spacing, accuracy, one setting, another scene, or an edited table of receivers: 5 runs into a folder that holds something else are
+/// refused with what differs and what to do, and no byte of its 5 files changes; `--replace` puts the new results there.
+#[test]
+fn other_inputs_are_kept() {
+    let folder = town();
+    good(&folder, RUN);
+    let made = folder.path("a.sun");
+    let before = bytes(&made);
+    assert_eq!(before.len(), 5);
+    let to_do = ["a.sun: holds results of other inputs", "--output FOLDER", "--replace"];
+    let refused = |arguments: &str, parts: &[&str]| {
+        folder.refused(arguments, &[&to_do, parts].concat());
+        assert!(bytes(&made) == before, "{arguments}");
+    };
+    refused(&RUN.replace("5m", "4m"), &["receivers.csv is another one", "the table of receivers now holds"]);
+    refused(&RUN.replace("draft", "fine"), &["site.helio was built with --quality draft, not --quality fine\n"]);
+    refused(&format!("{RUN} --set hit=64"), &["not --quality draft and hit=64"]);
+    folder.write("b.obj", &houses(false).replace("v -99 -99 1", "v -98 -99 1"));
+    refused(&format!("{} -o a.sun", RUN.replace("a.obj", "b.obj")), &["the scene or its materials have changed"]);
+    let table = fs::read_to_string(made.join("receivers.csv")).expect("a table");
+    let edited: String = table.lines().take(9).map(|line| format!("{line}\n")).collect();
+    fs::write(made.join("receivers.csv"), &edited).expect("written");
+    folder.refused(RUN, &["receivers.csv is another one from line 10 on", "--receivers takes it as it is"]);
+    assert_eq!(fs::read_to_string(made.join("receivers.csv")).ok().as_deref(), Some(edited.as_str()));
+
+    let (said, _) = good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
+    assert!(said.contains("root") && !said.contains("up to date"), "{said}");
+    let after = bytes(&made);
+    assert!(after.iter().zip(&before).filter(|(a, b)| a.0 == b.0 && a.1 != b.1).count() == 5);
+    let (said, _) = good(&folder, &RUN.replace("5m", "4m"));
+    assert!(said.contains("up to date, nothing is traced again") && bytes(&made) == after, "{said}");
+}
+
+/// Each weather has a folder of its own: a second one leaves the first's 3 files alone, another one of the same name is refused before any
+/// work, and so is a folder that does not say what it is from. A new archive warns of results of the old one.
+#[test]
+fn weather_is_kept_apart() {
+    let folder = town();
+    good(&folder, RUN);
+    let made = folder.path("a.sun");
+    let first = bytes(&made.join("golden"));
+    fs::create_dir(folder.path("other")).expect("a folder");
+    for name in ["pvgis.epw", "other/golden.epw"] {
+        fs::copy(golden().with_file_name("pvgis_4_days.epw"), folder.path(name)).expect("copied");
+    }
+    let (said, _) = good(&folder, &RUN.replace("golden.epw", "pvgis.epw"));
+    assert!(said.contains("pvgis/annual.csv, pvgis/annual.ply"), "{said}");
+    assert_eq!(names(&made), ["golden", "pvgis", "receivers.csv", "site.helio"]);
+    assert!(bytes(&made.join("golden")) == first && first.len() == 3);
+    let other = RUN.replace("golden.epw", "other/golden.epw");
+    folder.refused(&other, &["a.sun/golden: holds results of other weather, read from golden.epw", "--replace"]);
+    assert!(bytes(&made.join("golden")) == first);
+
+    let (_, said) = good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
+    assert!(said.contains("results of an earlier archive are in a.sun/pvgis"), "{said}");
+    fs::remove_file(made.join("pvgis/made-from.json")).expect("removed");
+    let pvgis = RUN.replace("golden.epw", "pvgis.epw").replace("5m", "4m");
+    folder.refused(&pvgis, &["pvgis/annual.csv: is there, and nothing (made-from.json) says what it was made from"]);
+    fs::write(made.join("pvgis/made-from.json"), "{\"weather\": 7}").expect("written");
+    folder.refused(&pvgis, &["made-from.json, line 1: is not what heliotile wrote"]);
+}
+
+/// `run --every month,day` writes the very bytes of `replay`, 2 of 2, also by surface and as Parquet, under names that say so.
+#[test]
+fn run_writes_the_tables_of_replay() {
+    let folder = town();
+    let (said, _) = good(&folder, &format!("{RUN} --every month,day"));
+    assert!(said.contains("golden/months.csv, golden/days.csv"), "{said}");
+    good(&folder, &format!("{RUN} --every hour --by surface --format parquet"));
+    let made = folder.path("a.sun/golden");
+    assert_eq!(
+        names(&made),
+        ["annual.csv", "annual.ply", "days.csv", "hours.surface.parquet", "made-from.json", "months.csv"]
+    );
+    for (every, name) in [("month", "months.csv"), ("day", "days.csv"), ("hour --by surface", "hours.surface.parquet")]
+    {
+        good(&folder, &format!("replay a.sun/site.helio --weather golden.epw --every {every} -o {name}"));
+        let [ours, theirs] = [made.join(name), folder.path(name)].map(|path| fs::read(path).expect("a table"));
+        assert!(ours == theirs && ours.len() > 500, "{name}");
+    }
+    // Results of what is replaced go with it.
+    good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
+    assert_eq!(names(&made), ["annual.csv", "annual.ply", "made-from.json"]);
+}
+
+/// 14 names of outputs that cannot be meant are refused before anything is read, with the name to use; nothing is written.
+#[test]
+fn endings_are_checked_first() {
+    let folder = Folder::new();
+    folder.build();
+    let before = names(&folder.path(""));
+    let build = "build none.obj -m materials.toml -r receivers.csv -o";
+    folder.refused(&format!("{build} m.obj"), &["m.obj: is no name of an archive", "-o m.helio"]);
+    folder.refused(&format!("{build} m"), &["-o m.helio"]);
+    folder.refused(&format!("{build} no/such/m.helio"), &["there is no folder no/such", "mkdir -p no/such"]);
+    folder.refused(&format!("{build} scene.obj/m.helio"), &["scene.obj is no folder"]);
+    folder.refused("extract none.helio --surface a -o m.csv", &["-o m.helio"]);
+    folder.refused("merge none.helio none.helio -o m.zip", &["-o m.helio"]);
+    folder.refused("repair none.helio scene.obj -o m.bin", &["-o m.helio"]);
+    folder.refused("receivers none.obj -o m.xlsx", &["which is CSV", "-o m.csv"]);
+    folder.refused("receivers none.obj --buried m.txt", &["-o m.csv"]);
+    folder.refused("query none.helio -c conditions.csv -o m.xlsx", &["m.xlsx", ".parquet"]);
+    folder.refused("replay none.helio -w none.epw -o no/such/m.csv", &["mkdir -p no/such"]);
+    folder.refused("run none.obj -w none.epw -o m.csv", &["name of a file", "-o m"]);
+    folder.refused("tradeoff none.obj -r none.csv -o m.html", &["name of a file"]);
+    folder.refused("export site.helio --view-factors -o no/such/m.csv", &["mkdir -p no/such"]);
+    // A file that is there is refused for what it is, also by `repair`.
+    folder.refused("repair site.helio scene.obj -o conditions.csv", &["conditions.csv", "not an archive"]);
+    assert_eq!(names(&folder.path("")), before);
+}
+
+/// 10 files that are given for something else are named for what they are, with the command that takes them.
+#[test]
+fn files_are_known() {
+    let folder = town();
+    folder.build();
+    for (arguments, parts) in [
+        ("run golden.epw -w golden.epw", ["golden.epw: is weather (EPW), not a scene", "--weather golden.epw"]),
+        ("run a.obj golden.epw -w golden.epw", ["golden.epw: is weather (EPW)", "--weather golden.epw"]),
+        ("run site.helio -w golden.epw", ["is an archive of heliotile, not a scene", "heliotile replay site.helio"]),
+        ("run a.obj -w a.obj", ["a.obj: is a scene (OBJ), not weather", "heliotile run a.obj --weather"]),
+        ("replay a.obj -w golden.epw", ["is a scene (OBJ), not an archive", "heliotile run a.obj"]),
+        ("replay golden.epw -w golden.epw", ["is weather (EPW), not an archive", "--weather golden.epw"]),
+        ("query site.helio -c golden.epw", ["not a table of conditions", "heliotile replay SITE.helio --weather"]),
+        ("build a.obj -r a.obj -o b.helio", ["not a table of receivers", "heliotile receivers a.obj"]),
+        ("build a.obj -r conditions.csv -o b.helio", ["is a table of conditions", "heliotile query"]),
+        ("info receivers.csv", ["is a table of receivers, not an archive or a scene", "--receivers receivers.csv"]),
+    ] {
+        folder.refused(arguments, &parts);
+    }
+}
+
+/// A file that is not there is named with the one that may be meant, 3 of 3, or the folder that is missing; where nothing is alike nothing
+/// is proposed. A command that does not come first gets a word on the order.
+#[test]
+fn misspelt_names() {
+    let folder = town();
+    folder.refused("run a.obj -w golden.csv", &["golden.csv: No such file", "golden.epw is there: is it meant?"]);
+    folder.refused("run a.obj -w Goldn.epw", &["golden.epw is there"]);
+    folder.refused("build scenes.obj -r receivers.csv -o b.helio", &["scenes.obj: No such file", "scene.obj is there"]);
+    folder.refused("run a.obj -w weather/golden.epw", &["there is no folder weather; paths start at "]);
+    let output = folder.run("run a.obj -w zzz.epw");
+    assert!(!stderr(&output).contains("is it meant"), "{}", stderr(&output));
+    folder.refused("a.obj --weather golden.epw", &["a command comes first, such as heliotile run a.obj --weather"]);
+    folder.refused("a.obj run --weather golden.epw", &["the command comes first", "heliotile run ..."]);
+}
+
+/// `--quiet` leaves the table of sums and the warnings; `-v` shows the 5 materials that one warning counts; `--threads` changes no byte.
+#[test]
+fn how_much_is_said() {
+    let folder = town();
+    let (said, warned) = good(&folder, &format!("{RUN} --quiet"));
+    assert!(said.trim_start().starts_with("Irradiation through golden.epw"), "{said}");
+    assert!(!said.contains("root") && !said.contains("site.helio"), "{said}");
+    assert!(warned.lines().all(|line| line.starts_with("warning: ")) && !warned.is_empty(), "{warned}");
+    let (said, _) = good(&folder, "build scene.obj -m materials.toml -r receivers.csv -o site.helio -q");
+    assert_eq!(said, "");
+
+    let faces: String = (0..5).map(|i| format!("v {i} 0 0\nv {i} 9 0\nv {i} 0 9\nusemtl m{i}\nf -1 -2 -3\n")).collect();
+    folder.write("many.obj", &faces);
+    let about = |more: &str| good(&folder, &format!("info many.obj {more}")).1;
+    let short = about("");
+    assert!(short.contains("how much light 5 materials reflect") && short.contains("(-v lists them)"), "{short}");
+    assert_eq!((short.lines().count(), short.matches("`m").count()), (1, 0), "{short}");
+    let long = about("-v");
+    assert_eq!((long.lines().count(), long.matches("\n  `m").count()), (6, 5), "{long}");
+    folder.refused("info many.obj -v -q", &["--verbose", "--quiet"]);
+
+    let build = "build scene.obj -m materials.toml -r receivers.csv";
+    good(&folder, &format!("--threads 1 {build} -o one.helio"));
+    good(&folder, &format!("{build} -o two.helio --threads 2"));
+    assert!(fs::read(folder.path("one.helio")).ok() == fs::read(folder.path("two.helio")).ok());
+    let (said, _) = good(&folder, "plan scene.obj -m materials.toml -r receivers.csv --threads 3");
+    assert!(said.contains("3 threads"), "{said}");
+    folder.refused(&format!("{build} -o x.helio --threads 0"), &["--threads", "1..=1024"]);
+}
+
+/// A spacing of 1 mm is refused with the one that gives at most 100 million receivers, and this one is not; so are too many for each
+/// surface. Where no surface is large enough the message says so.
+#[test]
+fn densities_that_fit() {
+    let folder = town();
+    let output = folder.run("receivers a.obj --on all --spacing 1mm -o x.csv");
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("--spacing: 0.001 m would give 40404 million receivers, the limit is 100 million"), "{said}");
+    let proposed =
+        said.split("--spacing ").nth(1).and_then(|text| text.split("m would give ").next()).expect("a spacing");
+    let metres: f64 = proposed.parse().expect("a number");
+    // 198 x 198 m of meadow, and 1,200 m2 of houses with both sides of the wall between them.
+    assert!((40_404.0 / (metres * metres)) <= 100e6 && (40_404.0 / (metres - 0.001).powi(2)) > 100e6, "{said}");
+    assert!(said.contains("million, or cover less with --on"), "{said}");
+    folder.refused(
+        "receivers a.obj --on all --per-surface 1000000 --min-area 0 -o x.csv --spacing 1m",
+        &["--per-surface"],
+    );
+    let none = "receivers a.obj --on wall --min-area 1000 -o x.csv";
+    folder.refused(none, &["no receiver: ", "lower --min-area"]);
+    assert!(!folder.path("x.csv").exists());
+}
+
+/// Semicolons, tabs and decimal commas in tables of receivers and conditions, 4 of 4: the message says what to write in place.
+#[test]
+fn tables_of_other_countries() {
+    let folder = Folder::new();
+    folder.build();
+    let table = |separator: &str| "receiver,x,y,z,nx,ny,nz\nroof,5,5,10.02,0,0,1\n".replace(',', separator);
+    let build = "build scene.obj -m materials.toml -r r.csv -o b.helio";
+    folder.write("r.csv", &table(";"));
+    folder.refused(build, &["r.csv, line 1", "commas in place of semicolons", "1.5 in place of 1,5"]);
+    folder.write("r.csv", &table("\t"));
+    folder.refused(build, &["commas in place of tabs"]);
+    folder.write("r.csv", &table(",").replace("10.02", "10,02"));
+    folder.refused(build, &["r.csv, line 2", "has 8 cells, the header 7", "decimals with a point: 1,5 is two cells"]);
+    let conditions = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,50,800,100\n";
+    folder.write("c.csv", &conditions.replace(',', ";"));
+    folder.refused("query site.helio -c c.csv", &["c.csv, line 1", "commas in place of semicolons"]);
+}
+
+/// 5 shells get a script that names all commands, bash takes its own, and 21 pages of the manual begin as man pages do.
+#[test]
+fn completions_and_manual() {
+    let folder = Folder::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let (script, _) = good(&folder, &format!("completions {shell}"));
+        for word in ["replay", "tradeoff", "spacing", "quiet"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+        folder.write(shell, &script);
+    }
+    let checked = Command::new("bash").arg("-n").arg(folder.path("bash")).status().expect("bash");
+    assert!(checked.success());
+    folder.refused("completions tcsh", &["tcsh", "zsh"]);
+
+    let (said, _) = good(&folder, "man -o deep/pages");
+    let pages = names(&folder.path("deep/pages"));
+    assert_eq!(pages.len(), 23, "{pages:?}");
+    assert!(said.contains("23 pages"), "{said}");
+    for page in &pages {
+        let text = fs::read_to_string(folder.path("deep/pages").join(page)).expect("a page");
+        assert!(text.contains(".TH ") && text.contains(".SH NAME"), "{page}");
+    }
+    let page = fs::read_to_string(folder.path("deep/pages/heliotile-run.1")).expect("a page");
+    assert!(page.contains("\\-\\-spacing") && page.contains("\\-\\-quiet"), "{page}");
+}
