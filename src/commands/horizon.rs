@@ -54,6 +54,9 @@ pub fn nothing_seen(archive: &Archive) -> Result<Option<String>> {
     };
     let percent = 100.0 * share;
     Ok((share >= LEAST).then(|| {
-        format!("{who} see nothing in {percent:.1} % of their hemisphere: below the horizon nothing reflects")
+        format!(
+            "{who} see nothing in {percent:.1} % of their hemisphere: below the horizon nothing reflects there (more terrain, or an \
+             [endless_ground] in --materials)"
+        )
     }))
 }

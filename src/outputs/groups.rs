@@ -18,6 +18,9 @@ use heliotile_core::site::receiver::Receiver;
 /// Groups that become one tile of a table.
 const GROUPS_AT_ONCE: usize = 64;
 
+/// The mean of unit normals is as long as this where they spread by about 25 degrees: on terrain, but not on all walls of a house.
+const ONE_WAY: f64 = 0.9;
+
 /// Receivers that a message names.
 const NAMED: usize = 3;
 
@@ -41,6 +44,8 @@ pub struct Extent {
     pub area_m2: Option<f64>,
     /// Mean of the normals by area, of unit length; zero where they cancel.
     pub normal: DVec3,
+    /// Length of the mean before: 1 where all look the same way.
+    pub agreement: f64,
 }
 
 /// What is known of a group while receivers are read.
@@ -108,8 +113,14 @@ impl Groups {
             }
         }
         let extent = |group: &Found| match group.with_area {
-            0 => Extent { area_m2: None, normal: group.plain.normalize_or_zero() },
-            _ => Extent { area_m2: Some(group.area_m2), normal: group.weighted.normalize_or_zero() },
+            0 => {
+                let agreement = group.plain.length() / group.receivers.max(1) as f64;
+                Extent { area_m2: None, normal: group.plain.normalize_or_zero(), agreement }
+            }
+            _ => {
+                let agreement = group.weighted.length() / group.area_m2;
+                Extent { area_m2: Some(group.area_m2), normal: group.weighted.normalize_or_zero(), agreement }
+            }
         };
         let extents = found.values().map(extent).collect();
         let mut surfaces = Groups { names: found.into_keys().collect(), extents, ..Groups::default() };
@@ -125,14 +136,16 @@ impl Groups {
         &self.names
     }
 
-    /// What a table says of them besides: areas and sums where all have an area (sums, if totals are asked for), and where surfaces look.
+    /// What a table says of them besides: areas and sums where all have an area (sums, if totals are asked for), and where
+    /// surfaces look, if all of them are surfaces and no mere names of several.
     pub fn facts(&self, by: By, components: &ComponentList) -> Vec<Fact> {
         let has_areas = !self.extents.is_empty() && self.extents.iter().all(|extent| extent.area_m2.is_some());
         let has_total = components.as_slice().contains(&Component::Total);
+        let has_sides = by == By::Surface && self.extents.iter().all(|extent| extent.agreement >= ONE_WAY);
         let facts = [
             (Fact::Area, has_areas),
-            (Fact::Tilt, by == By::Surface),
-            (Fact::Azimuth, by == By::Surface),
+            (Fact::Tilt, has_sides),
+            (Fact::Azimuth, has_sides),
             (Fact::Sum, has_areas && has_total),
         ];
         facts.into_iter().filter_map(|(fact, is_known)| is_known.then_some(fact)).collect()

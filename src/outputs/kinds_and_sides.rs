@@ -12,6 +12,7 @@ use heliotile_core::units::tilt_and_azimuth;
 const FLAT_BELOW_DEG: f64 = 10.0;
 
 const SIDES: [&str; 4] = ["north", "east", "south", "west"];
+const NO_SIDES: [&str; 2] = ["flat", "underneath"];
 
 /// What rows say that belong together.
 #[derive(Default)]
@@ -67,8 +68,9 @@ pub fn by_kind_and_side(rows: &[AnnualRow], north: North) -> String {
     let mut sided = false;
     for (name, (all, sides)) in &kinds {
         line(&mut out, name, all);
-        // What all share says nothing more.
-        for (side, group) in sides.iter().filter(|(_, group)| group.receivers < all.receivers) {
+        // That all are flat says nothing more.
+        let tells = |(side, group): &(&&str, &Group)| group.receivers < all.receivers || !NO_SIDES.contains(side);
+        for (side, group) in sides.iter().filter(tells) {
             sided = true;
             line(&mut out, &format!("{name}, {side}"), group);
         }
@@ -113,10 +115,10 @@ fn kind(row: &AnnualRow, tilt_deg: f64) -> String {
 
 fn side(tilt_deg: f64, azimuth_deg: f64) -> &'static str {
     if tilt_deg < FLAT_BELOW_DEG {
-        return "flat";
+        return NO_SIDES[0];
     }
     if tilt_deg > 180.0 - FLAT_BELOW_DEG {
-        return "underneath";
+        return NO_SIDES[1];
     }
     // Azimuths are below 360.
     let quarter = ((azimuth_deg + 45.0) / 90.0) as usize % SIDES.len();
@@ -157,8 +159,10 @@ mod tests {
         };
         assert_eq!((cells("roof")[6].as_str(), cells("roof")[7].as_str()), ("800.0", "24.0"));
         assert_eq!((cells("roof, south")[6].as_str(), cells("roof, flat")[6].as_str()), ("1000.0", "700.0"));
-        // One side only: the wall has one row.
-        assert!(!text.contains("wall, ") && text.contains("less than 10 degrees"), "{text}");
+        assert_eq!(cells("wall"), cells("wall, west"));
+        assert!(text.contains("less than 10 degrees"), "{text}");
+        // Flat roofs alone have one row.
+        assert!(!by_kind_and_side(&[row("roof", 5.0, 0.0, None, 700.0)], North::default()).contains("roof, "));
     }
 
     /// Receivers without areas have a plain mean, 550 of 500 and 600, and neither area nor MWh; what looks up is called so.

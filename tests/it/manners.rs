@@ -37,14 +37,14 @@ fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// Other spacing, accuracy, one setting, another scene, or an edited table of receivers: 5 runs into a folder that holds something else are
-/// refused with what differs and what to do, and no byte of its 5 files changes; `--replace` puts the new results there.
+/// refused with what differs and what to do, and no byte of its 6 files changes; `--replace` puts the new results there.
 #[test]
 fn other_inputs_are_kept() {
     let folder = town();
     good(&folder, RUN);
     let made = folder.path("a.sun");
     let before = bytes(&made);
-    assert_eq!(before.len(), 5);
+    assert_eq!(before.len(), 6);
     let to_do = ["a.sun: holds results of other inputs", "--output FOLDER", "--replace"];
     let refused = |arguments: &str, parts: &[&str]| {
         folder.refused(arguments, &[&to_do, parts].concat());
@@ -84,7 +84,7 @@ fn weather_is_kept_apart() {
     let (said, _) = good(&folder, &RUN.replace("golden.epw", "pvgis.epw"));
     assert!(said.contains("pvgis/annual.csv, pvgis/annual.ply"), "{said}");
     assert_eq!(names(&made), ["golden", "pvgis", "receivers.csv", "site.helio"]);
-    assert!(bytes(&made.join("golden")) == first && first.len() == 3);
+    assert!(bytes(&made.join("golden")) == first && first.len() == 4);
     let other = RUN.replace("golden.epw", "other/golden.epw");
     folder.refused(&other, &["a.sun/golden: holds results of other weather, read from golden.epw", "--replace"]);
     assert!(bytes(&made.join("golden")) == first);
@@ -108,7 +108,17 @@ fn run_writes_the_tables_of_replay() {
     let made = folder.path("a.sun/golden");
     assert_eq!(
         names(&made),
-        ["annual.csv", "annual.ply", "days.csv", "hours.surface.parquet", "made-from.json", "months.csv"]
+        [
+            "annual.csv",
+            "annual.csv-metadata.json",
+            "annual.ply",
+            "days.csv",
+            "days.csv-metadata.json",
+            "hours.surface.parquet",
+            "made-from.json",
+            "months.csv",
+            "months.csv-metadata.json"
+        ]
     );
     for (every, name) in [("month", "months.csv"), ("day", "days.csv"), ("hour --by surface", "hours.surface.parquet")]
     {
@@ -196,7 +206,7 @@ fn how_much_is_said() {
 
     let faces: String = (0..5).map(|i| format!("v {i} 0 0\nv {i} 9 0\nv {i} 0 9\nusemtl m{i}\nf -1 -2 -3\n")).collect();
     folder.write("many.obj", &faces);
-    let about = |more: &str| good(&folder, &format!("info many.obj {more}")).1;
+    let about = |more: &str| good(&folder, &format!("info many.obj --no-ground {more}")).1;
     let short = about("");
     assert!(short.contains("how much light 5 materials reflect") && short.contains("(-v lists them)"), "{short}");
     assert_eq!((short.lines().count(), short.matches("`m").count()), (1, 0), "{short}");
@@ -221,7 +231,7 @@ fn densities_that_fit() {
     let output = folder.run("receivers a.obj --on all --spacing 1mm -o x.csv");
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("--spacing: 0.001 m would give 40404 million receivers, the limit is 100 million"), "{said}");
+    assert!(said.contains("--spacing: 0.001 m would give 40404 million receivers on 40404 m2 of surfaces, and the limit is 100 million"), "{said}");
     let proposed =
         said.split("--spacing ").nth(1).and_then(|text| text.split("m would give ").next()).expect("a spacing");
     let metres: f64 = proposed.parse().expect("a number");

@@ -123,23 +123,24 @@ fn wrong_options() {
     }
 }
 
-/// A second `run` with another turn traces again, a third with the same does not; sides of its table go by true north: a model that is turned
+/// A second `run` with another turn is refused and traces again with `--replace`, a third with the same does not; sides of its table go by true north: a model that is turned
 /// by 90 degrees has its wall towards -y in the west.
 #[test]
 fn run_again_when_turned() {
     let folder = Folder::new();
     let weather = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_3_days.epw");
-    let run = |turn: u32| {
+    let command = |turn: u32| {
         let at = format!("--latitude 39.74 --longitude -105.18 --rotate-deg {turn}");
-        let output = folder.run(&format!(
-            "run scene.obj -m materials.toml -r receivers.csv --weather {} {at} -o sun",
-            weather.display()
-        ));
+        format!("run scene.obj -m materials.toml -r receivers.csv --weather {} {at} -o sun", weather.display())
+    };
+    let run = |turn: u32| {
+        let output = folder.run(&format!("{} --replace", command(turn)));
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         stdout(&output)
     };
     let first = run(0);
     assert!(first.contains("upright, south") && !first.contains("upright, west"), "{first}");
+    folder.refused(&command(90), &["the place of the scene has changed", "--replace"]);
     let turned = run(90);
     assert!(!turned.contains("up to date"), "{turned}");
     assert!(turned.contains("upright, west") && !turned.contains("upright, south"), "{turned}");

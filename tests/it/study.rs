@@ -79,5 +79,5 @@ fn wrong_numbers() {
         folder.refused(&format!("study wall -o made {arguments}"), &parts);
     }
     assert!(!folder.path("made").exists());
-    folder.refused("study wall -o scene.obj", &["scene.obj", "cannot create the folder"]);
+    folder.refused("study wall -o scene.obj", &["scene.obj", "the output is a folder"]);
 }

@@ -166,11 +166,11 @@ fn every_file_says_what_it_is_made_of() {
     }
     let run = format!("run scene.obj -m materials.toml --weather {} --quality draft -o out", weather.display());
     assert_eq!(folder.run(&run).status.code(), Some(0));
-    for name in ["out/annual.ply", "out/annual.csv-metadata.json"] {
+    for name in ["out/golden_3_days/annual.ply", "out/golden_3_days/annual.csv-metadata.json"] {
         let text = text_of(&folder.path(name));
         assert!(text.contains("heliotile.archive_root") && text.contains("heliotile.weather_place"), "{name}");
     }
-    let head = text_of(&folder.path("out/annual.ply"));
+    let head = text_of(&folder.path("out/golden_3_days/annual.ply"));
     assert!(head.contains("\ncomment heliotile.weather golden_3_days.epw\n"));
 }
 

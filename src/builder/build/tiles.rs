@@ -35,7 +35,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::tile::sky_view_factor;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, with_list};
 
 /// A receiver that sees less sky than this and is enclosed lies inside a solid.
 const BLIND: f64 = 1e-4;
@@ -61,10 +61,10 @@ pub(super) enum Misplaced {
     Touching(String, f64),
 }
 
-/// Receivers named in one warning.
-const MOST_NAMES: usize = 200;
+/// Receivers named in the first line of a warning.
+const MOST_NAMES: usize = 3;
 
-/// One warning for each way of being misplaced, naming the receivers.
+/// One warning for each way of being misplaced, naming the receivers: more than a few in a list behind it.
 pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
     let mut inside = Vec::new();
     let mut touching = Vec::new();
@@ -76,9 +76,12 @@ pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
     }
     let say = |list: Vec<String>, one: &str, many: &str| {
         let shown = list.len().min(MOST_NAMES);
-        let rest = if list.len() > shown { format!(" and {} more", list.len() - shown) } else { String::new() };
         let (count, what) = (counted(list.len() as u64, "receiver"), if list.len() == 1 { one } else { many });
-        (shown > 0).then(|| format!("{count} {what}: {}{rest}", list[..shown].join(", ")))
+        let sentence = format!("{count} {what}: {}", list[..shown].join(", "));
+        (shown > 0).then(|| match list.len() - shown {
+            0 => sentence,
+            more => with_list(&format!("{sentence} and {more} more"), list),
+        })
     };
     [
         say(

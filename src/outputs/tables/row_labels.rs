@@ -44,7 +44,7 @@ impl RowLabels {
         RowLabels { text, instants: None }
     }
 
-    /// Moments of a local clock: a date, and minutes from its midnight to the next.
+    /// Moments of a local clock: a date, and minutes after its midnight; shifted clocks reach into the days beside it.
     pub fn moments(moments: &[(Date, f64)], offset: UtcOffset, precision: Precision) -> Self {
         let seconds = |minutes: f64| (60.0 * minutes).round() as i64;
         let odd = moments.iter().any(|(_, minutes)| seconds(*minutes) % 60 != 0);
@@ -52,7 +52,14 @@ impl RowLabels {
         let zone = offset.to_string();
         let text = |&(date, minutes): &(Date, f64)| {
             let seconds = seconds(minutes);
-            let (date, seconds) = if seconds < DAY_S { (date, seconds) } else { (date.next(), seconds - DAY_S) };
+            let days = seconds.div_euclid(DAY_S);
+            let date = match days {
+                0 => date,
+                1 => date.next(),
+                // Days of a file are few beside those of an i32.
+                days => Date::of_day_number(date.day_number() + days as i32).unwrap_or(date),
+            };
+            let seconds = seconds.rem_euclid(DAY_S);
             let Date { year, month, day } = date;
             let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
             match precision {
@@ -105,6 +112,15 @@ mod tests {
         let moments: Vec<_> =
             moments.iter().map(|((y, m, d), minutes)| (Date::new(*y, *m, *d).expect("a date"), *minutes)).collect();
         RowLabels::moments(&moments, UtcOffset::of_hours(hours), precision)
+    }
+
+    /// A clock moved by 41 minutes begins on the day before, at 23:19, and ends a row on the day after, at 00:19: text and UTC agree.
+    #[test]
+    fn moved_clocks() {
+        let found = labels(&[((2019, 1, 1), -41.0), ((2019, 1, 1), 1459.0)], 0.0, Precision::Minute);
+        assert_eq!(found.text, ["2018-12-31T23:19+00:00", "2019-01-02T00:19+00:00"]);
+        let utc = found.instants.map(|instants| instants.utc_s).unwrap_or_default();
+        assert_eq!(utc.first().zip(utc.get(1)).map(|(a, b)| b - a), Some(25 * 3600));
     }
 
     /// 06:00 in zones of +1, -7 and +5.5 h is 05:00, 13:00 and 00:30 UTC; 24:00 of 31 December is 00:00 of the new year; half minutes

@@ -81,8 +81,8 @@ mod tests {
         let mut values = TileValues::new(2, 1);
         values.component_mut(Component::Total).copy_from_slice(&[800.0, 500.0]);
         let extents = [
-            Extent { area_m2: Some(10.0), normal: DVec3::Z },
-            Extent { area_m2: Some(4.0), normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()) },
+            Extent { area_m2: Some(10.0), normal: DVec3::Z, agreement: 1.0 },
+            Extent { area_m2: Some(4.0), normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()), agreement: 1.0 },
         ];
         let columns = TileColumns::of(&values, &layout, &extents);
         assert_eq!((columns.column(0), columns.column(1)), (&[800.0, 500.0][..], &[10.0, 4.0][..]));
