@@ -25,7 +25,7 @@ pub struct ReceiversArgs {
 #[derive(Args, Clone, Debug)]
 pub struct CoverArgs {
     /// Surfaces to cover: roof, wall, window, ground, floor (what looks down), shade, all, or names of materials [default: roofs, walls
-    /// and windows, floors outdoors of an EnergyPlus model; of those what the sun may reach]
+    /// and windows, floors outdoors of a model of a building; of those what the sun may reach]
     #[arg(long, value_delimiter = ',')]
     pub on: Vec<String>,
     /// Objects of a city model to cover, by their type, such as Bridge,GenericCityObject, or all [default: buildings; any for --on

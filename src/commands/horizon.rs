@@ -15,20 +15,29 @@ struct Lost {
     all: Mean,
 }
 
+/// By area, or plain where a receiver has none.
 #[derive(Default)]
 struct Mean {
-    sum: f64,
-    weight: f64,
+    by_area: f64,
+    area_m2: f64,
+    plain: f64,
+    receivers: f64,
+    is_whole: bool,
 }
 
 impl Mean {
-    fn add(&mut self, value: f64, weight: f64) {
-        self.sum += weight * value;
-        self.weight += weight;
+    /// An area of 0 is "not given".
+    fn add(&mut self, value: f64, area_m2: f64) {
+        self.is_whole = area_m2 > 0.0 && (self.is_whole || self.receivers == 0.0);
+        self.by_area += area_m2 * value;
+        self.area_m2 += area_m2;
+        self.plain += value;
+        self.receivers += 1.0;
     }
 
     fn value(&self) -> Option<f64> {
-        (self.weight > 0.0).then(|| self.sum / self.weight)
+        let (sum, weight) = if self.is_whole { (self.by_area, self.area_m2) } else { (self.plain, self.receivers) };
+        (weight > 0.0).then(|| sum / weight)
     }
 }
 
@@ -39,11 +48,9 @@ pub fn nothing_seen(archive: &Archive) -> Result<Option<String>> {
         let table = tables::ReceiversTable::from_block(&Blocks::block(archive, format::RECEIVERS, tile)?)?;
         for ((views, normal), area) in table.views().zip(&table.normal).zip(&table.area) {
             let nothing = (1.0 - views.into_iter().map(f64::from).sum::<f64>()).max(0.0);
-            // 0 is "not given".
-            let weight = if *area > 0.0 { *area } else { 1.0 };
-            lost.all.add(nothing, weight);
+            lost.all.add(nothing, *area);
             if normal[2].abs() <= UPRIGHT {
-                lost.walls.add(nothing, weight);
+                lost.walls.add(nothing, *area);
             }
         }
     }

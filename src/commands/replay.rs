@@ -25,6 +25,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes, ConstantOrFile};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::rounded;
 use heliotile_core::weather::conditions::{Condition, Stamp};
 use heliotile_core::weather::dated::DatedRows;
@@ -63,7 +64,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     let file = read_conditions(&args.conditions)?;
     let archive = open(&args.common)?;
     file.warnings.iter().for_each(|w| warn(w));
-    if let Some(ground) = archive.manifest().ground.as_ref().filter(|_| args.common.reflectance.is_empty()) {
+    if let Some(ground) = constant_ground(&archive, &args.common.reflectance)? {
         warn(&format!(
             "`{}` reflects another share each month, and conditions have no date: the mean of the year counts, {} (or \
              --reflectance ground=...)",
@@ -91,6 +92,17 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         provenance: invocation::provenance().with("conditions", name),
     };
     run(&args.common, &archive, &series)
+}
+
+/// The ground that the archive states by month and that a query takes the mean of, if no option sets it.
+fn constant_ground<'a>(archive: &'a Archive, changed: &[(String, f64)]) -> Result<Option<&'a MonthlyGround>> {
+    let site = OpenSite::of(archive)?;
+    let Some(ground) = Changeable::of(&site, archive.manifest()).ground else { return Ok(None) };
+    let material = site.materials().iter().find(|material| material.name == ground.material);
+    let group = material.and_then(|material| material.group.as_deref());
+    let is_set =
+        changed.iter().any(|(name, _)| *name == ground.material || Some(name.as_str()) == group || name == "ground");
+    Ok(archive.manifest().ground.as_ref().filter(|_| !is_set))
 }
 
 /// `heliotile replay`.

@@ -70,7 +70,12 @@ fn check_fit(a: &Archive, b: &Archive) -> Result<()> {
         return Ok(());
     }
     let what = format!("cannot be merged with {}: {}", a.path().display(), found.join("; "));
-    Err(Error::input(b.path(), None, what, "build both from one scene, with one materials file and equal settings"))
+    Err(Error::input(
+        b.path(),
+        None,
+        what,
+        "build both from one scene, with one materials file, one place and equal settings",
+    ))
 }
 
 fn both<'a, L: Layers + 'a>(
@@ -166,7 +171,5 @@ fn stated(a: &Manifest, b: &Manifest) -> Manifest {
     stated.scene.degenerate_dropped = a.scene.degenerate_dropped.max(b.scene.degenerate_dropped);
     let accuracy = |of: &Manifest| of.accuracy.clone().map(Accuracy::without_tiles);
     stated.accuracy = accuracy(a).filter(|same| accuracy(b).as_ref() == Some(same));
-    // One of the two may be of files that did not say it.
-    stated.place = a.place.or(b.place).filter(|place| b.place.is_none_or(|other| other == *place));
     stated
 }

@@ -227,7 +227,7 @@ impl Row<'_> {
         let azimuth_deg = self.number(azimuth_name, azimuth)?;
         if !(-360.0..=360.0).contains(&azimuth_deg) {
             let why = "not from -360 to 360";
-            return Err(self.rows.cell_error(azimuth_name, azimuth, why, "degrees clockwise from north, 180 is south"));
+            return Err(self.rows.cell_error(azimuth_name, azimuth, why, "degrees clockwise from y, 180 is south"));
         }
         // Up is exactly up, whatever the azimuth.
         let level = if tilt_deg == 0.0 || tilt_deg == 180.0 { 0.0 } else { tilt_deg.to_radians().sin() };

@@ -25,7 +25,7 @@ const THIN_M: f64 = 1e-3;
 const NO_SURFACE_M2: f64 = 1e-6;
 
 /// What a surface is: by what its file says of it, else by its material's class and where it looks: up to 60 degrees of tilt is a roof,
-/// within 30 degrees of the vertical a wall. Names of materials say nothing.
+/// within 30 degrees of the vertical a wall. Names of materials say nothing, but for the class, which goes by them where nobody states it.
 fn kind_of(stated: Option<SurfaceKind>, material: &Material, up: f64) -> SurfaceKind {
     match stated {
         // The underside of an eave is a part of the roof to a city model, and gets what a floor gets.

@@ -48,7 +48,7 @@ fn highest_foot(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32],
     feet.get(((1.0 - LEFT_OUT) * feet.len() as f64).ceil() as usize - usize::from(!feet.is_empty())).copied()
 }
 
-/// What is said of an assumed plane: the first line in short.
+/// What is said of an assumed plane.
 pub(crate) fn warning(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32], plane_m: f64) -> String {
     let slope = match highest_foot(positions, triangles, objects, plane_m) {
         Some(foot) if foot > SLOPE_M => {
@@ -57,9 +57,8 @@ pub(crate) fn warning(positions: &[DVec3], triangles: &[RawTriangle], objects: &
         _ => String::new(),
     };
     format!(
-        "the scene has no ground: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} (--no-ground: none)\n\
-         another one: a table [endless_ground] with `diffuse` and `elevation` in --materials materials.toml; a material of the scene is \
-         ground by its name or by `class = \"ground\"`",
+        "the scene has no ground: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} (--no-ground: none; \
+         [endless_ground] in --materials: another)",
         plane_m + BELOW_M
     )
 }
