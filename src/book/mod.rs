@@ -1,6 +1,9 @@
 //! The book: what README summarises, a topic a page. The pages are plain files in `src/book`, too.
 #![doc = include_str!("README.md")]
 
+#[doc = include_str!("first-hour.md")]
+pub mod first_hour {}
+
 #[doc = include_str!("scenes.md")]
 pub mod scenes {}
 

@@ -24,10 +24,10 @@ const MONTHS: [&str; 12] = [
     "december_ground_reflectance",
 ];
 
-/// Reads the ground of a model. The plane lies as low as what is outdoors, but not below z = 0, which EnergyPlus takes for the ground:
-/// deeper walls are those of basements.
+/// Reads the ground of a model. The plane lies as low as what the sun may reach, so that nothing of it is buried: EnergyPlus buries
+/// nothing.
 pub(super) fn read(model: &Model, file: &Path, lowest_m: Option<f64>, notes: &mut Notes) -> Result<ModelGround> {
-    let mut ground = ModelGround::usual(lowest_m.unwrap_or(0.0).max(0.0));
+    let mut ground = ModelGround::usual(lowest_m.unwrap_or(0.0));
     if let Some(stated) = model.of("Site:GroundReflectance").next() {
         ground.stated = true;
         for (value, key) in ground.reflectance.iter_mut().zip(MONTHS) {

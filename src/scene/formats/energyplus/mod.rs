@@ -70,7 +70,8 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
             note.building.clone_from(&building.name);
         }
     }
-    let shades = geometry.vertices.iter().skip(hull).map(|p| p.z);
+    // What shades may stand in a pit; what the sun reaches does not stand in the ground.
+    let shades = geometry.vertices.iter().skip(hull).map(|p| p.z.max(0.0));
     let lowest_m = surfaces.outdoors().chain(shades).reduce(f64::min);
     geometry.ground = Some(ground::read(model, file, lowest_m, &mut notes)?);
     notes.say(file, &mut geometry.warnings);

@@ -217,9 +217,9 @@ impl<'m> Surfaces<'m> {
         }
     }
 
-    /// Heights of the corners of walls, roofs and openings that face outdoors.
+    /// Heights of the corners of walls, roofs and openings that the sun may reach.
     pub(super) fn outdoors(&self) -> impl Iterator<Item = f64> {
-        let outdoors = self.list.iter().filter(|surface| surface.behind == Behind::Outdoors);
+        let outdoors = self.list.iter().filter(|surface| surface.exposed);
         outdoors.flat_map(|surface| &surface.vertices).map(|p| p.z)
     }
 

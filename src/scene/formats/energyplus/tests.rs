@@ -293,8 +293,8 @@ fn glazed_shades() {
     );
 }
 
-/// The ground of five models lies at the lowest outdoor corner but not below 0: at 1.5, at 0 under a deeper wall, at 1 where a shade hangs lower;
-/// a wall to the ground does not count. It reflects 0.2, or what January to December say, 1.5 times that under snow; 1.4 counts as 1, -2 as 0.
+/// The ground of seven models lies at the lowest corner that the sun may reach: at 1.5, at -3 under a deeper wall but not under one without
+/// sun, at 1 where a shade hangs lower and at 0 where it hangs in a pit; a wall to the ground does not count. It reflects 0.2, or what January to December say, 1.5 times that under snow; 1.4 counts as 1, -2 as 0.
 #[test]
 fn ground() {
     let wall = |behind: &str, low: f64| {
@@ -306,7 +306,9 @@ fn ground() {
     let shade = "Shading:Site:Detailed,S,,3, 0,9,1, 1,9,1, 1,9,2;";
     for (text, elevation_m) in [
         (wall("Outdoors", 1.5), 1.5),
-        (wall("Outdoors", -3.0), 0.0),
+        (wall("Outdoors", -3.0), -3.0),
+        (wall("Outdoors", -3.0).replace("Outdoors,,,", "Outdoors,,NoSun,"), 0.0),
+        (wall("Outdoors", 1.5) + &shade.replace(",1,", ",-1,"), 0.0),
         (wall("Outdoors", 1.5) + shade, 1.0),
         (wall("Ground", 0.5) + shade, 1.0),
         (wall("Ground", 2.0), 0.0),
