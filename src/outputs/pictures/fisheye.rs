@@ -99,13 +99,15 @@ fn colour(view: &ReceiverView, frame: &Frame, direction: DVec3) -> Rgb {
     if view.sky.get(column, row) {
         return SKY;
     }
-    // The hit texture is coarse: a texel at the edge of the sky may hold the sky, its neighbours hold what is seen.
+    // The hit texture is coarse: a texel at the edge of the sky may hold the sky, the nearest that does not holds what is seen.
     let n = view.texels.len().isqrt();
     let (column, row) = texel_of(local, n);
-    let near = |at: usize| at.saturating_sub(1)..(at + 2).min(n);
-    let around = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
-    let mut texels = std::iter::once(row * n + column).chain(around);
-    match texels.find_map(|texel| view.class(texel).map(|class| (class, view.is_mirror(texel)))) {
+    let seen = |far: usize| {
+        let near = |at: usize| at.saturating_sub(far)..(at + far + 1).min(n);
+        let mut around = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
+        around.find_map(|texel| view.class(texel).map(|class| (class, view.is_mirror(texel))))
+    };
+    match (0..n).find_map(seen) {
         Some((_, true)) => MIRROR,
         Some((Class::Ground, _)) => GROUND,
         _ => OBSTRUCTION,
