@@ -150,7 +150,25 @@ fn found_shift() {
     let late = at_nice(&sky(27.5)).expect("valid").report;
     assert!(late.warnings.iter().any(|w| w.contains("--shift 20min")), "{:?}", late.warnings);
     assert!(late.closure.expect("rows").rmse_w_m2 > 15.0);
-    let auto = read(&sky(27.5), &WeatherOptions { shift: TimeShift::Auto, ..AT_NICE }).expect("valid").report;
+    // A longitude 5 degrees on, or a clock 20 minutes back; the second is no way out where stamps say their zone.
+    let ways = |text: &str| {
+        let said = at_nice(text).expect("valid").report.warnings.join("\n");
+        ["a longitude of 12.3", "a time zone of 0.67", "time zone, longitude"].map(|way| said.contains(way))
+    };
+    assert_eq!(ways(&sky(27.5)), [true; 3]);
+    assert_eq!(
+        ways(
+            &sky(27.5)
+                .replace(":00,", ":00+01:00,")
+                .replace(":15,", ":15+01:00,")
+                .replace(":30,", ":30+01:00,")
+                .replace(":45,", ":45+01:00,")
+        ),
+        [true, false, false]
+    );
+    let auto = read(&sky(27.5), &WeatherOptions { shift: TimeShift::Auto, ..AT_NICE }).expect("valid");
+    assert_eq!(auto.moved_min, 20.0);
+    let auto = auto.report;
     assert!(auto.closure.expect("rows").rmse_w_m2 < 0.2, "{:?}", auto.closure);
     assert!(auto.warnings[0].contains("moved by 20 min"), "{:?}", auto.warnings);
     let end = read(&sky(-7.5), &WeatherOptions { stamped_at: Some(StampedAt::End), ..AT_NICE }).expect("valid").report;
