@@ -20,13 +20,14 @@ use std::str::FromStr;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use glam::DVec3;
 
-use crate::outputs::periods::{Every, StampAt};
+use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{ConstantOrFile, Snow};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 
@@ -232,9 +233,10 @@ pub struct ReplayArgs {
     /// Rows: means in W/m2, or sums in kWh/m2
     #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
     pub every: Every,
-    /// Which moment of its interval a row of means is labelled with; sums are labelled with the start of their period
-    #[arg(long, value_parser = choice::<StampAt>(), default_value = "start")]
-    pub stamp: StampAt,
+    /// Which moment of its interval a row of means is labelled with, 06:00, 06:30 or 07:00 for the hour from 06:00 to 07:00 (the last hour of
+    /// a day ends at 00:00 of the next); sums are labelled with the start of their period
+    #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
+    pub stamp: StampedAt,
     /// Put all rows into one year, such as 2019: a typical year, whose months come from different ones, or any other. Dates of results
     /// change, the sun stays that of the file's dates; 29 February is left out where the year has none. Years of --from and --to are then
     /// this year

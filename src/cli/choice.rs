@@ -5,7 +5,7 @@ use heliotile_core::archive::Access;
 use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::weather::options::StampedAt;
 
-use crate::outputs::periods::{Every, StampAt};
+use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -39,9 +39,9 @@ impl NamedValues for Access {
 
 impl NamedValues for StampedAt {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("start", "The interval starts there", StampedAt::Start),
-        ("middle", "It is the middle of the interval, or the moment that the values are of", StampedAt::Middle),
-        ("end", "The interval ends there", StampedAt::End),
+        (StampedAt::Start.name(), "The interval starts there", StampedAt::Start),
+        (StampedAt::Middle.name(), "It is the middle of the interval", StampedAt::Middle),
+        (StampedAt::End.name(), "The interval ends there", StampedAt::End),
     ];
 }
 
@@ -89,13 +89,5 @@ impl NamedValues for Every {
         ("month", "", Every::Month),
         ("year", "", Every::Year),
         ("total", "One sum over all that is taken of the file", Every::Total),
-    ];
-}
-
-impl NamedValues for StampAt {
-    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        (StampAt::Start.name(), "06:00 for the hour from 06:00 to 07:00", StampAt::Start),
-        (StampAt::Middle.name(), "06:30", StampAt::Middle),
-        (StampAt::End.name(), "07:00; the last hour of a day gets 00:00 of the next day", StampAt::End),
     ];
 }

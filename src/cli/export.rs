@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::choice::choice;
+use super::scene::parse_latitude;
 use super::weather::parse_time_zone;
 use clap::{ArgGroup, Args};
 use glam::DVec3;
@@ -65,14 +66,15 @@ pub struct ExportArgs {
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
     pub bounces: MaxBounces,
-    /// Draw the sun's paths over the place of a weather file into a .png; hours are those of its clock
+    /// Draw the sun's paths over the place of a weather file into a .png, over the archive's if the file says none; hours are those of its
+    /// clock
     #[arg(long, short, value_name = "FILE", conflicts_with = "latitude")]
     pub weather: Option<PathBuf>,
     /// Time zone of the weather file's clock, such as +01:00, -7 or UTC, in place of its own
     #[arg(long, value_name = "ZONE", requires = "weather", allow_hyphen_values = true, value_parser = parse_time_zone)]
     pub time_zone: Option<f64>,
     /// Draw them over a latitude, degrees, north positive; hours are mean solar time
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_latitude)]
     pub latitude: Option<f64>,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]

@@ -109,13 +109,13 @@ fn parse_number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| format!("`{text}` is not a number"))
 }
 
-fn parse_latitude(text: &str) -> Result<f64, String> {
+pub(super) fn parse_latitude(text: &str) -> Result<f64, String> {
     let degrees = parse_number(text)?;
     let hint = "give degrees from -90 to 90, north positive";
     if (-90.0..=90.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }
 }
 
-fn parse_longitude(text: &str) -> Result<f64, String> {
+pub(super) fn parse_longitude(text: &str) -> Result<f64, String> {
     let degrees = parse_number(text)?;
     let hint = "give degrees from -180 to 180, east positive";
     if (-180.0..=180.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }

@@ -5,6 +5,7 @@ use std::fmt;
 use clap::Args;
 
 use super::choice::choice;
+use super::scene::{parse_latitude, parse_longitude};
 use heliotile_core::weather::options::{StampedAt, TimeShift, WeatherOptions, parse_zone};
 
 /// Where a weather file was measured and how it reads the clock, for commands that know no scene.
@@ -12,10 +13,10 @@ use heliotile_core::weather::options::{StampedAt, TimeShift, WeatherOptions, par
 #[command(next_help_heading = "About the weather file")]
 pub struct WeatherArgs {
     /// Latitude of the weather file, north positive, in place of its own [default for files without: the place of the scene]
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = parse_latitude)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_latitude)]
     pub latitude: Option<f64>,
     /// Its longitude, east positive
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = parse_longitude)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_longitude)]
     pub longitude: Option<f64>,
     #[command(flatten)]
     pub clock: ClockArgs,
@@ -32,7 +33,7 @@ pub struct ClockArgs {
     /// Move its time stamps, such as 41min, -30min or 0.5h; `auto` takes what fits GHI, DNI and DHI best if it fits clearly better
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub shift: Option<TimeShift>,
-    /// Where in its interval a time stamp stands [default: what the format says; start for plain CSV]
+    /// Where in its interval a time stamp stands, in the middle for values at one moment [default: what the format says; start for plain CSV]
     #[arg(long, value_parser = choice::<StampedAt>())]
     pub weather_stamp: Option<StampedAt>,
 }
@@ -69,26 +70,9 @@ impl fmt::Display for ClockArgs {
             None => {}
         }
         match self.weather_stamp {
-            Some(StampedAt::Start) => write!(f, " --weather-stamp start"),
-            Some(StampedAt::Middle) => write!(f, " --weather-stamp middle"),
-            Some(StampedAt::End) => write!(f, " --weather-stamp end"),
+            Some(at) => write!(f, " --weather-stamp {}", at.name()),
             None => Ok(()),
         }
-    }
-}
-
-fn parse_latitude(text: &str) -> Result<f64, String> {
-    parse_degrees(text, 90.0)
-}
-
-fn parse_longitude(text: &str) -> Result<f64, String> {
-    parse_degrees(text, 180.0)
-}
-
-fn parse_degrees(text: &str, most: f64) -> Result<f64, String> {
-    match text.parse() {
-        Ok(degrees) if (-most..=most).contains(&degrees) => Ok(degrees),
-        _ => Err(format!("give degrees from -{most} to {most}")),
     }
 }
 

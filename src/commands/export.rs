@@ -144,7 +144,15 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
             let options = WeatherOptions { zone_hours: args.time_zone, ..WeatherOptions::default() };
-            let mut place = || Ok(Archive::open_with(&args.archive, args.io)?.manifest().place);
+            let mut place = || match Archive::open_with(&args.archive, args.io)?.manifest().place {
+                None => {
+                    let what = "does not say where it is from, nor does the archive say where it lies";
+                    let hint = "draw the paths over a latitude in place of the file, such as --latitude 52, or build the archive of a \
+                                scene with a place";
+                    Err(Error::input(file, None, what, hint))
+                }
+                place => Ok(place),
+            };
             let weather = read_weather_as(file, &options, &mut place)?;
             provenance = provenance.with_weather(file, &weather);
             // Names are filled up with blanks in some files.
@@ -153,7 +161,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
             Some((SunPath::of(&weather.site), format!("{place}, hours of UTC{zone:+}")))
         }
         (None, Some(latitude)) => {
-            let refuse = |what| Error::input(&args.output, None, what, "give --latitude in degrees, north positive");
+            let refuse = |what| Error::argument("--latitude", what, "give degrees, north positive");
             let site = Location::new(latitude, 0.0, 0.0, 0.0).map_err(refuse)?;
             Some((SunPath::of(&site), format!("latitude {latitude}\u{b0}, hours of mean solar time")))
         }

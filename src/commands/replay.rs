@@ -10,7 +10,7 @@ use super::{Outcome, guard_output, invocation, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather_as};
 use crate::outputs::groups::{GroupMeans, Groups};
-use crate::outputs::periods::{ClockReading, Every, Periods, StampAt};
+use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
@@ -30,6 +30,7 @@ use heliotile_core::site::material::rounded;
 use heliotile_core::weather::conditions::{Condition, Stamp};
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::distance::far_apart;
+use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::row::WeatherRow;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::Span;
@@ -173,7 +174,7 @@ pub(super) fn replay_rows(
         Every::Hour => {
             provenance.with("stamp", args.stamp.name()).with("interval_minutes", 60.0 * weather.interval_hours)
         }
-        _ => provenance.with("stamp", StampAt::Start.name()),
+        _ => provenance.with("stamp", StampedAt::Start.name()),
     };
     let series =
         Series { conditions: &conditions, kind, labels: periods.labels, bins: &bins, changes, rows, provenance };

@@ -63,8 +63,14 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     nothing_seen(&archive)?.iter().for_each(|lost| warn(lost));
     interrupt::stop_if_requested("after site.helio was complete")?;
     files.claim(&archive, &weather, args)?;
-    let rows = annual(&archive, &weather, MemoryBudget::new(args.memory.0))?;
-    let about = invocation::provenance().with_archive(&files.archive, &archive).with_weather(&args.weather, &weather);
+    let settings = &archive.manifest().settings;
+    let steps = weather.steps_of(settings.steps());
+    let rows = annual(&archive, &weather, steps, MemoryBudget::new(args.memory.0))?;
+    let about = invocation::provenance()
+        .with_archive(&files.archive, &archive)
+        .with_weather(&args.weather, &weather)
+        .with_option("steps", steps)
+        .with_option("patches", settings.patches());
     let north = North::of(archive.manifest().place.as_ref());
     write_table(Sink::file(&files.table)?, &rows, north, &about)?;
     write_map(&files.map, &rows, covered.as_ref(), &about)?;
@@ -124,10 +130,10 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene, covered: Option<&Cov
     Archive::open_with(&files.archive, Access::Read)
 }
 
-/// Sums over the weather file of all receivers, in the archive's order.
-fn annual(archive: &Archive, weather: &Weather, memory: MemoryBudget) -> Result<Vec<AnnualRow>> {
+/// Sums over the weather file of all receivers, in the archive's order, with so many positions of the sun in each interval.
+fn annual(archive: &Archive, weather: &Weather, steps: usize, memory: MemoryBudget) -> Result<Vec<AnnualRow>> {
     let site = OpenSite::of(archive)?;
-    let conditions = weather.conditions(weather.steps_of(archive.manifest().settings.steps()));
+    let conditions = weather.conditions(steps);
     let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
     let stamps: Vec<_> = conditions.iter().filter_map(|condition| condition.stamp).collect();
     let bins = Periods::new(Every::Total, years, &stamps, ClockReading::default()).bins();

@@ -7,6 +7,7 @@ use crate::outputs::tables::row_labels::{Precision, RowLabels};
 use heliotile_core::error::Error;
 use heliotile_core::units::kwh_from_w;
 use heliotile_core::weather::conditions::Stamp;
+use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::time::bins::Bins;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
@@ -45,44 +46,14 @@ impl FromStr for Every {
     }
 }
 
-/// Which moment of its interval a row of means is labelled with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StampAt {
-    /// 06:00 for 06:00 to 07:00
-    #[default]
-    Start,
-    /// 06:30
-    Middle,
-    /// 07:00; the last hour of a day gets 00:00 of the next
-    End,
-}
-
-impl StampAt {
-    pub const fn name(self) -> &'static str {
-        match self {
-            StampAt::Start => "start",
-            StampAt::Middle => "middle",
-            StampAt::End => "end",
-        }
-    }
-
-    /// Minutes after the midnight before an interval.
-    fn minutes(self, stamp: &Stamp) -> f64 {
-        let share = match self {
-            StampAt::Start => 0.0,
-            StampAt::Middle => 0.5,
-            StampAt::End => 1.0,
-        };
-        stamp.start_min + share * 60.0 * stamp.hours
-    }
-}
-
 /// How moments are told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClockReading {
     /// Of the weather file's clock.
     pub offset: UtcOffset,
-    pub at: StampAt,
+    /// Which moment of its interval a row of means is labelled with: 06:00, 06:30 or 07:00 for 06:00 to 07:00; the end of a day's last hour is
+    /// 00:00 of the next day.
+    pub at: StampedAt,
 }
 
 /// The periods of a series, in order of first appearance.
@@ -116,7 +87,7 @@ impl Periods {
             };
             if place == next {
                 starts.push(match every {
-                    Every::Hour => (stamp.date, clock.at.minutes(stamp)),
+                    Every::Hour => (stamp.date, stamp.start_min + clock.at.share_before() * 60.0 * stamp.hours),
                     Every::Day | Every::Total => (stamp.date, 0.0),
                     Every::Month => (Date { day: 1, ..stamp.date }, 0.0),
                     Every::Year => (Date { month: 1, day: 1, ..stamp.date }, 0.0),
@@ -163,12 +134,12 @@ mod tests {
         days.iter().map(stamp).collect()
     }
 
-    fn in_zone(hours: f64, at: StampAt) -> ClockReading {
+    fn in_zone(hours: f64, at: StampedAt) -> ClockReading {
         ClockReading { offset: UtcOffset::of_hours(hours), at }
     }
 
     fn periods(every: Every, stamps: &[Stamp]) -> Periods {
-        Periods::new(every, Years::of(stamps.iter().map(|stamp| stamp.date)), stamps, in_zone(1.0, StampAt::Start))
+        Periods::new(every, Years::of(stamps.iter().map(|stamp| stamp.date)), stamps, in_zone(1.0, StampedAt::Start))
     }
 
     /// The last hour of 31 December from 23:00 on is 23:00, 23:30 and 00:00 of the new year by its start, middle and end; a quarter of an hour
@@ -177,9 +148,9 @@ mod tests {
     fn stamps() {
         let last = series(&[(2019, 12, 31)]);
         for (at, text, utc_s) in [
-            (StampAt::Start, "2019-12-31T23:00+01:00", 1_577_829_600),
-            (StampAt::Middle, "2019-12-31T23:30+01:00", 1_577_831_400),
-            (StampAt::End, "2020-01-01T00:00+01:00", 1_577_833_200),
+            (StampedAt::Start, "2019-12-31T23:00+01:00", 1_577_829_600),
+            (StampedAt::Middle, "2019-12-31T23:30+01:00", 1_577_831_400),
+            (StampedAt::End, "2020-01-01T00:00+01:00", 1_577_833_200),
         ] {
             let labels = Periods::new(Every::Hour, Years::One, &last, in_zone(1.0, at)).labels;
             assert_eq!((labels.text[0].as_str(), labels.instants.map(|i| i.utc_s)), (text, Some(vec![utc_s])));
@@ -190,7 +161,7 @@ mod tests {
             );
         }
         let quarter = [Stamp { start_min: 0.0, hours: 0.25, ..last[0] }];
-        let labels = Periods::new(Every::Hour, Years::One, &quarter, in_zone(-3.5, StampAt::Middle)).labels;
+        let labels = Periods::new(Every::Hour, Years::One, &quarter, in_zone(-3.5, StampedAt::Middle)).labels;
         assert_eq!(labels.text, ["2019-12-31T00:07:30-03:30"]);
     }
 

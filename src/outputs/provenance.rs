@@ -45,8 +45,11 @@ impl Provenance {
         self.with("archive", file_name(path)).with("archive_root", format::hex(&archive.root()))
     }
 
-    /// The weather's file name, place and clock.
-    pub fn with_weather(self, path: &Path, weather: &Weather) -> Self {
+    /// The weather's file name, place and clock; the option `shift` is how far its time stamps were moved, also where that was found.
+    pub fn with_weather(mut self, path: &Path, weather: &Weather) -> Self {
+        if let Some(shift) = self.options.get_mut("shift") {
+            *shift = format!("{}min", weather.moved_min).into();
+        }
         // Names are filled up with blanks in some files.
         let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
         self.with("weather", file_name(path))

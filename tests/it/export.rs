@@ -365,11 +365,13 @@ fn view_factors_and_pictures() {
     }
 }
 
-/// 16 wrong requests end with exit code 2 and what to do; nothing is written.
+/// 18 wrong requests end with exit code 2 and what to do; nothing is written.
 #[test]
 fn wrong_requests() {
     let folder = Folder::new();
     folder.build();
+    fs::write(folder.path("nowhere.csv"), "time,dni,dhi\n2021-06-21T11:00,1,1\n2021-06-21T12:00,1,1\n")
+        .expect("written");
     for (arguments, parts) in [
         ("-r rof -o r.exr", ["no receiver `rof`", "such as roof"]),
         ("-r r -o r.jpg", ["`r.jpg`", ".exr"]),
@@ -385,8 +387,10 @@ fn wrong_requests() {
         ("-r roof --sun 180 -o r.exr", ["azimuth,altitude", "180,45"]),
         ("-r roof --dni 800 -o r.exr", ["--sun", "AZIMUTH"]),
         ("-r roof --sun 1,2 --dni -5 -o r.exr", ["-5", "W/M2"]),
-        ("-r roof --latitude 91 -o r.png", ["latitude is 91", "-90 to 90"]),
+        ("-r roof --latitude 91 -o r.png", ["--latitude", "-90 to 90"]),
         ("-r roof --latitude 51 -o r.exr", ["--latitude", ".png"]),
+        ("-r roof --latitude -o r.png", ["--latitude", "DEGREES"]),
+        ("-r roof --weather nowhere.csv --time-zone UTC -o r.png", ["nor does the archive", "--latitude 52"]),
     ] {
         folder.refused(&format!("export site.helio {arguments}"), &parts);
     }

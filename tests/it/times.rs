@@ -172,6 +172,14 @@ fn every_file_says_what_it_is_made_of() {
     }
     let head = text_of(&folder.path("out/golden_3_days/annual.ply"));
     assert!(head.contains("\ncomment heliotile.weather golden_3_days.epw\n"));
+    // As `replay` has them: what a draft resolves them to.
+    let options = head.lines().find(|line| line.starts_with("comment heliotile.options")).unwrap_or_default();
+    assert!(options.contains("\"patches\":145") && options.contains("\"steps\":6"), "{options}");
+    // What was found in place of how it was asked for.
+    let moved = format!("replay site.helio --weather {} --shift auto -o m.csv", data("pvgis_4_days.epw").display());
+    assert_eq!(folder.run(&moved).status.code(), Some(0));
+    let about = text_of(&folder.path("m.csv-metadata.json"));
+    assert!(about.contains("40min"), "{about}");
 }
 
 /// The file beside a CSV file replaces no input: of a query and of an export, 2 of 2 are refused, and nothing lies beside the

@@ -98,8 +98,9 @@ impl Closure {
         self.best_rmse_w_m2 <= LARGEST_SHARE * self.sunless_rmse_w_m2
     }
 
-    /// A sentence if another time fits better, or if none fits. `moved_min`: how far time stamps were moved already.
-    pub fn warning(&self, site: &Location, moved_min: f64) -> Option<String> {
+    /// A sentence if another time fits better, or if none fits. `moved_min`: how far time stamps were moved already; `zone_is_certain`: the
+    /// time stamps say their zone, so that another one would move days and no sun.
+    pub fn warning(&self, site: &Location, moved_min: f64, zone_is_certain: bool) -> Option<String> {
         let Closure { rmse_w_m2, best_rmse_w_m2, sunless_rmse_w_m2, .. } = *self;
         if !self.fits_somewhere() {
             return Some(format!(
@@ -116,10 +117,14 @@ impl Closure {
             // Binary fractions of tenths are not worth printing.
             let whole_shift = ((moved_min + shift_min) * 1e3).round() / 1e3;
             let done = if moved_min == 0.0 { "Nothing was shifted".into() } else { format!("With {moved_min}min it is not mended") };
+            let (suspects, so_does) = match zone_is_certain {
+                true => ("longitude", String::new()),
+                false => ("time zone, longitude", format!(" a time zone of {zone:.2} or")),
+            };
             format!(
                 "GHI = DHI + DNI cos(z) fits best with the sun {} min {} mid-interval ({best_rmse_w_m2:.1} W/m2 RMSE against \
-                 {rmse_w_m2:.1} at mid-interval): time zone, longitude or time stamps look wrong. {done}; --shift {whole_shift}min puts \
-                 the sun there, and so does a time zone of {zone:.2} or a longitude of {longitude:.1}",
+                 {rmse_w_m2:.1} at mid-interval): {suspects} or time stamps look wrong. {done}; --shift {whole_shift}min puts \
+                 the sun there, and so does{so_does} a longitude of {longitude:.1}",
                 shift_min.abs(),
                 if shift_min < 0.0 { "before" } else { "after" },
             )

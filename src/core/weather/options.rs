@@ -19,10 +19,11 @@ pub struct WeatherOptions {
     pub with_air: bool,
 }
 
-/// Where in its interval the time stamp of a row stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Where in its interval the time stamp of a row stands, in weather files and in results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StampedAt {
     /// The interval starts there.
+    #[default]
     Start,
     /// It is the middle of the interval; values at one moment are taken for means around it.
     Middle,
@@ -31,6 +32,15 @@ pub enum StampedAt {
 }
 
 impl StampedAt {
+    /// As it is written on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            StampedAt::Start => "start",
+            StampedAt::Middle => "middle",
+            StampedAt::End => "end",
+        }
+    }
+
     /// Share of the interval that lies before the stamp.
     pub fn share_before(self) -> f64 {
         match self {

@@ -39,6 +39,8 @@ pub struct Weather {
     pub air: Vec<Air>,
     /// Length of every row's interval.
     pub interval_hours: f64,
+    /// How far the user had its time stamps moved, minutes, later if positive: what was asked for, or found.
+    pub moved_min: f64,
     /// What was odd about it.
     pub report: WeatherReport,
 }
@@ -102,6 +104,7 @@ mod tests {
             rows,
             air: Vec::new(),
             interval_hours: 1.0,
+            moved_min: 0.0,
             report: WeatherReport::default(),
         }
     }

@@ -113,24 +113,30 @@ impl Span {
         if chosen.contains(&true) {
             return Ok(chosen);
         }
-        let label = |row: Option<&Interval>, minutes: fn(&Interval) -> f64| {
-            row.map_or_else(String::new, |row| row.date.label(minutes(row) as u32))
-        };
-        let (first, last) = (label(rows.first(), |i| i.start_min), label(rows.last(), |i| i.end_min));
+        let label =
+            |moment: Option<(Date, f64)>| moment.map_or_else(String::new, |(date, minutes)| date.label(minutes as u32));
+        let (first, last) = (label(rows.first().map(Interval::start)), label(rows.last().map(Interval::end)));
         let what = format!("holds {first} to {last}, nothing {self}");
         Err(Error::input(file, None, what, "choose a part of the file"))
     }
 
     fn contains(&self, interval: &Interval) -> bool {
-        let Date { year, month, day } = interval.date;
-        let at = |moment: Option<Moment>, minutes: f64| {
-            (moment.and_then(|m| m.year).map_or(0, |_| year), month, day, minutes)
+        let (start, end) = (interval.start(), interval.end());
+        // Whole days compare with the day that the interval counts to, times with when it really was.
+        let place = |moment: Moment, (date, minutes): (Date, f64)| {
+            let Date { year, month, day } = if moment.minutes.is_some() { date } else { interval.date };
+            (moment.year.map_or(0, |_| year), month, day, minutes)
         };
-        let after = self.from.is_none_or(|from| at(self.from, interval.start_min) >= from.start());
-        let before = self.to.is_none_or(|to| at(self.to, interval.end_min) <= to.end());
-        match (self.from, self.to) {
-            (Some(from), Some(to)) if from.start() > to.end() => after || before,
-            _ => after && before,
+        let (Some(from), Some(to)) = (self.from, self.to) else {
+            return self.from.is_none_or(|from| place(from, start) >= from.start())
+                && self.to.is_none_or(|to| place(to, end) <= to.end());
+        };
+        // Both of both: over the new year an interval may start late in a year and end early in one.
+        let after = |moment| place(from, moment) >= from.start();
+        let before = |moment| place(to, moment) <= to.end();
+        match from.start() > to.end() {
+            true => (after(start) || before(end)) && (after(start) || before(start)) && (after(end) || before(end)),
+            false => after(start) && before(start) && after(end) && before(end),
         }
     }
 }
@@ -205,6 +211,48 @@ mod tests {
                 }
                 _ => assert_eq!(chosen.expect("rows").iter().filter(|c| **c).count(), hours, "{from} {to}"),
             }
+        }
+    }
+
+    /// A day of hours that begin 41 minutes before the clock's, or 30 after, and so reach over midnight: times take those that were within them
+    /// whole, days the 24 that count to them, also at the new year; the message names when the file really begins and ends.
+    #[test]
+    fn shifted_hours() {
+        let moved = |days: &[(i32, u32, u32)], minutes: f64| {
+            let shifted =
+                |i: Interval| Interval { start_min: i.start_min + minutes, end_min: i.end_min + minutes, ..i };
+            hours_of(days).into_iter().map(shifted).collect::<Vec<_>>()
+        };
+        let may = [(2019, 5, 1), (2019, 5, 2)];
+        let new_year = [(2018, 12, 31), (2019, 1, 1)];
+        for (days, minutes, from, to, hours) in [
+            (may, -41.0, "2019-05-02", "2019-05-02", 24),
+            (may, -41.0, "2019-05-02T00:00", "2019-05-02T24:00", 23),
+            (may, -41.0, "2019-05-01T23:00", "2019-05-02T00:30", 1),
+            (may, -41.0, "05-01T23:19", "05-02T00:19", 1),
+            (may, 30.0, "2019-05-01T23:00", "2019-05-02T01:30", 2),
+            (may, 30.0, "2019-05-02T00:00", "", 24),
+            (may, 30.0, "", "05-02T00:00", 23),
+            (may, 30.0, "", "05-01", 24),
+            (new_year, -41.0, "2019-01-01T00:00", "2019-01-01T12:00", 11),
+            (new_year, -41.0, "01-01T00:00", "01-01T12:00", 11),
+            (new_year, -41.0, "01-01", "01-01", 24),
+            (new_year, -41.0, "12-31T23:00", "01-01T00:30", 1),
+            (new_year, -41.0, "12-31T23:30", "01-01T00:30", 0),
+            (new_year, -41.0, "12-31", "01-01", 48),
+            (new_year, -41.0, "01-01T00:00", "12-31T24:00", 48),
+        ] {
+            let chosen = span(from, to).expect("a span").rows_of(&moved(&days, minutes), Path::new("w.epw"));
+            let found = chosen.map_or(0, |chosen| chosen.iter().filter(|chosen| **chosen).count());
+            assert_eq!(found, hours, "{minutes} {from} {to}");
+        }
+        let of_june = span("06-01", "06-30").expect("a span");
+        for (minutes, said) in [
+            (-41.0, "holds 2019-04-30T23:19 to 2019-05-02T23:19, nothing"),
+            (30.0, "holds 2019-05-01T00:30 to 2019-05-03T00:30, nothing"),
+        ] {
+            let text = of_june.rows_of(&moved(&may, minutes), Path::new("w.epw")).expect_err("May").to_string();
+            assert!(text.contains(said), "{text}");
         }
     }
 

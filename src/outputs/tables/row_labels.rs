@@ -51,16 +51,8 @@ impl RowLabels {
         let precision = if odd && precision == Precision::Minute { Precision::Second } else { precision };
         let zone = offset.to_string();
         let text = |&(date, minutes): &(Date, f64)| {
+            let (Date { year, month, day }, minutes) = date.after(minutes);
             let seconds = seconds(minutes);
-            let days = seconds.div_euclid(DAY_S);
-            let date = match days {
-                0 => date,
-                1 => date.next(),
-                // Days of a file are few beside those of an i32.
-                days => Date::of_day_number(date.day_number() + days as i32).unwrap_or(date),
-            };
-            let seconds = seconds.rem_euclid(DAY_S);
-            let Date { year, month, day } = date;
             let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
             match precision {
                 Precision::Year => format!("{year:04}"),

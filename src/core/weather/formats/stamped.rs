@@ -179,5 +179,6 @@ fn date_of(seconds: i64) -> Option<Date> {
 }
 
 fn label(seconds: i64) -> String {
-    date_of(seconds).map_or_else(String::new, |date| date.label(seconds.rem_euclid(DAY_S) as u32 / 60))
+    let (date, minutes) = Date::OF_DAY_0.after(seconds as f64 / 60.0);
+    date.label(minutes as u32)
 }

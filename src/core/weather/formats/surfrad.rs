@@ -119,18 +119,16 @@ impl SurfradRow<'_> {
 
     fn light(&self) -> Result<RawRow> {
         let mut negative = false;
-        let mut light = |place: usize, name: &str| match self.cell(place).parse::<f64>() {
-            Ok(value) if value.is_finite() && (value <= MISSING || self.cell(place + 1) == IMPOSSIBLE) => Ok(None),
-            Ok(value) if let Some(value) = irradiance(value, &mut negative).filter(|value| value.is_finite()) => {
-                Ok(Some(value))
-            }
-            _ => {
-                let what = format!("column `{name}` holds `{}`", self.cell(place));
-                Err(Error::input(self.path, self.line, what, "W/m2 stand here, -9999.9 where missing"))
-            }
+        let mut light = |place: usize, name: &str| {
+            let text = self.cell(place);
+            let missing = |value: f64| value.is_finite() && (value <= MISSING || self.cell(place + 1) == IMPOSSIBLE);
+            irradiance(text, missing, &mut negative, || {
+                let what = format!("column `{name}` holds `{text}`");
+                Error::input(self.path, self.line, what, "W/m2 stand here, -9999.9 where missing")
+            })
         };
         let (ghi, dni, dhi) = (light(GHI, "dw_solar")?, light(DNI, "direct_n")?, light(DHI, "diffuse")?);
-        let interval = Interval { date: Date { year: 1970, month: 1, day: 1 }, start_min: 0.0, end_min: 0.0 };
+        let interval = Interval { date: Date::OF_DAY_0, start_min: 0.0, end_min: 0.0 };
         Ok(RawRow { line: self.line, interval, ghi, dni, dhi, negative, albedo: None, snow_depth_cm: None })
     }
 

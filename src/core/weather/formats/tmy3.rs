@@ -141,12 +141,11 @@ fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<Ra
     let mut negative = false;
     let mut radiation = |place: Option<usize>, name: &str| {
         let text = place.map(cell).unwrap_or_default();
-        match text.parse::<f64>() {
-            _ if text.is_empty() => Ok(None),
-            Ok(value) if value <= MISSING || value >= MISSING_RADIATION => Ok(None),
-            Ok(value) if let Some(value) = irradiance(value, &mut negative) => Ok(Some(value)),
-            _ => Err(bad(name, text, "write W/m2 from 0 up, -9900 where missing")),
+        if text.is_empty() {
+            return Ok(None);
         }
+        let missing = |value| value <= MISSING || value >= MISSING_RADIATION;
+        irradiance(text, missing, &mut negative, || bad(name, text, "write W/m2 from 0 up, -9900 where missing"))
     };
     let (ghi, dni) = (radiation(columns.ghi, "GHI")?, radiation(columns.dni, "DNI")?);
     let dhi = radiation(columns.dhi, "DHI")?;

@@ -86,7 +86,7 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
     for (line, sentence) in report.findings.sentences() {
         report.warnings.push(format!("{}, line {line} and on: {sentence}", path.display()));
     }
-    if let Some(sentence) = report.closure.and_then(|c| c.warning(&site, moved_min)) {
+    if let Some(sentence) = report.closure.and_then(|c| c.warning(&site, moved_min, station.zone_is_certain)) {
         report.warnings.push(format!("{}: {sentence}", path.display()));
     }
     let hours = rows.len() as f64 * step_min / 60.0;
@@ -103,6 +103,7 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
         rows: done.into_iter().map(|(row, _)| row).collect(),
         air,
         interval_hours: step_min / 60.0,
+        moved_min,
         report,
     })
 }

@@ -1,5 +1,6 @@
 //! A weather file as it stands there, before it is judged.
 
+use crate::error::{Error, Result};
 use crate::weather::air::Air;
 use crate::weather::judging::station::Station;
 use crate::weather::options::StampedAt;
@@ -54,14 +55,22 @@ impl RawRow {
     }
 }
 
-/// An irradiance that is not negative; what an instrument reads a little below 0 is 0, and `negative` is told. `None` for NaN and what is
-/// lower than an instrument could read.
-pub fn irradiance(value: f64, negative: &mut bool) -> Option<f64> {
-    // Adding 0 turns the -0.00 of some files into 0.
-    if value >= 0.0 {
-        return Some(value + 0.0);
+/// GHI, DNI or DHI as a cell says it; none where the number is `missing`, an error where it is no irradiance. What an instrument reads a
+/// little below 0 is 0, and `negative` is told.
+pub fn irradiance(
+    text: &str,
+    missing: impl Fn(f64) -> bool,
+    negative: &mut bool,
+    bad: impl FnOnce() -> Error,
+) -> Result<Option<f64>> {
+    match text.parse::<f64>() {
+        Ok(value) if missing(value) => Ok(None),
+        // Adding 0 turns the -0.00 of some files into 0.
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(Some(value + 0.0)),
+        Ok(value) if (LOWEST_OFFSET_W_M2..0.0).contains(&value) => {
+            *negative = true;
+            Ok(Some(0.0))
+        }
+        _ => Err(bad()),
     }
-    let offset = value >= LOWEST_OFFSET_W_M2;
-    *negative |= offset;
-    offset.then_some(0.0)
 }

@@ -14,7 +14,16 @@ pub struct Date {
 /// Julian day number of 1970-01-01 00:00 UT.
 const JULIAN_DAY_OF_1970: f64 = 2_440_587.5;
 
+/// Days after which the calendar repeats.
+const DAYS_OF_400_YEARS: i32 = 146_097;
+
+/// Seconds of a day.
+const DAY_S: f64 = 86_400.0;
+
 impl Date {
+    /// Where day numbers count from.
+    pub const OF_DAY_0: Date = Date { year: 1970, month: 1, day: 1 };
+
     /// A date that exists, in the years 1 to 2999 (the range of the delta T estimate ends in 3000).
     pub fn new(year: i32, month: u32, day: u32) -> Option<Self> {
         let exists = (1..3000).contains(&year) && day >= 1 && day <= days_in_month(year, month);
@@ -34,25 +43,30 @@ impl Date {
     /// Days from 1970-01-01 to this date, negative before.
     pub fn day_number(self) -> i32 {
         let years_before = self.year - 1;
-        let leap_days = years_before / 4 - years_before / 100 + years_before / 400;
+        let whole = |years| years_before.div_euclid(years);
+        let leap_days = whole(4) - whole(100) + whole(400);
         // 1 January of the year 1 lies 719,162 days before 1970-01-01.
         years_before * 365 + leap_days + self.day_of_year() as i32 - 719_163
     }
 
-    /// The day after: of 31 December 2999 too, for labels of its last hour's end.
-    pub fn next(self) -> Self {
-        let Date { year, month, day } = self;
-        match (day < days_in_month(year, month), month) {
-            (true, _) => Date { day: day + 1, ..self },
-            (false, 12) => Date { year: year + 1, month: 1, day: 1 },
-            (false, _) => Date { month: month + 1, day: 1, ..self },
-        }
+    /// The moment so many minutes after the midnight that starts this date, to the second: the day that it lies in, and minutes of that
+    /// day, from 0 to below 1440. Also where that day is in the year 0 or 3000, for labels of shifted clocks and of last hours.
+    pub fn after(self, minutes: f64) -> (Self, f64) {
+        let seconds = (60.0 * minutes).round();
+        let days = (seconds / DAY_S).floor();
+        let number = self.day_number().saturating_add(days as i32);
+        let years_on = |years| {
+            let same = Date::of_day_number(number.saturating_add(years / 400 * DAYS_OF_400_YEARS))?;
+            Some(Date { year: same.year - years, ..same })
+        };
+        let date = years_on(0).or_else(|| years_on(-400)).or_else(|| years_on(400));
+        (date.unwrap_or(self), (seconds - DAY_S * days) / 60.0)
     }
 
     /// The date of a [`Date::day_number`], in the years 1 to 2999.
     pub fn of_day_number(days: i32) -> Option<Self> {
-        // 400 years have 146,097 days; a year too early does no harm.
-        let about = (i64::from(days) + 719_162) * 400 / 146_097;
+        // A year too early does no harm.
+        let about = (i64::from(days) + 719_162) * 400 / i64::from(DAYS_OF_400_YEARS);
         (i32::try_from(about).ok()?.max(1)..3000).find_map(|year| {
             let first = Date::new(year, 1, 1)?;
             let mut left = u32::try_from(days - first.day_number()).ok()?;
@@ -154,11 +168,38 @@ mod tests {
         }
         let (mut day, mut count) = (date(1600, 1, 1), 0);
         while day != date(2400, 1, 1) {
-            assert_eq!(day.next().day_number(), day.day_number() + 1);
-            (day, count) = (day.next(), count + 1);
+            let (next, minutes) = day.after(1440.0);
+            assert_eq!((next.day_number(), minutes), (day.day_number() + 1, 0.0));
+            (day, count) = (next, count + 1);
         }
         assert_eq!(count, 292_194);
-        assert_eq!(date(2999, 12, 31).next(), Date { year: 3000, month: 1, day: 1 });
+    }
+
+    /// Minutes before and after a day are carried into the right one, over the ends of months, leap days and years, also into the years 0 and
+    /// 3000, and to the second: 11 of 11.
+    #[test]
+    fn moments() {
+        for ((y, m, d), minutes, expected) in [
+            ((2019, 1, 1), -41.0, ((2018, 12, 31), 1399.0)),
+            ((2019, 1, 1), 0.0, ((2019, 1, 1), 0.0)),
+            ((2019, 1, 1), 1439.5, ((2019, 1, 1), 1439.5)),
+            ((2019, 1, 1), 1440.0, ((2019, 1, 2), 0.0)),
+            ((2020, 2, 28), 1500.0, ((2020, 2, 29), 60.0)),
+            ((2019, 2, 28), 2880.0, ((2019, 3, 2), 0.0)),
+            ((2019, 3, 1), -1e-9, ((2019, 3, 1), 0.0)),
+            ((2019, 3, 1), 1440.0 - 1e-9, ((2019, 3, 2), 0.0)),
+            ((2999, 12, 31), 1440.0, ((3000, 1, 1), 0.0)),
+            ((1, 1, 1), -1.0, ((0, 12, 31), 1439.0)),
+            ((1, 1, 1), -1440.0, ((0, 12, 31), 0.0)),
+        ] {
+            let ((year, month, day), rest) = expected;
+            let found = Date::new(y, m, d).expect("a date").after(minutes);
+            assert_eq!(found, (Date { year, month, day }, rest), "{y}-{m}-{d} {minutes}");
+            assert_eq!(
+                found.0.day_number(),
+                Date::new(y, m, d).map_or(0, Date::day_number) + (minutes / 1440.0 + 1e-9).floor() as i32
+            );
+        }
     }
 
     /// The day after 28 February may be 29 February or 1 March, whatever the years; two days on is not the day after.

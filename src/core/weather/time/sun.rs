@@ -56,11 +56,21 @@ impl Interval {
 
     /// When it starts, `YYYY-MM-DDTHH:MM`, on the day before or after its own if that is where it starts.
     pub fn label(&self) -> String {
-        // To the second: stamps hold fractions of minutes, and a minute must not be lost to the last bit of one.
-        let minutes = ((self.start_min * 60.0).round() / 60.0).floor();
-        let days = (minutes / 1440.0).floor();
-        let date = Date::of_day_number(self.date.day_number().saturating_add(days as i32)).unwrap_or(self.date);
-        date.label((minutes - 1440.0 * days) as u32)
+        let (date, minutes) = self.start();
+        date.label(minutes as u32)
+    }
+
+    /// When it starts: the day that this lies in, and minutes of that day.
+    pub fn start(&self) -> (Date, f64) {
+        self.date.after(self.start_min)
+    }
+
+    /// When it ends, as in [`Interval::start`]; at midnight minute 1440 of the day before.
+    pub fn end(&self) -> (Date, f64) {
+        match self.date.after(self.end_min) {
+            (_, 0.0) => (self.date.after(self.end_min - 1440.0).0, 1440.0),
+            end => end,
+        }
     }
 
     /// Its middle, minutes after local midnight.

@@ -63,12 +63,11 @@ pub fn read_row(
     let mut negative = false;
     let mut radiation = |i: usize, name: &str| {
         let text = cell(i);
-        match text.parse::<f64>() {
-            _ if text.is_empty() => Ok(None),
-            Ok(value) if value >= MISSING_RADIATION => Ok(None),
-            Ok(value) if let Some(value) = irradiance(value, &mut negative) => Ok(Some(value)),
-            _ => Err(bad(name, text, "write W/m2 from 0 up, 9999 where missing")),
+        if text.is_empty() {
+            return Ok(None);
         }
+        let missing = |value| value >= MISSING_RADIATION;
+        irradiance(text, missing, &mut negative, || bad(name, text, "write W/m2 from 0 up, 9999 where missing"))
     };
     let optional = |i: usize, low: f64, high: f64| {
         let value = cell(i).parse::<f64>().ok();

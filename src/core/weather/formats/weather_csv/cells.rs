@@ -45,17 +45,9 @@ impl Cells<'_> {
         if MISSING.iter().any(|word| text.eq_ignore_ascii_case(word)) {
             return Ok(None);
         }
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() && (value <= MISSING_BELOW || value >= MISSING_RADIATION) => Ok(None),
-            Ok(value) if let Some(value) = irradiance(value, negative).filter(|value| value.is_finite()) => {
-                Ok(Some(value))
-            }
-            _ => Err(self.bad(
-                place,
-                name,
-                "write W/m2 from 0 up, with a decimal point; leave the cell empty where missing",
-            )),
-        }
+        let missing = |value: f64| value.is_finite() && (value <= MISSING_BELOW || value >= MISSING_RADIATION);
+        let hint = "write W/m2 from 0 up, with a decimal point; leave the cell empty where missing";
+        irradiance(&text, missing, negative, || self.bad(place, name, hint))
     }
 
     /// Any other number within limits; `None` where it is missing, outside or no number.

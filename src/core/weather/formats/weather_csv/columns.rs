@@ -191,7 +191,7 @@ impl Columns {
 const MOST_INFRARED_W_M2: f64 = 800.0;
 
 /// Stands where the step is not yet known.
-const NO_INTERVAL: Interval = Interval { date: Date { year: 1970, month: 1, day: 1 }, start_min: 0.0, end_min: 0.0 };
+const NO_INTERVAL: Interval = Interval { date: Date::OF_DAY_0, start_min: 0.0, end_min: 0.0 };
 
 /// A column with a name for it, else the first one if it holds time stamps, else year, month, day, hour and minute.
 fn stamp_columns(path: &Path, head: &Head, names: &[String]) -> Result<StampColumns> {

@@ -38,6 +38,9 @@ pub struct Head {
     rows_at: usize,
 }
 
+/// Satellites pass within the hour of a time stamp.
+const FARTHEST_OFFSET_HOURS: f64 = 1.0;
+
 /// PVGIS has a dozen lines above the names, and 13 more in a typical year.
 const MOST_HEAD_LINES: usize = 64;
 
@@ -145,7 +148,13 @@ impl Head {
             } else if lower.starts_with("elevation") {
                 self.station.elevation_m = number("Elevation")?;
             } else if lower.starts_with("irradiance time offset") {
-                self.late_min = 60.0 * number("Irradiance Time Offset")?;
+                let hours = number("Irradiance Time Offset")?;
+                if hours.abs() > FARTHEST_OFFSET_HOURS {
+                    let what = format!("`Irradiance Time Offset` holds `{value}`, more than an hour");
+                    let hint = "write the hours after the time stamp, -1 to 1, as in the file that was downloaded";
+                    return Err(Error::input(path, lines.count, what, hint));
+                }
+                self.late_min = 60.0 * hours;
             } else if lower.starts_with("slope") {
                 self.slope_deg = Some(number("Slope")?);
             }

@@ -48,6 +48,9 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     rows.finish(head)
 }
 
+/// Minutes of a day, whose last one is the next midnight.
+const DAY_MIN: u32 = 1440;
+
 /// Rows read so far.
 struct Rows<'a> {
     path: &'a Path,
@@ -122,11 +125,13 @@ impl<'a> Rows<'a> {
                 let date = Date::new(part(*year)? as i32, part(*month)?, part(*day)?);
                 let hour = hour.map_or(Ok(0), part)?;
                 let minute = minute.map_or(Ok(0), part)?;
-                let (Some(date), 0..=24, 0..=60) = (date, hour, minute) else {
+                // Some files write the 60th minute of an hour; digits are four at most.
+                let minutes = hour * 60 + minute;
+                let (Some(date), 0..=60, 0..=DAY_MIN) = (date, minute, minutes) else {
                     let what = "year, month, day, hour and minute are no time that exists";
                     return Err(Error::input(self.path, cells.line, what, "correct the row"));
                 };
-                (clock_seconds(date, i64::from(hour * 3600 + minute * 60)), None)
+                (clock_seconds(date, i64::from(minutes * 60)), None)
             }
         };
         if *self.stamps_say.get_or_insert(said.is_some()) != said.is_some() {

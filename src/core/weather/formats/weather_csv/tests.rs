@@ -150,7 +150,25 @@ fn found_shift() {
     let late = at_nice(&sky(27.5)).expect("valid").report;
     assert!(late.warnings.iter().any(|w| w.contains("--shift 20min")), "{:?}", late.warnings);
     assert!(late.closure.expect("rows").rmse_w_m2 > 15.0);
-    let auto = read(&sky(27.5), &WeatherOptions { shift: TimeShift::Auto, ..AT_NICE }).expect("valid").report;
+    // A longitude 5 degrees on, or a clock 20 minutes back; the second is no way out where stamps say their zone.
+    let ways = |text: &str| {
+        let said = at_nice(text).expect("valid").report.warnings.join("\n");
+        ["a longitude of 12.3", "a time zone of 0.67", "time zone, longitude"].map(|way| said.contains(way))
+    };
+    assert_eq!(ways(&sky(27.5)), [true; 3]);
+    assert_eq!(
+        ways(
+            &sky(27.5)
+                .replace(":00,", ":00+01:00,")
+                .replace(":15,", ":15+01:00,")
+                .replace(":30,", ":30+01:00,")
+                .replace(":45,", ":45+01:00,")
+        ),
+        [true, false, false]
+    );
+    let auto = read(&sky(27.5), &WeatherOptions { shift: TimeShift::Auto, ..AT_NICE }).expect("valid");
+    assert_eq!(auto.moved_min, 20.0);
+    let auto = auto.report;
     assert!(auto.closure.expect("rows").rmse_w_m2 < 0.2, "{:?}", auto.closure);
     assert!(auto.warnings[0].contains("moved by 20 min"), "{:?}", auto.warnings);
     let end = read(&sky(-7.5), &WeatherOptions { stamped_at: Some(StampedAt::End), ..AT_NICE }).expect("valid").report;
@@ -299,10 +317,15 @@ fn missing_rows() {
     assert!(moved.contains("typical year") && moved.contains("leave --time-zone out"), "{moved}");
 }
 
-/// Twenty-four wrong files are refused with the line, what it holds and what to do.
+/// Thirty-one wrong files are refused with the line, what it holds and what to do.
 #[test]
 fn refusals() {
     let rows = |rows: &str| format!("time,ghi,dni,dhi\n2021-06-01T10:00,1,1,1\n2021-06-01T11:00,1,1,1\n{rows}");
+    let late_by = |hours: &str| {
+        "Latitude (decimal degrees): 45\nLongitude (decimal degrees): 8\nIrradiance Time Offset (h): ".to_owned()
+            + hours
+            + "\ntime(UTC),G(h),Gb(n),Gd(h)\n20090322:0000,0,0,0\n20090322:0100,0,0,0\n"
+    };
     for (text, said) in [
         (String::new(), "the file is empty"),
         ("time,ghi\n".into(), "no weather rows"),
@@ -329,6 +352,13 @@ fn refusals() {
         ("time,ghi\n2021-06-01,1\n2021-06-02,1\n".into(), "rows are 1440 min apart"),
         ("time,ghi\n2021-06-01T10:00:00,1\n2021-06-01T10:00:10,1\n".into(), "rows are 0.16666666666666666 min apart"),
         ("year,month,day,hour,ghi\n2021,2,30,1,1\n".into(), "line 2: year, month, day, hour and minute are no time"),
+        ("year,month,day,hour,minute,ghi\n2021,2,3,24,30,1\n".into(), "line 2: year, month, day, hour and minute"),
+        ("year,month,day,hour,minute,ghi\n2021,2,3,24,60,1\n".into(), "line 2: year, month, day, hour and minute"),
+        ("year,month,day,hour,minute,ghi\n2021,2,3,9999,60,1\n".into(), "line 2: year, month, day, hour and minute"),
+        (late_by("1e308"), "line 3: `Irradiance Time Offset` holds `1e308`"),
+        (late_by("1e17"), "line 3: `Irradiance Time Offset` holds `1e17`, more than an hour"),
+        (late_by("-1.01"), "line 3: `Irradiance Time Offset` holds `-1.01`"),
+        (late_by("nan"), "line 3: `Irradiance Time Offset` holds `nan`"),
         ("Latitude (decimal degrees): north\n".into(), "line 1: `Latitude` holds `north`"),
         ("Latitude (decimal degrees): 45\nLongitude (decimal degrees): 8\n".into(), "no line of names"),
     ] {
