@@ -130,7 +130,7 @@ fn run_writes_the_tables_of_replay() {
     }
     // Results of what is replaced go with it.
     good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
-    assert_eq!(names(&made), ["annual.csv", "annual.ply", "made-from.json"]);
+    assert_eq!(names(&made), ["annual.csv", "annual.csv-metadata.json", "annual.ply", "made-from.json"]);
 }
 
 /// 14 names of outputs that cannot be meant are refused before anything is read, with the name to use; nothing is written.
