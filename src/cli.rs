@@ -167,6 +167,11 @@ fn parse_share(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The options of [`ClockArgs`], where weather is not needed: they say nothing without it.
+fn clock_of(weather: &'static str) -> ArgGroup {
+    ArgGroup::new("clock").args(["time_zone", "shift", "weather_stamp"]).multiple(true).requires(weather)
+}
+
 /// What query and replay have in common.
 #[derive(Args, Debug)]
 pub struct RecombineArgs {

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::choice;
-use crate::cli::{AccuracyArgs, Bytes, ClockArgs, SceneArgs, parse_memory};
+use crate::cli::{AccuracyArgs, Bytes, ClockArgs, SceneArgs, clock_of, parse_memory};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 #[derive(Args, Debug)]
+#[command(group(clock_of("error_weather")))]
 pub struct BuildArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -48,6 +49,7 @@ pub struct BuildArgs {
 }
 
 #[derive(Args, Debug)]
+#[command(group(clock_of("error_weather")))]
 pub struct PlanArgs {
     #[command(flatten)]
     pub scene: SceneArgs,

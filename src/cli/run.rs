@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::choice::choice;
 use super::{AccuracyArgs, Bytes, ClockArgs, CoverArgs, SceneArgs, parse_memory};
-use crate::outputs::periods::Every;
+use crate::outputs::periods::{Every, StampAt};
 use crate::outputs::tables::layout::By;
 
 /// Endings of tables that `replay` writes.
@@ -36,6 +36,12 @@ pub struct RunArgs {
     /// What rows of these tables are about
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "every")]
     pub by: By,
+    /// Which moment of its interval a row of hours is labelled with
+    #[arg(long, value_parser = choice::<StampAt>(), default_value = "start", requires = "every")]
+    pub stamp: StampAt,
+    /// Put the rows of these tables into one year, such as 2019, as `replay` does; annual sums stay as they are
+    #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999), requires = "every")]
+    pub year: Option<i32>,
     /// Ending of these tables, which chooses their format
     #[arg(long, value_parser = ENDINGS, default_value = "csv", requires = "every")]
     pub format: String,

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Bytes, ClockArgs, SceneArgs, parse_memory};
+use crate::cli::{Bytes, ClockArgs, SceneArgs, clock_of, parse_memory};
 use heliotile_builder::settings::EffectChoice;
 
 #[derive(Args, Debug)]
+#[command(group(clock_of("weather")))]
 pub struct TradeoffArgs {
     #[command(flatten)]
     pub scene: SceneArgs,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::horizon::nothing_seen;
 use super::{Outcome, is_archive, say, scene, warn};
-use crate::cli::{InfoArgs, VerifyArgs};
+use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
 use heliotile_core::archive;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, format, tables};
@@ -34,6 +34,11 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     if args.place.frame() != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
         return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
+    }
+    let MaterialsArgs { materials, materials_only, no_ground } = &args.surfaces;
+    if materials.is_some() || *materials_only || *no_ground {
+        let hint = "leave --materials, --materials-only and --no-ground out";
+        return Err(Error::input(path, None, "is an archive, whose surfaces were stated when it was built", hint));
     }
     let archive = Archive::open_with(path, args.io)?;
     let manifest = archive.manifest();

@@ -8,6 +8,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory};
 use serde_json::{Map, Number, Value};
 
+use super::console::shell_words::quoted;
 use crate::cli::Cli;
 use crate::outputs::provenance::Provenance;
 
@@ -60,18 +61,8 @@ fn typed_words(arg: &Arg, values: &[&OsStr], is_flag: bool) -> Vec<String> {
     let name = arg.get_long().map(|long| format!("--{long}"));
     match name {
         Some(name) if is_flag => vec![name],
-        Some(name) => values.iter().flat_map(|value| [name.clone(), quoted(value)]).collect(),
-        None => values.iter().map(|value| quoted(value)).collect(),
-    }
-}
-
-/// A word for a shell.
-fn quoted(word: &OsStr) -> String {
-    let word = word.to_string_lossy();
-    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+%@".contains(c);
-    match !word.is_empty() && word.chars().all(plain) {
-        true => word.into_owned(),
-        false => format!("'{}'", word.replace('\'', r"'\''")),
+        Some(name) => values.iter().flat_map(|value| [name.clone(), quoted(&value.to_string_lossy())]).collect(),
+        None => values.iter().map(|value| quoted(&value.to_string_lossy())).collect(),
     }
 }
 

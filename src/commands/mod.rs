@@ -33,6 +33,7 @@ use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_scene::Scene;
 use heliotile_scene::placing::plausible::far_receivers;
 use heliotile_scene::site::Site;
@@ -170,9 +171,10 @@ fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<R
 }
 
 /// What errors are estimated under: a weather file, or suns from all sides.
-fn read_suns(weather: Option<&Path>, about: &ClockArgs, scene: &Scene) -> Result<ErrorConditions> {
+fn read_suns(weather: Option<&Path>, about: Option<&ClockArgs>, scene: &Scene) -> Result<ErrorConditions> {
     let Some(path) = weather else { return Ok(ErrorConditions::Spread) };
-    let weather = read_weather_as(path, &about.options(false), &mut || Ok(scene.place))?;
+    let options = about.map_or_else(WeatherOptions::default, |about| about.options(false));
+    let weather = read_weather_as(path, &options, &mut || Ok(scene.place))?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     ErrorConditions::of_weather(path, weather)
 }

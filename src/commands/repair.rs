@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::terminal::Terminal;
-use super::{Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, remark, workspace_beside};
+use super::{Outcome, guard_archive, guard_site, interrupt, read_receivers, remark, say_report, workspace_beside};
 use crate::cli::RepairArgs;
 use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Start};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -17,12 +17,14 @@ use heliotile_core::opened::SiteSettings;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
+use heliotile_scene::placing::frame::SiteFrame;
 use heliotile_scene::site::{MissingGround, Site};
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let output = args.output.as_ref().unwrap_or(&args.archive);
-    guard_site(output, &args.scene.site()?, &[args.receivers.as_deref()])?;
+    let site = site_of(args)?;
+    guard_site(output, &site, &[args.receivers.as_deref()])?;
     if output != &args.archive {
         guard_archive(output)?;
     }
@@ -46,10 +48,10 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     }
     let expected = &archive.manifest().scene.content_hash;
     let hash = |scene: &Scene| format::hex(&scene.content_hash());
-    let mut scene = load_scene(&args.scene)?;
+    let mut scene = load(&site)?;
     if hash(&scene) != *expected {
         // It may have been built with --no-ground, or before ground was assumed.
-        let site = Site { missing_ground: MissingGround::LeaveOut, ..args.scene.site()? };
+        let site = Site { missing_ground: MissingGround::LeaveOut, ..site };
         scene = Some(Scene::load_site(&site)?).filter(|plain| hash(plain) == *expected).unwrap_or(scene);
     }
     let found = hash(&scene);
@@ -62,8 +64,9 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
             "give the scene and the materials that the archive was built from",
         ));
     }
-    // It may have been stated by options, and is no part of the scene's content.
+    // No part of the scene's content: the place may have been stated by options, the ground of months in another file.
     scene.place = archive.manifest().place;
+    scene.ground.clone_from(&archive.manifest().ground);
     let workspace = workspace_beside(output, args.memory);
     let mut receivers = match &args.receivers {
         Some(path) => {
@@ -103,6 +106,28 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let bad = counted(report.problems.len() as u64, "problem");
     remark(&format!("{}: {bad} repaired with {}, root as before\n", output.display(), counted(rays, "ray")))?;
     Ok(Outcome::Fine)
+}
+
+/// The files of the scene; where they lie the archive says.
+fn site_of(args: &RepairArgs) -> Result<Site> {
+    let stated = SiteFrame { elevation_m: None, scale: None, ..args.scene.place.frame() };
+    if stated != SiteFrame::default() {
+        let hint = "leave --crs, --latitude, --longitude and --rotate-deg out";
+        return Err(Error::input(&args.archive, None, "keeps the place that was stated when it was built", hint));
+    }
+    let mut site = args.scene.site()?;
+    // A turn that a list of files states needs a place, which an option may have stated.
+    site.frame.rotate_deg = None;
+    Ok(site)
+}
+
+/// The scene, without a word on where north is: no suns are turned here.
+fn load(site: &Site) -> Result<Scene> {
+    let mut scene = Scene::load_site(site)?;
+    let north = scene.place.and_then(|place| place.note());
+    scene.report.notes.retain(|note| Some(note) != north.as_ref());
+    say_report(&scene)?;
+    Ok(scene)
 }
 
 /// A path with something behind its name.

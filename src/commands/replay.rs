@@ -92,6 +92,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         rows: (&[], &[]),
         provenance: invocation::provenance().with("conditions", name),
     };
+    say_north(&args.common, &archive);
     run(&args.common, &archive, &series)
 }
 
@@ -134,6 +135,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let archive = archive.map_or_else(|| open(&args.common), Ok)?;
     let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
+    say_north(&args.common, &archive);
     replay_rows(args, &archive, &weather, &dated)
 }
 
@@ -250,19 +252,18 @@ fn open(args: &RecombineArgs) -> Result<Archive> {
     Archive::open_with(&args.archive, access(args))
 }
 
+/// Says where true north is, if suns are turned to it.
+fn say_north(args: &RecombineArgs, archive: &Archive) {
+    let place = archive.manifest().place.filter(|_| !args.grid_north);
+    // Standard output may be the table.
+    place.and_then(|place| place.note()).iter().for_each(|note| remark_aside(&format!("{note}\n")));
+}
+
 /// Streams all tiles into a table.
 fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
     let labels = &series.labels;
     let site = OpenSite::of(archive)?;
     let site = if args.grid_north { site.with_y_for_north() } else { site };
-    // Standard output may be the table.
-    archive
-        .manifest()
-        .place
-        .filter(|_| !args.grid_north)
-        .and_then(|place| place.note())
-        .iter()
-        .for_each(|n| remark_aside(&format!("{n}\n")));
     let chosen = Chosen::of(args, archive, &site)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
     let mut layout = Layout { labels: series.kind, by: args.by, components, facts: Vec::new() };

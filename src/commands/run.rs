@@ -14,7 +14,8 @@ use super::horizon::nothing_seen;
 use super::receivers::{self, Covered, cover_site};
 use super::terminal::Terminal;
 use super::{
-    Outcome, interrupt, invocation, load_scene, read_receivers, remark, say, temporary_files, warn, workspace_beside,
+    Outcome, interrupt, invocation, load_scene, read_receivers, remark, same_file, say, temporary_files, warn,
+    workspace_beside,
 };
 use crate::cli::RunArgs;
 use crate::files::{read_file, read_weather_as};
@@ -112,10 +113,13 @@ fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene, covered: Option<&Cov
         return Ok(*archive);
     }
     let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
+    // What is said of the clock is said of --weather, whatever errors are estimated under.
+    let is_weather = args.accuracy.error_weather.as_deref().is_some_and(|file| same_file(file, &args.weather));
+    let about_error_weather = is_weather.then_some(&args.about_weather);
     let asked = BuildRequest {
         settings,
         accuracy: &args.accuracy,
-        about_weather: &args.about_weather,
+        about_error_weather,
         effects: EffectChoice::Auto,
         store: None,
     };

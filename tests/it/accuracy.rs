@@ -124,7 +124,7 @@ fn tradeoff() {
 }
 
 /// Errors that are no percentages, a target beside a quality or settings, weather that is not there, and a report in place of a file or of
-/// receivers that are not there are refused: 7 of 7.
+/// receivers that are not there are refused, and so is a clock of weather that is not named: 10 of 10.
 #[test]
 fn wrong_inputs() {
     let folder = Folder::new();
@@ -136,5 +136,8 @@ fn wrong_inputs() {
     folder.refused(&format!("{build} --error 2% --error-weather no.epw"), &["no.epw"]);
     folder.refused("tradeoff scene.obj -m materials.toml -r receivers.csv -o scene.obj", &["scene.obj"]);
     folder.refused("tradeoff scene.obj -m materials.toml -r no.csv -o report", &["no.csv"]);
+    folder.refused(&format!("{build} --shift 30min"), &["--error-weather <FILE>"]);
+    folder.refused("plan scene.obj -r receivers.csv --error 2% --time-zone +01:00", &["--error-weather <FILE>"]);
+    folder.refused("tradeoff scene.obj -r receivers.csv -o report --weather-stamp end", &["--weather <WEATHER>"]);
     assert!(!folder.path("x.helio").exists() && !folder.path("report").exists());
 }

@@ -141,6 +141,9 @@ fn info_and_verify() {
     for part in ["receivers", "sky", "hit", "response", "probes", "bounce", "materials", "3 in 1 tile of"] {
         assert!(info.contains(part), "{part}: {info}");
     }
+    for options in ["--materials materials.toml", "--materials-only", "--no-ground"] {
+        folder.refused(&format!("info site.helio {options}"), &["whose surfaces were stated", "leave --materials"]);
+    }
     assert_eq!(folder.run("verify site.helio").status.code(), Some(0));
     let mut bytes = fs::read(folder.path("site.helio")).expect("the archive");
     fs::write(folder.path("long.helio"), [&bytes[..], &[7; 99]].concat()).expect("a writable folder");

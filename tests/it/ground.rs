@@ -46,7 +46,7 @@ fn tilted_over_endless_ground() {
 
 /// A model whose ground reflects 0.6 in March, half of that under 0.3 cm of snow, sends 0.6 and 0.3 of the global horizontal irradiance up to a
 /// receiver that looks down and half of it to a wall, in the sum of three days within 0.5 %; `--reflectance` wins over it, `extract` and `merge`
-/// carry it. Without ground a build says that the wall sees nothing in 50 % of its hemisphere, and `repair` knows that scene again.
+/// carry it, and `repair` keeps it where a model now says April. Without ground a build says that the wall sees nothing in 50 % of its hemisphere, and `repair` knows that scene again.
 #[test]
 fn months_and_snow() {
     let folder = Folder::new();
@@ -102,6 +102,15 @@ fn months_and_snow() {
     run("diff m.helio both.helio");
     assert_eq!(totals("both.helio"), found);
     assert!(stdout(&run("info both.helio")).contains("0 0 0.6 0 0 0 0 0 0 0 0 0 by month, times 0.5 under snow; 0.05"));
+
+    let whole = std::fs::read(folder.path("m.helio")).expect("an archive");
+    let model = std::fs::read_to_string(folder.path("m.idf")).expect("a model");
+    folder.write("april.idf", &model.replace("0,0,0.6,0,", "0,0,0,0.6,"));
+    let mut bytes = whole.clone();
+    bytes[whole.len() / 2] ^= 1;
+    std::fs::write(folder.path("m.helio"), bytes).expect("written");
+    run("repair m.helio april.idf -r r.csv");
+    assert!(std::fs::read(folder.path("m.helio")).expect("repaired") == whole);
 
     let bare = run("build m.idf --no-ground -r r.csv -o bare.helio");
     assert!(stderr(&bare).contains("walls see nothing in 50.0 % of their hemisphere"), "{}", stderr(&bare));

@@ -133,6 +133,61 @@ fn run_writes_the_tables_of_replay() {
     assert_eq!(names(&made), ["annual.csv", "annual.csv-metadata.json", "annual.ply", "made-from.json"]);
 }
 
+/// What is said of the clock of `--weather` leaves `--error-weather` alone: with a shift of 3 hours an archive keeps its bytes where errors are
+/// estimated under another file, and changes where they are under the same one. Both files are kept from being replaced.
+#[test]
+fn clocks_of_two_files() {
+    let folder = town();
+    fs::copy(golden().with_file_name("pvgis_4_days.epw"), folder.path("pvgis.epw")).expect("copied");
+    let archive = |more: &str| {
+        let run = "run a.obj --weather golden.epw --spacing 8m --error 30% --replace";
+        good(&folder, &format!("{run} {more}"));
+        fs::read(folder.path("a.sun/site.helio")).expect("an archive")
+    };
+    let shift = "--shift 3h";
+    let other = "--error-weather pvgis.epw";
+    assert!(archive(other) == archive(&format!("{other} {shift}")));
+    fs::remove_dir_all(folder.path("a.sun")).expect("removed");
+    let same = archive("--error-weather golden.epw");
+    fs::remove_dir_all(folder.path("a.sun")).expect("removed");
+    assert!(same != archive(&format!("--error-weather ./golden.epw {shift}")));
+    let table = "a.sun/golden/annual.csv";
+    let run = format!("run a.obj --weather golden.epw --replace --error 30% --error-weather {table}");
+    fs::copy(folder.path("pvgis.epw"), folder.path(table)).expect("copied");
+    folder.refused(&run, &[&format!("{table}: is also an input")]);
+}
+
+/// `run --every month --year 2019` gives its months that year, as `replay` does, to the byte, and does not advise it again; hours are labelled
+/// with their end. The commands it ends with take a path with a blank, and leave out what was done.
+#[test]
+fn tables_in_one_year() {
+    let folder = town();
+    fs::rename(folder.path("golden.epw"), folder.path("my golden.epw")).expect("renamed");
+    let run = |more: &str| {
+        let mut command = folder.command("run a.obj --quality draft --spacing 8m --weather");
+        let output = command.arg("my golden.epw").args(more.split_whitespace()).output().expect("the program");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (stdout(&output), stderr(&output))
+    };
+    let (said, _) = run("");
+    let replay = "heliotile replay a.sun/site.helio --weather 'my golden.epw'";
+    assert!(said.contains(&format!("the same command with --every month, or {replay} --every hour")), "{said}");
+    let (said, noted) = run("--every month,hour --year 2019 --stamp end");
+    assert!(said.contains(&format!("\nother periods: {replay} --year 2019 --every hour")), "{said}");
+    assert!(!noted.contains("--year"), "{noted}");
+    let made = folder.path("a.sun/my golden");
+    let table = |name: &str| fs::read_to_string(made.join(name)).expect("a table");
+    let months: Vec<String> = table("months.csv").lines().skip(1).map(|line| line.chars().take(5).collect()).collect();
+    assert!(!months.is_empty() && months.iter().all(|month| month == "2019-"), "{months:?}");
+    for (every, name) in [("month", "months.csv"), ("hour", "hours.csv")] {
+        let mut command = folder.command("replay a.sun/site.helio --year 2019 --stamp end -o same.csv --every");
+        command.args([every, "--weather", "my golden.epw"]).output().expect("the program");
+        assert!(fs::read_to_string(folder.path("same.csv")).ok() == Some(table(name)), "{name}");
+    }
+    assert!(table("hours.csv").contains("T13:00") && table("hours.csv").contains("T00:00"));
+    folder.refused("run a.obj --weather b.epw --year 2019", &["--every <PERIOD>"]);
+}
+
 /// 14 names of outputs that cannot be meant are refused before anything is read, with the name to use; nothing is written.
 #[test]
 fn endings_are_checked_first() {

@@ -87,12 +87,28 @@ fn info_tells_the_place() {
     assert!(turned.contains("rotation    -30 degrees clockwise"), "{turned}");
 }
 
-/// An archive whose place was stated by an option is repaired, after one byte of its materials was changed, to its bytes without the option.
+/// An archive whose place was stated by an option is repaired, after one byte of its materials was changed, to its bytes without the option,
+/// 2 of 2, the second one of a list that states a turn and no place. The 3 options of a place are refused, what changes coordinates is not.
 #[test]
 fn repair_keeps_the_place() {
     let folder = Folder::new();
     southern(&folder);
-    folder.run("build meadow.obj --crs 25832 -r south.csv -o s.helio");
+    folder.write("turned.toml", "[site]\nrotate_deg = 30\n[[scene]]\nfile = \"meadow.obj\"\n");
+    for (scene, place) in [("meadow.obj", "--crs 25832"), ("turned.toml", "--latitude 54 --longitude 6.2")] {
+        repaired(&folder, scene, place);
+    }
+    for options in ["--crs 25832", "--latitude 54 --longitude 6.2", "--rotate-deg 30"] {
+        let parts =
+            ["s.helio: keeps the place that was stated", "leave --crs, --latitude, --longitude and --rotate-deg"];
+        folder.refused(&format!("repair s.helio meadow.obj {options}"), &parts);
+    }
+    let scaled = folder.run("repair s.helio meadow.obj --scale 1 --elevation 0");
+    assert_eq!(scaled.status.code(), Some(0), "{}", stderr(&scaled));
+}
+
+fn repaired(folder: &Folder, scene: &str, place: &str) {
+    let built = folder.run(&format!("build {scene} {place} -r south.csv -o s.helio"));
+    assert_eq!(built.status.code(), Some(0), "{}", stderr(&built));
     let whole = std::fs::read(folder.path("s.helio")).expect("built");
     let archive = heliotile::Archive::open(&folder.path("s.helio")).expect("an archive");
     let entry = archive.entries_of(heliotile_core::archive::format::MATERIALS)[0];
@@ -101,7 +117,7 @@ fn repair_keeps_the_place() {
     let mut bad = whole.clone();
     bad[at] ^= 1;
     std::fs::write(folder.path("s.helio"), &bad).expect("written");
-    let repaired = folder.run("repair s.helio meadow.obj -r south.csv");
+    let repaired = folder.run(&format!("repair s.helio {scene} -r south.csv"));
     assert_eq!(repaired.status.code(), Some(0), "{}", stderr(&repaired));
     assert!(std::fs::read(folder.path("s.helio")).expect("repaired") == whole);
 }

@@ -21,7 +21,8 @@ use heliotile_core::text::counted;
 
 /// `heliotile build`.
 pub fn run(args: &BuildArgs) -> Result<Outcome> {
-    guard_site(&args.output, &args.scene.site()?, &[Some(&args.receivers)])?;
+    let inputs = [Some(args.receivers.as_path()), args.accuracy.error_weather.as_deref()];
+    guard_site(&args.output, &args.scene.site()?, &inputs)?;
     guard_archive(&args.output)?;
     let scene = load_scene(&args.scene)?;
     let workspace = workspace_beside(&args.output, args.memory);
@@ -29,7 +30,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     let asked = BuildRequest {
         settings: BuildSettings { share: args.share, ..settings_of(&args.accuracy)? },
         accuracy: &args.accuracy,
-        about_weather: &args.about_weather,
+        about_error_weather: Some(&args.about_weather),
         effects: args.effects,
         store: args.store.as_deref().map(Folder::create).transpose()?,
     };
@@ -57,7 +58,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     let settings = settings_of(&args.accuracy)?;
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
     let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
-    let plan = decide(&mut build, settings, &args.accuracy, &args.about_weather, args.effects)?;
+    let plan = decide(&mut build, settings, &args.accuracy, Some(&args.about_weather), args.effects)?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",
         args.scene.first().display(),
@@ -73,7 +74,8 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
 pub struct BuildRequest<'a> {
     pub settings: BuildSettings,
     pub accuracy: &'a AccuracyArgs,
-    pub about_weather: &'a ClockArgs,
+    /// How the weather that errors are estimated under reads the clock, if more is known than the file says.
+    pub about_error_weather: Option<&'a ClockArgs>,
     pub effects: EffectChoice,
     pub store: Option<Folder>,
 }
@@ -81,7 +83,7 @@ pub struct BuildRequest<'a> {
 /// Plans, builds, and says what is done.
 pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -> Result<()> {
     let _watch = interrupt::watch();
-    let planned = decide(&mut build, asked.settings, asked.accuracy, asked.about_weather, asked.effects)?;
+    let planned = decide(&mut build, asked.settings, asked.accuracy, asked.about_error_weather, asked.effects)?;
     remark(&tables::forecast(&planned.forecast))?;
     let plan = &planned.plan;
     let scene = build.scene.scene;
@@ -105,7 +107,7 @@ fn decide(
     build: &mut Build,
     settings: BuildSettings,
     accuracy: &AccuracyArgs,
-    about_weather: &ClockArgs,
+    about_weather: Option<&ClockArgs>,
     effects: EffectChoice,
 ) -> Result<PlanReport> {
     let scene = build.scene.scene;

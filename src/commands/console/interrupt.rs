@@ -9,6 +9,7 @@ use std::time::Duration;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
+use super::shell_words::quoted;
 use super::voice::aside;
 use heliotile_core::error::{Error, Result};
 
@@ -91,29 +92,4 @@ pub fn exit_code() -> ExitCode {
 pub fn again() -> String {
     let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
     words.filter(|word| word != "--fresh").map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%@".contains(c);
-    match !word.is_empty() && word.chars().all(plain) {
-        true => word.to_owned(),
-        false => format!("'{}'", word.replace('\'', r"'\''")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// 2 plain words stay, 3 others get quotes that a shell takes off again.
-    #[test]
-    fn words_of_a_shell() {
-        for word in ["--output=a/b.helio", "5%"] {
-            assert_eq!(quoted(word), word);
-        }
-        for (word, expected) in [("", "''"), ("my town.obj", "'my town.obj'"), ("it's", r"'it'\''s'")] {
-            assert_eq!(quoted(word), expected);
-        }
-    }
 }

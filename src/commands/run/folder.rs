@@ -9,9 +9,10 @@ use tempfile::TempDir;
 
 use super::made_from::{FILE, MadeFrom};
 use crate::cli::{Percent, RunArgs, name_of};
+use crate::commands::console::shell_words::quoted;
 use crate::commands::receivers::{self, Covered};
 use crate::commands::repair::other_receivers;
-use crate::commands::{guard_archive, guard_output, guard_site, warn};
+use crate::commands::{guard_archive, guard_site, warn};
 use crate::outputs::periods::Every;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::By;
@@ -94,12 +95,13 @@ impl Files {
     pub fn guard(&self, site: &Site, args: &RunArgs) -> Result<()> {
         let mut outputs = self.written_and_beside(args);
         outputs.push(self.archive.clone());
+        let weather = [Some(args.weather.as_path()), args.accuracy.error_weather.as_deref()];
         for output in &outputs {
-            guard_site(output, site, &[Some(&args.weather), args.receivers.as_deref()])?;
+            guard_site(output, site, &[&weather[..], &[args.receivers.as_deref()]].concat())?;
         }
         guard_archive(&self.archive)?;
         if args.receivers.is_none() {
-            guard_output(&self.receivers, &[&args.weather])?;
+            guard_site(&self.receivers, site, &weather)?;
         }
         for folder in [&self.folder, &self.results] {
             if folder.exists() && !folder.is_dir() {
@@ -222,13 +224,18 @@ impl Files {
         let mut files: Vec<String> = if covered { vec!["receivers.csv".into()] } else { Vec::new() };
         files.push("site.helio".into());
         files.extend(self.written(args).iter().map(name));
+        let next = match args.every.as_slice() {
+            [] => "months or hours: the same command with --every month, or ",
+            _ => "other periods: ",
+        };
+        let word = |path: &Path| quoted(&path.to_string_lossy());
+        let year = args.year.map_or(String::new(), |year| format!(" --year {year}"));
         format!(
-            "{}: {}; annual.ply is the map\nmonths or hours: the same command with --every month, or heliotile replay {} \
-             --weather {}{} --every hour -o hours.parquet\n",
+            "{}: {}; annual.ply is the map\n{next}heliotile replay {} --weather {}{}{year} --every hour -o hours.parquet\n",
             self.folder.display(),
             files.join(", "),
-            self.archive.display(),
-            args.weather.display(),
+            word(&self.archive),
+            word(&args.weather),
             args.about_weather
         )
     }

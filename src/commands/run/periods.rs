@@ -28,6 +28,7 @@ pub fn write(args: &RunArgs, files: &Files, archive: &Archive, weather: &Weather
             return Err(Error::argument("--every", what, "this is a fault of the program: please report it"));
         };
         replay.common.memory = args.memory;
+        (replay.stamp, replay.year) = (args.stamp, args.year);
         replay.about_weather.clock = args.about_weather.clone();
         let dated = dated(&replay, &whole, weather)?;
         replay_rows(&replay, archive, weather, &dated).map(drop)

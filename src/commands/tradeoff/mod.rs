@@ -20,7 +20,7 @@ use ladder::LadderTable;
 /// `heliotile tradeoff`.
 pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
     let scene = load_scene(&args.scene)?;
-    let suns = read_suns(args.weather.as_deref(), &args.about_weather, &scene)?;
+    let suns = read_suns(args.weather.as_deref(), Some(&args.about_weather), &scene)?;
     let (conditions, folder) = (suns.some(CONDITIONS), &args.output);
     let beside = workspace_beside(folder, args.memory);
     let mut receivers = read_receivers(&args.receivers, &scene, &beside)?;
