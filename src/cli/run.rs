@@ -6,8 +6,9 @@ use clap::Args;
 
 use super::choice::choice;
 use super::{AccuracyArgs, Bytes, ClockArgs, CoverArgs, SceneArgs, parse_memory};
-use crate::outputs::periods::{Every, StampAt};
+use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
+use heliotile_core::weather::options::StampedAt;
 
 /// Endings of tables that `replay` writes.
 const ENDINGS: [&str; 6] = ["csv", "parquet", "arrow", "feather", "npy", "npz"];
@@ -37,8 +38,8 @@ pub struct RunArgs {
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "every")]
     pub by: By,
     /// Which moment of its interval a row of hours is labelled with
-    #[arg(long, value_parser = choice::<StampAt>(), default_value = "start", requires = "every")]
-    pub stamp: StampAt,
+    #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start", requires = "every")]
+    pub stamp: StampedAt,
     /// Put the rows of these tables into one year, such as 2019, as `replay` does; annual sums stay as they are
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999), requires = "every")]
     pub year: Option<i32>,

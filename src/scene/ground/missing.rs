@@ -87,6 +87,6 @@ mod tests {
             "{}",
             town(1.0)
         );
-        assert!(town(0.5).contains("0.00 m (--no-ground: none)\n"), "{}", town(0.5));
+        assert!(town(0.5).contains("0.00 m (--no-ground: none; "), "{}", town(0.5));
     }
 }
