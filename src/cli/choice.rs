@@ -99,3 +99,26 @@ impl NamedValues for StampAt {
         (StampAt::End.name(), "07:00; the last hour of a day gets 00:00 of the next day", StampAt::End),
     ];
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The five periods are taken by their names and called by them again; `week` is refused.
+    #[test]
+    fn names() {
+        let command = clap::Command::new("heliotile").arg(clap::Arg::new("every").value_parser(choice::<Every>()));
+        let taken =
+            |name: &str| Some(*command.clone().try_get_matches_from(["heliotile", name]).ok()?.get_one("every")?);
+        for (name, every) in [
+            ("hour", Every::Hour),
+            ("day", Every::Day),
+            ("month", Every::Month),
+            ("year", Every::Year),
+            ("total", Every::Total),
+        ] {
+            assert_eq!((taken(name), name_of(&every)), (Some(every), name));
+        }
+        assert_eq!(taken("week"), None);
+    }
+}
