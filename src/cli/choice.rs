@@ -91,3 +91,26 @@ impl NamedValues for Every {
         ("total", "One sum over all that is taken of the file", Every::Total),
     ];
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The five periods are taken by their names and called by them again; `week` is refused.
+    #[test]
+    fn names() {
+        let command = clap::Command::new("heliotile").arg(clap::Arg::new("every").value_parser(choice::<Every>()));
+        let taken =
+            |name: &str| Some(*command.clone().try_get_matches_from(["heliotile", name]).ok()?.get_one("every")?);
+        for (name, every) in [
+            ("hour", Every::Hour),
+            ("day", Every::Day),
+            ("month", Every::Month),
+            ("year", Every::Year),
+            ("total", Every::Total),
+        ] {
+            assert_eq!((taken(name), name_of(&every)), (Some(every), name));
+        }
+        assert_eq!(taken("week"), None);
+    }
+}

@@ -1,10 +1,8 @@
 //! Periods that hourly results are summed over. In: when each condition was. Out: which period it belongs to.
 
 use std::collections::HashMap;
-use std::str::FromStr;
 
 use crate::outputs::tables::row_labels::{Precision, RowLabels};
-use heliotile_core::error::Error;
 use heliotile_core::units::kwh_from_w;
 use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::options::StampedAt;
@@ -25,25 +23,6 @@ pub enum Every {
     Year,
     /// One sum over all that is taken of the file
     Total,
-}
-
-impl FromStr for Every {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self, Error> {
-        match text {
-            "hour" => Ok(Every::Hour),
-            "day" => Ok(Every::Day),
-            "month" => Ok(Every::Month),
-            "year" => Ok(Every::Year),
-            "total" => Ok(Every::Total),
-            _ => Err(Error::Unsupported {
-                what: "period of the results".into(),
-                found: format!("`{text}`"),
-                supported: "hour, day, month, year and total".into(),
-            }),
-        }
-    }
 }
 
 /// How moments are told.
@@ -207,21 +186,5 @@ mod tests {
         assert_eq!(periods(Every::Month, &s).labels.text, ["2007-01", "2007-02", "2008-01"]);
         assert_eq!(periods(Every::Year, &s).labels.text, ["2007", "2008"]);
         assert_eq!(periods(Every::Day, &[]).labels.len(), 0);
-    }
-
-    /// The five names are read; `week` is refused with the list.
-    #[test]
-    fn names() {
-        for (name, every) in [
-            ("hour", Every::Hour),
-            ("day", Every::Day),
-            ("month", Every::Month),
-            ("year", Every::Year),
-            ("total", Every::Total),
-        ] {
-            assert_eq!(name.parse::<Every>().expect("a name"), every);
-        }
-        let text = "week".parse::<Every>().expect_err("week").to_string();
-        assert!(text.contains("hour, day, month, year and total"), "{text}");
     }
 }

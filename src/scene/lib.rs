@@ -32,7 +32,7 @@ pub mod covering;
 mod formats;
 mod geometry;
 mod ground;
-mod input;
+pub mod input;
 pub mod load;
 pub mod materials;
 pub mod mesh;
@@ -52,6 +52,8 @@ mod text;
 use std::path::Path;
 
 use glam::DVec3;
+
+pub use formats::format_of_name;
 
 use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};

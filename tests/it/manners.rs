@@ -214,16 +214,20 @@ fn endings_are_checked_first() {
     assert_eq!(names(&folder.path("")), before);
 }
 
-/// 10 files that are given for something else are named for what they are, with the command that takes them.
+/// 13 files that are given for something else are named for what they are, with the command that takes them.
 #[test]
 fn files_are_known() {
     let folder = town();
     folder.build();
+    ["hills.tif.gz", "m.hbjson", "hills.asc"].iter().for_each(|name| folder.write(name, "{}"));
     for (arguments, parts) in [
         ("run golden.epw -w golden.epw", ["golden.epw: is weather (EPW), not a scene", "--weather golden.epw"]),
         ("run a.obj golden.epw -w golden.epw", ["golden.epw: is weather (EPW)", "--weather golden.epw"]),
         ("run site.helio -w golden.epw", ["is an archive of heliotile, not a scene", "heliotile replay site.helio"]),
         ("run a.obj -w a.obj", ["a.obj: is a scene (OBJ), not weather", "heliotile run a.obj --weather"]),
+        ("run a.obj -w hills.tif.gz", ["hills.tif.gz: is a scene (TIFF), not weather", "heliotile run hills.tif.gz"]),
+        ("run a.obj -w m.hbjson", ["m.hbjson: is a scene (Honeybee), not weather", "heliotile run m.hbjson"]),
+        ("replay hills.asc -w golden.epw", ["is a scene (ASCII grid), not an archive", "heliotile run hills.asc"]),
         ("replay a.obj -w golden.epw", ["is a scene (OBJ), not an archive", "heliotile run a.obj"]),
         ("replay golden.epw -w golden.epw", ["is weather (EPW), not an archive", "--weather golden.epw"]),
         ("query site.helio -c golden.epw", ["not a table of conditions", "heliotile replay SITE.helio --weather"]),
@@ -235,17 +239,27 @@ fn files_are_known() {
     }
 }
 
-/// A file that is not there is named with the one that may be meant, 3 of 3, or the folder that is missing; where nothing is alike nothing
+/// A file that is not there is named with the one that may be meant, 6 of 6, or the folder that is missing; where nothing is alike nothing
 /// is proposed. A command that does not come first gets a word on the order.
 #[test]
 fn misspelt_names() {
     let folder = town();
-    folder.refused("run a.obj -w golden.csv", &["golden.csv: No such file", "golden.epw is there: is it meant?"]);
-    folder.refused("run a.obj -w Goldn.epw", &["golden.epw is there"]);
-    folder.refused("build scenes.obj -r receivers.csv -o b.helio", &["scenes.obj: No such file", "scene.obj is there"]);
-    folder.refused("run a.obj -w weather/golden.epw", &["there is no folder weather; paths start at "]);
+    folder.refused("run a.obj -w golden.csv", &["golden.csv: No such file", "did you mean golden.epw?"]);
+    folder.refused("run a.obj -w Goldn.epw", &["did you mean golden.epw?"]);
+    folder.refused(
+        "build scenes.obj -r receivers.csv -o b.helio",
+        &["scenes.obj: No such file", "did you mean scene.obj?"],
+    );
+    folder.refused("run a.obj -w weather/golden.epw", &["there is no folder `weather` in ."]);
     let output = folder.run("run a.obj -w zzz.epw");
-    assert!(!stderr(&output).contains("is it meant"), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("did you mean"), "{}", stderr(&output));
+    let replay = "replay site.helio -w golden.epw";
+    folder.build();
+    for option in ["--schedule grass=scne.obj", "--transmittance tree=scne.obj", "--temperature ground=scne.obj"] {
+        folder
+            .refused(&format!("{replay} {option}"), &["cannot read scne.obj: No such file", "did you mean scene.obj?"]);
+    }
+    folder.refused("build a.obj -r receivers.csv -o b.helio --store a.obj", &["a.obj: is the name of a file"]);
     folder.refused("a.obj --weather golden.epw", &["a command comes first, such as heliotile run a.obj --weather"]);
     folder.refused("a.obj run --weather golden.epw", &["the command comes first", "heliotile run ..."]);
 }

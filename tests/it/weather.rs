@@ -237,8 +237,8 @@ fn shifts_and_zones() {
     assert!((hour - 1.0).abs() < 1e-9, "{hour}");
 }
 
-/// Weather and conditions that gzip packed are read as they are, under any name; a file that unpacks to 300 times its size, and one that is cut
-/// off, are refused in one sentence with exit code 2.
+/// Weather and conditions that gzip packed are read as they are, under any name; a file that unpacks to 300 MiB, 800 times its size,
+/// and one that is cut off, are refused in one sentence with exit code 2.
 #[test]
 fn packed_files() {
     let pack = |bytes: &[u8]| {
@@ -260,11 +260,12 @@ fn packed_files() {
         assert_eq!((plain.status.code(), packed.status.code()), (Some(0), Some(0)));
         assert!(plain.stdout.len() > 100 && plain.stdout == packed.stdout, "{command}");
     }
-    let bomb = pack(&vec![b'0'; 32 << 20]);
+    let bomb = pack(&vec![b'0'; 1 << 20]).repeat(300);
     let whole = pack(&weather);
-    for (bytes, said) in
-        [(bomb.as_slice(), "bytes packed with gzip, and more than"), (&whole[..whole.len() / 2], "cut off")]
-    {
+    for (bytes, said) in [
+        (bomb.as_slice(), "unpacks to more than 268435456 bytes"),
+        (&whole[..whole.len() / 2], "the gzip data cannot be unpacked beyond byte"),
+    ] {
         let refused = run("replay", "--weather", bytes);
         let message = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(

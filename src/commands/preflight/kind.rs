@@ -5,9 +5,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::ending;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
+use heliotile_scene::format_of_name;
 
 /// What a command takes a file for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,7 +113,8 @@ fn kind_of(path: &Path) -> Option<Kind> {
     // A pipe would lose what is read here.
     let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|about| about.is_file()))?;
     file.take(HEAD).read_to_end(&mut head).ok()?;
-    by_content(&head).or_else(|| by_name(path))
+    // Formats of text can begin with anything.
+    by_content(&head).or_else(|| format_of_name(path).map(Kind::Scene))
 }
 
 fn by_content(head: &[u8]) -> Option<Kind> {
@@ -147,19 +148,6 @@ fn by_content(head: &[u8]) -> Option<Kind> {
         }
         () => None,
     }
-}
-
-/// Formats of text that can begin with anything.
-fn by_name(path: &Path) -> Option<Kind> {
-    Some(Kind::Scene(match ending(path).as_str() {
-        "obj" => "OBJ",
-        "stl" => "STL",
-        "ply" => "PLY",
-        "gltf" | "glb" => "glTF",
-        "idf" | "epjson" => "EnergyPlus",
-        "jsonl" => "CityJSON",
-        _ => return None,
-    }))
 }
 
 #[cfg(test)]

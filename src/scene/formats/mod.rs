@@ -88,6 +88,29 @@ const ENDINGS: [(&str, Format); 14] = [
 const SUPPORTED: &str = ".json and .jsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
                          (Honeybee), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz behind it, and site.toml";
 
+/// The format of scenes that a name certainly belongs to, `.gz` or not; `None` also for `.json`, which may be much else.
+pub fn format_of_name(path: &Path) -> Option<&'static str> {
+    let ending = input::ending(path);
+    ENDINGS.iter().find(|(known, _)| *known == ending).and_then(|(_, format)| format.name())
+}
+
+impl Format {
+    fn name(self) -> Option<&'static str> {
+        Some(match self {
+            Format::AsciiGrid => "ASCII grid",
+            Format::CityJson => "CityJSON",
+            Format::EnergyPlus => "EnergyPlus",
+            Format::GeoTiff => "TIFF",
+            Format::Gltf => "glTF",
+            Format::Honeybee => "Honeybee",
+            Format::Json => return None,
+            Format::Obj => "OBJ",
+            Format::Ply => "PLY",
+            Format::Stl => "STL",
+        })
+    }
+}
+
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     let ending = input::ending(path);
@@ -140,5 +163,14 @@ mod tests {
             assert!(SUPPORTED.contains(&format!(".{ending}")), "{format:?}");
         }
         assert!(SUPPORTED.contains(".gz"));
+    }
+
+    /// Of 14 endings 13 belong to one format, packed or not.
+    #[test]
+    fn formats_of_names() {
+        let named = |ending: &str, more: &str| format_of_name(Path::new(&format!("A.{}{more}", ending.to_uppercase())));
+        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 13);
+        assert!(ENDINGS.iter().all(|(ending, _)| named(ending, "") == named(ending, ".gz")));
+        assert_eq!((named("hbjson", ".gz"), named("json", ""), named("csv", "")), (Some("Honeybee"), None, None));
     }
 }

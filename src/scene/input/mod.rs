@@ -1,4 +1,4 @@
-//! Files that a scene is read from. In: a path. Out: its bytes, unpacked where they are gzip, or what of the path is there and what is
+//! Files as bytes, for all readers of the program. In: a path. Out: its bytes, unpacked where they are gzip, or what of the path is there and what is
 //! like it.
 //!
 //! What is packed shows in the first bytes and not in the name: programs that fetch files unpack some and keep the name, or the reverse.
@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 use heliotile_core::error::{Error, Result};
 
-/// The bytes of a file.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
+/// The bytes of a file: at most 4 GiB unpacked, and beyond 256 MiB 200 times as many as packed.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
     read_as(path, "read")
 }
 
@@ -31,8 +31,8 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn Read>> {
     gzip::unpacked(file).map_err(Error::io(path, "read"))
 }
 
-/// Refuses a path that leads nowhere.
-pub(crate) fn check(path: &Path) -> Result<()> {
+/// Refuses a path that leads nowhere, with what of it is there and names that are like the missing one.
+pub fn check(path: &Path) -> Result<()> {
     fs::metadata(path).map(drop).map_err(|source| refused(path, "read", source))
 }
 

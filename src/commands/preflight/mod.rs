@@ -3,8 +3,6 @@
 
 mod kind;
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::starts_as_archive;
@@ -12,6 +10,9 @@ use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand};
 use crate::outputs::tables::writer::Format;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::reflectances::ConstantOrFile;
+use heliotile_core::weather::temperatures::Temperature;
+use heliotile_scene::input;
 use kind::Wanted;
 
 /// What is written.
@@ -32,7 +33,7 @@ pub fn check(command: &Command) -> Result<()> {
     files.collect(command);
     files.outputs.iter().try_for_each(|(path, written)| check_output(path, written))?;
     files.inputs.iter().try_for_each(|(path, wanted)| {
-        is_there(path)?;
+        input::check(path)?;
         wanted.check(path)
     })
 }
@@ -64,6 +65,7 @@ impl<'a> Files<'a> {
                 self.read(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.write(&args.output, Written::Archive);
+                self.write_if(&args.store, Written::Folder);
             }
             Command::Plan(args) => {
                 self.scene(&args.scene);
@@ -83,6 +85,14 @@ impl<'a> Files<'a> {
             Command::Replay(args) => {
                 self.recombined(&args.common);
                 self.read(&args.weather, Wanted::Weather);
+                let transmittances = args.transmittance.iter().filter_map(|(_, follow)| match follow {
+                    ConstantOrFile::File(file) => Some(file.as_path()),
+                    ConstantOrFile::Value(_) => None,
+                });
+                let temperatures = args.temperature.iter().filter_map(Temperature::file);
+                let schedules = args.schedule.iter().map(|(_, file)| file.as_path());
+                let tables = schedules.chain(transmittances).chain(temperatures);
+                self.inputs.extend(tables.map(|table| (table, Wanted::Other)));
             }
             Command::Info(args) => {
                 args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
@@ -150,49 +160,6 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Names alike to this degree are taken for one that was misspelt.
-const ALIKE: f64 = 0.85;
-
-/// Refuses a file that is not there, and names one that may be meant.
-fn is_there(path: &Path) -> Result<()> {
-    let Err(source) = fs::metadata(path) else { return Ok(()) };
-    if source.kind() != io::ErrorKind::NotFound {
-        return Err(Error::io(path, "read")(source));
-    }
-    let folder = folder_of(path);
-    let hint = if folder.is_dir() {
-        match alike(path, folder) {
-            Some(name) => format!("\n  to fix: {} is there: is it meant?", path.with_file_name(name).display()),
-            None => String::new(),
-        }
-    } else {
-        format!("\n  to fix: there is no folder {}; paths start at {}", folder.display(), here())
-    };
-    Err(Error::io(path, "read")(io::Error::new(source.kind(), format!("{source}{hint}"))))
-}
-
-/// The file of a folder whose name is most like that of a path, if one is alike.
-fn alike(path: &Path, folder: &Path) -> Option<String> {
-    let wanted = path.file_name()?.to_string_lossy().to_lowercase();
-    let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
-    let entries = fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let mut found: Vec<(f64, String)> = entries
-        .filter_map(|name| {
-            let other = name.to_lowercase();
-            // The right name with another ending is nearer than anything else.
-            let same_stem = !stem(&wanted).is_empty() && stem(&other) == stem(&wanted);
-            let score = strsim::jaro_winkler(&wanted, &other) + if same_stem { 1.0 } else { 0.0 };
-            (score > ALIKE).then_some((score, name))
-        })
-        .collect();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
-    found.into_iter().next().map(|(_, name)| name)
-}
-
-fn here() -> String {
-    std::env::current_dir().map_or(".".into(), |folder| folder.display().to_string())
-}
-
 fn check_output(path: &Path, written: &Written) -> Result<()> {
     if path == Path::new("-") && !matches!(written, Written::Archive | Written::Folder) {
         return Ok(());
@@ -215,6 +182,10 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
             let what = "is the name of a file, and the output is a folder of several";
             return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("").display())));
         }
+        Written::Folder if path.exists() && !path.is_dir() => {
+            let what = "is a file, and the output is a folder";
+            return Err(Error::input(path, None, what, "give the folder a name of its own"));
+        }
         // It is made with those above it.
         Written::Folder => return Ok(()),
         Written::File => {}
@@ -236,7 +207,7 @@ const FILES: [&str; 19] = [
     "toml", "png", "exr", "svg", "html", "txt",
 ];
 
-/// Ending of a name, in small letters.
+/// Ending of an output's name, in small letters: one that is packed is none.
 fn ending(path: &Path) -> String {
     path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase())
 }

@@ -1,0 +1,160 @@
+//! Arguments of `query` and `replay`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+use super::choice::choice;
+use super::{Bytes, WeatherArgs, parse_depth, parse_memory};
+use crate::outputs::periods::Every;
+use crate::outputs::tables::layout::By;
+use heliotile_core::archive::Access;
+use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::replay::components::ComponentList;
+use heliotile_core::replay::reflectances::{ConstantOrFile, Snow};
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::StampedAt;
+use heliotile_core::weather::span::Moment;
+use heliotile_core::weather::temperatures::Temperature;
+
+/// What query and replay have in common.
+#[derive(Args, Debug)]
+pub struct RecombineArgs {
+    /// Archive to read
+    pub archive: PathBuf,
+    /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
+    /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output
+    #[arg(long, short, default_value = "-")]
+    pub output: PathBuf,
+    /// Take the receivers of a CSV file only: ids in a column `receiver`
+    #[arg(long, short, value_name = "FILE")]
+    pub receivers: Option<PathBuf>,
+    /// What rows are about
+    #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
+    pub by: By,
+    /// Columns to write, in this order, such as total,sun_direct; `replay` also gives longwave [default: the six components
+    /// and their total]
+    #[arg(long, value_name = "NAMES")]
+    pub columns: Option<ComponentList>,
+    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    #[arg(long, default_value = "perez")]
+    pub sky: SkyModel,
+    /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
+    #[arg(long)]
+    pub patches: Option<usize>,
+    /// Diffuse reflections: all, or a number (1 is the paper's model)
+    #[arg(long, default_value = "all", value_parser = parse_depth)]
+    pub bounces: MaxBounces,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
+    #[arg(long, value_parser = choice::<Access>())]
+    pub io: Option<Access>,
+    /// Take y for north: suns are not turned to the true north that the archive's place tells of
+    #[arg(long)]
+    pub grid_north: bool,
+    /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
+    /// the last one counts
+    #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
+    pub reflectance: Vec<(String, f64)>,
+}
+
+#[derive(Args, Debug)]
+pub struct QueryArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are clockwise from true north
+    #[arg(long, short)]
+    pub conditions: PathBuf,
+    /// Change what comes through canopies at each crossing: GROUP=0.4, or a material's name in place of the group; may be repeated,
+    /// the last one counts
+    #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_transmittance)]
+    pub transmittance: Vec<(String, f64)>,
+}
+
+#[derive(Args, Debug)]
+pub struct ReplayArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    /// Rows: means in W/m2, or sums in kWh/m2
+    #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
+    pub every: Every,
+    /// Which moment of its interval a row of means is labelled with, 06:00, 06:30 or 07:00 for the hour from 06:00 to 07:00 (the last hour of
+    /// a day ends at 00:00 of the next); sums are labelled with the start of their period
+    #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
+    pub stamp: StampedAt,
+    /// Put all rows into one year, such as 2019: a typical year, whose months come from different ones, or any other. Dates of results
+    /// change, the sun stays that of the file's dates; 29 February is left out where the year has none. Years of --from and --to are then
+    /// this year
+    #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
+    pub year: Option<i32>,
+    /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or a time, 03-01T06:00
+    #[arg(long, value_name = "DAY")]
+    pub from: Option<Moment>,
+    /// Last day that counts, the whole of it; before --from it is that of the next year: --from 11-01 --to 02-28
+    #[arg(long, value_name = "DAY")]
+    pub to: Option<Moment>,
+    /// Sun positions within each interval of the weather file, 1 to 60 [default: those that the archive was built for, which are an hour's]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=60))]
+    pub steps: Option<u16>,
+    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each row of the weather file, or 12 lines,
+    /// one a month; may be repeated
+    #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
+    pub schedule: Vec<(String, PathBuf)>,
+    /// Change what comes through canopies at each crossing: GROUP=0.4, or a CSV like those of --schedule, with a column `transmittance`
+    /// (leaves in their seasons); may be repeated, the last one counts
+    #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<ConstantOrFile>)]
+    pub transmittance: Vec<(String, ConstantOrFile)>,
+    /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
+    #[arg(long, value_parser = choice::<Snow>())]
+    pub snow: Option<Snow>,
+    /// Diffuse reflectance of snow
+    #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
+    pub snow_reflectance: f64,
+    /// Temperature of what the column `longwave` comes from, `ground` or `obstruction`: degrees Celsius, or a CSV as for --schedule with a
+    /// column `temperature_c`; may be repeated, the last one counts [default: the weather file's dry bulb temperature]
+    #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
+    pub temperature: Vec<Temperature>,
+    #[command(flatten)]
+    pub about_weather: WeatherArgs,
+}
+
+/// Group, material or class, and what it gets: `NAME=VALUE`.
+fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<(String, T), String> {
+    // A name may hold an equals sign, a number does not.
+    match text.rsplit_once('=') {
+        Some((name, value)) if !name.is_empty() => {
+            let value = value.trim().parse().map_err(|error| format!("`{value}`: {error}"))?;
+            Ok((name.to_string(), value))
+        }
+        _ => Err("give a group or a material, an equals sign and a value".into()),
+    }
+}
+
+fn parse_reflectance(text: &str) -> Result<(String, f64), String> {
+    match parse_named(text)? {
+        (name, value) if (0.0..=1.0).contains(&value) => Ok((name, value)),
+        (_, value) => Err(format!("a reflectance is from 0 to 1, not {value}")),
+    }
+}
+
+fn parse_transmittance(text: &str) -> Result<(String, f64), String> {
+    match parse_named(text)? {
+        (name, ConstantOrFile::Value(value)) => Ok((name, value)),
+        (_, ConstantOrFile::File(_)) => {
+            Err("give a number from 0 to 1: a query has no dates that a file could follow".into())
+        }
+    }
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("give a number from 0 to 1".into()),
+    }
+}
