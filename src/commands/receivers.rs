@@ -265,8 +265,9 @@ impl Wanted {
             let has = |note: &ObjectNote| note.object_type.to_lowercase() == **name;
             name.as_str() != "all" && !surfaces.objects.iter().any(|(_, note)| has(note))
         };
-        if let Some(name) = wanted.types.iter().find(unknown) {
-            let what = format!("the scene has no object of type `{name}`");
+        if let Some(at) = wanted.types.iter().position(|name| unknown(&name)) {
+            let what =
+                format!("the scene has no object of type `{}`", args.types.get(at).map_or("", |name| name.trim()));
             return Err(Error::argument("--types", what, choice(materials, surfaces)));
         }
         if !of_type.any(|(surface, note)| wanted.asks(surface) && wanted.takes_object(surface, note)) {

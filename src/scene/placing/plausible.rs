@@ -82,7 +82,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
         let give = if several { "scale = ".to_owned() } else { "--scale ".to_owned() };
         let whose = if several { " in its [[scene]] of a site.toml" } else { "" };
         return Some(format!(
-            "{}: walls are {tall:.0} m high{}, {:.1} m if the file is in {unit}: then give {give}{}{whose} ({} for inches)",
+            "{}: walls are about {tall:.0} m high{}, {:.1} m if the file is in {unit}: then give {give}{}{whose} ({} for inches)",
             extent.file.display(),
             told(extent),
             tall * scale,
