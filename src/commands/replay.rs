@@ -98,13 +98,17 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
 
 /// The ground that the archive states by month and that a query takes the mean of, if no option sets it.
 fn constant_ground<'a>(archive: &'a Archive, changed: &[(String, f64)]) -> Result<Option<&'a MonthlyGround>> {
+    // Few archives state one; others are not opened twice.
+    let Some(ground) = &archive.manifest().ground else { return Ok(None) };
     let site = OpenSite::of(archive)?;
-    let Some(ground) = Changeable::of(&site, archive.manifest()).ground else { return Ok(None) };
+    if Changeable::of(&site, archive.manifest()).ground.is_none() {
+        return Ok(None);
+    }
     let material = site.materials().iter().find(|material| material.name == ground.material);
     let group = material.and_then(|material| material.group.as_deref());
     let is_set =
         changed.iter().any(|(name, _)| *name == ground.material || Some(name.as_str()) == group || name == "ground");
-    Ok(archive.manifest().ground.as_ref().filter(|_| !is_set))
+    Ok(Some(ground).filter(|_| !is_set))
 }
 
 /// `heliotile replay`.

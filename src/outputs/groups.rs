@@ -176,7 +176,7 @@ fn name_of(receiver: &Receiver, by: By) -> Option<String> {
 pub struct GroupMeans {
     groups: Groups,
     labels: usize,
-    /// Components that are asked for, with their sums: `[surface][label]`.
+    /// Components that are asked for, with their sums: `[group][label]`.
     sums: Vec<(Component, Vec<f64>)>,
     /// Receivers that were added.
     done: usize,
