@@ -37,7 +37,8 @@ pub struct RecombineArgs {
     /// and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
-    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    /// Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces as of EnergyPlus and pvlib), uniform, or cie:1 to
+    /// cie:15
     #[arg(long, default_value = "perez")]
     pub sky: SkyModel,
     /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
