@@ -4,6 +4,7 @@ pub mod build;
 mod chosen;
 mod console;
 pub mod export;
+pub mod factors;
 mod horizon;
 pub mod inspect;
 mod invocation;
@@ -63,6 +64,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Query(args) => replay::query(args),
         Command::Run(args) => run::run(args),
         Command::Replay(args) => replay::replay(args),
+        Command::Factors(args) => factors::run(args),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),

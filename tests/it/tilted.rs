@@ -29,7 +29,7 @@ struct Way<'w> {
 /// `[condition]` of one component, by receiver.
 fn column(site: &Site, conditions: &[Condition], component: Component, way: &Way) -> BTreeMap<String, Vec<f64>> {
     let archive = Archive::open(&site.path).expect("an archive");
-    let settings = ReplaySettings { sky: SkyModel::Perez1990, depth: way.depth, ..ReplaySettings::default() };
+    let settings = ReplaySettings { sky: SkyModel::Perez1990, paths: way.depth.into(), ..ReplaySettings::default() };
     let open = OpenSite::of(&archive).expect("a site");
     let replay = Replay::scheduled(&open, conditions, settings, way.bins, way.schedules).expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
@@ -149,8 +149,8 @@ fn lights() -> [Condition; 4] {
 }
 
 /// A receiver that sees nothing but a boundless wall of 0.5 gets half of what the formula gives the wall, one above a plane of 0.4 that
-/// looks down 0.4 of DHI, within 1 % each: of all bounces and of one, and with reflectances of 0.2 and 0.6 by turns of hours; sums over the
-/// hours are those of the means within 1e-5.
+/// looks down 0.4 of DHI, within 1 % each: of all bounces and of one, and with reflectances of 0.2 and 0.6 by turns of hours; the
+/// column of the ground alone has it all (1e-4), and sums over the hours are those of the means within 1e-5.
 #[test]
 fn by_way_of_surfaces() {
     let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
@@ -171,6 +171,9 @@ fn by_way_of_surfaces() {
                     worst = worst.max((found / expected - 1.0).abs());
                     assert!((found / expected - 1.0).abs() < 0.01, "{tilt} {rho}: {found}, not {expected}");
                 }
+                // Both are of class ground.
+                let of_ground = &column(site, &lights, Component::SkyDiffuseGround, &way(&each))["r"];
+                assert!(found.iter().zip(of_ground).all(|(a, b)| (a - b).abs() < 1e-4 * a), "{found:?} {of_ground:?}");
                 let sum = column(site, &lights, Component::SkyDiffuse, &way(&all))["r"][0];
                 assert!((sum / found.iter().sum::<f64>() - 1.0).abs() < 1e-5, "{sum} {found:?}");
             }
