@@ -95,9 +95,9 @@ fn maps_sum_to_results() {
 }
 
 /// Eight receivers in a town with mirrors and glass, four lights, one and all bounces: each of the six columns is the sum of its map times
-/// `weight_sr`, sky_direct and sky_specular within 0.5 % of it (replay looks at coarser texels; the latter by Perez 1990 within 1 %), the
-/// others within 0.1 %, or as much of 1 W/m2;
-/// surfaces are seen behind one, two and three mirrors, and where a receiver sees no sky in mirrors there is no such part.
+/// `weight_sr`, sky_direct and sky_specular within 0.5 % of it (replay looks at coarser texels; the latter by Perez 1990 within 2 %), the
+/// others within 0.1 %, or as much of 1 W/m2; surfaces are seen behind one, two and three mirrors, and where a receiver sees no sky in
+/// mirrors there is no such part.
 #[test]
 fn maps_of_mirrors_sum_to_results() {
     let mut receivers: Vec<_> = (0..7)
@@ -150,8 +150,8 @@ fn maps_of_mirrors_sum_to_results() {
                     let expected = f64::from(values.row(Component::ALL[column], row)[0]);
                     let sum = if sees || map != "mirror" { weighted(&maps, map, name) } else { 0.0 };
                     let most = match name {
-                        // The band at the horizon is cut at base texels, too.
-                        "sky_specular" if model == SkyModel::Perez1990 => 1e-2,
+                        // The band at the horizon is several times as bright as the dome, and cut at base texels.
+                        "sky_specular" if model == SkyModel::Perez1990 => 2e-2,
                         "sky_direct" | "sky_specular" => 5e-3,
                         _ => 1e-3,
                     };

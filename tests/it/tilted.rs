@@ -7,7 +7,7 @@ use heliotile_core::archive::Archive;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::Component;
+use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::sky::model::SkyModel;
@@ -29,7 +29,9 @@ struct Way<'w> {
 /// `[condition]` of one component, by receiver.
 fn column(site: &Site, conditions: &[Condition], component: Component, way: &Way) -> BTreeMap<String, Vec<f64>> {
     let archive = Archive::open(&site.path).expect("an archive");
-    let settings = ReplaySettings { sky: SkyModel::Perez1990, paths: way.depth.into(), ..ReplaySettings::default() };
+    let components = ComponentSet::of(&[component]);
+    let (sky, paths) = (SkyModel::Perez1990, way.depth.into());
+    let settings = ReplaySettings { sky, paths, components, ..ReplaySettings::default() };
     let open = OpenSite::of(&archive).expect("a site");
     let replay = Replay::scheduled(&open, conditions, settings, way.bins, way.schedules).expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
