@@ -62,7 +62,8 @@ pub struct ExportArgs {
     /// Diffuse horizontal irradiance of the sky around it, W/m2
     #[arg(long, value_name = "W/M2", default_value_t = 0.0, value_parser = parse_irradiance, requires = "sun", allow_negative_numbers = true)]
     pub dhi: f64,
-    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    /// Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces as of EnergyPlus and pvlib), uniform, or cie:1 to
+    /// cie:15
     #[arg(long, default_value = "perez", requires = "sun")]
     pub sky: SkyModel,
     /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]

@@ -50,7 +50,7 @@ fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, MaxBounces, &[f64; 4]
         .expect("maps")
 }
 
-/// Five receivers among twelve blocks, three suns, two skies, one and all bounces: each of the columns is the sum of its map times
+/// Five receivers among twelve blocks, five lights, three skies, one and all bounces: each of the columns is the sum of its map times
 /// `weight_sr`, within 1e-3 of it (or of 1 W/m2); sky diffuse also by the directions that it comes from.
 #[test]
 fn maps_sum_to_results() {
@@ -70,6 +70,8 @@ fn maps_sum_to_results() {
         ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez, MaxBounces::All),
         ([255.0, 21.0, 500.0, 60.0], SkyModel::Perez, MaxBounces::Count(1)),
         ([20.0, 72.0, 0.0, 250.0], SkyModel::Uniform, MaxBounces::Count(3)),
+        ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez1990, MaxBounces::All),
+        ([255.0, 21.0, 20.0, 160.0], SkyModel::Perez1990, MaxBounces::Count(1)),
     ] {
         let rows = site.replay(&[sun(light[0], light[1], light[2], light[3])], model, depth);
         for (id, rows) in &rows {
@@ -94,8 +96,9 @@ fn maps_sum_to_results() {
     assert!(checked > 45, "{checked}");
 }
 
-/// Eight receivers in a town with mirrors and glass, three lights, one and all bounces: each of the six columns is the sum of its map times
-/// `weight_sr`, sky_direct and sky_specular within 0.5 % of it (replay looks at coarser texels), the others within 0.1 %, or so many W/m2;
+/// Eight receivers in a town with mirrors and glass, four lights, one and all bounces: each of the six columns is the sum of its map times
+/// `weight_sr`, sky_direct and sky_specular within 0.5 % of it (replay looks at coarser texels; the latter by Perez 1990 within 1 %), the
+/// others within 0.1 %, or as much of 1 W/m2;
 /// surfaces are seen behind one, two and three mirrors, and where a receiver sees no sky in mirrors there is no such part.
 #[test]
 fn maps_of_mirrors_sum_to_results() {
@@ -120,6 +123,7 @@ fn maps_of_mirrors_sum_to_results() {
         ([285.0, 30.0, 800.0, 100.0], SkyModel::Perez, MaxBounces::All),
         ([262.0, 38.0, 700.0, 60.0], SkyModel::Perez, MaxBounces::Count(1)),
         ([271.0, 21.0, 500.0, 60.0], SkyModel::Uniform, MaxBounces::Count(2)),
+        ([285.0, 30.0, 800.0, 100.0], SkyModel::Perez1990, MaxBounces::All),
     ] {
         let archive = Archive::open(&site.path).expect("an archive");
         let conditions = [sun(light[0], light[1], light[2], light[3])];
@@ -147,7 +151,12 @@ fn maps_of_mirrors_sum_to_results() {
                 {
                     let expected = f64::from(values.row(Component::ALL[column], row)[0]);
                     let sum = if sees || map != "mirror" { weighted(&maps, map, name) } else { 0.0 };
-                    let most = if ["sky_direct", "sky_specular"].contains(&name) { 5e-3 } else { 1e-3 };
+                    let most = match name {
+                        // The band at the horizon is cut at base texels, too.
+                        "sky_specular" if model == SkyModel::Perez1990 => 1e-2,
+                        "sky_direct" | "sky_specular" => 5e-3,
+                        _ => 1e-3,
+                    };
                     if expected > 1.0 {
                         checked[column] += 1;
                         worst[column] = worst[column].max((sum / expected - 1.0).abs());
@@ -162,7 +171,7 @@ fn maps_of_mirrors_sum_to_results() {
         "off by {worst:.5?} of the sums at worst; {checked:?} sums above 1 W/m2; {behind:?} texels behind 0 to 3 mirrors"
     );
     assert!(checked.iter().all(|&count| count > 1) && behind.iter().all(|&count| count > 0), "{checked:?} {behind:?}");
-    assert!((9..24).contains(&seeing), "{seeing} of 24");
+    assert!((12..32).contains(&seeing), "{seeing} of 32");
 }
 
 /// A black wall as high as it is far, to the south, and one of ground to the north at twice the distance.

@@ -7,6 +7,7 @@ use crate::layers::mirror::Window;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::light::mirrors::{MirrorTable, Reflection};
+use crate::sky::horizon::{BandTexel, HorizonBand};
 use crate::sky::projection::Projection;
 
 /// The part of the sky that is seen by one chain of mirrors: a window through which the receiver's image looks.
@@ -78,5 +79,22 @@ impl MirrorView {
                 projection.add(whole, cos * share * self.reflection.share(direction.normalize_or_zero()), sums);
             }
         });
+    }
+    /// Irradiance by way of the mirrors of a band at the horizon that gives an open wall 1.
+    pub fn horizon(&self, band: &HorizonBand, side: usize, normal: DVec3) -> f64 {
+        let image = self.reflection.image(normal);
+        let of = |found: &BandTexel| {
+            let cos = image.truncate().dot(found.flat);
+            let share = if cos > 0.0 { self.share((found.texel % side, found.texel / side)) } else { 0.0 };
+            if share > 0.0 { cos * share * self.reflection.share(found.direction) } else { 0.0 }
+        };
+        band.texels().iter().map(of).sum()
+    }
+
+    /// Share of a base texel of the whole sky that is seen.
+    fn share(&self, (column, row): (usize, usize)) -> f64 {
+        let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
+        let side = self.sky.side();
+        if column < side && row < side { self.sky.share(row * side + column) } else { 0.0 }
     }
 }
