@@ -7,7 +7,9 @@ use std::path::Path;
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
 use heliotile::pictures::Provenance;
+use heliotile::pictures::colours::inferno;
 use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
+use heliotile::pictures::panel::{PanelSun, panel};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
@@ -208,6 +210,44 @@ fn walls_in_maps() {
     let names: Vec<&str> = maps.iter().flat_map(|m| m.channels.iter().map(|c| c.name)).collect();
     assert_eq!(names[..7], ["visible", "weight_sr", "class", "material", "cell", "mirrors", "weight_sr"]);
     assert_eq!(names.len(), 13);
+}
+
+/// A panel of a receiver between a wall and a mirror has the six pictures: the sky's colour is that of its radiance, and is dark among sunlit
+/// surfaces and in mirrors; a direction in which the sun is seen in the mirror leads back to the sun, 1 of 1.
+#[test]
+fn panel_of_mirrors() {
+    let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
+    let triangles = [ground(5000.0, 0.0, 0), wall(-20.0, 1), wall(10.0, 2)].concat();
+    let scene = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
+    let site = site(&scene, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
+    let archive = Archive::open(&site.path).expect("an archive");
+    let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), "up").expect("a receiver");
+    let light = [180.0, 40.0, 800.0, 100.0];
+    let maps = maps_of(&site.path, "up", Some((SkyModel::Uniform, MaxBounces::All, &light)));
+    let sun = direction_from_degrees(180.0, 40.0);
+    let images: Vec<DVec3> = view.mirror_images(sun).collect();
+    let back = images.first().and_then(|image| view.in_mirrors(*image)).expect("the sun in the mirror");
+    assert_eq!(images.len(), 1);
+    assert!((back.0 - sun).length() < 1e-9 && (back.1 - 0.5).abs() < 1e-9, "{back:?}");
+    assert!((images[0] - direction_from_degrees(0.0, 40.0)).length() < 1e-9);
+    let asked = PanelSun { direction: sun, called: "noon".into() };
+    let picture = panel(&view, &maps, &asked, Default::default(), &Provenance::default()).expect("a picture");
+    let (width, pixels) = decoded(&picture);
+    assert_eq!((width, pixels.len()), (1020, 1020 * 898 * 3));
+    // Straight up, in each of the six.
+    let middle = |number: usize| {
+        let (x, y) = (number % 3 * 340 + 170, 60 + number / 3 * 384 + 208);
+        [0, 1, 2].map(|c| pixels[(y * width + x + 9) * 3 + c])
+    };
+    let sky = inferno(((100.0 / PI / 0.1).ln() / 1e4_f64.ln()) as f32);
+    assert_eq!([middle(0), middle(2), middle(3), middle(4)], [SKY, inferno(0.0), inferno(0.0), inferno(0.0)]);
+    for number in [1, 5] {
+        assert!(
+            middle(number).iter().zip(sky).all(|(a, b)| a.abs_diff(b) <= 2),
+            "{number}: {:?} {sky:?}",
+            middle(number)
+        );
+    }
 }
 
 /// Colour of a picture where a direction is drawn.
