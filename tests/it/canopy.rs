@@ -445,7 +445,7 @@ fn names_and_values() {
         ("query", "--transmittance", "bush=0.5", "no group and no material `bush`"),
         ("query", "--transmittance", "wall=0.5", "`wall` is no canopy"),
         ("query", "--transmittance", "trees=1.2", "from 0 to 1, not 1.2"),
-        ("query", "--transmittance", "trees=leaf.csv", "a query has no dates"),
+        ("query", "--transmittance", "trees=leaf.csv", "12 values for a table of conditions of 1 rows"),
         ("query", "--reflectance", "leaf=0.5", "`leaf` is a canopy"),
         ("replay", "--transmittance", "trees=two.csv", "column `transmittance` holds `2`"),
         ("replay", "--transmittance", "trees=other.csv", "column `transmittance` is missing"),
