@@ -3,6 +3,7 @@
 pub mod build;
 mod chosen;
 mod console;
+pub mod energyplus;
 pub mod export;
 mod horizon;
 pub mod inspect;
@@ -16,6 +17,7 @@ mod scene;
 mod shells;
 pub mod store;
 pub mod study;
+mod traced;
 pub mod tradeoff;
 pub mod transfer;
 
@@ -62,6 +64,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Query(args) => replay::query(args),
         Command::Run(args) => run::run(args),
+        Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),

@@ -1,0 +1,12 @@
+//! What a model of EnergyPlus gets so that it runs under our light. In: a model, an archive of its surfaces. Out: the model with tables
+//! over the sun's position and programs that read them, and what was done as a page. Objects of the user stay as they were typed.
+
+pub mod checks;
+pub mod document;
+mod epjson;
+pub mod erl;
+mod idf;
+pub mod injection;
+pub mod new_object;
+pub mod report;
+pub mod sun_tables;
