@@ -35,7 +35,7 @@ pub use self::everywhere::EverywhereArgs;
 pub use self::export::ExportArgs;
 pub use self::misplaced::parse;
 pub use self::quality::{AccuracyArgs, Percent};
-pub use self::recombine::{QueryArgs, RecombineArgs, ReplayArgs};
+pub use self::recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, TableArgs};
 pub use self::run::RunArgs;
 pub use self::scene::{MaterialsArgs, PlaceArgs, SceneArgs};
 pub use self::shells::{CompletionsArgs, ManArgs};
@@ -71,6 +71,8 @@ pub enum Command {
     Query(QueryArgs),
     /// Irradiance of every receiver through a weather file
     Replay(ReplayArgs),
+    /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors, as .csv or .parquet
+    Factors(FactorsArgs),
     /// What is inside an archive, or a scene
     Info(InfoArgs),
     /// Check every block of an archive; exit code 1 if one is damaged

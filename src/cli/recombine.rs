@@ -1,6 +1,6 @@
-//! Arguments of `query` and `replay`.
+//! Arguments of `query`, `replay` and `factors`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
@@ -10,6 +10,8 @@ use super::{Bytes, WeatherArgs, parse_depth, parse_memory};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
 use heliotile_core::archive::Access;
+use heliotile_core::error::Error;
+use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{ConstantOrFile, Snow};
@@ -18,9 +20,9 @@ use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 
-/// What query and replay have in common.
+/// Which receivers of which archive, and the table that is made of them.
 #[derive(Args, Debug)]
-pub struct RecombineArgs {
+pub struct TableArgs {
     /// Archive to read
     pub archive: PathBuf,
     /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
@@ -33,8 +35,24 @@ pub struct RecombineArgs {
     /// What rows are about
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,
-    /// Columns to write, in this order, such as total,sun_direct; `replay` also gives longwave [default: the six components
-    /// and their total]
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
+    #[arg(long, value_parser = choice::<Access>())]
+    pub io: Option<Access>,
+    /// Take y for north: suns are not turned to the true north that the archive's place tells of
+    #[arg(long)]
+    pub grid_north: bool,
+}
+
+/// What query and replay have in common.
+#[derive(Args, Debug)]
+pub struct RecombineArgs {
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// Columns to write, in this order, such as total,sun_direct; sun_diffuse and sky_diffuse also by what is seen first, as
+    /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
     /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
@@ -46,19 +64,39 @@ pub struct RecombineArgs {
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
     pub bounces: MaxBounces,
-    /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
-    pub memory: Bytes,
-    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
-    #[arg(long, value_parser = choice::<Access>())]
-    pub io: Option<Access>,
-    /// Take y for north: suns are not turned to the true north that the archive's place tells of
-    #[arg(long)]
-    pub grid_north: bool,
+    /// Light that counts beyond sun and sky, their first diffuse reflection and the sun in mirrors: all, none (as in EnergyPlus), or some of
+    /// bounces (further diffuse reflections), mirror-diffuse (diffuse light that meets a mirror, too), mirror-sky (the sky in mirrors)
+    #[arg(long, value_name = "NAMES", default_value = "all")]
+    pub paths: LightPaths,
     /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
     /// the last one counts
     #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
     pub reflectance: Vec<(String, f64)>,
+    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each condition, or for each row of the weather
+    /// file, for which 12 lines are months; may be repeated
+    #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
+    pub schedule: Vec<(String, PathBuf)>,
+    /// Change what comes through canopies at each crossing: GROUP=0.4, or a CSV like those of --schedule, with a column `transmittance`
+    /// (leaves in their seasons); may be repeated, the last one counts
+    #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<ConstantOrFile>)]
+    pub transmittance: Vec<(String, ConstantOrFile)>,
+}
+
+impl RecombineArgs {
+    /// The light that counts.
+    pub fn light(&self) -> Result<LightPaths, Error> {
+        let hint = "name `bounces` among --paths, or leave --bounces out";
+        self.paths.with_depth(self.bounces).map_err(|what| Error::argument("--bounces", what, hint))
+    }
+
+    /// The files that reflectances and transmittances follow.
+    pub fn schedules(&self) -> impl Iterator<Item = &Path> {
+        let transmittances = self.transmittance.iter().filter_map(|(_, follow)| match follow {
+            ConstantOrFile::File(file) => Some(file.as_path()),
+            ConstantOrFile::Value(_) => None,
+        });
+        self.schedule.iter().map(|(_, file)| file.as_path()).chain(transmittances)
+    }
 }
 
 #[derive(Args, Debug)]
@@ -68,10 +106,18 @@ pub struct QueryArgs {
     /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are clockwise from true north
     #[arg(long, short)]
     pub conditions: PathBuf,
-    /// Change what comes through canopies at each crossing: GROUP=0.4, or a material's name in place of the group; may be repeated,
-    /// the last one counts
-    #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_transmittance)]
-    pub transmittance: Vec<(String, f64)>,
+}
+
+#[derive(Args, Debug)]
+pub struct FactorsArgs {
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// Degrees of azimuth from sun to sun, from 0 to 360: a divisor of 360
+    #[arg(long, value_name = "DEGREES", default_value_t = 10.0)]
+    pub azimuth_step: f64,
+    /// Degrees of altitude from sun to sun, from 0.5 to 90: a divisor of 90
+    #[arg(long, value_name = "DEGREES", default_value_t = 5.0)]
+    pub altitude_step: f64,
 }
 
 #[derive(Args, Debug)]
@@ -102,14 +148,6 @@ pub struct ReplayArgs {
     /// Sun positions within each interval of the weather file, 1 to 60 [default: those that the archive was built for, which are an hour's]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=60))]
     pub steps: Option<u16>,
-    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each row of the weather file, or 12 lines,
-    /// one a month; may be repeated
-    #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
-    pub schedule: Vec<(String, PathBuf)>,
-    /// Change what comes through canopies at each crossing: GROUP=0.4, or a CSV like those of --schedule, with a column `transmittance`
-    /// (leaves in their seasons); may be repeated, the last one counts
-    #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<ConstantOrFile>)]
-    pub transmittance: Vec<(String, ConstantOrFile)>,
     /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
     #[arg(long, value_parser = choice::<Snow>())]
     pub snow: Option<Snow>,
@@ -140,15 +178,6 @@ fn parse_reflectance(text: &str) -> Result<(String, f64), String> {
     match parse_named(text)? {
         (name, value) if (0.0..=1.0).contains(&value) => Ok((name, value)),
         (_, value) => Err(format!("a reflectance is from 0 to 1, not {value}")),
-    }
-}
-
-fn parse_transmittance(text: &str) -> Result<(String, f64), String> {
-    match parse_named(text)? {
-        (name, ConstantOrFile::Value(value)) => Ok((name, value)),
-        (_, ConstantOrFile::File(_)) => {
-            Err("give a number from 0 to 1: a query has no dates that a file could follow".into())
-        }
     }
 }
 

@@ -1,12 +1,16 @@
-//! Which receivers of an archive a replay is for: all, or those of a list. In: an archive, a file of ids. Out: the tiles to
-//! compute, and which rows of them count.
+//! What a table is made of: an archive, and all of its receivers or those of a list. In: arguments, a file of ids. Out: the archive, the
+//! tiles to compute, and which rows of them count.
 
+use std::fs;
 use std::path::Path;
 
-use crate::cli::RecombineArgs;
+use super::guard_output;
+use super::voice::remark_aside;
+use crate::cli::TableArgs;
+use crate::outputs::tables::writer::files_of;
 use heliotile_builder::transfer::{ArchiveReceivers, Selection};
 use heliotile_builder::writing::copy::folder_of;
-use heliotile_core::archive::{Archive, format};
+use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
@@ -31,7 +35,7 @@ pub struct ChosenTile {
 
 impl Chosen {
     /// The choice of a command line.
-    pub fn of(args: &RecombineArgs, archive: &Archive, site: &OpenSite) -> Result<Self> {
+    pub fn of(args: &TableArgs, archive: &Archive, site: &OpenSite) -> Result<Self> {
         let Some(file) = &args.receivers else { return Ok(Chosen::new(archive, None)) };
         let folder = if args.output == Path::new("-") { std::env::temp_dir() } else { folder_of(&args.output).into() };
         let budget = MemoryBudget::new(args.memory.0).length(Use::ReceiverList);
@@ -89,4 +93,39 @@ impl Chosen {
         let names = ids.into_iter().zip(kept).filter_map(|(id, kept)| kept.then_some(id)).collect();
         (names, values.select(kept))
     }
+}
+
+/// Refuses an output that is an input.
+pub fn guard(args: &TableArgs, forcing: &[&Path]) -> Result<()> {
+    let mut inputs = vec![args.archive.as_path()];
+    inputs.extend(forcing);
+    inputs.extend(args.receivers.as_deref());
+    match args.output == Path::new("-") {
+        true => Ok(()),
+        false => files_of(&args.output).iter().try_for_each(|file| guard_output(file, &inputs)),
+    }
+}
+
+/// Pages of a mapping count as memory of the program for as long as the system likes: a large archive is read instead.
+fn access(args: &TableArgs) -> Access {
+    let large = || fs::metadata(&args.archive).is_ok_and(|about| about.len() > args.memory.0 / 4);
+    args.io.unwrap_or_else(|| if large() { Access::Read } else { Access::Mapped })
+}
+
+/// Opens the archive.
+pub fn open(args: &TableArgs) -> Result<Archive> {
+    Archive::open_with(&args.archive, access(args))
+}
+
+/// Says where true north is, if suns are turned to it.
+pub fn say_north(args: &TableArgs, archive: &Archive) {
+    let place = archive.manifest().place.filter(|_| !args.grid_north);
+    // Standard output may be the table.
+    place.and_then(|place| place.note()).iter().for_each(|note| remark_aside(&format!("{note}\n")));
+}
+
+/// The site of an archive, with the north that is asked for.
+pub fn site_of<'a>(args: &TableArgs, archive: &'a Archive) -> Result<OpenSite<'a>> {
+    let site = OpenSite::of(archive)?;
+    Ok(if args.grid_north { site.with_y_for_north() } else { site })
 }

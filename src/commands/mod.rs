@@ -5,6 +5,7 @@ mod chosen;
 mod console;
 pub mod energyplus;
 pub mod export;
+pub mod factors;
 mod horizon;
 pub mod inspect;
 mod invocation;
@@ -66,6 +67,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Run(args) => run::run(args),
         Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args),
+        Command::Factors(args) => factors::run(args),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),

@@ -1,12 +1,11 @@
 //! Story two: archive -> recombine -> outputs, for a conditions table (`query`) and a weather file (`replay`).
 
-use std::fs;
 use std::path::Path;
 
-use super::chosen::Chosen;
+use super::chosen::{Chosen, guard, open, say_north, site_of};
 use super::terminal::Terminal;
-use super::voice::{note, remark_aside};
-use super::{Outcome, guard_output, invocation, temporary_files, warn};
+use super::voice::note;
+use super::{Outcome, invocation, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather_as};
 use crate::outputs::groups::{GroupMeans, Groups};
@@ -15,15 +14,15 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Places;
-use crate::outputs::tables::writer::{Format, TableWriter, files_of};
+use crate::outputs::tables::writer::{Format, TableWriter};
 use heliotile_builder::observer::Stage;
-use heliotile_core::archive::{Access, Archive};
+use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
-use heliotile_core::replay::reflectances::{Changeable, Changes, ConstantOrFile};
+use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::rounded;
@@ -61,11 +60,15 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
             supported: "it in `replay`, from a weather file".into(),
         });
     }
-    guard(&args.common, &[&args.conditions])?;
+    let inputs: Vec<&Path> = args.common.schedules().chain([args.conditions.as_path()]).collect();
+    guard(&args.common.table, &inputs)?;
+    Format::of(&args.common.table.output)?;
     let file = read_conditions(&args.conditions)?;
-    let archive = open(&args.common)?;
+    let archive = open(&args.common.table)?;
     file.warnings.iter().for_each(|w| warn(w));
-    if let Some(ground) = constant_ground(&archive, &args.common.reflectance)? {
+    let constant = args.common.reflectance.iter().map(|(name, _)| name.as_str());
+    let set: Vec<&str> = constant.chain(args.common.schedule.iter().map(|(name, _)| name.as_str())).collect();
+    if let Some(ground) = constant_ground(&archive, &set)? {
         warn(&format!(
             "`{}` reflects another share each month, and conditions have no date: the mean of the year counts, {} (or \
              --reflectance ground=...)",
@@ -80,24 +83,16 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         kind: Labels::Conditions,
         bins: &Bins::each(labels.len()),
         labels,
-        changes: Changes {
-            constant: args.common.reflectance.clone(),
-            transmittance: args
-                .transmittance
-                .iter()
-                .map(|(name, value)| (name.clone(), ConstantOrFile::Value(*value)))
-                .collect(),
-            ..Changes::default()
-        },
+        changes: changes(&args.common),
         rows: (&[], &[]),
         provenance: invocation::provenance().with("conditions", name),
     };
-    say_north(&args.common, &archive);
+    say_north(&args.common.table, &archive);
     run(&args.common, &archive, &series)
 }
 
 /// The ground that the archive states by month and that a query takes the mean of, if no option sets it.
-fn constant_ground<'a>(archive: &'a Archive, changed: &[(String, f64)]) -> Result<Option<&'a MonthlyGround>> {
+fn constant_ground<'a>(archive: &'a Archive, changed: &[&str]) -> Result<Option<&'a MonthlyGround>> {
     // Few archives state one; others are not opened twice.
     let Some(ground) = &archive.manifest().ground else { return Ok(None) };
     let site = OpenSite::of(archive)?;
@@ -106,21 +101,17 @@ fn constant_ground<'a>(archive: &'a Archive, changed: &[(String, f64)]) -> Resul
     }
     let material = site.materials().iter().find(|material| material.name == ground.material);
     let group = material.and_then(|material| material.group.as_deref());
-    let is_set =
-        changed.iter().any(|(name, _)| *name == ground.material || Some(name.as_str()) == group || name == "ground");
+    let is_set = changed.iter().any(|name| *name == ground.material || Some(*name) == group || *name == "ground");
     Ok(Some(ground).filter(|_| !is_set))
 }
 
 /// `heliotile replay`.
 pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let mut inputs = vec![args.weather.as_path()];
-    inputs.extend(args.schedule.iter().map(|(_, file)| file.as_path()));
+    inputs.extend(args.common.schedules());
     inputs.extend(args.temperature.iter().filter_map(|temperature| temperature.file()));
-    inputs.extend(args.transmittance.iter().filter_map(|(_, follow)| match follow {
-        ConstantOrFile::File(file) => Some(file.as_path()),
-        ConstantOrFile::Value(_) => None,
-    }));
-    guard(&args.common, &inputs)?;
+    guard(&args.common.table, &inputs)?;
+    Format::of(&args.common.table.output)?;
     let longwave = asks_longwave(&args.common);
     if !longwave && !args.temperature.is_empty() {
         return Err(Error::Unsupported {
@@ -132,14 +123,15 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let span = Span::new(args.from, args.to)?;
     let options = args.about_weather.options(longwave);
     let mut archive = None;
-    let weather =
-        read_weather_as(&args.weather, &options, &mut || Ok(archive.insert(open(&args.common)?).manifest().place))?;
+    let weather = read_weather_as(&args.weather, &options, &mut || {
+        Ok(archive.insert(open(&args.common.table)?).manifest().place)
+    })?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let dated = dated(args, &span, &weather)?;
-    let archive = archive.map_or_else(|| open(&args.common), Ok)?;
+    let archive = archive.map_or_else(|| open(&args.common.table), Ok)?;
     let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
-    say_north(&args.common, &archive);
+    say_north(&args.common.table, &archive);
     replay_rows(args, &archive, &weather, &dated)
 }
 
@@ -168,12 +160,7 @@ pub(super) fn replay_rows(
         Every::Hour => (Labels::Times, Bins::each(conditions.len())),
         _ => (Labels::Sums, periods.bins()),
     };
-    let changes = Changes {
-        constant: args.common.reflectance.clone(),
-        scheduled: args.schedule.clone(),
-        snow: args.snow.map(|snow| (snow, args.snow_reflectance)),
-        transmittance: args.transmittance.clone(),
-    };
+    let changes = Changes { snow: args.snow.map(|snow| (snow, args.snow_reflectance)), ..changes(&args.common) };
     let rows = (weather.rows.as_slice(), chosen.as_slice());
     let provenance = invocation::provenance().with_weather(&args.weather, weather).with_option("steps", steps);
     let provenance = match args.every {
@@ -211,24 +198,18 @@ pub(super) fn dated(args: &ReplayArgs, span: &Span, weather: &Weather) -> Result
     Ok(dated)
 }
 
-fn asks_longwave(args: &RecombineArgs) -> bool {
-    args.columns.as_ref().is_some_and(|columns| columns.set().contains(Component::Longwave))
-}
-
-fn guard(args: &RecombineArgs, forcing: &[&Path]) -> Result<()> {
-    let mut inputs = vec![args.archive.as_path()];
-    inputs.extend(forcing);
-    inputs.extend(args.receivers.as_deref());
-    match args.output == Path::new("-") {
-        true => Ok(()),
-        false => files_of(&args.output).iter().try_for_each(|file| guard_output(file, &inputs)),
+/// What both commands may change.
+fn changes(args: &RecombineArgs) -> Changes {
+    Changes {
+        constant: args.reflectance.clone(),
+        scheduled: args.schedule.clone(),
+        transmittance: args.transmittance.clone(),
+        snow: None,
     }
 }
 
-/// Pages of a mapping count as memory of the program for as long as the system likes: a large archive is read instead.
-fn access(args: &RecombineArgs) -> Access {
-    let large = || fs::metadata(&args.archive).is_ok_and(|about| about.len() > args.memory.0 / 4);
-    args.io.unwrap_or_else(|| if large() { Access::Read } else { Access::Mapped })
+fn asks_longwave(args: &RecombineArgs) -> bool {
+    args.columns.as_ref().is_some_and(|columns| columns.set().contains(Component::Longwave))
 }
 
 /// Schedules of reflectances and transmittances over the conditions.
@@ -239,7 +220,7 @@ fn schedules(archive: &Archive, site: &OpenSite, series: &Series) -> Result<Vec<
     }
     let (rows, chosen) = series.rows;
     if rows.is_empty() {
-        return series.changes.constant(&changeable, series.conditions.len());
+        return series.changes.undated(&changeable, series.conditions.len(), &read_file);
     }
     let (mut schedules, warnings) = series.changes.over(&changeable, rows, &read_file)?;
     warnings.iter().for_each(|w| warn(w));
@@ -250,33 +231,19 @@ fn schedules(archive: &Archive, site: &OpenSite, series: &Series) -> Result<Vec<
     Ok(schedules)
 }
 
-/// Opens the archive, if the output is one that can be written.
-fn open(args: &RecombineArgs) -> Result<Archive> {
-    Format::of(&args.output)?;
-    Archive::open_with(&args.archive, access(args))
-}
-
-/// Says where true north is, if suns are turned to it.
-fn say_north(args: &RecombineArgs, archive: &Archive) {
-    let place = archive.manifest().place.filter(|_| !args.grid_north);
-    // Standard output may be the table.
-    place.and_then(|place| place.note()).iter().for_each(|note| remark_aside(&format!("{note}\n")));
-}
-
 /// Streams all tiles into a table.
 fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
-    let labels = &series.labels;
-    let site = OpenSite::of(archive)?;
-    let site = if args.grid_north { site.with_y_for_north() } else { site };
-    let chosen = Chosen::of(args, archive, &site)?;
+    let (labels, asked) = (&series.labels, &args.table);
+    let site = site_of(asked, archive)?;
+    let chosen = Chosen::of(asked, archive, &site)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
-    let mut layout = Layout { labels: series.kind, by: args.by, components, facts: Vec::new() };
-    let mut means = match args.by {
+    let mut layout = Layout { labels: series.kind, by: asked.by, components, facts: Vec::new() };
+    let mut means = match asked.by {
         By::Receiver => None,
         by => {
-            let groups = Groups::new(chosen.receivers(archive, &site), by, &args.archive)?.facing(site.north());
+            let groups = Groups::new(chosen.receivers(archive, &site), by, &asked.archive)?.facing(site.north());
             layout.facts = groups.facts(by, &layout.components);
-            let memory = MemoryBudget::new(args.memory.0).share(Use::SurfaceSums);
+            let memory = MemoryBudget::new(asked.memory.0).share(Use::SurfaceSums);
             Some(GroupMeans::new(groups, layout.components(), labels.len(), memory)?)
         }
     };
@@ -284,9 +251,9 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     let settings = ReplaySettings {
         sky: args.sky,
         patches: args.patches.unwrap_or_else(|| archive.manifest().settings.patches()),
-        depth: args.bounces,
+        paths: args.light()?,
         components: layout.components.set(),
-        memory: MemoryBudget::new(args.memory.0),
+        memory: MemoryBudget::new(asked.memory.0),
         storage: &storage,
     };
     let schedules = schedules(archive, &site, series)?;
@@ -296,8 +263,9 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
         None => chosen.receivers(archive, &site).map(|receiver| Ok(receiver?.id)).collect(),
     };
     let count = means.as_ref().map_or(chosen.count(), |means| means.groups().names().len() as u64);
-    let about = series.provenance.clone().with_archive(&args.archive, archive).with_option("patches", settings.patches);
-    let mut table = TableWriter::create(&args.output, &layout, labels, &Places { count, names: &names }, &about)?;
+    let about =
+        series.provenance.clone().with_archive(&asked.archive, archive).with_option("patches", settings.patches);
+    let mut table = TableWriter::create(&asked.output, &layout, labels, &Places { count, names: &names }, &about)?;
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(chosen.count()));
     let results = replay.results(chosen.tiles().iter().map(|tile| tile.number));

@@ -6,6 +6,7 @@
 
 pub mod annual;
 pub mod energyplus;
+pub mod factors;
 pub mod groups;
 pub mod kinds_and_sides;
 pub mod periods;

@@ -50,7 +50,7 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
         let settings = ReplaySettings {
             sky: SkyModel::Uniform,
             patches: 145,
-            depth,
+            paths: depth.into(),
             components: ComponentSet::ALL,
             memory: MemoryBudget::new(1 << 26),
             storage: &InMemory,

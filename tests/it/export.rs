@@ -121,7 +121,7 @@ fn maps_of_mirrors_sum_to_results() {
     ] {
         let archive = Archive::open(&site.path).expect("an archive");
         let conditions = [sun(light[0], light[1], light[2], light[3])];
-        let settings = ReplaySettings { sky: model, depth, ..ReplaySettings::default() };
+        let settings = ReplaySettings { sky: model, paths: depth.into(), ..ReplaySettings::default() };
         let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay");
         for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
             for (row, id) in ids.iter().enumerate() {

@@ -155,7 +155,7 @@ fn lying_settings_are_refused() {
         let settings = ReplaySettings {
             sky: SkyModel::Perez,
             patches: 145,
-            depth,
+            paths: depth.into(),
             components: ComponentSet::ALL,
             memory: MemoryBudget::new(1 << 28),
             storage: &InMemory,
@@ -215,8 +215,12 @@ fn forged(archive: &Archive, kind: u32, path: &Path, change: &dyn Fn(&mut Rows))
 /// What a replay of an archive says, if it is no result.
 fn refusal_of(path: &Path, depth: MaxBounces) -> Option<String> {
     let copy = Archive::open(path).expect("an archive");
-    let settings =
-        ReplaySettings { patches: 145, depth, memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
+    let settings = ReplaySettings {
+        patches: 145,
+        paths: depth.into(),
+        memory: MemoryBudget::new(1 << 28),
+        ..ReplaySettings::default()
+    };
     let conditions = [sun(90.0, 60.0, 800.0, 100.0)];
     let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
     replay.and_then(|replay| replay.run(0..replay.tiles()).map(drop)).err().map(|error| error.to_string())

@@ -15,6 +15,7 @@ mod longwave;
 mod manners;
 mod mirrors;
 mod numerics;
+mod paths;
 mod physics;
 mod place;
 mod plan;

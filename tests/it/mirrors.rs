@@ -59,7 +59,7 @@ impl Built {
         component: Component,
         depth: MaxBounces,
     ) -> BTreeMap<String, Vec<f64>> {
-        let settings = ReplaySettings { sky, depth, ..ReplaySettings::default() };
+        let settings = ReplaySettings { sky, paths: depth.into(), ..ReplaySettings::default() };
         let replay =
             Replay::new(&OpenSite::of(&self.archive).expect("a site"), conditions, settings).expect("a replay");
         let mut rows = BTreeMap::new();

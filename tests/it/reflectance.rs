@@ -124,7 +124,8 @@ fn mirrors_leave_less() {
         ("mirror", 0.51, Some("0.5000")),
     ] {
         let changes = Changes { constant: vec![(name.into(), value)], ..Changes::default() };
-        let refused = changes.constant(&changeable, 1).err().map(|error| error.to_string());
+        let refused =
+            changes.undated(&changeable, 1, &|_| panic!("no file is asked for")).err().map(|error| error.to_string());
         assert_eq!(refused.is_some(), most.is_some(), "{name} {value}");
         assert!(refused.is_none_or(|said| most.is_some_and(|most| said.contains(most))), "{name} {value}");
     }

@@ -306,7 +306,7 @@ fn sums_are_the_sums_of_hours() {
     let settings = ReplaySettings {
         sky: SkyModel::Perez,
         patches: 577,
-        depth: MaxBounces::All,
+        paths: MaxBounces::All.into(),
         components: ComponentSet::ALL,
         memory: MemoryBudget::new(1 << 28),
         storage: &InMemory,

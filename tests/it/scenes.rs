@@ -261,7 +261,7 @@ pub fn replay(
     let settings = ReplaySettings {
         sky,
         patches,
-        depth,
+        paths: depth.into(),
         components: ComponentSet::ALL,
         memory: MemoryBudget::new(1 << 30),
         storage: &InMemory,

@@ -98,9 +98,9 @@ impl Bench<'_> {
         let (diffuse, conditions) = ([Component::SunDiffuse, Component::SkyDiffuse], self.conditions);
         let mut rows: Vec<[f32; 8]> = Vec::new();
         let storage = TempFiles::new(&self.workspace.folder);
-        let settings = |depth| ReplaySettings {
+        let settings = |depth: MaxBounces| ReplaySettings {
             patches,
-            depth,
+            paths: depth.into(),
             memory: self.workspace.memory,
             storage: &storage,
             ..ReplaySettings::default()

@@ -14,13 +14,11 @@ use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};
-use crate::outputs::energyplus::sun_tables::{
-    GroundRange, LightOf, SunGrid, SurfaceLight, TableRequest, surface_lights,
-};
+use crate::outputs::energyplus::sun_tables::{GroundRange, SunGrid, SurfaceLight, TableRequest, surface_lights};
 use crate::outputs::sink::write_texts;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::light::paths::LightPaths;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::text::counted;
 use heliotile_scene::input;
@@ -156,13 +154,13 @@ fn lights(
     covered: &Covered,
 ) -> Result<Vec<SurfaceLight>> {
     let storage = temporary_files();
-    let (light, ground) = match args.physics {
-        Physics::EnergyPlus => (LightOf { depth: MaxBounces::Count(1) }, GroundRange::UNIT),
-        Physics::Full => (LightOf { depth: MaxBounces::All }, ground_range(document)),
+    let (paths, ground) = match args.physics {
+        Physics::EnergyPlus => (LightPaths::FIRST, GroundRange::UNIT),
+        Physics::Full => (LightPaths::ALL, ground_range(document)),
     };
     let asked = TableRequest {
         grid: SunGrid::USUAL,
-        light,
+        paths,
         ground,
         memory: MemoryBudget::new(args.memory.0),
         storage: &storage,

@@ -6,11 +6,10 @@ mod kind;
 use std::path::{Path, PathBuf};
 
 use super::starts_as_archive;
-use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand};
+use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs};
 use crate::outputs::tables::writer::Format;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::reflectances::ConstantOrFile;
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_scene::input;
 use kind::Wanted;
@@ -93,15 +92,10 @@ impl<'a> Files<'a> {
             Command::Replay(args) => {
                 self.recombined(&args.common);
                 self.read(&args.weather, Wanted::Weather);
-                let transmittances = args.transmittance.iter().filter_map(|(_, follow)| match follow {
-                    ConstantOrFile::File(file) => Some(file.as_path()),
-                    ConstantOrFile::Value(_) => None,
-                });
                 let temperatures = args.temperature.iter().filter_map(Temperature::file);
-                let schedules = args.schedule.iter().map(|(_, file)| file.as_path());
-                let tables = schedules.chain(transmittances).chain(temperatures);
-                self.inputs.extend(tables.map(|table| (table, Wanted::Other)));
+                self.inputs.extend(temperatures.map(|table| (table, Wanted::Other)));
             }
+            Command::Factors(args) => self.table(&args.table),
             Command::Info(args) => {
                 args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
                 self.read_if(&args.surfaces.materials, Wanted::Other);
@@ -146,6 +140,11 @@ impl<'a> Files<'a> {
     }
 
     fn recombined(&mut self, args: &'a RecombineArgs) {
+        self.table(&args.table);
+        self.inputs.extend(args.schedules().map(|table| (table, Wanted::Other)));
+    }
+
+    fn table(&mut self, args: &'a TableArgs) {
         self.read(&args.archive, Wanted::Archive);
         self.read_if(&args.receivers, Wanted::Other);
         self.write(&args.output, Written::Table);

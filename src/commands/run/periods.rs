@@ -27,7 +27,7 @@ pub fn write(args: &RunArgs, files: &Files, archive: &Archive, weather: &Weather
             let what = format!("`replay --every {every}` is not understood");
             return Err(Error::argument("--every", what, "this is a fault of the program: please report it"));
         };
-        replay.common.memory = args.memory;
+        replay.common.table.memory = args.memory;
         (replay.stamp, replay.year) = (args.stamp, args.year);
         replay.about_weather.clock = args.about_weather.clone();
         let dated = dated(&replay, &whole, weather)?;

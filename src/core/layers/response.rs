@@ -3,6 +3,8 @@
 
 use half::f16;
 
+use crate::site::material::Class;
+
 /// First-hit classes, in the order of the arrays: ground, obstruction.
 pub const CLASSES: usize = 2;
 
@@ -18,6 +20,13 @@ impl Response {
     /// Number of values of one receiver with n x n texels.
     pub fn len(n: usize) -> usize {
         CLASSES * 3 * n * n
+    }
+
+    /// One first-hit class alone: `[texel][axis]`.
+    pub fn vectors_of(&self, class: Class) -> Vec<[f32; 3]> {
+        let texels = self.values.len() / (CLASSES * 3);
+        let at = |axis: usize, texel: usize| self.values[(class.index() * 3 + axis) * texels + texel];
+        (0..texels).map(|texel| [at(0, texel), at(1, texel), at(2, texel)]).collect()
     }
 
     /// Both classes together: `[texel][axis]`.

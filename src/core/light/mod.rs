@@ -4,6 +4,7 @@
 pub mod canopies;
 pub mod fresnel;
 pub mod mirrors;
+pub mod paths;
 pub mod radiosity;
 pub mod reflector;
 pub mod response;

@@ -3,6 +3,7 @@
 
 use crate::error::Result;
 use crate::light::mirrors::MirrorTable;
+use crate::light::reflector::Reflector;
 use crate::opened::{CellSource, OpenSite, SiteSettings};
 
 /// Settings, materials, mirrors and cells of a site.
@@ -26,5 +27,13 @@ impl<'a> Tables<'a> {
             probes: CellSource::probes(site)?,
             bounces: CellSource::bounces(site)?,
         })
+    }
+
+    /// The same with mirrors that reflect nothing.
+    pub fn without_mirrors(mut self) -> Self {
+        self.mirrors.reflectors.iter_mut().for_each(|reflector| {
+            *reflector = Reflector { specular: 0.0, panes: 0, ..*reflector };
+        });
+        self
     }
 }

@@ -156,7 +156,7 @@ impl<'a> OpenSite<'a> {
     }
 
     /// Whether a number is one of a material that lets light through.
-    pub(super) fn is_canopy(&self, number: u16) -> bool {
+    pub(crate) fn is_canopy(&self, number: u16) -> bool {
         self.facts.materials.get(usize::from(number)).is_some_and(|material| material.transmittance.is_some())
     }
 

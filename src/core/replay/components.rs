@@ -24,6 +24,14 @@ pub enum Component {
     Total,
     /// Of sky, ground and obstructions by their temperatures; no part of the total.
     Longwave,
+    /// The part of `sun_diffuse` that comes from ground, as what is seen first; in mirrors, the mirror is.
+    SunDiffuseGround,
+    /// ... from obstructions: all that is not ground.
+    SunDiffuseObstruction,
+    /// The part of `sky_diffuse` that comes from ground.
+    SkyDiffuseGround,
+    /// ... from obstructions.
+    SkyDiffuseObstruction,
 }
 
 impl Component {
@@ -39,7 +47,22 @@ impl Component {
     ];
 
     /// Columns beyond them, for results that name them.
-    pub const FURTHER: [Component; 1] = [Component::Longwave];
+    pub const FURTHER: [Component; 5] = [
+        Component::Longwave,
+        Component::SunDiffuseGround,
+        Component::SunDiffuseObstruction,
+        Component::SkyDiffuseGround,
+        Component::SkyDiffuseObstruction,
+    ];
+
+    /// The two that a component is made of, by what is seen first: ground, obstructions.
+    pub fn parts(self) -> Option<[Component; 2]> {
+        match self {
+            Component::SunDiffuse => Some([Component::SunDiffuseGround, Component::SunDiffuseObstruction]),
+            Component::SkyDiffuse => Some([Component::SkyDiffuseGround, Component::SkyDiffuseObstruction]),
+            _ => None,
+        }
+    }
 
     /// Number of both; components are numbered from 0 in this order.
     pub const COUNT: usize = Component::ALL.len() + Component::FURTHER.len();
@@ -55,13 +78,17 @@ impl Component {
             Component::SkySpecular => "sky_specular",
             Component::Total => "total",
             Component::Longwave => "longwave",
+            Component::SunDiffuseGround => "sun_diffuse_ground",
+            Component::SunDiffuseObstruction => "sun_diffuse_obstruction",
+            Component::SkyDiffuseGround => "sky_diffuse_ground",
+            Component::SkyDiffuseObstruction => "sky_diffuse_obstruction",
         }
     }
 }
 
 /// Which components results hold, whatever their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ComponentSet(u8);
+pub struct ComponentSet(u16);
 
 impl ComponentSet {
     /// Of [`Component::ALL`].
@@ -69,17 +96,24 @@ impl ComponentSet {
 
     /// The set of those listed.
     pub fn of(components: &[Component]) -> Self {
-        ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u8))
+        ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u16))
     }
 
     /// Whether a component is listed in the set.
     pub fn contains(self, component: Component) -> bool {
-        self.0 & 1 << component as u8 != 0
+        self.0 & 1 << component as u16 != 0
     }
 
-    /// Whether a component must be computed: it is asked for, or a part of the total that is.
+    /// Whether a component must be computed: it is asked for, or a part of the total that is, or one of its parts.
     pub fn needs(self, component: Component) -> bool {
-        self.contains(component) || self.contains(Component::Total) && !Component::FURTHER.contains(&component)
+        self.contains(component)
+            || self.contains(Component::Total) && !Component::FURTHER.contains(&component)
+            || self.needs_parts(component)
+    }
+
+    /// Whether a component must be split by what is seen first.
+    pub fn needs_parts(self, component: Component) -> bool {
+        component.parts().is_some_and(|parts| parts.iter().any(|part| self.contains(*part)))
     }
 
     /// Number of components that values of the set are written for at most.
@@ -149,6 +183,16 @@ mod tests {
         assert_eq!(ComponentList::all().set(), ComponentSet::ALL);
     }
 
+    /// A part of sun_diffuse needs it, 1 of 1, and is no part of the total; both its parts take 2 places beside the 7.
+    #[test]
+    fn parts() {
+        let list: ComponentList = "sun_diffuse_ground,sun_diffuse_obstruction_kwh_m2".parse().expect("names");
+        assert_eq!(list.as_slice(), Component::SunDiffuse.parts().expect("two parts"));
+        assert_eq!(list.set().places(), 9);
+        assert!(list.set().needs(Component::SunDiffuse) && list.set().needs_parts(Component::SunDiffuse));
+        assert!(!list.set().needs(Component::SkyDiffuse) && !ComponentSet::ALL.needs_parts(Component::SunDiffuse));
+    }
+
     /// Longwave irradiance is asked for by name, 1 of 1, is no part of the total, and takes an eighth place.
     #[test]
     fn longwave() {
@@ -159,7 +203,7 @@ mod tests {
         assert!(!list.set().needs(Component::SunDirect));
     }
 
-    /// An unknown name is refused with all 8 names, an empty one and a repeated one too: 3 of 3.
+    /// An unknown name is refused with all 12 names, an empty one and a repeated one too: 3 of 3.
     #[test]
     fn refusals() {
         let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);

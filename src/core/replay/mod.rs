@@ -4,6 +4,7 @@
 
 mod canopy_transmittance;
 pub mod components;
+pub mod factors;
 mod longwave;
 pub mod maps;
 pub mod receiver_view;

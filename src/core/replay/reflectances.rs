@@ -11,9 +11,8 @@ use crate::light::states::Schedule;
 use crate::opened::OpenSite;
 use crate::site::ground::MonthlyGround;
 use crate::site::material::{Class, Material};
-use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
+use crate::weather::formats::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use crate::weather::row::WeatherRow;
-use crate::weather::time::calendar::Date;
 
 /// What the ground reflects under snow, from the weather file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,11 +82,22 @@ impl Changes {
         self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none() && self.transmittance.is_empty()
     }
 
-    /// Schedules over `conditions` conditions that have no date.
-    pub fn constant(&self, changeable: &Changeable, conditions: usize) -> Result<Vec<Schedule>> {
+    /// Schedules over `conditions` conditions that have no date. `files` gives the bytes of schedules.
+    pub fn undated(&self, changeable: &Changeable, conditions: usize, files: ReadFile) -> Result<Vec<Schedule>> {
+        let rows = Rows::Conditions(conditions);
         let mut schedules = self.reflecting(changeable, conditions)?;
-        schedules.extend(self.letting_through(changeable, conditions, None)?);
+        schedules.extend(self.following(changeable, rows, files)?);
+        schedules.extend(self.letting_through(changeable, rows, files)?);
         Ok(schedules)
+    }
+
+    /// Those of files.
+    fn following(&self, changeable: &Changeable, rows: Rows, files: ReadFile) -> Result<Vec<Schedule>> {
+        let of = |(name, path): &(String, PathBuf)| {
+            let members = changeable.opaque(name)?;
+            schedule(changeable, members, parse_schedule(path, &files(path)?, REFLECTANCE, rows)?)
+        };
+        self.scheduled.iter().map(of).collect()
     }
 
     fn reflecting(&self, changeable: &Changeable, conditions: usize) -> Result<Vec<Schedule>> {
@@ -96,23 +106,11 @@ impl Changes {
         self.constant.iter().map(of).collect()
     }
 
-    /// `dated`: where conditions have dates, these and how the bytes of a schedule are got.
-    fn letting_through(
-        &self,
-        changeable: &Changeable,
-        conditions: usize,
-        dated: Option<(&[Date], ReadFile)>,
-    ) -> Result<Vec<Schedule>> {
+    fn letting_through(&self, changeable: &Changeable, rows: Rows, files: ReadFile) -> Result<Vec<Schedule>> {
         let of = |(name, follow): &(String, ConstantOrFile)| {
-            let values = match (follow, dated) {
-                (ConstantOrFile::Value(value), _) => vec![*value; conditions],
-                (ConstantOrFile::File(path), Some((dates, files))) => {
-                    parse_schedule(path, &files(path)?, TRANSMITTANCE, dates)?
-                }
-                (ConstantOrFile::File(path), None) => {
-                    let what = "is a schedule, and the conditions have no dates that it could follow";
-                    return Err(Error::input(path, None, what, "give a number from 0 to 1"));
-                }
+            let values = match follow {
+                ConstantOrFile::Value(value) => vec![*value; rows.count()],
+                ConstantOrFile::File(path) => parse_schedule(path, &files(path)?, TRANSMITTANCE, rows)?,
             };
             Ok(Schedule { materials: changeable.canopies(name)?, values })
         };
@@ -131,11 +129,7 @@ impl Changes {
         schedules.extend(self.reflecting(changeable, rows.len())?);
         let mut warnings = Vec::new();
         let dates: Vec<_> = rows.iter().map(|row| row.interval.date).collect();
-        for (name, path) in &self.scheduled {
-            let members = changeable.opaque(name)?;
-            let values = parse_schedule(path, &files(path)?, REFLECTANCE, &dates)?;
-            schedules.push(schedule(changeable, members, values)?);
-        }
+        schedules.extend(self.following(changeable, Rows::Dated(&dates), files)?);
         if let Some((snow, reflectance)) = self.snow {
             let cover = |row: &WeatherRow| match snow {
                 Snow::Depth => row.snow_depth_cm.filter(|depth| *depth >= COVER_CM).map(|_| reflectance),
@@ -162,7 +156,7 @@ impl Changes {
                 schedules.push(schedule(changeable, vec![material], values.collect())?);
             }
         }
-        schedules.extend(self.letting_through(changeable, rows.len(), Some((&dates, files)))?);
+        schedules.extend(self.letting_through(changeable, Rows::Dated(&dates), files)?);
         Ok((schedules, warnings))
     }
 }
@@ -276,6 +270,7 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::weather::time::calendar::Date;
     use crate::weather::time::sun::Interval;
     use glam::DVec3;
 
@@ -367,18 +362,23 @@ mod tests {
     #[test]
     fn names() {
         let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };
-        let schedules = change("facade", 0.5).constant(&changeable(&materials()), 2).expect("schedules");
+        let schedules = change("facade", 0.5).undated(&changeable(&materials()), 2, &no_files).expect("schedules");
         assert_eq!(schedules, [Schedule { materials: vec![2, 3], values: vec![0.5, 0.5] }]);
-        assert_eq!(change("lawn", 0.5).constant(&changeable(&materials()), 1).expect("schedules")[0].materials, [0]);
-        let text = change("roof", 0.5).constant(&changeable(&materials()), 1).expect_err("unknown").to_string();
+        assert_eq!(
+            change("lawn", 0.5).undated(&changeable(&materials()), 1, &no_files).expect("schedules")[0].materials,
+            [0]
+        );
+        let text =
+            change("roof", 0.5).undated(&changeable(&materials()), 1, &no_files).expect_err("unknown").to_string();
         assert!(
             text.contains(
                 "a group (facade, ground), a material (lawn, street, wall, glass), `ground` or `obstruction`"
             ),
             "{text}"
         );
-        let text = change("facade", 0.6).constant(&changeable(&materials()), 1).expect_err("too much").to_string();
+        let text =
+            change("facade", 0.6).undated(&changeable(&materials()), 1, &no_files).expect_err("too much").to_string();
         assert!(text.contains("`glass`") && text.contains("at most 0.5000"), "{text}");
-        assert!(change("", 0.6).constant(&changeable(&materials()), 1).is_err());
+        assert!(change("", 0.6).undated(&changeable(&materials()), 1, &no_files).is_err());
     }
 }

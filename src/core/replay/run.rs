@@ -7,6 +7,7 @@ use crate::layers::response::Response;
 use crate::light::canopies;
 use crate::light::canopies::TransmittanceStates;
 use crate::light::mirrors::MirrorTable;
+use crate::light::paths::LightPaths;
 use crate::light::radiosity::MaxBounces;
 use crate::light::reflector::Reflector;
 use crate::light::response_solver::ResponseSolver;
@@ -36,8 +37,8 @@ pub struct ReplaySettings<'s> {
     pub sky: SkyModel,
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
-    /// How many diffuse reflections are followed.
-    pub depth: MaxBounces,
+    /// Which light counts.
+    pub paths: LightPaths,
     /// What results hold; components that nothing here needs may stay zero.
     pub components: ComponentSet,
     /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
@@ -47,12 +48,12 @@ pub struct ReplaySettings<'s> {
 }
 
 impl Default for ReplaySettings<'_> {
-    /// Perez skies of 577 patches, all bounces, all components, 4 GiB, and what does not fit stays in memory all the same.
+    /// Perez skies of 577 patches, all light, all components, 4 GiB, and what does not fit stays in memory all the same.
     fn default() -> Self {
         ReplaySettings {
             sky: SkyModel::Perez,
             patches: 577,
-            depth: MaxBounces::All,
+            paths: LightPaths::ALL,
             components: ComponentSet::ALL,
             memory: MemoryBudget::DEFAULT,
             storage: &InMemory,
@@ -138,6 +139,7 @@ impl<'a> Replay<'a> {
         let asked = (settings.sky, settings.components);
         let forced = |ways: &[Bins]| -> Result<Forcing> {
             let forcing = Forcing::new(conditions, bins, ways, asked, &patches, site.settings().sides());
+            let forcing = if settings.paths.mirror_sky { forcing } else { forcing.without_mirror_sky() };
             if !settings.components.contains(Component::Longwave) {
                 return Ok(forcing);
             }
@@ -154,12 +156,15 @@ impl<'a> Replay<'a> {
             true => forcing,
             false => forcing.behind(conditions, ways, settings.sky, &patches),
         };
-        let derives = reflects && (settings.depth != MaxBounces::All || !schedules.is_empty());
+        let paths = settings.paths;
+        let matt = !paths.mirror_diffuse && !site.orientations().is_empty();
+        let derives = reflects && (paths.depth != MaxBounces::All || matt || !schedules.is_empty());
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
             return Replay::with(site, forcing, settings.memory, None);
         }
         let tables = Tables::of(site)?;
+        let tables = if matt { tables.without_mirrors() } else { tables };
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         let lets_through: Vec<bool> = tables.mirrors.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
         let (memory, storage) = (settings.memory, settings.storage);
@@ -175,7 +180,7 @@ impl<'a> Replay<'a> {
         let solved = |finer| -> Result<(States, ResponseSolver)> {
             let states = states_of(finer)?;
             let of_states = states.reflectances.clone();
-            let responder = ResponseSolver::with_states(&tables, of_states, settings.depth, memory, storage)?;
+            let responder = ResponseSolver::with_states(&tables, of_states, paths.depth, memory, storage)?;
             Ok((states, responder))
         };
         let (mut states, mut responder) = solved(false)?;

@@ -19,6 +19,7 @@ use crate::replay::suns::SunLookups;
 use crate::replay::through_canopy::DirectThroughCanopy;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{TileValues, put};
+use crate::site::material::Class;
 use crate::site::receiver::TILE;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
@@ -42,6 +43,8 @@ pub(super) struct Forcing {
     sky_projection: Projection,
     response_projection: Projection,
     components: ComponentSet,
+    /// Whether the sky that is seen in mirrors counts.
+    mirror_sky: bool,
     longwave: Option<Longwave>,
     /// Direct light where canopies stand before the sky.
     shaded: Option<DirectThroughCanopy>,
@@ -86,6 +89,7 @@ impl Forcing {
             response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
             sky_projection,
             components,
+            mirror_sky: true,
             longwave: None,
             shaded: None,
         }
@@ -94,6 +98,16 @@ impl Forcing {
     /// The same with longwave irradiance.
     pub fn with_longwave(self, longwave: Longwave) -> Self {
         Forcing { longwave: Some(longwave), ..self }
+    }
+
+    /// The same without the sky that is seen in mirrors.
+    pub fn without_mirror_sky(self) -> Self {
+        Forcing { mirror_sky: false, ..self }
+    }
+
+    /// Whether there is a sky to be seen in mirrors, which is asked for.
+    fn mirrors_sky(&self) -> bool {
+        self.mirror_sky && self.components.needs(SkySpecular) && !self.skies.is_empty()
     }
 
     /// The same behind leaves: how conditions add to the results with each leafage.
@@ -128,8 +142,7 @@ impl Forcing {
 
     /// Whether it needs what they see in mirrors.
     pub fn reads_mirrors(&self) -> bool {
-        self.components.needs(SunSpecular) && !self.suns.is_empty()
-            || self.components.needs(SkySpecular) && !self.skies.is_empty()
+        self.components.needs(SunSpecular) && !self.suns.is_empty() || self.mirrors_sky()
     }
 
     /// Whether it needs their responses.
@@ -186,8 +199,7 @@ impl Forcing {
 
     fn add_specular(&self, tile: &TileLayers, out: &mut TileValues) {
         let projection = &self.sky_projection;
-        let sky = self.components.needs(SkySpecular) && !self.skies.is_empty();
-        let sun = self.components.needs(SunSpecular);
+        let (sky, sun) = (self.mirrors_sky(), self.components.needs(SunSpecular));
         let mut sums = vec![0.0_f64; self.bins];
         let mut coefficients = Vec::new();
         for (receiver, (&normal, views)) in tile.normals.iter().zip(&tile.mirrors).enumerate() {
@@ -207,6 +219,34 @@ impl Forcing {
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
+        let (suns, skies) = self.reflected(tile, Response::vectors);
+        let receivers = tile.normals.len();
+        for receiver in 0..receivers {
+            let range = receiver * self.bins..(receiver + 1) * self.bins;
+            put(&suns[range.clone()], out.row_mut(SunDiffuse, receiver));
+            let row = out.row_mut(SkyDiffuse, receiver);
+            row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
+        }
+        let split = [SunDiffuse, SkyDiffuse].map(|whole| whole.parts().filter(|_| self.components.needs_parts(whole)));
+        if split == [None, None] {
+            return;
+        }
+        let (suns, skies) = self.reflected(tile, |response| response.vectors_of(Class::Ground));
+        let suns: Vec<f32> = suns.into_iter().map(|v| v as f32).collect();
+        for ((whole, parts), grounds) in [SunDiffuse, SkyDiffuse].into_iter().zip(split).zip([suns, skies]) {
+            let Some([ground, obstruction]) = parts else { continue };
+            for (place, value) in grounds.into_iter().enumerate() {
+                // Neither is below 0 by the error of a texture, and they add up to the whole.
+                let all = out.component(whole)[place];
+                let of_ground = value.clamp(0.0, all);
+                out.component_mut(ground)[place] = of_ground;
+                out.component_mut(obstruction)[place] = all - of_ground;
+            }
+        }
+    }
+
+    /// `[receiver][result]`: reflected sun and sky by what `vectors` takes of responses, `[texel][axis]`.
+    fn reflected(&self, tile: &TileLayers, vectors: impl Fn(&Response) -> Vec<[f32; 3]>) -> (Vec<f64>, Vec<f32>) {
         let receivers = tile.normals.len();
         let mut suns = vec![0.0_f64; receivers * self.bins];
         let mut skies = vec![0.0_f32; receivers * self.bins];
@@ -215,7 +255,7 @@ impl Forcing {
             let sky_diffuse = self.components.needs(SkyDiffuse) && !of_state.is_empty();
             let mut coefficients = Vec::new();
             for (response, sums) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))) {
-                let response = response.vectors();
+                let response = vectors(response);
                 state.sources.irradiance(&response, sums);
                 if sky_diffuse {
                     response_coefficients(&self.response_projection, &response, &mut coefficients);
@@ -223,12 +263,7 @@ impl Forcing {
             }
             of_state.irradiance(&coefficients, |receiver, bin, v| skies[receiver * self.bins + bin] += v);
         }
-        for receiver in 0..receivers {
-            let range = receiver * self.bins..(receiver + 1) * self.bins;
-            put(&suns[range.clone()], out.row_mut(SunDiffuse, receiver));
-            let row = out.row_mut(SkyDiffuse, receiver);
-            row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
-        }
+        (suns, skies)
     }
 }
 

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use crate::error::{Error, Result};
 use crate::site::material::Class;
 use crate::weather::emission::{Emission, black_body_w_m2};
-use crate::weather::formats::schedule_csv::{Column, ReadFile, parse_schedule};
+use crate::weather::formats::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use crate::weather::series::Weather;
 
 /// Temperatures of a schedule; below lies no surface on Earth, and above a kelvin stands where a degree Celsius is asked for.
@@ -78,7 +78,7 @@ pub fn emissions(
     let schedule = |class| match given.iter().rev().find(|temperature| temperature.class == class) {
         Some(Temperature { of: Given::Constant(celsius), .. }) => Ok(Some(vec![*celsius; dates.len()])),
         Some(Temperature { of: Given::Schedule(path), .. }) => {
-            parse_schedule(path, &files(path)?, CELSIUS, &dates).map(Some)
+            parse_schedule(path, &files(path)?, CELSIUS, Rows::Dated(&dates)).map(Some)
         }
         None => Ok(None),
     };

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
-use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::MemoryBudget;
@@ -57,12 +57,6 @@ fn steps(last: f64, step: f64) -> Vec<f64> {
     (0..=count as usize).map(|i| last * i as f64 / count).collect()
 }
 
-/// Which paths of light are followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LightOf {
-    pub depth: MaxBounces,
-}
-
 /// Reflectances of the ground between which tables hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundRange {
@@ -110,7 +104,7 @@ struct Sum {
 /// How tables are made.
 pub struct TableRequest<'a> {
     pub grid: SunGrid,
-    pub light: LightOf,
+    pub paths: LightPaths,
     pub ground: GroundRange,
     pub memory: MemoryBudget,
     pub storage: &'a dyn ScratchSpace,
@@ -130,10 +124,10 @@ pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<Sur
     let conditions: Vec<Condition> = states.iter().flat_map(|_| one.clone()).collect();
     let values = states.iter().flat_map(|value| std::iter::repeat_n(*value, one.len())).collect();
     let schedules = if changes { vec![Schedule { materials: ground, values }] } else { Vec::new() };
-    let components = [Component::SunDiffuse, Component::SkyDiffuse, Component::SunSpecular];
+    let components = [Component::SunDiffuse, Component::SkyDiffuse, Component::SunSpecular, Component::SkySpecular];
     let settings = ReplaySettings {
         sky: SkyModel::Uniform,
-        depth: asked.light.depth,
+        paths: asked.paths,
         patches: archive.manifest().settings.patches(),
         components: ComponentSet::of(&components),
         memory: asked.memory,

@@ -56,7 +56,7 @@ pub fn query(archive: &Path, conditions: &Path) {
     let settings = ReplaySettings {
         sky: SkyModel::Perez,
         patches: 577,
-        depth: MaxBounces::All,
+        paths: MaxBounces::All.into(),
         components: ComponentSet::ALL,
         memory: MemoryBudget::new(1 << 30),
         storage: &InMemory,

@@ -149,7 +149,7 @@ fn read_all(path: &Path) {
         let settings = ReplaySettings {
             sky: SkyModel::Perez,
             patches: 145,
-            depth,
+            paths: depth.into(),
             components: ComponentSet::ALL,
             memory: MemoryBudget::new(1 << 27),
             storage: &InMemory,

@@ -27,22 +27,43 @@ impl Column {
 /// How the bytes of a schedule that a user names are got: from a disk, or from what a page was given.
 pub type ReadFile<'r> = &'r dyn Fn(&Path) -> Result<Vec<u8>>;
 
-/// Reads the bytes of a schedule with a value for each of `dates`, or with twelve values, one a month; `path` is its name in messages.
-pub fn parse_schedule(path: &Path, bytes: &[u8], column: Column, dates: &[Date]) -> Result<Vec<f64>> {
-    let values = parse(path, bytes, column)?;
-    match values.len() {
-        count if count == dates.len() => Ok(values),
-        12 => Ok(dates.iter().filter_map(|date| values.get(date.month as usize - 1).copied()).collect()),
-        count => {
-            let what = format!("{count} values for a weather file of {} rows", dates.len());
-            Err(Error::input(
-                path,
-                None,
-                what,
-                "give a line for each row of the weather file, or 12 lines, one a month",
-            ))
+/// The rows that a schedule goes with.
+#[derive(Clone, Copy, Debug)]
+pub enum Rows<'d> {
+    /// Those of a weather file, by their dates.
+    Dated(&'d [Date]),
+    /// So many conditions, which have no dates.
+    Conditions(usize),
+}
+
+impl Rows<'_> {
+    /// Number of rows.
+    pub fn count(self) -> usize {
+        match self {
+            Rows::Dated(dates) => dates.len(),
+            Rows::Conditions(count) => count,
         }
     }
+}
+
+/// Reads the bytes of a schedule with a value for each row, or, where rows have dates, with twelve values, one a month; `path` is its name
+/// in messages.
+pub fn parse_schedule(path: &Path, bytes: &[u8], column: Column, rows: Rows) -> Result<Vec<f64>> {
+    let values = parse(path, bytes, column)?;
+    let found = values.len();
+    if found == rows.count() {
+        return Ok(values);
+    }
+    let (of, hint) = match rows {
+        Rows::Dated(dates) if found == 12 => {
+            return Ok(dates.iter().filter_map(|date| values.get(date.month as usize - 1).copied()).collect());
+        }
+        Rows::Dated(_) => {
+            ("a weather file of", "give a line for each row of the weather file, or 12 lines, one a month")
+        }
+        Rows::Conditions(_) => ("a table of conditions of", "give a line for each condition, in their order"),
+    };
+    Err(Error::input(path, None, format!("{found} values for {of} {} rows", rows.count()), hint))
 }
 
 fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
@@ -84,10 +105,16 @@ mod tests {
     fn values() {
         let dates = [(1, 31), (2, 1), (12, 5)].map(|(month, day)| Date::new(2021, month, day).expect("a date"));
         let column = Column { name: "reflectance", low: 0.0, high: 1.0 };
-        let read = |text: &str| parse_schedule(Path::new("s.csv"), text.as_bytes(), column, &dates);
+        let read = |text: &str| parse_schedule(Path::new("s.csv"), text.as_bytes(), column, Rows::Dated(&dates));
         let months: String = (1..=12).map(|m| format!("{m},0.{m:02}\n")).collect();
         assert_eq!(read(&format!("month, reflectance\r\n{months}")).expect("months"), [0.01, 0.02, 0.12]);
         assert_eq!(read("\u{feff}reflectance\n0\n1\n0.5\n").expect("rows"), [0.0, 1.0, 0.5]);
+        let of_query =
+            |count| parse_schedule(Path::new("s.csv"), b"reflectance\n0\n1\n", column, Rows::Conditions(count));
+        assert_eq!(of_query(2).expect("rows"), [0.0, 1.0]);
+        assert!(
+            of_query(12).expect_err("too few").to_string().contains("2 values for a table of conditions of 12 rows")
+        );
         for (text, expected) in [
             ("", "column `reflectance` is missing"),
             ("albedo\n1\n1\n1\n", "column `reflectance` is missing"),

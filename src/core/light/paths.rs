@@ -1,0 +1,98 @@
+//! Which light counts. In: names. Out: how many diffuse reflections are followed, and what mirrors add to them.
+
+use std::str::FromStr;
+
+use crate::light::radiosity::MaxBounces;
+
+/// Light beyond what comes straight from sun and sky, by one diffuse reflection, or from the sun in mirrors, which always count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightPaths {
+    /// How many diffuse reflections are followed.
+    pub depth: MaxBounces,
+    /// Diffusely reflected light that meets a mirror, too: what mirrors throw on surfaces, and surfaces that are seen in mirrors.
+    pub mirror_diffuse: bool,
+    /// The sky that is seen in mirrors, column `sky_specular`.
+    pub mirror_sky: bool,
+}
+
+impl LightPaths {
+    /// All of it.
+    pub const ALL: LightPaths = LightPaths { depth: MaxBounces::All, mirror_diffuse: true, mirror_sky: true };
+
+    /// None of it: the light paths of EnergyPlus (Engineering Reference, "Solar Radiation Reflected from Exterior Surfaces").
+    pub const FIRST: LightPaths = LightPaths { depth: MaxBounces::Count(1), mirror_diffuse: false, mirror_sky: false };
+
+    /// The same with at most so many diffuse reflections. An error: several, where but one is to count.
+    pub fn with_depth(self, depth: MaxBounces) -> Result<Self, String> {
+        match (self.depth, depth) {
+            (MaxBounces::All, depth) => Ok(LightPaths { depth, ..self }),
+            (first, MaxBounces::All | MaxBounces::Count(1)) => Ok(LightPaths { depth: first, ..self }),
+            (_, MaxBounces::Count(count)) => {
+                Err(format!("{count} diffuse reflections cannot count without `{}` among the paths", NAMES[0]))
+            }
+        }
+    }
+}
+
+/// At most so many diffuse reflections, and all that mirrors add.
+impl From<MaxBounces> for LightPaths {
+    fn from(depth: MaxBounces) -> Self {
+        LightPaths { depth, ..LightPaths::ALL }
+    }
+}
+
+/// Names of the three, in the order of the fields.
+const NAMES: [&str; 3] = ["bounces", "mirror-diffuse", "mirror-sky"];
+
+/// `all`, `none`, or some of `bounces,mirror-diffuse,mirror-sky`.
+impl FromStr for LightPaths {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "all" => return Ok(LightPaths::ALL),
+            "none" => return Ok(LightPaths::FIRST),
+            _ => {}
+        }
+        let mut counted = [false; NAMES.len()];
+        for part in text.split(',').map(str::trim) {
+            let Some(place) = NAMES.iter().position(|name| *name == part) else {
+                return Err(format!("`{part}` is no path, give all, none, or some of {}", NAMES.join(", ")));
+            };
+            if std::mem::replace(&mut counted[place], true) {
+                return Err(format!("`{part}` stands there twice"));
+            }
+        }
+        let [bounces, mirror_diffuse, mirror_sky] = counted;
+        let depth = if bounces { MaxBounces::All } else { MaxBounces::Count(1) };
+        Ok(LightPaths { depth, mirror_diffuse, mirror_sky })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All three names are `all`, in any order; one leaves the other two out; 4 texts of 4 are refused.
+    #[test]
+    fn names() {
+        let of = |text: &str| text.parse::<LightPaths>();
+        assert_eq!(of("mirror-sky, bounces,mirror-diffuse"), Ok(LightPaths::ALL));
+        assert_eq!((of("all"), of("none")), (Ok(LightPaths::ALL), Ok(LightPaths::FIRST)));
+        assert_eq!(of("mirror-sky"), Ok(LightPaths { mirror_sky: true, ..LightPaths::FIRST }));
+        for text in ["", "all,bounces", "bounces,bounces", "mirror"] {
+            assert!(of(text).is_err(), "{text}");
+        }
+    }
+
+    /// A number of reflections counts among all paths, 1 of 1, and not where only the first counts: 3 is refused, 1 and all are 1.
+    #[test]
+    fn depths() {
+        let three = MaxBounces::Count(3);
+        assert_eq!(LightPaths::ALL.with_depth(three), Ok(LightPaths { depth: three, ..LightPaths::ALL }));
+        assert!(LightPaths::FIRST.with_depth(three).is_err());
+        for depth in [MaxBounces::All, MaxBounces::Count(1)] {
+            assert_eq!(LightPaths::FIRST.with_depth(depth), Ok(LightPaths::FIRST));
+        }
+    }
+}
