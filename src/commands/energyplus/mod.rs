@@ -60,7 +60,11 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     };
     let archive = up_to_date(&asked, &scene, Some(&covered))?;
     interrupt::stop_if_requested("after site.helio was complete")?;
-    let lights = lights(args, &document, &archive, &covered)?;
+    let ground = match args.physics {
+        Physics::EnergyPlus => GroundRange::UNIT,
+        Physics::Full => ground_range(&document),
+    };
+    let lights = lights(args, ground, &archive, &covered)?;
     let targets = targets(&document, &lights, &covered);
     let injection = Injection { grid: SunGrid::USUAL, lights: &lights, targets: &targets.list };
     let changed = injection::write(&mut document, &injection)?;
@@ -72,6 +76,7 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
         args,
         archive: &archive,
         lights: &lights,
+        ground,
         targets: &targets,
         changed: &changed,
         warnings: &warnings,
@@ -149,14 +154,14 @@ fn no_surface(args: &EnergyplusArgs, error: Error) -> Error {
 /// What surfaces get, hidden parts of them nothing.
 fn lights(
     args: &EnergyplusArgs,
-    document: &Document,
+    ground: GroundRange,
     archive: &Archive,
     covered: &Covered,
 ) -> Result<Vec<SurfaceLight>> {
     let storage = temporary_files();
-    let (paths, ground) = match args.physics {
-        Physics::EnergyPlus => (LightPaths::FIRST, GroundRange::UNIT),
-        Physics::Full => (LightPaths::ALL, ground_range(document)),
+    let paths = match args.physics {
+        Physics::EnergyPlus => LightPaths::FIRST,
+        Physics::Full => LightPaths::ALL,
     };
     let asked = TableRequest {
         grid: SunGrid::USUAL,

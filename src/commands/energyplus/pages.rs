@@ -4,7 +4,7 @@ use super::{Targets, physics_name};
 use crate::cli::{EnergyplusArgs, Physics};
 use crate::outputs::energyplus::injection::Changed;
 use crate::outputs::energyplus::report::{Block, Report};
-use crate::outputs::energyplus::sun_tables::{SunGrid, SurfaceLight};
+use crate::outputs::energyplus::sun_tables::{GroundRange, SunGrid, SurfaceLight};
 use heliotile_core::archive::{Archive, format};
 
 /// What there is to tell.
@@ -12,6 +12,7 @@ pub struct Told<'a> {
     pub args: &'a EnergyplusArgs,
     pub archive: &'a Archive,
     pub lights: &'a [SurfaceLight],
+    pub ground: GroundRange,
     pub targets: &'a Targets,
     pub changed: &'a Changed,
     pub warnings: &'a [String],
@@ -47,6 +48,22 @@ fn done(told: &Told) -> Vec<String> {
         format!("archive root {}", format::hex(&told.archive.root())),
         format!("heliotile {}, for EnergyPlus 25.2", env!("CARGO_PKG_VERSION")),
     ];
+    if told.args.physics == Physics::Full {
+        let bend = told.lights.iter().map(|light| light.bend_w_m2).fold(0.0, f64::max);
+        let ground = told.ground;
+        list.push(format!(
+            "light of several reflections bends over the ground's reflectance: tables are exact at {:.3} and {:.3} and off by {bend:.2} \
+             W/m2 of 1000 at most between them",
+            ground.low, ground.high
+        ));
+    }
+    if told.lights.iter().any(|light| light.mirrored.iter().any(|value| *value > 0.0)) {
+        let fine = SunGrid::FINE;
+        list.push(format!(
+            "the sun in mirrors has tables in steps of {} and {} degrees",
+            fine.azimuth_step_deg, fine.altitude_step_deg
+        ));
+    }
     list.extend(told.changed.notes.iter().cloned());
     list
 }
@@ -61,6 +78,7 @@ fn surfaces(told: &Told) -> Vec<Block> {
         "receivers",
         "sun, fixed",
         "sun, by ground",
+        "sun in mirrors",
         "sky, fixed",
         "sky, by ground",
     ];
@@ -71,7 +89,8 @@ fn surfaces(told: &Told) -> Vec<Block> {
         let mut cells =
             vec![light.name.clone(), light.kind.clone(), light.zone.clone(), format!("{:.2}", light.area_m2)];
         cells.push(light.receivers.to_string());
-        cells.extend([sun, sun_ground, sky, sky_ground].map(number));
+        let mirrored = light.mirrored.iter().sum::<f64>() / light.mirrored.len().max(1) as f64;
+        cells.extend([sun, sun_ground, mirrored, sky, sky_ground].map(number));
         cells
     };
     let note = "Means over all suns of the table under 1000 W/m2 of DNI, and under a sky of 1000 W/m2: W/m2 that the surface gets \

@@ -40,14 +40,17 @@ impl Names {
     }
 }
 
+/// Tables of a surface: what does not depend on the ground, what does, the sun in mirrors.
+pub const TABLES: [&str; 3] = ["P", "Q", "S"];
+
 /// Coefficients of one surface.
 pub struct SurfaceTerms {
     /// Number behind the prefix of its actuator.
     pub actuator: usize,
     /// Number of its tables.
     pub tables: usize,
-    /// Whether it has a table of what does not depend on the ground, and of what does.
-    pub has: [bool; 2],
+    /// Which of [`TABLES`] it has.
+    pub has: [bool; 3],
     /// Under the sky, W/m2 by W/m2 of DHI: the same two parts.
     pub sky: [f64; 2],
 }
@@ -85,8 +88,8 @@ pub fn surface_lines(names: &Names, terms: &SurfaceTerms) -> Vec<String> {
     let mut lines = vec![format!("SET {actuator} = {} * ({sky:.6} + {} * {sky_ground:.6})", n("D"), n("R"))];
     if terms.has.contains(&true) {
         lines.push(format!("IF {} > 0", n("B")));
-        let factors = [n("B"), format!("{} * {}", n("B"), n("R"))];
-        for ((table, factor), _) in ["P", "Q"].into_iter().zip(factors).zip(terms.has).filter(|(_, has)| *has) {
+        let factors = [n("B"), format!("{} * {}", n("B"), n("R")), n("B")];
+        for ((table, factor), _) in TABLES.into_iter().zip(factors).zip(terms.has).filter(|(_, has)| *has) {
             let index = n(&format!("{table}{}", terms.tables));
             lines.push(format!("SET Lit = @CurveValue {index} {azi} {alt}"));
             lines.push(format!("SET {actuator} = {actuator} + {factor} * Lit"));
@@ -107,14 +110,14 @@ mod tests {
         assert_eq!(names.of("A1"), "HT3_A1");
     }
 
-    /// A surface with both tables reads 2, one with neither none; blocks close.
+    /// A surface with all tables reads 3, one with neither none; blocks close.
     #[test]
     fn lines() {
         let names = Names::free(std::iter::empty());
         let of = |has| surface_lines(&names, &SurfaceTerms { actuator: 4, tables: 2, has, sky: [0.25, 0.5] });
         let count = |lines: &[String], word: &str| lines.iter().filter(|line| line.contains(word)).count();
-        assert_eq!(of([true, true]).iter().filter(|line| line.contains("@CurveValue")).count(), 2);
-        assert_eq!(of([false, false]), ["SET HT1_A4 = HT1_D * (0.250000 + HT1_R * 0.500000)"]);
+        assert_eq!(count(&of([true; 3]), "@CurveValue"), 3);
+        assert_eq!(of([false; 3]), ["SET HT1_A4 = HT1_D * (0.250000 + HT1_R * 0.500000)"]);
         let sun = sun_program(&names, &[2]);
         assert_eq!((count(&sun, "IF "), count(&sun, "ENDIF"), count(&sun, "Month == 2")), (3, 3, 1));
     }

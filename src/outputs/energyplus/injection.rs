@@ -2,7 +2,7 @@
 //! solar distribution that lets them count.
 
 use super::document::{Document, ModelObject};
-use super::erl::{Names, SENSORS, SHARED, SurfaceTerms, sun_program, surface_lines};
+use super::erl::{Names, SENSORS, SHARED, SurfaceTerms, TABLES, sun_program, surface_lines};
 use super::new_object::{FieldValue, NewObject};
 use super::sun_tables::{GroundLine, NOMINAL_W_M2, SunGrid, SurfaceLight};
 use heliotile_core::error::Result;
@@ -77,16 +77,21 @@ pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> 
     changed.notes.extend(switch_distribution(document)?);
     let bare = brighten_ground(document, &mut changed.notes)?;
     let names = Names::free(document.objects.iter().map(ModelObject::name));
-    write_sun(document, injection.grid, &names);
+    write_site(document, &names);
+    write_suns(document, injection.grid, &names, "Sun");
+    let is_worth = |values: &Vec<f64>| values.iter().any(|value| value.abs() >= NOTHING_W_M2);
+    if injection.lights.iter().any(|light| is_worth(&light.mirrored)) {
+        write_suns(document, SunGrid::FINE, &names, "FineSun");
+    }
     let mut has = Vec::new();
     for (number, light) in injection.lights.iter().enumerate() {
-        let worth = light.sun.largest().map(|most| most >= NOTHING_W_M2);
-        for ((letter, values), _) in
-            [("P", &light.sun.fixed), ("Q", &light.sun.by_ground)].into_iter().zip(worth).filter(|(_, worth)| *worth)
-        {
+        let tables = [&light.sun.fixed, &light.sun.by_ground, &light.mirrored];
+        let worth = tables.map(is_worth);
+        for ((letter, values), _) in TABLES.into_iter().zip(tables).zip(worth).filter(|(_, worth)| *worth) {
             let name = names.of(&format!("{letter}{}", number + 1));
             let table = names.of(&format!("Table_{letter}{}", number + 1));
-            let fields = [("independent_variable_list_name", names.of("Sun"))];
+            let suns = names.of(if letter == TABLES[2] { "FineSun" } else { "Sun" });
+            let fields = [("independent_variable_list_name", suns)];
             let mut lookup = NewObject::new("Table:Lookup", &table, &fields.each_ref().map(|(k, v)| (*k, v.as_str())));
             lookup.fields.push(("normalization_method", FieldValue::Text("None".into())));
             for blank in [
@@ -115,13 +120,13 @@ pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> 
     Ok(changed)
 }
 
-/// Axes of the tables, and what is read of the site.
-fn write_sun(document: &mut Document, grid: SunGrid, names: &Names) {
+/// Axes of tables.
+fn write_suns(document: &mut Document, grid: SunGrid, names: &Names, list: &str) {
     for (name, values) in [("Azimuth", grid.azimuths_deg()), ("Altitude", grid.altitudes_deg())] {
         let (first, last) = (values.first().copied().unwrap_or_default(), values.last().copied().unwrap_or_default());
         let mut axis = NewObject::new(
             "Table:IndependentVariable",
-            names.of(name),
+            names.of(&format!("{list}_{name}")),
             &[("interpolation_method", "Linear"), ("extrapolation_method", "Constant")],
         );
         axis.fields.extend([
@@ -136,12 +141,16 @@ fn write_sun(document: &mut Document, grid: SunGrid, names: &Names) {
         let values = values.iter().map(|value| FieldValue::number(*value, 4)).collect();
         document.add(axis.with_list("values", "value", values));
     }
-    let axes = ["Azimuth", "Altitude"].map(|axis| FieldValue::Text(names.of(axis)));
-    document.add(NewObject::new("Table:IndependentVariableList", names.of("Sun"), &[]).with_list(
+    let axes = ["Azimuth", "Altitude"].map(|axis| FieldValue::Text(names.of(&format!("{list}_{axis}"))));
+    document.add(NewObject::new("Table:IndependentVariableList", names.of(list), &[]).with_list(
         "independent_variables",
         "independent_variable_name",
         axes.to_vec(),
     ));
+}
+
+/// What is read of the site, and what programs share.
+fn write_site(document: &mut Document, names: &Names) {
     for (name, output) in SENSORS {
         document.add(NewObject::new(
             "EnergyManagementSystem:Sensor",
@@ -159,7 +168,7 @@ fn write_sun(document: &mut Document, grid: SunGrid, names: &Names) {
 }
 
 /// Actuators, and the programs that set them.
-fn write_programs(document: &mut Document, injection: &Injection, names: &Names, has: &[[bool; 2]], bare: &[usize]) {
+fn write_programs(document: &mut Document, injection: &Injection, names: &Names, has: &[[bool; 3]], bare: &[usize]) {
     let mut programs = vec![(names.of("Prepare"), sun_program(names, bare))];
     for (i, (surface, number)) in injection.targets.iter().enumerate() {
         document.add(NewObject::new(

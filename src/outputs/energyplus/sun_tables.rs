@@ -14,6 +14,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::Class;
+use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
@@ -35,6 +36,9 @@ pub struct SunGrid {
 impl SunGrid {
     /// 37 x 19 suns: against a series of 15 minutes cooling is off by 0.02 % (measured).
     pub const USUAL: SunGrid = SunGrid { azimuth_step_deg: 10.0, altitude_step_deg: 5.0 };
+
+    /// For what mirrors throw, which comes and goes within a few degrees.
+    pub const FINE: SunGrid = SunGrid { azimuth_step_deg: 5.0, altitude_step_deg: 2.5 };
 
     /// 0 to 360 degrees, both of which are north.
     pub fn azimuths_deg(&self) -> Vec<f64> {
@@ -88,17 +92,22 @@ pub struct SurfaceLight {
     pub zone: String,
     pub receivers: usize,
     pub area_m2: f64,
-    /// `[azimuth][altitude]` of the grid, altitude fastest.
+    /// `[azimuth][altitude]` of the grid, altitude fastest: what surfaces reflect diffusely.
     pub sun: GroundLine,
+    /// The same of the fine grid: the sun in mirrors, whatever the ground.
+    pub mirrored: Vec<f64>,
     /// Under a uniform sky: one value each.
     pub sky: GroundLine,
+    /// How far light at the middle reflectance of the ground lies off the line through both ends at most, W/m2 under 1000 W/m2.
+    pub bend_w_m2: f64,
 }
 
-/// Sums over the receivers of a surface.
-struct Sum {
+/// Means over the receivers of a surface, by area.
+struct Means {
+    /// Without light.
     light: SurfaceLight,
-    /// `[state][condition]`, times m2.
-    sums: Vec<f64>,
+    /// `[state][condition]`
+    values: Vec<f64>,
 }
 
 /// How tables are made.
@@ -119,55 +128,75 @@ pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<Sur
         .collect();
     // Without reflections or ground nothing depends on it.
     let changes = site.settings().diffuse && !ground.is_empty();
-    let states = if changes { vec![asked.ground.low, asked.ground.high] } else { vec![0.0] };
-    let one = conditions(asked.grid);
+    let GroundRange { low, high } = asked.ground;
+    let states = if changes { vec![low, high, 0.5 * (low + high)] } else { vec![0.0] };
+    let mut one = suns(asked.grid);
+    let zenith = direction_from_degrees(0.0, 90.0);
+    one.push(Condition::new(String::new(), &[], zenith, 0.0, NOMINAL_W_M2));
     let conditions: Vec<Condition> = states.iter().flat_map(|_| one.clone()).collect();
     let values = states.iter().flat_map(|value| std::iter::repeat_n(*value, one.len())).collect();
     let schedules = if changes { vec![Schedule { materials: ground, values }] } else { Vec::new() };
-    let components = [Component::SunDiffuse, Component::SkyDiffuse, Component::SunSpecular, Component::SkySpecular];
+    let diffuse = [Component::SunDiffuse, Component::SkyDiffuse, Component::SkySpecular];
+    let means = surface_means(archive, &site, &conditions, &schedules, &diffuse, asked)?;
+    let mut lights: Vec<SurfaceLight> = means.into_iter().map(|means| finish(means, one.len(), asked)).collect();
+    if site.orientations().is_empty() {
+        return Ok(lights);
+    }
+    let mirrored = surface_means(archive, &site, &suns(SunGrid::FINE), &[], &[Component::SunSpecular], asked)?;
+    // Both are sorted by the same names.
+    for (light, means) in lights.iter_mut().zip(mirrored) {
+        light.mirrored = round_the_circle(means.values, SunGrid::FINE);
+    }
+    Ok(lights)
+}
+
+/// Components of light under conditions, added up, as means over surfaces by name.
+fn surface_means(
+    archive: &Archive,
+    site: &OpenSite,
+    conditions: &[Condition],
+    schedules: &[Schedule],
+    components: &[Component],
+    asked: &TableRequest,
+) -> Result<Vec<Means>> {
     let settings = ReplaySettings {
         sky: SkyModel::Uniform,
         paths: asked.paths,
         patches: archive.manifest().settings.patches(),
-        components: ComponentSet::of(&components),
+        components: ComponentSet::of(components),
         memory: asked.memory,
         storage: asked.storage,
     };
-    let replay = Replay::scheduled(&site, &conditions, settings, &Bins::each(conditions.len()), &schedules)?;
-    let mut found: BTreeMap<String, Sum> = BTreeMap::new();
-    let mut receivers = ArchiveReceivers::<()>::new(&site);
+    let replay = Replay::scheduled(site, conditions, settings, &Bins::each(conditions.len()), schedules)?;
+    let mut found: BTreeMap<String, Means> = BTreeMap::new();
+    let mut receivers = ArchiveReceivers::<()>::new(site);
     for result in replay.results(0..replay.tiles()) {
         let values = result?.1;
         for (row, receiver) in receivers.by_ref().take(values.receivers()).enumerate() {
             let receiver = receiver?.receiver;
             let part = receiver.part;
-            let sum = found.entry(part.face.to_lowercase()).or_insert_with(|| Sum {
-                light: SurfaceLight {
-                    name: part.face,
-                    kind: part.kind,
-                    class: part.object_type,
-                    zone: part.object,
-                    receivers: 0,
-                    area_m2: 0.0,
-                    sun: GroundLine::default(),
-                    sky: GroundLine::default(),
-                },
-                sums: vec![0.0; conditions.len()],
-            });
+            let sum = found
+                .entry(part.face.to_lowercase())
+                .or_insert_with(|| Means { light: SurfaceLight::dark(part), values: vec![0.0; conditions.len()] });
             let area_m2 = receiver.area.unwrap_or(1.0);
             sum.light.receivers += 1;
             sum.light.area_m2 += area_m2;
             for component in components {
-                let row = values.row(component, row);
-                sum.sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += area_m2 * f64::from(*value));
+                let row = values.row(*component, row);
+                sum.values.iter_mut().zip(row).for_each(|(sum, value)| *sum += area_m2 * f64::from(*value));
             }
         }
     }
-    Ok(found.into_values().map(|sum| finish(sum, one.len(), asked)).collect())
+    let mean = |mut means: Means| {
+        let area_m2 = if means.light.area_m2 > 0.0 { means.light.area_m2 } else { 1.0 };
+        means.values.iter_mut().for_each(|value| *value /= area_m2);
+        means
+    };
+    Ok(found.into_values().map(mean).collect())
 }
 
-/// All suns of the grid but those of 360 degrees, then one sky.
-fn conditions(grid: SunGrid) -> Vec<Condition> {
+/// All suns of the grid but those of 360 degrees.
+fn suns(grid: SunGrid) -> Vec<Condition> {
     let azimuths = grid.azimuths_deg();
     let mut conditions = Vec::new();
     for azimuth_deg in azimuths.iter().take(azimuths.len().saturating_sub(1)) {
@@ -176,28 +205,31 @@ fn conditions(grid: SunGrid) -> Vec<Condition> {
             conditions.push(Condition::new(String::new(), &[sun], sun, NOMINAL_W_M2, 0.0));
         }
     }
-    let zenith = direction_from_degrees(0.0, 90.0);
-    conditions.push(Condition::new(String::new(), &[], zenith, 0.0, NOMINAL_W_M2));
     conditions
 }
 
-/// Means by area, and the lines through both states.
-fn finish(Sum { mut light, sums }: Sum, conditions: usize, asked: &TableRequest) -> SurfaceLight {
-    let area_m2 = if light.area_m2 > 0.0 { light.area_m2 } else { 1.0 };
-    let means: Vec<f64> = sums.iter().map(|sum| sum / area_m2).collect();
+/// The same with north again, at 360 degrees.
+fn round_the_circle(mut values: Vec<f64>, grid: SunGrid) -> Vec<f64> {
+    let north: Vec<f64> = values.iter().copied().take(grid.altitudes_deg().len()).collect();
+    values.extend(north);
+    values
+}
+
+/// The lines through the states of the ground.
+fn finish(Means { mut light, values }: Means, conditions: usize, asked: &TableRequest) -> SurfaceLight {
     let GroundRange { low, high } = asked.ground;
-    let mut states = means.chunks(conditions.max(1));
+    let mut states = values.chunks(conditions.max(1));
     let first = states.next().unwrap_or_default();
     let second = states.next().unwrap_or(first);
     let width = if high > low { high - low } else { 1.0 };
     let by_ground: Vec<f64> = first.iter().zip(second).map(|(low, high)| (high - low) / width).collect();
     let fixed: Vec<f64> = first.iter().zip(&by_ground).map(|(value, slope)| value - low * slope).collect();
+    for (middle, line) in states.next().unwrap_or_default().iter().zip(fixed.iter().zip(&by_ground)) {
+        light.bend_w_m2 = light.bend_w_m2.max((middle - line.0 - 0.5 * (low + high) * line.1).abs());
+    }
     let split = |mut all: Vec<f64>| {
         let sky = all.pop();
-        // North again, at 360 degrees.
-        let north: Vec<f64> = all.iter().copied().take(asked.grid.altitudes_deg().len()).collect();
-        all.extend(north);
-        (all, sky.into_iter().collect())
+        (round_the_circle(all, asked.grid), sky.into_iter().collect())
     };
     let ((sun_fixed, sky_fixed), (sun_slope, sky_slope)) = (split(fixed), split(by_ground));
     light.sun = GroundLine { fixed: sun_fixed, by_ground: sun_slope };
@@ -206,6 +238,22 @@ fn finish(Sum { mut light, sums }: Sum, conditions: usize, asked: &TableRequest)
 }
 
 impl SurfaceLight {
+    /// A surface that gets nothing yet.
+    fn dark(part: ModelPart) -> SurfaceLight {
+        SurfaceLight {
+            name: part.face,
+            kind: part.kind,
+            class: part.object_type,
+            zone: part.object,
+            receivers: 0,
+            area_m2: 0.0,
+            sun: GroundLine::default(),
+            mirrored: Vec::new(),
+            sky: GroundLine::default(),
+            bend_w_m2: 0.0,
+        }
+    }
+
     /// The same spread over a larger area, the rest of which gets nothing.
     pub fn spread_over(&mut self, whole_m2: f64) {
         if whole_m2 > self.area_m2 && self.area_m2 > 0.0 {
@@ -220,11 +268,6 @@ impl SurfaceLight {
 }
 
 impl GroundLine {
-    /// Largest value of both parts, in size.
-    pub fn largest(&self) -> [f64; 2] {
-        [&self.fixed, &self.by_ground].map(|values| values.iter().fold(0.0, |most, value| value.abs().max(most)))
-    }
-
     /// Mean of both parts.
     pub fn mean(&self) -> [f64; 2] {
         [&self.fixed, &self.by_ground].map(|values| values.iter().sum::<f64>() / values.len().max(1) as f64)
@@ -244,6 +287,6 @@ mod tests {
             (azimuths[0], azimuths[36], altitudes[0], altitudes[1], altitudes[18]),
             (0.0, 360.0, 0.5, 5.0, 90.0)
         );
-        assert_eq!(conditions(SunGrid::USUAL).len(), 36 * 19 + 1);
+        assert_eq!((suns(SunGrid::USUAL).len(), suns(SunGrid::FINE).len()), (36 * 19, 72 * 37));
     }
 }
