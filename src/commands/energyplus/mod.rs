@@ -1,7 +1,9 @@
 //! `heliotile energyplus`: a model of EnergyPlus with the sun that its surroundings reflect. In: a model, what stands around it. Out: a
 //! folder with the model that an unmodified EnergyPlus runs, the archive, and a report.
 
+mod around;
 mod pages;
+mod runs;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -16,6 +18,7 @@ use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};
 use crate::outputs::energyplus::sun_tables::{GroundRange, SunGrid, SurfaceLight, TableRequest, surface_lights};
 use crate::outputs::sink::write_texts;
+use around::Around;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
@@ -23,6 +26,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::text::counted;
 use heliotile_scene::input;
 use heliotile_scene::site::Site;
+use runs::Engine;
 
 /// Receivers lie off their surfaces by this, metres.
 const OFFSET_M: f64 = 0.02;
@@ -44,10 +48,12 @@ pub(super) struct Targets {
 pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     let mut document = Document::read(&args.model, input::read(&args.model)?)?;
     checks::check(&document)?;
-    let site = site_of(args)?;
+    // Before minutes of work.
+    let engine = args.run.then(|| Engine::find(args.energyplus.as_deref())).transpose()?;
+    let Around { site, neighbours, materials, types } = Around::read(args)?;
     let files = Files::of(args, &document);
     files.guard(args, &site)?;
-    let (scene, covered) = cover_site(&site, &cover_of(args)).map_err(|error| no_surface(args, error))?;
+    let (scene, covered) = cover_site(&site, &cover_of(args, types)).map_err(|error| no_surface(args, error))?;
     let asked = TraceRequest {
         folder: &args.output,
         receivers: &files.receivers,
@@ -68,6 +74,7 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     let targets = targets(&document, &lights, &covered);
     let injection = Injection { grid: SunGrid::USUAL, lights: &lights, targets: &targets.list };
     let changed = injection::write(&mut document, &injection)?;
+    neighbours.add(&mut document, &materials, false);
     let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
     let warnings = checks::warnings(&document, &injected);
     changed.notes.iter().try_for_each(|note| remark(&format!("{note}\n")))?;
@@ -81,10 +88,21 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
         changed: &changed,
         warnings: &warnings,
     };
-    let report = pages::report(&told);
+    let mut report = pages::report(&told);
     write_model(&files.model, &document)?;
-    write_texts(&args.output, &[(REPORT[0], report.markdown()), (REPORT[1], report.html())])?;
     remark(&summary(&files, &targets, &changed))?;
+    if let (Some(engine), Some(weather)) = (engine, &args.weather) {
+        let bare = || {
+            let mut model = Document::read(&args.model, input::read(&args.model)?)?;
+            neighbours.add(&mut model, &materials, true);
+            Ok(model)
+        };
+        report.sections.extend(runs::run_all(&engine, &bare, document, weather, &args.output.join("energyplus"))?);
+    }
+    let pictures: Vec<(String, String)> = report.pictures().map(|(n, svg)| (n.to_owned(), svg.to_owned())).collect();
+    let mut texts = vec![(REPORT[0], report.markdown()), (REPORT[1], report.html())];
+    texts.extend(pictures.iter().map(|(name, svg)| (name.as_str(), svg.clone())));
+    write_texts(&args.output, &texts)?;
     Ok(Outcome::Fine)
 }
 
@@ -121,17 +139,11 @@ impl Files {
     }
 }
 
-/// The model and what stands around it.
-fn site_of(args: &EnergyplusArgs) -> Result<Site> {
-    let files: Vec<PathBuf> = std::iter::once(&args.model).chain(&args.scene).cloned().collect();
-    Ok(args.surfaces.site(&files)?.framed(&args.place.frame()))
-}
-
 /// All that the sun may reach of the model.
-fn cover_of(args: &EnergyplusArgs) -> CoverArgs {
+fn cover_of(args: &EnergyplusArgs, types: Vec<String>) -> CoverArgs {
     CoverArgs {
         on: Vec::new(),
-        types: Vec::new(),
+        types,
         spacing: args.spacing,
         per_surface: None,
         offset: Metres(OFFSET_M),

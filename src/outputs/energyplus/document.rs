@@ -125,21 +125,39 @@ impl Document {
         self.objects.iter().find(|object| object.is(class)).map_or("", |object| object.text(place, key))
     }
 
-    /// Sets a field of all objects of a class that have it.
+    /// Sets a field of all objects of a class; one that an object has not got is added to it.
     pub fn set(&mut self, class: &str, place: usize, key: &str, value: &str) -> Result<()> {
+        let quoted = self.form == Form::EpJson && value.parse::<f64>().is_err();
+        let text = if quoted { serde_json::Value::from(value).to_string() } else { value.to_owned() };
         let mut edits = Vec::new();
         for object in self.objects.iter().filter(|object| object.is(class)) {
-            let Some(field) = object.field(place, key) else { continue };
+            let Some(field) = object.field(place, key) else {
+                edits.push(self.missing(object, place, key, &text));
+                continue;
+            };
             let Some(span) = field.span.clone() else {
                 let what = format!("{}: the field `{}` goes over several lines", object.title(), field.text.trim());
                 return Err(Error::input(&self.file, field.line, what, "write it on one line: it has to be changed"));
             };
-            let quoted = self.form == Form::EpJson && value.parse::<f64>().is_err();
-            let text = if quoted { serde_json::Value::from(value).to_string() } else { value.to_owned() };
-            edits.push((span, text.into_bytes()));
+            edits.push((span, text.clone().into_bytes()));
         }
         self.edits.extend(edits);
         Ok(())
+    }
+
+    /// A field that an object has not got, where it goes: at its end in IDF, at its beginning in epJSON.
+    fn missing(&self, object: &ModelObject, place: usize, key: &str, text: &str) -> (Range<usize>, Vec<u8>) {
+        let (at, text) = match self.form {
+            Form::Idf => {
+                let blanks = place.saturating_sub(object.fields.len());
+                (object.span.end.saturating_sub(1), ", ".repeat(blanks) + text)
+            }
+            Form::EpJson => {
+                let more = if object.fields.len() > 1 { ", " } else { "" };
+                (object.span.start + 1, format!("{}: {text}{more}", serde_json::Value::from(key)))
+            }
+        };
+        (at..at, text.into_bytes())
     }
 
     /// Adds an object behind all others.

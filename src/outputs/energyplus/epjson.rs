@@ -126,8 +126,9 @@ fn member(object: &NewObject) -> String {
         fields.extend(json(value).map(|value| ((*key).to_owned(), value)));
     }
     if let Some((list, item, items)) = &object.list {
-        let entry = |value: &FieldValue| Some(Value::from_iter([((*item).to_owned(), json(value)?)]));
-        fields.insert((*list).to_owned(), items.iter().filter_map(entry).collect());
+        let part = |(key, value): (&&str, &FieldValue)| Some(((*key).to_owned(), json(value)?));
+        let entry = |values: &[FieldValue]| Value::Object(item.iter().zip(values).filter_map(part).collect());
+        fields.insert((*list).to_owned(), items.chunks(item.len().max(1)).map(entry).collect());
     }
     format!("        {}: {}", Value::from(object.name.as_str()), Value::Object(fields))
 }

@@ -35,6 +35,15 @@ const MONTHS: [&str; 12] = [
     "december_ground_reflectance",
 ];
 
+/// Place and key of the solar distribution of a `Building`.
+pub const DISTRIBUTION: (usize, &str) = (6, "solar_distribution");
+
+/// Distributions with EnergyPlus's own reflections, and the same without them.
+pub const WITH_OWN: [(&str, &str); 2] = [
+    ("FullExteriorWithReflections", "FullExterior"),
+    ("FullInteriorAndExteriorWithReflections", "FullInteriorAndExterior"),
+];
+
 /// What EnergyPlus takes where a model says nothing.
 const USUAL_GROUND: f64 = 0.2;
 
@@ -106,7 +115,7 @@ pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> 
                 lookup.fields.push((blank, FieldValue::Nothing));
             }
             let values = values.iter().map(|value| FieldValue::number(*value, DECIMALS)).collect();
-            document.add(lookup.with_list("values", "output_value", values));
+            document.add(lookup.with_list("values", &["output_value"], values));
             document.add(NewObject::new(
                 "EnergyManagementSystem:CurveOrTableIndexVariable",
                 name,
@@ -139,12 +148,12 @@ fn write_suns(document: &mut Document, grid: SunGrid, names: &Names, list: &str)
             ("external_file_starting_row_number", FieldValue::Nothing),
         ]);
         let values = values.iter().map(|value| FieldValue::number(*value, 4)).collect();
-        document.add(axis.with_list("values", "value", values));
+        document.add(axis.with_list("values", &["value"], values));
     }
     let axes = ["Azimuth", "Altitude"].map(|axis| FieldValue::Text(names.of(&format!("{list}_{axis}"))));
     document.add(NewObject::new("Table:IndependentVariableList", names.of(list), &[]).with_list(
         "independent_variables",
-        "independent_variable_name",
+        &["independent_variable_name"],
         axes.to_vec(),
     ));
 }
@@ -163,7 +172,7 @@ fn write_site(document: &mut Document, names: &Names) {
     }
     let shared = SHARED.map(|name| FieldValue::Text(names.of(name)));
     let mut list = NewObject::new("EnergyManagementSystem:GlobalVariable", names.of("Shared"), &[]).nameless();
-    list = list.with_list("variables", "erl_variable_name", shared.to_vec());
+    list = list.with_list("variables", &["erl_variable_name"], shared.to_vec());
     document.add(list);
 }
 
@@ -201,29 +210,27 @@ fn write_programs(document: &mut Document, injection: &Injection, names: &Names,
         let point = [("energyplus_model_calling_point", "BeginZoneTimestepBeforeInitHeatBalance")];
         document.add(NewObject::new("EnergyManagementSystem:ProgramCallingManager", manager, &point).with_list(
             "programs",
-            "program_name",
+            &["program_name"],
             listed,
         ));
     }
     for (name, lines) in programs {
         let lines = lines.into_iter().map(FieldValue::Text).collect();
         let program = NewObject::new("EnergyManagementSystem:Program", name, &[]);
-        document.add(program.with_list("lines", "program_line", lines));
+        document.add(program.with_list("lines", &["program_line"], lines));
     }
 }
 
 /// EnergyPlus's own reflections would make what is injected count for nothing.
 fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
-    let (place, key) = (6, "solar_distribution");
+    let (place, key) = DISTRIBUTION;
     let stated = document.first_text("Building", place, key).to_owned();
-    let now = match stated.to_lowercase().as_str() {
-        "fullexteriorwithreflections" => "FullExterior",
-        "fullinteriorandexteriorwithreflections" => "FullInteriorAndExterior",
-        "minimalshadowing" => {
-            let note = "solar distribution stays MinimalShadowing: EnergyPlus lets no neighbour shade direct light";
-            return Ok(Some(note.into()));
-        }
-        _ => return Ok(None),
+    if stated.eq_ignore_ascii_case("MinimalShadowing") {
+        let note = "solar distribution stays MinimalShadowing: EnergyPlus lets no neighbour shade direct light";
+        return Ok(Some(note.into()));
+    }
+    let Some((_, now)) = WITH_OWN.into_iter().find(|(with, _)| stated.eq_ignore_ascii_case(with)) else {
+        return Ok(None);
     };
     document.set("Building", place, key, now)?;
     Ok(Some(format!("solar distribution {stated} became {now}: EnergyPlus's own reflections are off")))

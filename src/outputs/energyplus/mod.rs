@@ -2,11 +2,14 @@
 //! over the sun's position and programs that read them, and what was done as a page. Objects of the user stay as they were typed.
 
 pub mod checks;
+pub mod comparison;
 pub mod document;
 mod epjson;
 pub mod erl;
+pub mod eso;
 mod idf;
 pub mod injection;
+pub mod neighbours;
 pub mod new_object;
 pub mod report;
 pub mod sun_tables;

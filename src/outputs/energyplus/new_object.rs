@@ -25,8 +25,8 @@ pub struct NewObject {
     pub class: &'static str,
     pub name: String,
     pub fields: Vec<(&'static str, FieldValue)>,
-    /// Key of the list at the end, that of its items, and the items.
-    pub list: Option<(&'static str, &'static str, Vec<FieldValue>)>,
+    /// Key of the list at the end, those of its items' parts, and the parts one after the other.
+    pub list: Option<(&'static str, &'static [&'static str], Vec<FieldValue>)>,
     /// Whether the name is a field of IDF.
     pub is_named: bool,
 }
@@ -40,9 +40,15 @@ impl NewObject {
     }
 
     /// The same with a list at its end.
-    pub fn with_list(mut self, list: &'static str, item: &'static str, items: Vec<FieldValue>) -> NewObject {
+    pub fn with_list(mut self, list: &'static str, item: &'static [&'static str], items: Vec<FieldValue>) -> NewObject {
         self.list = Some((list, item, items));
         self
+    }
+
+    /// The same with vertices at its end, metres.
+    pub fn with_vertices(self, vertices: Vec<[f64; 3]>, decimals: usize) -> NewObject {
+        let keys = &["vertex_x_coordinate", "vertex_y_coordinate", "vertex_z_coordinate"];
+        self.with_list("vertices", keys, vertices.iter().flatten().map(|m| FieldValue::number(*m, decimals)).collect())
     }
 
     /// The same of a class whose objects have no name in IDF.
