@@ -107,6 +107,8 @@ pub fn run_all(
             let fields = [("key_value", "*"), ("variable_name", variable), ("reporting_frequency", "Hourly")];
             model.add(NewObject::new("Output:Variable", format!("heliotile {variable}"), &fields).nameless());
         }
+        // A model may have switched off what is read here.
+        model.set("OutputControl:Files", 3, "output_eso", "Yes")?;
         let (seconds, series) = engine.run(&model, weather, &folder.join(name))?;
         remark(&format!("EnergyPlus, {name}: {seconds:.1} s\n"))?;
         results.push((seconds, series));
