@@ -126,6 +126,6 @@ pub fn program() -> ExitCode {
 /// For tests of what the program writes.
 #[doc(hidden)]
 pub mod pictures {
-    pub use crate::outputs::pictures::fisheye;
+    pub use crate::outputs::pictures::{colours, fisheye, panel};
     pub use crate::outputs::provenance::Provenance;
 }

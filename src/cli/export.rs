@@ -30,7 +30,9 @@ Behind canopies `sky` also has `through`, the share of light that comes through.
 column.
 
 A .png is a picture for people: the upper hemisphere, equidistant, zenith in the middle, y up, x right as on a map, N in true north; with
---weather or --latitude the sun's paths at the solstices and equinoxes, and its place at each full hour through the year.";
+--weather or --latitude the sun's paths at the solstices and equinoxes, and its place at each full hour through the year. With --panel and a light it is
+six pictures as a camera on the surface sees them: what is seen, then radiances of the sky, of sunlit surfaces, of sun and sky in mirrors and
+of skylit surfaces, and their sum, on one logarithmic scale; what each gives in W/m2 stands above it.";
 
 #[derive(Args, Debug)]
 #[command(after_long_help = IMAGES)]
@@ -48,6 +50,9 @@ pub struct ExportArgs {
     /// Export the shares of every receiver's hemisphere that are sky, ground, obstructions and nothing (they sum to 1)
     #[arg(long, conflicts_with_all = ["sun", "weather", "latitude"])]
     pub view_factors: bool,
+    /// Draw a panel in place of one picture: six fisheyes of what is seen, the light of --sun by its ways, and all of it, in one scale
+    #[arg(long, requires = "sun", conflicts_with_all = ["weather", "latitude"])]
+    pub panel: bool,
     /// Azimuth and altitude of a sun, degrees, azimuth clockwise from true north: maps of its light go into an .exr, its place into a .png
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", allow_hyphen_values = true)]
     pub sun: Option<SunPosition>,
@@ -57,7 +62,8 @@ pub struct ExportArgs {
     /// Diffuse horizontal irradiance of the sky around it, W/m2
     #[arg(long, value_name = "W/M2", default_value_t = 0.0, value_parser = parse_irradiance, requires = "sun", allow_negative_numbers = true)]
     pub dhi: f64,
-    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    /// Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces as of EnergyPlus and pvlib), uniform, or cie:1 to
+    /// cie:15
     #[arg(long, default_value = "perez", requires = "sun")]
     pub sky: SkyModel,
     /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]

@@ -55,7 +55,8 @@ pub struct RecombineArgs {
     /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
-    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    /// Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces as of EnergyPlus and pvlib), uniform, or cie:1 to
+    /// cie:15
     #[arg(long, default_value = "perez")]
     pub sky: SkyModel,
     /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]

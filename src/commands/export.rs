@@ -10,6 +10,7 @@ use crate::cli::ExportArgs;
 use crate::files::read_weather_as;
 use crate::outputs::pictures::exr::exr;
 use crate::outputs::pictures::fisheye::{Overlay, fisheye};
+use crate::outputs::pictures::panel::{PanelSun, panel};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::writer::files_of;
@@ -21,7 +22,7 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::maps::{Illumination, maps};
+use heliotile_core::replay::maps::{Illumination, Map as LayerMap, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::site::north::North;
 use heliotile_core::weather::conditions::Condition;
@@ -68,9 +69,18 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
             overlay.north = site.north();
             let view = ReceiverView::load(&site, id)?;
             let about = about.with_archive(&args.archive, &archive);
-            let bytes = match image {
-                Image::Png => fisheye(&view, &overlay, &about)?,
-                Image::Exr => layers(args, (&archive, &site), &view, &about)?,
+            let bytes = match (image, args.sun) {
+                (Image::Png, Some(sun)) if args.panel => {
+                    let maps = lit_maps(args, (&archive, &site), &view)?;
+                    let called = format!(
+                        "sun at {}\u{b0}, {}\u{b0} high; DNI {}, DHI {} W/m2",
+                        sun.azimuth_deg, sun.altitude_deg, args.dni, args.dhi
+                    );
+                    let sun = PanelSun { direction: site.north().to_axes(sun.direction()), called };
+                    panel(&view, &maps, &sun, site.north(), &about)?
+                }
+                (Image::Png, _) => fisheye(&view, &overlay, &about)?,
+                (Image::Exr, _) => layers(args, (&archive, &site), &view, &about)?,
             };
             let mut sink = Sink::file(&args.output)?;
             sink.write_all(&bytes).map_err(Error::io(&args.output, "write to"))?;
@@ -87,6 +97,14 @@ fn layers(
     view: &ReceiverView,
     provenance: &Provenance,
 ) -> Result<Vec<u8>> {
+    let maps = lit_maps(args, (archive, site), view)?;
+    let mut about = about(args, archive, view);
+    about.insert("provenance".into(), provenance.json());
+    exr(&maps, &about)
+}
+
+/// Maps of a receiver under the light that is asked for.
+fn lit_maps(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &ReceiverView) -> Result<Vec<LayerMap>> {
     let light = match args.sun {
         None => None,
         Some(sun) => {
@@ -100,10 +118,7 @@ fn layers(
         }
     };
     let storage = TempFiles::new(folder_of(&args.output));
-    let maps = maps(site, view, light.as_ref(), MemoryBudget::new(args.memory.0), &storage)?;
-    let mut about = about(args, archive, view);
-    about.insert("provenance".into(), provenance.json());
-    exr(&maps, &about)
+    maps(site, view, light.as_ref(), MemoryBudget::new(args.memory.0), &storage)
 }
 
 /// What stands in every part of an EXR file.
@@ -133,6 +148,13 @@ fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<Strin
 
 /// What is drawn over a picture, and what it is made of.
 fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
+    if matches!(image, Image::Exr) && args.panel {
+        return Err(Error::Unsupported {
+            what: "a panel".into(),
+            found: format!("`{}`", args.output.display()),
+            supported: "it as a .png".into(),
+        });
+    }
     if matches!(image, Image::Exr) && (args.weather.is_some() || args.latitude.is_some()) {
         return Err(Error::Unsupported {
             what: "paths of the sun (--weather, --latitude)".into(),

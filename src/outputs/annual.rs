@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use glam::DVec3;
 
+use super::pictures::colours::inferno;
 use super::provenance::Provenance;
 use super::sink::Sink;
 use super::tables::csvw::{self, CsvColumn};
@@ -102,7 +103,7 @@ pub fn write_ply(mut sink: Sink, patches: &[Patch], provenance: &Provenance) -> 
                     sink.write_all(&metres.to_le_bytes())?;
                 }
                 sink.write_all(&patch.total_kwh_m2.to_le_bytes())?;
-                sink.write_all(&colour(share))?;
+                sink.write_all(&inferno(share))?;
             }
         }
         let mut first = 0_i32;
@@ -122,23 +123,12 @@ pub fn write_ply(mut sink: Sink, patches: &[Patch], provenance: &Provenance) -> 
     sink.finish().map(|_| ())
 }
 
-/// Six stops of the map `inferno` (Smith and van der Walt 2015), from black to pale yellow, linear between them.
-fn colour(share: f32) -> [u8; 3] {
-    const STOPS: [[f32; 3]; 6] =
-        [[0., 0., 4.], [66., 10., 104.], [147., 38., 103.], [221., 81., 58.], [252., 165., 10.], [252., 255., 164.]];
-    let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
-    let low = (place as usize).min(STOPS.len() - 2);
-    let part = place - low as f32;
-    let (a, b) = (STOPS[low], STOPS[low + 1]);
-    [0, 1, 2].map(|i| (a[i] + (b[i] - a[i]) * part).round() as u8)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// Of 2 patches, one of 2 triangles and one a point, the PLY file has 7 vertices of 31 bytes and 2 faces of 13, 5 comments are single
-    /// lines; 0 is dark, the most bright.
+    /// lines.
     #[test]
     fn ply() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -157,6 +147,5 @@ mod tests {
         assert!(header.contains("\ncomment heliotile.weather a<b>\\u{a}.epw\n"), "{header}");
         assert_eq!(header.matches("\ncomment ").count(), 5);
         assert_eq!(bytes.len() - end, 7 * 31 + 2 * 13);
-        assert_eq!((colour(0.0), colour(1.0), colour(f32::NAN)[0] < 255), ([0, 0, 4], [252, 255, 164], true));
     }
 }

@@ -197,7 +197,8 @@ fn many_transmittances() {
     }
 }
 
-/// What `export` draws of 6 receivers under trees adds up to the columns of a query within 0.2 %: sun and sky, direct and diffuse.
+/// What `export` draws of 6 receivers under trees adds up to the columns of a query within 0.2 %: sun and sky, direct and diffuse, for two
+/// skies.
 #[test]
 fn maps_add_up() {
     let under = |i: i32| {
@@ -207,33 +208,33 @@ fn maps_add_up() {
     };
     let site = site(&grove(0.3, 0.5), &(0..6).map(under).collect::<Vec<_>>(), &coarse());
     let condition = sun(140.0, 50.0, 800.0, 150.0);
-    let rows = columns(&site.path, std::slice::from_ref(&condition), SkyModel::Uniform, &[]);
     let archive = Archive::open(&site.path).expect("an archive");
-    let light =
-        Illumination::new(&OpenSite::of(&archive).expect("a site"), condition, SkyModel::Uniform, 577, MaxBounces::All)
-            .expect("a light");
+    let open = OpenSite::of(&archive).expect("a site");
     let mut dimmed = 0;
-    for (id, row) in &rows {
-        let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver");
-        let maps =
-            maps(&OpenSite::of(&archive).expect("a site"), &view, Some(&light), MemoryBudget::new(1 << 28), &InMemory)
-                .expect("maps");
-        let channel = |part: &str, name: &str| {
-            let map = maps.iter().find(|map| map.name == part)?;
-            map.channels.iter().find(|channel| channel.name == name).map(|channel| &channel.values)
-        };
-        dimmed += usize::from(channel("sky", "through").is_some());
-        let columns = [("sky", "sun_direct"), ("sky", "sky_direct"), ("hit", "sun_diffuse"), ("hit", "sky_diffuse")];
-        for ((part, name), column) in columns.into_iter().zip(row) {
-            let (Some(values), Some(weights)) = (channel(part, name), channel(part, "weight_sr")) else {
-                panic!("{part} has no {name}")
+    for model in [SkyModel::Uniform, SkyModel::Perez1990] {
+        let rows = columns(&site.path, std::slice::from_ref(&condition), model, &[]);
+        let light = Illumination::new(&open, condition.clone(), model, 577, MaxBounces::All).expect("a light");
+        for (id, row) in &rows {
+            let view = ReceiverView::load(&open, id).expect("a receiver");
+            let maps = maps(&open, &view, Some(&light), MemoryBudget::new(1 << 28), &InMemory).expect("maps");
+            let channel = |part: &str, name: &str| {
+                let map = maps.iter().find(|map| map.name == part)?;
+                map.channels.iter().find(|channel| channel.name == name).map(|channel| &channel.values)
             };
-            let sum: f64 = values.iter().zip(weights).map(|(v, w)| f64::from(*v) * f64::from(*w)).sum();
-            let off = (sum - column[0]).abs();
-            assert!(off < 2e-3 * column[0].max(row[6][0] / 10.0), "{id} {name}: {sum} {}", column[0]);
+            dimmed += usize::from(channel("sky", "through").is_some());
+            let columns =
+                [("sky", "sun_direct"), ("sky", "sky_direct"), ("hit", "sun_diffuse"), ("hit", "sky_diffuse")];
+            for ((part, name), column) in columns.into_iter().zip(row) {
+                let (Some(values), Some(weights)) = (channel(part, name), channel(part, "weight_sr")) else {
+                    panic!("{part} has no {name}")
+                };
+                let sum: f64 = values.iter().zip(weights).map(|(v, w)| f64::from(*v) * f64::from(*w)).sum();
+                let off = (sum - column[0]).abs();
+                assert!(off < 2e-3 * column[0].max(row[6][0] / 10.0), "{id} {name}: {sum} {}", column[0]);
+            }
         }
     }
-    assert_eq!(dimmed, 6);
+    assert_eq!(dimmed, 12);
 }
 
 /// A wall seen out of a small box of screen, in a large box of gauze: the sun goes through the gauze, its light from the wall through the

@@ -7,7 +7,9 @@ use std::path::Path;
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
 use heliotile::pictures::Provenance;
+use heliotile::pictures::colours::inferno;
 use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
+use heliotile::pictures::panel::{PanelSun, panel};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
@@ -48,7 +50,7 @@ fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, MaxBounces, &[f64; 4]
         .expect("maps")
 }
 
-/// Five receivers among twelve blocks, three suns, two skies, one and all bounces: each of the columns is the sum of its map times
+/// Five receivers among twelve blocks, five lights, three skies, one and all bounces: each of the columns is the sum of its map times
 /// `weight_sr`, within 1e-3 of it (or of 1 W/m2); sky diffuse also by the directions that it comes from.
 #[test]
 fn maps_sum_to_results() {
@@ -68,6 +70,8 @@ fn maps_sum_to_results() {
         ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez, MaxBounces::All),
         ([255.0, 21.0, 500.0, 60.0], SkyModel::Perez, MaxBounces::Count(1)),
         ([20.0, 72.0, 0.0, 250.0], SkyModel::Uniform, MaxBounces::Count(3)),
+        ([150.0, 50.0, 800.0, 100.0], SkyModel::Perez1990, MaxBounces::All),
+        ([255.0, 21.0, 20.0, 160.0], SkyModel::Perez1990, MaxBounces::Count(1)),
     ] {
         let rows = site.replay(&[sun(light[0], light[1], light[2], light[3])], model, depth);
         for (id, rows) in &rows {
@@ -92,8 +96,9 @@ fn maps_sum_to_results() {
     assert!(checked > 45, "{checked}");
 }
 
-/// Eight receivers in a town with mirrors and glass, three lights, one and all bounces: each of the six columns is the sum of its map times
-/// `weight_sr`, sky_direct and sky_specular within 0.5 % of it (replay looks at coarser texels), the others within 0.1 %, or so many W/m2;
+/// Eight receivers in a town with mirrors and glass, four lights, one and all bounces: each of the six columns is the sum of its map times
+/// `weight_sr`, sky_direct and sky_specular within 0.5 % of it (replay looks at coarser texels; the latter by Perez 1990 within 1 %), the
+/// others within 0.1 %, or as much of 1 W/m2;
 /// surfaces are seen behind one, two and three mirrors, and where a receiver sees no sky in mirrors there is no such part.
 #[test]
 fn maps_of_mirrors_sum_to_results() {
@@ -118,6 +123,7 @@ fn maps_of_mirrors_sum_to_results() {
         ([285.0, 30.0, 800.0, 100.0], SkyModel::Perez, MaxBounces::All),
         ([262.0, 38.0, 700.0, 60.0], SkyModel::Perez, MaxBounces::Count(1)),
         ([271.0, 21.0, 500.0, 60.0], SkyModel::Uniform, MaxBounces::Count(2)),
+        ([285.0, 30.0, 800.0, 100.0], SkyModel::Perez1990, MaxBounces::All),
     ] {
         let archive = Archive::open(&site.path).expect("an archive");
         let conditions = [sun(light[0], light[1], light[2], light[3])];
@@ -145,7 +151,12 @@ fn maps_of_mirrors_sum_to_results() {
                 {
                     let expected = f64::from(values.row(Component::ALL[column], row)[0]);
                     let sum = if sees || map != "mirror" { weighted(&maps, map, name) } else { 0.0 };
-                    let most = if ["sky_direct", "sky_specular"].contains(&name) { 5e-3 } else { 1e-3 };
+                    let most = match name {
+                        // The band at the horizon is cut at base texels, too.
+                        "sky_specular" if model == SkyModel::Perez1990 => 1e-2,
+                        "sky_direct" | "sky_specular" => 5e-3,
+                        _ => 1e-3,
+                    };
                     if expected > 1.0 {
                         checked[column] += 1;
                         worst[column] = worst[column].max((sum / expected - 1.0).abs());
@@ -160,7 +171,7 @@ fn maps_of_mirrors_sum_to_results() {
         "off by {worst:.5?} of the sums at worst; {checked:?} sums above 1 W/m2; {behind:?} texels behind 0 to 3 mirrors"
     );
     assert!(checked.iter().all(|&count| count > 1) && behind.iter().all(|&count| count > 0), "{checked:?} {behind:?}");
-    assert!((9..24).contains(&seeing), "{seeing} of 24");
+    assert!((12..32).contains(&seeing), "{seeing} of 32");
 }
 
 /// A black wall as high as it is far, to the south, and one of ground to the north at twice the distance.
@@ -199,6 +210,44 @@ fn walls_in_maps() {
     let names: Vec<&str> = maps.iter().flat_map(|m| m.channels.iter().map(|c| c.name)).collect();
     assert_eq!(names[..7], ["visible", "weight_sr", "class", "material", "cell", "mirrors", "weight_sr"]);
     assert_eq!(names.len(), 13);
+}
+
+/// A panel of a receiver between a wall and a mirror has the six pictures: the sky's colour is that of its radiance, and is dark among sunlit
+/// surfaces and in mirrors; a direction in which the sun is seen in the mirror leads back to the sun, 1 of 1.
+#[test]
+fn panel_of_mirrors() {
+    let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
+    let triangles = [ground(5000.0, 0.0, 0), wall(-20.0, 1), wall(10.0, 2)].concat();
+    let scene = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
+    let site = site(&scene, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
+    let archive = Archive::open(&site.path).expect("an archive");
+    let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), "up").expect("a receiver");
+    let light = [180.0, 40.0, 800.0, 100.0];
+    let maps = maps_of(&site.path, "up", Some((SkyModel::Uniform, MaxBounces::All, &light)));
+    let sun = direction_from_degrees(180.0, 40.0);
+    let images: Vec<DVec3> = view.mirror_images(sun).collect();
+    let back = images.first().and_then(|image| view.in_mirrors(*image)).expect("the sun in the mirror");
+    assert_eq!(images.len(), 1);
+    assert!((back.0 - sun).length() < 1e-9 && (back.1 - 0.5).abs() < 1e-9, "{back:?}");
+    assert!((images[0] - direction_from_degrees(0.0, 40.0)).length() < 1e-9);
+    let asked = PanelSun { direction: sun, called: "noon".into() };
+    let picture = panel(&view, &maps, &asked, Default::default(), &Provenance::default()).expect("a picture");
+    let (width, pixels) = decoded(&picture);
+    assert_eq!((width, pixels.len()), (1020, 1020 * 898 * 3));
+    // Straight up, in each of the six.
+    let middle = |number: usize| {
+        let (x, y) = (number % 3 * 340 + 170, 60 + number / 3 * 384 + 208);
+        [0, 1, 2].map(|c| pixels[(y * width + x + 9) * 3 + c])
+    };
+    let sky = inferno(((100.0 / PI / 0.1).ln() / 1e4_f64.ln()) as f32);
+    assert_eq!([middle(0), middle(2), middle(3), middle(4)], [SKY, inferno(0.0), inferno(0.0), inferno(0.0)]);
+    for number in [1, 5] {
+        assert!(
+            middle(number).iter().zip(sky).all(|(a, b)| a.abs_diff(b) <= 2),
+            "{number}: {:?} {sky:?}",
+            middle(number)
+        );
+    }
 }
 
 /// Colour of a picture where a direction is drawn.

@@ -32,6 +32,7 @@ mod store;
 mod study;
 mod terrain;
 mod tidy;
+mod tilted;
 mod times;
 mod transfer;
 mod weather;

@@ -205,6 +205,17 @@ impl Mosaic {
         }
     }
 
+    /// Share of a base texel that is sky, by its number.
+    pub fn share(&self, texel: usize) -> f64 {
+        match self.texel(texel % self.side(), texel / self.side()) {
+            Texel::Closed => 0.0,
+            Texel::Open => 1.0,
+            Texel::Mixed(bits) => {
+                f64::from(bits.iter().map(|word| word.count_ones()).sum::<u32>()) / (self.block * self.block) as f64
+            }
+        }
+    }
+
     /// Calls `each` for every base texel, row by row, of which something is sky: its number and the share that is.
     #[inline]
     pub fn for_visible(&self, mut each: impl FnMut(usize, f64)) {
@@ -282,6 +293,7 @@ mod tests {
                 assert_eq!(wrong.count(), 0);
                 let mut shares = vec![0.0; base * base];
                 mosaic.for_visible(|texel, share| shares[texel] = share);
+                assert!(shares.iter().enumerate().all(|(texel, share)| mosaic.share(texel) == *share));
                 let block = fine / base;
                 if block <= 64 {
                     for (t, share) in shares.iter().enumerate() {

@@ -56,6 +56,16 @@ impl Reflection {
         self.map.transpose() * normal
     }
 
+    /// The direction in which light from a direction of the sky is seen.
+    pub fn mirrored(&self, sky: DVec3) -> DVec3 {
+        self.map * sky
+    }
+
+    /// The direction of the sky that light seen in a direction comes from.
+    pub fn unmirrored(&self, seen: DVec3) -> DVec3 {
+        self.map.transpose() * seen
+    }
+
     /// Share of the light from a direction of the sky that is left.
     pub fn share(&self, sky: DVec3) -> f64 {
         let mut direction = sky;

@@ -29,7 +29,8 @@ use crate::replay::canopy_transmittance::CanopyTransmittance;
 use crate::replay::receiver_view::ReceiverView;
 use crate::site::cells::CellKey;
 use crate::sky::disc::disc_texels;
-use crate::sky::model::SkyModel;
+use crate::sky::horizon::HorizonBand;
+use crate::sky::model::{SkyModel, SkyParts};
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::weather::conditions::Condition;
@@ -78,6 +79,7 @@ const SAMPLES: usize = 8;
 pub struct Illumination {
     condition: Condition,
     depth: MaxBounces,
+    parts: SkyParts,
     patches: Patches,
     /// `[patch]`, W/m2 sr.
     radiances: Vec<f64>,
@@ -100,23 +102,56 @@ impl Illumination {
         let patches = Patches::new(patches)?;
         let open = Projection::new(&patches, sides.sky_base, SAMPLES).open_horizontal_sr;
         let radiances = patches.radiances(model, &condition, &open);
-        let projection = Projection::new(&patches, sides.response, SAMPLES);
+        let parts = model.parts(&condition);
+        let projection = Projection::new(&patches, sides.response, SAMPLES).under(model);
         let radiance = |t| projection.of_texel(t).iter().map(|&(p, s)| radiances[usize::from(p)] * f64::from(s)).sum();
         let on_response = (0..sides.response * sides.response).map(radiance).collect();
-        Ok(Illumination { condition, depth, patches, radiances, projection, on_response })
+        Ok(Illumination { condition, depth, parts, patches, radiances, projection, on_response })
     }
 
     /// What a response makes of it, W/m2: sun and sky.
     fn reflected(&self, response: &Response) -> [f64; 2] {
         let g = response.vectors();
         let vector = |t: usize| DVec3::from(g[t].map(f64::from));
-        let of_sun = |sun: DVec3| -> f64 {
-            bilinear(sun, self.projection.side()).into_iter().map(|(t, w)| w * sun.dot(vector(t))).sum()
-        };
-        let suns: f64 = self.condition.suns.iter().map(|instant| instant.weight * of_sun(instant.sun)).sum();
+        let suns: f64 = self.sun_texels().map(|(t, direction)| direction.dot(vector(t))).sum();
         let texels = self.projection.mean_directions.iter().zip(&self.on_response).enumerate();
-        let sky: f64 = texels.map(|(t, (d, radiance))| radiance * d.dot(vector(t))).sum();
-        [suns * self.condition.dni_w_m2, sky * self.projection.texel_sr()]
+        let dome: f64 = texels.map(|(t, (d, radiance))| radiance * d.dot(vector(t))).sum();
+        let horizon = self.projection.horizon().map_or(0.0, |band| band.reflected(&g)) * self.parts.horizon_w_m2;
+        let sky = dome * self.projection.texel_sr() + suns * self.parts.circumsolar_w_m2 + horizon;
+        [suns * self.condition.dni_w_m2, sky]
+    }
+
+    /// Texels of the response that the suns are looked up in, and their directions times the texels' weights.
+    fn sun_texels(&self) -> impl Iterator<Item = (usize, DVec3)> {
+        self.condition.suns.iter().flat_map(|instant| {
+            let corners = bilinear(instant.sun, self.projection.side()).into_iter();
+            corners.map(|(t, w)| (t, instant.sun * (instant.weight * w)))
+        })
+    }
+
+    /// Radiance that adds to that of the dome on the texels of the response: what circumsolar light and the horizon make of each
+    /// vector, over what it is worth.
+    fn brightening(&self, response: &[[f32; 3]], weights: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; weights.len()];
+        let mut add = |t: usize, direction: DVec3| {
+            if let (Some(sum), Some(g)) = (sums.get_mut(t), response.get(t)) {
+                *sum += direction.dot(DVec3::from(g.map(f64::from)));
+            }
+        };
+        self.sun_texels().for_each(|(t, direction)| add(t, direction * self.parts.circumsolar_w_m2));
+        let band = self.projection.horizon().map_or(&[][..], HorizonBand::texels);
+        band.iter().for_each(|found| add(found.texel, (found.flat * self.parts.horizon_w_m2).extend(0.0)));
+        sums.iter().zip(weights).map(|(sum, weight)| if *weight != 0.0 { sum / weight } else { 0.0 }).collect()
+    }
+
+    /// Texels of a sky texture under the suns' discs, and how much normal irradiance of 1 W/m2 in all each holds, with its sun.
+    fn discs(&self, side: usize) -> impl Iterator<Item = (DVec3, usize, f64)> {
+        self.condition.suns.iter().flat_map(move |instant| {
+            let of_disc = move |(column, row, share): (u32, u32, f32)| {
+                (instant.sun, row as usize * side + column as usize, f64::from(share) * instant.weight)
+            };
+            disc_texels(instant.sun, side).into_iter().map(of_disc)
+        })
     }
 }
 
@@ -157,6 +192,8 @@ struct SkyTexels {
     texels: Vec<SkyTexel>,
     /// Of their radiance.
     scale: f64,
+    /// Of skies that have one.
+    band: Option<HorizonBand>,
 }
 
 impl SkyTexels {
@@ -166,8 +203,9 @@ impl SkyTexels {
         let texels: Vec<SkyTexel> = (0..side * side).into_par_iter().with_min_len(side).map(texel).collect();
         // As replay does on its texels: an open horizontal receiver gets DHI exactly.
         let open = texels.iter().map(|t| f64::from(t.horizontal)).sum::<f64>() * texel_sr(side);
-        let dhi_w_m2 = light.map_or(0.0, |light| light.condition.dhi_w_m2);
-        SkyTexels { side, texels, scale: if open > 0.0 { dhi_w_m2 / open } else { 0.0 } }
+        let dome_w_m2 = light.map_or(0.0, |light| light.parts.dome_w_m2);
+        let band = light.and_then(|light| light.projection.horizon()).map(|_| HorizonBand::new(side));
+        SkyTexels { side, texels, scale: if open != 0.0 { dome_w_m2 / open } else { 0.0 }, band }
     }
 
     fn radiance(&self, texel: usize) -> f32 {
@@ -196,19 +234,21 @@ fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>, s
     }
     let Some(light) = light else { return map };
     let seen = |t: usize| if visible[t] { sky.radiance(t) * through(t) } else { 0.0 };
-    map.add("sky_direct", RADIANCE, (0..side * side).map(seen).collect());
+    let mut of_sky: Vec<f32> = (0..side * side).map(seen).collect();
     let mut sun = vec![0.0_f32; side * side];
-    for instant in &light.condition.suns {
+    let radiance = |t: usize, w_m2: f64| (w_m2 * f64::from(through(t)) / (f64::from(texels[t].cos) * texel_sr)) as f32;
+    let normal = view.receiver.normal;
+    for (direction, t, share) in light.discs(side).filter(|(_, t, _)| visible[*t]) {
         // Replay takes the cosine of the middle for the whole disc.
-        let normal_w_m2 = light.condition.dni_w_m2 * instant.weight * view.receiver.normal.dot(instant.sun).max(0.0);
-        for (column, row, share) in disc_texels(instant.sun, side) {
-            let t = row as usize * side + column as usize;
-            if visible[t] {
-                let share = f64::from(share) * f64::from(through(t));
-                sun[t] += (normal_w_m2 * share / (f64::from(texels[t].cos) * texel_sr)) as f32;
-            }
-        }
+        let share = share * normal.dot(direction).max(0.0);
+        sun[t] += radiance(t, light.condition.dni_w_m2 * share);
+        of_sky[t] += radiance(t, light.parts.circumsolar_w_m2 * share);
     }
+    if let Some(band) = &sky.band {
+        let of_band = band.weights(normal).filter(|(t, _)| visible[*t]);
+        of_band.for_each(|(t, weight)| of_sky[t] += radiance(t, light.parts.horizon_w_m2 * weight));
+    }
+    map.add("sky_direct", RADIANCE, of_sky);
     map.add("sun_direct", RADIANCE, sun);
     map
 }
@@ -218,6 +258,7 @@ fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>
     let side = sky.side;
     let mut weights = vec![0.0_f64; side * side];
     let mut sun = vec![0.0_f64; side * side];
+    let mut brightening = vec![0.0_f64; side * side];
     for window in &view.mirrors {
         let image = window.reflection.image(view.receiver.normal);
         let mut visible = HashSet::new();
@@ -230,24 +271,25 @@ fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>
             }
         }
         let Some(light) = light else { continue };
-        for instant in &light.condition.suns {
+        for (direction, t, of_disc) in light.discs(side).filter(|(_, t, _)| visible.contains(&(t % side, t / side))) {
             // Replay takes the middle for the whole disc.
-            let share = window.reflection.share(instant.sun) * image.dot(instant.sun).max(0.0);
-            for (column, row, of_disc) in disc_texels(instant.sun, side) {
-                let (column, row) = (column as usize, row as usize);
-                if visible.contains(&(column, row)) {
-                    let normal_w_m2 = light.condition.dni_w_m2 * instant.weight * f64::from(of_disc);
-                    sun[row * side + column] += normal_w_m2 * share;
-                }
-            }
+            let share = of_disc * window.reflection.share(direction) * image.dot(direction).max(0.0);
+            sun[t] += light.condition.dni_w_m2 * share;
+            brightening[t] += light.parts.circumsolar_w_m2 * share;
+        }
+        let band = sky.band.as_ref().map_or(&[][..], HorizonBand::texels);
+        for found in band.iter().filter(|found| visible.contains(&(found.texel % side, found.texel / side))) {
+            let share = window.reflection.share(found.direction) * image.truncate().dot(found.flat).max(0.0);
+            brightening[found.texel] += light.parts.horizon_w_m2 * share;
         }
     }
     let mut map = Map { name: "mirror", frame: WORLD, side, channels: Vec::new() };
     map.add("weight_sr", "sr", weights.iter().map(|&w| w as f32).collect());
     if light.is_some() {
-        let seen = |(t, &weight): (usize, &f64)| if weight > 0.0 { sky.radiance(t) } else { 0.0 };
-        map.add("sky_specular", RADIANCE, weights.iter().enumerate().map(seen).collect());
         let radiance = |(e, &weight): (f64, &f64)| if weight > 0.0 { (e / weight) as f32 } else { 0.0 };
+        let dome = |(t, &weight): (usize, &f64)| if weight > 0.0 { sky.radiance(t) } else { 0.0 };
+        let of_sky = weights.iter().enumerate().map(dome).zip(brightening.into_iter().zip(&weights).map(radiance));
+        map.add("sky_specular", RADIANCE, of_sky.map(|(dome, brightening)| dome + brightening).collect());
         map.add("sun_specular", RADIANCE, sun.into_iter().zip(&weights).map(radiance).collect());
     }
     map
@@ -316,10 +358,13 @@ fn response_map(response: &Response, light: Option<&Illumination>) -> Map {
         map.add(name, "W/m2 for 1 W/m2 at normal incidence", values.to_vec());
     }
     if let Some(light) = light {
-        let worth = |(d, g): (&DVec3, [f32; 3])| d.dot(DVec3::from(g.map(f64::from))) * light.projection.texel_sr();
-        let weights = light.projection.mean_directions.iter().zip(response.vectors()).map(|pair| worth(pair) as f32);
-        map.add("weight_sr", "sr", weights.collect());
-        map.add("sky_diffuse", RADIANCE, light.on_response.iter().map(|&l| l as f32).collect());
+        let g = response.vectors();
+        let worth = |(d, g): (&DVec3, &[f32; 3])| d.dot(DVec3::from(g.map(f64::from))) * light.projection.texel_sr();
+        let weights: Vec<f64> = light.projection.mean_directions.iter().zip(&g).map(worth).collect();
+        let radiances =
+            light.on_response.iter().zip(light.brightening(&g, &weights)).map(|(l, more)| (l + more) as f32);
+        map.add("weight_sr", "sr", weights.iter().map(|&w| w as f32).collect());
+        map.add("sky_diffuse", RADIANCE, radiances.collect());
     }
     map
 }

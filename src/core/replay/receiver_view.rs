@@ -1,5 +1,7 @@
 //! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver sees, decoded.
 
+use glam::DVec3;
+
 use crate::archive::format::{RECEIVERS, block_name};
 use crate::archive::tables::ReceiversTable;
 use crate::error::{Error, Result};
@@ -91,6 +93,21 @@ impl ReceiverView {
         let found = site.tile_responses(self.tile)?.into_iter().nth(self.row);
         let what = || format!("receiver `{}` has no response", self.receiver.id);
         found.ok_or_else(|| Error::input(site.path(), None, what(), "build the archive again"))
+    }
+
+    /// The direction in the sky from which light seems to come that is seen in mirrors in a direction, and how much of it is left; `None`
+    /// where no mirror shows the sky.
+    pub fn in_mirrors(&self, seen: DVec3) -> Option<(DVec3, f64)> {
+        self.mirrors.iter().find_map(|mirror| {
+            let sky = mirror.reflection.unmirrored(seen);
+            mirror.shows(sky).then(|| (sky, mirror.reflection.share(sky)))
+        })
+    }
+
+    /// Directions in which a sun is seen in mirrors.
+    pub fn mirror_images(&self, sun: DVec3) -> impl Iterator<Item = DVec3> {
+        let shown = self.mirrors.iter().filter(move |mirror| mirror.shows(sun));
+        shown.map(move |mirror| mirror.reflection.mirrored(sun))
     }
 
     /// The cell that a texel of the hit texture meets.

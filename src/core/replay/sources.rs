@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use crate::hemisphere::bilinear;
+use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
@@ -15,7 +16,7 @@ pub struct Sources {
 /// The suns of one result.
 struct Source {
     bin: usize,
-    /// Texels, and what their vectors are multiplied with: the sum of DNI x share of the time x weight in the result x bilinear
+    /// Texels, and what their vectors are multiplied with: the sum of normal irradiance x share of the time x weight in the result x bilinear
     /// weight x direction.
     texels: Vec<(u32, [f32; 3])>,
 }
@@ -23,9 +24,19 @@ struct Source {
 impl Sources {
     /// Looks up all suns of all conditions with DNI on an n x n response texture.
     pub fn new(conditions: &[Condition], bins: &Bins, n: usize) -> Self {
+        Sources::of(conditions, bins, n, |c| c.dni_w_m2)
+    }
+
+    /// The same for the light that a model's skies send from where the suns are; most have none.
+    pub fn circumsolar(conditions: &[Condition], bins: &Bins, n: usize, model: SkyModel) -> Self {
+        let conditions = if model.brightens() { conditions } else { &[] };
+        Sources::of(conditions, bins, n, |c| model.parts(c).circumsolar_w_m2)
+    }
+
+    fn of(conditions: &[Condition], bins: &Bins, n: usize, normal_w_m2: impl Fn(&Condition) -> f64) -> Self {
         let mut terms: Vec<(usize, u32, DVec3)> = Vec::new();
         for (condition, &(bin, weight)) in conditions.iter().zip(&bins.of_condition) {
-            let strength = condition.dni_w_m2 * weight;
+            let strength = normal_w_m2(condition) * weight;
             if strength != 0.0 {
                 for instant in condition.suns.iter().filter(|instant| instant.sun.z > 0.0) {
                     let corners = bilinear(instant.sun, n);

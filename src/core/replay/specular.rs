@@ -2,9 +2,12 @@
 
 use glam::DVec3;
 
+use crate::hemisphere::texel_of;
 use crate::layers::mirror::Window;
 use crate::layers::mosaic::{Mosaic, Texel};
+use crate::layers::sides::TextureSides;
 use crate::light::mirrors::{MirrorTable, Reflection};
+use crate::sky::horizon::{BandTexel, HorizonBand};
 use crate::sky::projection::Projection;
 
 /// The part of the sky that is seen by one chain of mirrors: a window through which the receiver's image looks.
@@ -14,18 +17,21 @@ pub struct MirrorView {
     /// First base texel of the window.
     column: usize,
     row: usize,
+    /// Fine texels a side of the whole sky.
+    whole: usize,
     sky: Mosaic,
 }
 
 impl MirrorView {
-    /// A decoded window; `block` fine texels to a side of a base texel. `None` if it does not describe a texture.
-    pub fn new(window: &Window, table: &MirrorTable, block: usize) -> Option<Self> {
-        let side = usize::from(window.side);
+    /// A decoded window of a sky of these sides. `None` if it does not describe a texture.
+    pub fn new(window: &Window, table: &MirrorTable, sides: TextureSides) -> Option<Self> {
+        let (side, block) = (usize::from(window.side), sides.sky_fine / sides.sky_base);
         let mut sky = Mosaic::unpack(&window.texture, 1, side, side * block)?;
         Some(MirrorView {
             reflection: Reflection::new(window.chain, table)?,
             column: usize::from(window.column),
             row: usize::from(window.row),
+            whole: sides.sky_fine,
             sky: sky.pop()?,
         })
     }
@@ -40,6 +46,18 @@ impl MirrorView {
     pub fn texel(&self, column: usize, row: usize) -> Texel<'_> {
         let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
         if column < self.sky.side() && row < self.sky.side() { self.sky.texel(column, row) } else { Texel::Closed }
+    }
+
+    /// Whether a direction of the sky is seen by the chain.
+    pub fn shows(&self, sky: DVec3) -> bool {
+        let block = self.sky.block();
+        if sky.z <= 0.0 {
+            return false;
+        }
+        let (column, row) = texel_of(sky, self.whole);
+        let (column, row) = (column.wrapping_sub(self.column * block), row.wrapping_sub(self.row * block));
+        let side = self.sky.side() * block;
+        column < side && row < side && self.sky.get(column, row)
     }
 
     /// Fine texels (column, row) of the whole sky that are seen.
@@ -61,5 +79,22 @@ impl MirrorView {
                 projection.add(whole, cos * share * self.reflection.share(direction.normalize_or_zero()), sums);
             }
         });
+    }
+    /// Irradiance by way of the mirrors of a band at the horizon that gives an open wall 1.
+    pub fn horizon(&self, band: &HorizonBand, side: usize, normal: DVec3) -> f64 {
+        let image = self.reflection.image(normal);
+        let of = |found: &BandTexel| {
+            let cos = image.truncate().dot(found.flat);
+            let share = if cos > 0.0 { self.share((found.texel % side, found.texel / side)) } else { 0.0 };
+            if share > 0.0 { cos * share * self.reflection.share(found.direction) } else { 0.0 }
+        };
+        band.texels().iter().map(of).sum()
+    }
+
+    /// Share of a base texel of the whole sky that is seen.
+    fn share(&self, (column, row): (usize, usize)) -> f64 {
+        let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
+        let side = self.sky.side();
+        if column < side && row < side { self.sky.share(row * side + column) } else { 0.0 }
     }
 }

@@ -11,6 +11,7 @@ use crate::layers::sides::TextureSides;
 use crate::replay::canopy_transmittance::CanopyTransmittance;
 use crate::replay::specular::MirrorView;
 use crate::sky::disc::disc_texels;
+use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
@@ -18,7 +19,7 @@ use crate::weather::time::bins::Bins;
 #[derive(Clone, Debug)]
 struct Sun {
     bin: usize,
-    /// DNI x share of the condition's time x weight in the result.
+    /// Normal irradiance x share of the condition's time x weight in the result.
     strength: f64,
     direction: DVec3,
     /// Its [`Part`]s.
@@ -47,14 +48,29 @@ pub struct SunLookups {
 impl SunLookups {
     /// Looks up all suns of all conditions with DNI.
     pub fn new(conditions: &[Condition], bins: &Bins, sides: TextureSides) -> Self {
+        SunLookups::of(conditions, bins, sides, |c| c.dni_w_m2)
+    }
+
+    /// The same for the light that a model's skies send from where the suns are; most have none.
+    pub fn circumsolar(conditions: &[Condition], bins: &Bins, sides: TextureSides, model: SkyModel) -> Self {
+        let conditions = if model.brightens() { conditions } else { &[] };
+        SunLookups::of(conditions, bins, sides, |c| model.parts(c).circumsolar_w_m2)
+    }
+
+    fn of(
+        conditions: &[Condition],
+        bins: &Bins,
+        sides: TextureSides,
+        normal_w_m2: impl Fn(&Condition) -> f64 + Sync,
+    ) -> Self {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let mut found = SunLookups { suns: Vec::new(), parts: Vec::new(), fine: Vec::new() };
-        let lit =
-            conditions.par_iter().zip(&bins.of_condition).filter(|(c, (_, weight))| c.dni_w_m2 > 0.0 && *weight != 0.0);
+        let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
+        let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
         let discs: Vec<(Sun, Vec<_>)> = lit
-            .flat_map_iter(|(c, &(bin, weight))| {
+            .flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
                 c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
-                    let strength = c.dni_w_m2 * instant.weight * weight;
+                    let strength = normal_w_m2 * instant.weight * weight;
                     let sun = Sun { bin, strength, direction: instant.sun, parts: 0..0 };
                     (sun, disc_texels(instant.sun, sides.sky_fine))
                 })

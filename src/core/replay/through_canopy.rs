@@ -31,6 +31,8 @@ struct Way {
     powers: Powers,
     suns: SunLookups,
     skies: Skies,
+    /// Light of the sky from where the suns are.
+    circumsolar: SunLookups,
 }
 
 impl DirectThroughCanopy {
@@ -49,8 +51,12 @@ impl DirectThroughCanopy {
         let skies = Skies::new(when(components.needs(SkyDirect)), &ways, model, patches, open_sr);
         let suns: Vec<SunLookups> =
             ways.iter().map(|bins| SunLookups::new(when(components.needs(SunDirect)), bins, sides)).collect();
-        let way = |(((powers, _), suns), skies)| Way { powers, suns, skies };
-        DirectThroughCanopy { ways: leafages.into_iter().zip(suns).zip(skies).map(way).collect(), sides }
+        let of_sky = when(components.needs(SkyDirect));
+        let circumsolar: Vec<SunLookups> =
+            ways.iter().map(|bins| SunLookups::circumsolar(of_sky, bins, sides, model)).collect();
+        let way = |((((powers, _), suns), skies), circumsolar)| Way { powers, suns, skies, circumsolar };
+        let ways = leafages.into_iter().zip(suns).zip(skies).zip(circumsolar).map(way);
+        DirectThroughCanopy { ways: ways.collect(), sides }
     }
 
     /// Replaces the direct light of a tile's receivers that see the sky through leaves.
@@ -80,8 +86,13 @@ impl DirectThroughCanopy {
             way.skies.irradiance(&coefficients, |i, bin, v| sums[i * out.labels() + bin] += v);
         }
         for (&receiver, sums) in behind.iter().zip(sums.chunks(out.labels().max(1))) {
+            let mut glow = vec![0.0_f64; sums.len()];
+            for way in self.ways.iter().filter(|way| !way.circumsolar.is_empty()) {
+                let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);
+                way.circumsolar.direct_behind(normal, sky, &veil(receiver, way), &mut glow);
+            }
             let row = out.row_mut(SkyDirect, receiver);
-            row.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0));
+            row.iter_mut().zip(sums).zip(glow).for_each(|((out, sum), glow)| *out = (sum + glow as f32).max(0.0));
         }
     }
 }
@@ -97,19 +108,26 @@ fn coefficients_behind(
     let (base, block) = (projection.side(), sky.block());
     let half = half_texel(base);
     let mut sums = vec![0.0_f64; projection.patches()];
-    for texel in 0..base * base {
-        let cos = mean_positive(normal.dot(projection.mean_directions[texel]), half);
+    let through = |texel: usize| -> Option<f64> {
         let place = (texel % base, texel / base);
         let all = 0..block * block;
         let seen = |bits: &[u64], i: usize| bits[i / 64] >> (i % 64) & 1 == 1;
         let share = |i: usize| f64::from(veil.at(place, i));
-        let sum: f64 = match sky.texel(place.0, place.1) {
-            _ if cos == 0.0 => continue,
-            Texel::Closed => continue,
-            Texel::Open => veil.sum(place),
-            Texel::Mixed(bits) => all.filter(|&i| seen(bits, i)).map(share).sum(),
-        };
-        projection.add(texel, cos * sum / (block * block) as f64, &mut sums);
+        match sky.texel(place.0, place.1) {
+            Texel::Closed => None,
+            Texel::Open => Some(veil.sum(place)),
+            Texel::Mixed(bits) => Some(all.filter(|&i| seen(bits, i)).map(share).sum()),
+        }
+    };
+    for texel in 0..base * base {
+        let cos = mean_positive(normal.dot(projection.mean_directions[texel]), half);
+        if cos != 0.0
+            && let Some(sum) = through(texel)
+        {
+            projection.add(texel, cos * sum / (block * block) as f64, &mut sums);
+        }
     }
     out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+    let share = |texel| through(texel).unwrap_or(0.0) / (block * block) as f64;
+    out.extend(projection.horizon().map(|band| band.seen(normal, share) as f32));
 }

@@ -38,6 +38,8 @@ pub(super) struct Forcing {
     sides: TextureSides,
     suns: SunLookups,
     skies: Skies,
+    /// Light of the skies from where the suns are.
+    circumsolar: SunLookups,
     /// `[state]`: what is reflected.
     reflected: Vec<Reflected>,
     sky_projection: Projection,
@@ -53,6 +55,7 @@ pub(super) struct Forcing {
 /// The weather of one state of the reflectances.
 struct Reflected {
     sources: Sources,
+    circumsolar: Sources,
     /// `None` if they are all skies.
     skies: Option<Skies>,
 }
@@ -70,23 +73,29 @@ impl Forcing {
     ) -> Self {
         let when = |needed: bool| -> &[Condition] { if needed { conditions } else { &[] } };
         let skies_of = when([SkyDirect, SkyDiffuse, SkySpecular].iter().any(|&c| components.needs(c)));
-        let sky_projection = Projection::new(patches, sides.sky_base, PROJECTION_SAMPLES);
+        let projection = |side| Projection::new(patches, side, PROJECTION_SAMPLES).under(model);
+        let sky_projection = projection(sides.sky_base);
         let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
         let all = skies.next();
-        let sources = |bins| Sources::new(when(components.needs(SunDiffuse)), bins, sides.response);
-        let mut reflected: Vec<Reflected> =
-            states.iter().zip(skies).map(|(bins, s)| Reflected { sources: sources(bins), skies: Some(s) }).collect();
+        let state = |bins, skies| Reflected {
+            sources: Sources::new(when(components.needs(SunDiffuse)), bins, sides.response),
+            circumsolar: Sources::circumsolar(when(components.needs(SkyDiffuse)), bins, sides.response, model),
+            skies,
+        };
+        let mut reflected: Vec<Reflected> = states.iter().zip(skies).map(|(bins, s)| state(bins, Some(s))).collect();
         if reflected.is_empty() {
-            reflected.push(Reflected { sources: sources(bins), skies: None });
+            reflected.push(state(bins, None));
         }
+        let glows = when(components.needs(SkyDirect) || components.needs(SkySpecular));
         Forcing {
             bins: bins.count,
             sides,
             suns: SunLookups::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
             skies: all.unwrap_or_default(),
+            circumsolar: SunLookups::circumsolar(glows, bins, sides, model),
             reflected,
-            response_projection: Projection::new(patches, sides.response, PROJECTION_SAMPLES),
+            response_projection: projection(sides.response),
             sky_projection,
             components,
             mirror_sky: true,
@@ -190,8 +199,13 @@ impl Forcing {
                 sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
             }
         }
-        let each = |receiver, bin, v: f32| out.row_mut(SkyDirect, receiver)[bin] = v.max(0.0);
-        self.skies.irradiance(&coefficients, each);
+        self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SkyDirect, receiver)[bin] = v);
+        let glow = |receiver: usize, sums: &mut [f64]| {
+            self.circumsolar.direct(tile.normals[receiver], &tile.sky[receiver], sums);
+        };
+        if sky_direct {
+            self.add_circumsolar(SkyDirect, glow, out);
+        }
         if let Some(shaded) = &self.shaded {
             shaded.replace(tile, &self.sky_projection, out);
         }
@@ -212,10 +226,33 @@ impl Forcing {
                 let mut patches = vec![0.0_f64; projection.patches()];
                 views.iter().for_each(|view| view.add_patches(projection, normal, &mut patches));
                 coefficients.extend(patches.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+                let horizon =
+                    |band| views.iter().map(|view| view.horizon(band, projection.side(), normal)).sum::<f64>();
+                coefficients.extend(projection.horizon().map(|band| horizon(band) as f32));
             }
         }
-        let each = |receiver, bin, v: f32| out.row_mut(SkySpecular, receiver)[bin] = v.max(0.0);
-        self.skies.irradiance(&coefficients, each);
+        self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SkySpecular, receiver)[bin] = v);
+        let glow = |receiver: usize, sums: &mut [f64]| {
+            let views = tile.mirrors.get(receiver).into_iter().flatten();
+            views.for_each(|view| self.circumsolar.by_mirrors(tile.normals[receiver], view, sums));
+        };
+        if sky {
+            self.add_circumsolar(SkySpecular, glow, out);
+        }
+    }
+
+    /// Adds the light of the skies from where the suns are, as `glow(receiver, sums)` gives it, to that of their patches, and clips the
+    /// whole: parts of a sky may be below 0.
+    fn add_circumsolar(&self, column: Component, glow: impl Fn(usize, &mut [f64]), out: &mut TileValues) {
+        let mut sums = vec![0.0_f64; self.bins];
+        for receiver in 0..out.receivers() {
+            if !self.circumsolar.is_empty() {
+                sums.fill(0.0);
+                glow(receiver, &mut sums);
+            }
+            let row = out.row_mut(column, receiver).iter_mut();
+            row.zip(&sums).for_each(|(out, sum)| *out = (*out + *sum as f32).max(0.0));
+        }
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
@@ -254,11 +291,18 @@ impl Forcing {
             let of_state = state.skies.as_ref().unwrap_or(&self.skies);
             let sky_diffuse = self.components.needs(SkyDiffuse) && !of_state.is_empty();
             let mut coefficients = Vec::new();
-            for (response, sums) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))) {
+            let mut glow = vec![0.0_f64; self.bins];
+            for (receiver, (response, sums)) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))).enumerate() {
                 let response = vectors(response);
                 state.sources.irradiance(&response, sums);
                 if sky_diffuse {
                     response_coefficients(&self.response_projection, &response, &mut coefficients);
+                }
+                if !state.circumsolar.is_empty() {
+                    glow.fill(0.0);
+                    state.circumsolar.irradiance(&response, &mut glow);
+                    let of_receiver = skies[receiver * self.bins..].iter_mut();
+                    of_receiver.zip(&glow).for_each(|(out, glow)| *out += *glow as f32);
                 }
             }
             of_state.irradiance(&coefficients, |receiver, bin, v| skies[receiver * self.bins + bin] += v);

@@ -98,10 +98,10 @@ fn mirror_views(
     mirrors: &[ReceiverMirrors],
     table: &MirrorTable,
 ) -> Result<Vec<Vec<MirrorView>>> {
-    let block = site.settings().sky_fine / site.settings().sky_base;
+    let sides = site.settings().sides();
     let taken = AtomicUsize::new(0);
     let view = |window: &Window| {
-        let view = MirrorView::new(window, table, block)?;
+        let view = MirrorView::new(window, table, sides)?;
         let before = taken.fetch_add(view.bytes(), Ordering::Relaxed);
         (before.saturating_add(view.bytes()) <= MAX_SKY).then_some(view)
     };

@@ -3,8 +3,10 @@
 
 pub mod disc;
 pub mod distribution;
+pub mod horizon;
 pub mod model;
 pub mod patches;
-mod perez;
+pub mod perez;
+pub mod perez1990;
 pub mod projection;
 pub(crate) mod skies;

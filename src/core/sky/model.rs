@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::error::Error;
 use crate::sky::distribution::Distribution;
-use crate::sky::perez;
+use crate::sky::{perez, perez1990};
 use crate::weather::conditions::Condition;
 
 /// How the radiance of the sky is distributed.
@@ -17,10 +17,23 @@ pub enum SkyModel {
     /// Perez all-weather 1993, from DNI and DHI.
     #[default]
     Perez,
+    /// The tilted surfaces of Perez and others 1990 ([`perez1990`]): an isotropic dome, light at the sun and a band at the horizon.
+    Perez1990,
     /// The same radiance everywhere.
     Uniform,
     /// A CIE standard general sky.
     Cie(CieType),
+}
+
+/// What a sky is made of, as irradiances of an open receiver.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SkyParts {
+    /// On a horizontal receiver, of the radiance that [`SkyModel::distribution`] spreads; by Perez 1990 it may be below 0.
+    pub dome_w_m2: f64,
+    /// Normal to the sun, from the places of the suns.
+    pub circumsolar_w_m2: f64,
+    /// On a wall, from a band at the horizon; may be below 0.
+    pub horizon_w_m2: f64,
 }
 
 /// Number of a CIE standard general sky, 1 (overcast, steep) to 15 (white-blue turbid).
@@ -61,10 +74,10 @@ const CIE: [[f64; 5]; 15] = [
 ];
 
 impl SkyModel {
-    /// The distribution of a condition's sky.
+    /// The distribution of the dome of a condition's sky.
     pub fn distribution(self, condition: &Condition) -> Distribution {
         match self {
-            SkyModel::Uniform => Distribution::default(),
+            SkyModel::Uniform | SkyModel::Perez1990 => Distribution::default(),
             SkyModel::Cie(number) => number.distribution(),
             // A sun below the horizon lights no sky: its DNI is a defect of the input.
             SkyModel::Perez => perez::distribution(
@@ -76,7 +89,26 @@ impl SkyModel {
         }
     }
 
-    /// Relative radiance in a direction (unit, z >= 0).
+    /// How a condition's diffuse light is shared among the parts of its sky; but for Perez 1990 all of it comes from the dome.
+    pub fn parts(self, condition: &Condition) -> SkyParts {
+        let dhi_w_m2 = condition.dhi_w_m2;
+        if !self.brightens() || dhi_w_m2 <= 0.0 {
+            return SkyParts { dome_w_m2: dhi_w_m2, ..SkyParts::default() };
+        }
+        let of = perez1990::coefficients(condition);
+        SkyParts {
+            dome_w_m2: dhi_w_m2 * (1.0 - of.f1),
+            circumsolar_w_m2: dhi_w_m2 * of.f1 / of.b,
+            horizon_w_m2: dhi_w_m2 * of.f2,
+        }
+    }
+
+    /// Whether its skies may have more parts than the dome.
+    pub fn brightens(self) -> bool {
+        self == SkyModel::Perez1990
+    }
+
+    /// Relative radiance of the dome in a direction (unit, z >= 0).
     pub fn relative_radiance(self, condition: &Condition, direction: DVec3) -> f64 {
         self.distribution(condition).relative_radiance(direction, condition.sky_sun)
     }
@@ -92,11 +124,12 @@ impl FromStr for SkyModel {
         };
         match text {
             "perez" => Ok(SkyModel::Perez),
+            "perez1990" => Ok(SkyModel::Perez1990),
             "uniform" => Ok(SkyModel::Uniform),
             _ => cie().ok_or_else(|| Error::Unsupported {
                 what: "sky model".into(),
                 found: format!("`{text}`"),
-                supported: "perez, uniform and cie:1 to cie:15".into(),
+                supported: "perez, perez1990, uniform and cie:1 to cie:15".into(),
             }),
         }
     }
@@ -106,6 +139,7 @@ impl fmt::Display for SkyModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             SkyModel::Perez => f.write_str("perez"),
+            SkyModel::Perez1990 => f.write_str("perez1990"),
             SkyModel::Uniform => f.write_str("uniform"),
             SkyModel::Cie(CieType(number)) => write!(f, "cie:{number}"),
         }
@@ -159,18 +193,18 @@ mod tests {
         }
     }
 
-    /// Names read back as written (17 of them); others are refused with the list of choices.
+    /// Names read back as written (18 of them); others are refused with the list of choices.
     #[test]
     fn names() {
-        let mut all = vec![SkyModel::Perez, SkyModel::Uniform];
+        let mut all = vec![SkyModel::Perez, SkyModel::Perez1990, SkyModel::Uniform];
         all.extend((1..=15).filter_map(CieType::new).map(SkyModel::Cie));
-        assert_eq!(all.len(), 17);
+        assert_eq!(all.len(), 18);
         for model in all {
             assert_eq!(model.to_string().parse::<SkyModel>().expect("own name"), model);
         }
         for bad in ["", "Perez ", "cie", "cie:", "cie:0", "cie:16", "cie:256", "cie:-1"] {
             let text = bad.parse::<SkyModel>().expect_err(bad).to_string();
-            assert!(text.contains("perez, uniform and cie:1 to cie:15"), "{text}");
+            assert!(text.contains("perez, perez1990, uniform and cie:1 to cie:15"), "{text}");
         }
     }
 }

@@ -147,20 +147,21 @@ impl Patches {
 
     /// Radiance of each patch, W/m2/sr: the model's mean over the patch, scaled so that the sum of radiance x
     /// `open_horizontal_sr` (the patches' cosine-weighted solid angles as the receivers' coefficients count them, see
-    /// [`crate::sky::projection`]) is DHI. A model that gives no finite sky is replaced by the uniform one.
+    /// [`crate::sky::projection`]) is the dome's share of DHI ([`SkyModel::parts`]). A model that gives no finite sky is replaced by the uniform one.
     pub fn radiances(&self, model: SkyModel, condition: &Condition, open_horizontal_sr: &[f64]) -> Vec<f64> {
         let count = self.len();
         if condition.dhi_w_m2 <= 0.0 {
             return vec![0.0; count];
         }
+        let dome_w_m2 = model.parts(condition).dome_w_m2;
         let mut radiances = self.relative(&model.distribution(condition), condition.sky_sun);
         let integral = |values: &[f64]| -> f64 { values.iter().zip(open_horizontal_sr).map(|(l, w)| l * w).sum() };
         let mut sum = integral(&radiances);
-        let mut scale = condition.dhi_w_m2 / sum;
+        let mut scale = dome_w_m2 / sum;
         if !(sum.is_finite() && scale.is_finite() && scale > 0.0) {
             radiances.fill(1.0);
             sum = integral(&radiances);
-            scale = if sum > 0.0 { condition.dhi_w_m2 / sum } else { 0.0 };
+            scale = if sum > 0.0 { dome_w_m2 / sum } else { 0.0 };
         }
         for radiance in &mut radiances {
             *radiance *= scale;

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use crate::sky::distribution::Distribution;
 
 /// Upper ends of the first seven clearness bins (1990 paper, table 1); the eighth is open.
-const BIN_ENDS: [f64; 7] = [1.065, 1.23, 1.5, 1.95, 2.8, 4.5, 6.2];
+pub const BIN_ENDS: [f64; 7] = [1.065, 1.23, 1.5, 1.95, 2.8, 4.5, 6.2];
 
 /// Table 1 of the paper: per bin a1..a4, b1..b4, c1..c4, d1..d4, e1..e4. Compared with three public implementations.
 const COEFFICIENTS: [[[f64; 4]; 5]; 8] = [
@@ -71,10 +71,13 @@ const COEFFICIENTS: [[[f64; 4]; 5]; 8] = [
     ],
 ];
 
+/// Factor of the cubed zenith angle, radians, in the clearness (1990 paper, equation 1).
+pub const KAPPA: f64 = 1.041;
+
 /// Sky clearness epsilon, 1 (overcast) and up (Perez, Ineichen, Seals, Michalsky and Stewart, Solar Energy 44(5),
-/// 1990, equation 1): kappa is 1.041 for Z in radians. `dhi` > 0.
+/// 1990, equation 1). `dhi` > 0.
 pub fn clearness(dni_w_m2: f64, dhi_w_m2: f64, zenith_rad: f64) -> f64 {
-    let z3 = 1.041 * zenith_rad.powi(3);
+    let z3 = KAPPA * zenith_rad.powi(3);
     ((dhi_w_m2 + dni_w_m2) / dhi_w_m2 + z3) / (1.0 + z3)
 }
 

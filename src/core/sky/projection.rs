@@ -8,6 +8,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, direction_of};
+use crate::sky::horizon::HorizonBand;
+use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 
 /// The patches of every texel of an n x n texture.
@@ -25,6 +27,8 @@ pub struct Projection {
     pub solid_angle_sr: Vec<f64>,
     /// Sum over texels of share x solid angle x mean cosine on a horizontal surface, sr.
     pub open_horizontal_sr: Vec<f64>,
+    /// Of models that have one: a further source behind the patches.
+    horizon: Option<HorizonBand>,
 }
 
 /// Largest side: texel and entry numbers stay in 32 bits.
@@ -67,6 +71,7 @@ impl Projection {
             mean_directions: Vec::with_capacity(n * n),
             solid_angle_sr: vec![0.0; patches.len()],
             open_horizontal_sr: vec![0.0; patches.len()],
+            horizon: None,
         };
         let texel_sr = projection.texel_sr();
         projection.starts.push(0);
@@ -85,6 +90,17 @@ impl Projection {
             projection.mean_directions.push(mean);
         }
         projection
+    }
+
+    /// The same for the skies of a model, with the band at the horizon if they have one.
+    pub fn under(self, model: SkyModel) -> Self {
+        let horizon = model.brightens().then(|| HorizonBand::new(self.n));
+        Projection { horizon, ..self }
+    }
+
+    /// The band at the horizon, whose coefficient follows those of the patches.
+    pub fn horizon(&self) -> Option<&HorizonBand> {
+        self.horizon.as_ref()
     }
 
     /// Side of the texture.

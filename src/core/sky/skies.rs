@@ -22,13 +22,13 @@ const PART: usize = 64;
 /// By way and result.
 type Sums = BTreeMap<(usize, usize), Vec<f64>>;
 
-/// Patch radiances of the results that have a sky.
+/// Patch radiances of the results that have a sky, and behind them what the band at the horizon sends, if the model has one.
 #[derive(Default)]
 pub struct Skies {
-    /// Results with a sky, and their patch radiances: `[result with a sky][patch]`, W/m2 sr x weight.
+    /// Results with a sky, and their sources: `[result with a sky][source]`; radiances of patches, W/m2 sr x weight.
     bins: Vec<usize>,
     radiances: Vec<f32>,
-    patches: usize,
+    sources: usize,
 }
 
 impl Skies {
@@ -41,6 +41,7 @@ impl Skies {
         patches: &Patches,
         open_horizontal_sr: &[f64],
     ) -> Vec<Self> {
+        let sources = patches.len() + usize::from(model.brightens());
         // Parts of a fixed size, added in order: the sum does not depend on the number of threads.
         let parts: Vec<Sums> = (0..conditions.len().div_ceil(PART))
             .into_par_iter()
@@ -48,11 +49,14 @@ impl Skies {
                 let mut sums = Sums::new();
                 for (i, condition) in conditions.iter().enumerate().skip(part * PART).take(PART) {
                     if condition.dhi_w_m2 > 0.0 {
-                        let radiances = patches.radiances(model, condition, open_horizontal_sr);
+                        let mut radiances = patches.radiances(model, condition, open_horizontal_sr);
+                        if model.brightens() {
+                            radiances.push(model.parts(condition).horizon_w_m2);
+                        }
                         for (way, bins) in ways.iter().enumerate() {
                             let (bin, weight) = bins.of_condition[i];
                             if weight != 0.0 {
-                                let sum = sums.entry((way, bin)).or_insert_with(|| vec![0.0; patches.len()]);
+                                let sum = sums.entry((way, bin)).or_insert_with(|| vec![0.0; sources]);
                                 sum.iter_mut().zip(&radiances).for_each(|(sum, l)| *sum += l * weight);
                             }
                         }
@@ -70,7 +74,7 @@ impl Skies {
                 Entry::Occupied(mut sum) => sum.get_mut().iter_mut().zip(part).for_each(|(sum, l)| *sum += l),
             }
         }
-        let none = || Skies { bins: Vec::new(), radiances: Vec::new(), patches: patches.len() };
+        let none = || Skies { bins: Vec::new(), radiances: Vec::new(), sources };
         let mut found: Vec<Skies> = ways.iter().map(|_| none()).collect();
         for ((way, bin), sum) in sums {
             found[way].bins.push(bin);
@@ -84,14 +88,14 @@ impl Skies {
         self.bins.is_empty()
     }
 
-    /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][patch]`: (receivers x patches) times (patches x
+    /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][source]`: (receivers x sources) times (sources x
     /// results).
     pub fn irradiance(&self, coefficients: &[f32], mut each: impl FnMut(usize, usize, f32)) {
-        let shape = (coefficients.len() / self.patches.max(1), self.patches);
+        let shape = (coefficients.len() / self.sources.max(1), self.sources);
         // Shapes follow from how the two vectors were filled, so neither view can fail.
         let (Ok(a), Ok(b)) = (
             ArrayView2::from_shape(shape, coefficients),
-            ArrayView2::from_shape((self.bins.len(), self.patches), &self.radiances),
+            ArrayView2::from_shape((self.bins.len(), self.sources), &self.radiances),
         ) else {
             return;
         };
@@ -101,7 +105,8 @@ impl Skies {
     }
 }
 
-/// Appends the irradiance per unit radiance of each patch, sr: visible share x cosine x solid angle of the texels.
+/// Appends the irradiance per unit radiance of each patch, sr: visible share x cosine x solid angle of the texels; then that of the band
+/// at the horizon, if there is one.
 pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &Mosaic, out: &mut Vec<f32>) {
     let half = half_texel(projection.side());
     let mut sums = vec![0.0_f64; projection.patches()];
@@ -112,6 +117,7 @@ pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &Mosaic, ou
         }
     });
     out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+    out.extend(projection.horizon().map(|band| band.seen(normal, |texel| sky.share(texel)) as f32));
 }
 
 /// The same for light that is reflected: d . G x solid angle; `response` is `[texel][axis]`.
@@ -124,6 +130,7 @@ pub fn response_coefficients(projection: &Projection, response: &[[f32; 3]], out
         }
     }
     out.extend(sums.into_iter().map(|sum| (sum * projection.texel_sr()) as f32));
+    out.extend(projection.horizon().map(|band| band.reflected(response) as f32));
 }
 
 /// Mean of max(x, 0) for x spread evenly over `centre` +- `half`: the cosine of a texel that the surface's plane cuts.

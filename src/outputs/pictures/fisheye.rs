@@ -58,7 +58,7 @@ pub struct Overlay {
 /// The picture as PNG.
 pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) -> Result<Vec<u8>> {
     let frame = Frame::of(view.receiver.normal);
-    let paint = |x: f64, y: f64| direction_at(x, y).map_or(PAPER, |direction| colour(view, &frame, direction));
+    let paint = |x: f64, y: f64| direction_at(x, y).map_or(PAPER, |direction| seen(view, &frame, direction));
     let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
     draw_grid(&mut canvas, overlay.north);
     if let Some((path, _)) = &overlay.path {
@@ -90,28 +90,36 @@ fn direction_at(x: f64, y: f64) -> Option<DVec3> {
     (r <= RADIUS).then(|| DVec3::new(east * scale, north * scale, zenith_rad.cos()))
 }
 
-fn colour(view: &ReceiverView, frame: &Frame, direction: DVec3) -> Rgb {
+/// The colour of what is seen in a direction; that of obstructions where nothing is.
+pub(super) fn seen(view: &ReceiverView, frame: &Frame, direction: DVec3) -> Rgb {
     let local = frame.to_local(direction);
     if local.z <= 0.0 {
         return BEHIND;
     }
+    // The sky's texture ends at the horizon.
     let (column, row) = texel_of(direction, view.sky.side() * view.sky.block());
-    if view.sky.get(column, row) {
+    if direction.z > 0.0 && view.sky.get(column, row) {
         return SKY;
     }
-    // The hit texture is coarse: a texel at the edge of the sky may hold the sky, the nearest that does not holds what is seen.
-    let n = view.texels.len().isqrt();
-    let (column, row) = texel_of(local, n);
-    let seen = |far: usize| {
-        let near = |at: usize| at.saturating_sub(far)..(at + far + 1).min(n);
-        let mut around = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
-        around.find_map(|texel| view.class(texel).map(|class| (class, view.is_mirror(texel))))
-    };
-    match (0..n).find_map(seen) {
+    let texel = nearest_seen(view, local);
+    match texel.map(|texel| (view.class(texel), view.is_mirror(texel))) {
         Some((_, true)) => MIRROR,
-        Some((Class::Ground, _)) => GROUND,
+        Some((Some(Class::Ground), _)) => GROUND,
         _ => OBSTRUCTION,
     }
+}
+
+/// The texel of the hit texture that holds what is seen in a direction, by the surface's axes, where it is no sky. The texture is coarse: a
+/// texel at the edge of the sky may hold the sky, the nearest that does not holds what is seen.
+pub(super) fn nearest_seen(view: &ReceiverView, local: DVec3) -> Option<usize> {
+    let n = view.texels.len().isqrt();
+    let (column, row) = texel_of(local, n);
+    let around = |far: usize| {
+        let near = |at: usize| at.saturating_sub(far)..(at + far + 1).min(n);
+        let mut texels = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
+        texels.find(|texel| view.class(*texel).is_some())
+    };
+    (0..n).find_map(around)
 }
 
 /// Altitude rings every 15 degrees, azimuth rays every 30, from true north.

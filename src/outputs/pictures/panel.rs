@@ -1,0 +1,260 @@
+//! The light that a receiver gets, apart by its ways: six fisheyes side by side in one scale. In: a receiver and its maps of a light. Out:
+//! a PNG.
+//!
+//! Each picture is what a camera with an equidistant lens sees that lies on the surface and looks away from it: the distance from the
+//! middle is the angle from the normal, up is up the surface; level receivers look up and have north on top.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec3;
+
+use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
+use crate::outputs::pictures::colours::inferno;
+use crate::outputs::pictures::fisheye::{nearest_seen, seen};
+use crate::outputs::provenance::Provenance;
+use heliotile_core::error::Result;
+use heliotile_core::hemisphere::{Frame, texel_of};
+use heliotile_core::replay::maps::Map;
+use heliotile_core::replay::receiver_view::ReceiverView;
+use heliotile_core::site::north::North;
+use heliotile_core::units::direction_from_degrees;
+
+const PAPER: Rgb = [255, 255, 255];
+const INK: Rgb = [30, 30, 40];
+/// Letters on the colours of radiances.
+const INSIDE: Rgb = [150, 220, 230];
+const SUN: Rgb = [90, 220, 255];
+
+/// A picture is so wide and high, and its circle has this radius.
+const CELL: (f64, f64) = (340.0, 384.0);
+const RADIUS: f64 = 150.0;
+/// Where the middle of a circle lies in its cell.
+const MIDDLE: (f64, f64) = (170.0, 208.0);
+/// Above and below the six.
+const HEAD: f64 = 60.0;
+const FOOT: f64 = 70.0;
+
+/// Ends of the scale, W/m2 sr: from the ground on a dark day to the sky round the sun.
+const DARKEST: f64 = 0.1;
+const BRIGHTEST: f64 = 1000.0;
+
+/// A sun that is seen.
+pub struct PanelSun {
+    /// By the site's axes.
+    pub direction: DVec3,
+    /// How the light is called: sun and sky in words.
+    pub called: String,
+}
+
+/// The six pictures.
+const TITLES: [&str; 6] =
+    ["what is seen", "sky, direct", "sun, diffuse", "sun and sky in mirrors", "sky, diffuse", "all together"];
+
+/// The ways of light of a direction, W/m2 sr: sky direct, sun diffuse, sky in mirrors, sky diffuse.
+struct Radiances<'v> {
+    view: &'v ReceiverView,
+    maps: &'v [Map],
+    frame: Frame,
+}
+
+impl Radiances<'_> {
+    fn channel(&self, map: &str, channel: &str) -> Option<(usize, &[f32])> {
+        let map = self.maps.iter().find(|m| m.name == map)?;
+        map.channels.iter().find(|c| c.name == channel).map(|c| (map.side, c.values.as_slice()))
+    }
+
+    fn at(&self, map: &str, channel: &str, direction: DVec3) -> f64 {
+        let texel = |(side, values): (usize, &[f32])| {
+            let (column, row) = texel_of(direction, side);
+            values.get(row * side + column).copied()
+        };
+        self.channel(map, channel).and_then(texel).map_or(0.0, f64::from)
+    }
+
+    /// Of a direction in front of the surface.
+    fn of(&self, direction: DVec3) -> [f64; 4] {
+        let sky = if direction.z > 0.0 { self.at("sky", "sky_direct", direction) } else { 0.0 };
+        if sky > 0.0 {
+            return [sky, 0.0, 0.0, 0.0];
+        }
+        let local = self.frame.to_local(direction);
+        let texel = nearest_seen(self.view, local);
+        let on_texel = |channel| {
+            let value = |(_, values): (usize, &[f32])| texel.and_then(|texel| values.get(texel).copied());
+            self.channel("hit", channel).and_then(value).map_or(0.0, f64::from)
+        };
+        let mirrored = self.view.in_mirrors(direction);
+        let mirrored = mirrored.map(|(from, share)| self.at("mirror", "sky_specular", from) * share);
+        [0.0, on_texel("sun_diffuse"), mirrored.unwrap_or(0.0), on_texel("sky_diffuse")]
+    }
+
+    /// What all texels of a channel send, W/m2.
+    fn sum(&self, map: &str, channel: &str) -> f64 {
+        let (Some((_, values)), Some((_, weights))) = (self.channel(map, channel), self.channel(map, "weight_sr"))
+        else {
+            return 0.0;
+        };
+        values.iter().zip(weights).map(|(v, w)| f64::from(*v) * f64::from(*w)).sum()
+    }
+}
+
+/// The panel as PNG. `maps` are those of a light.
+pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, about: &Provenance) -> Result<Vec<u8>> {
+    let frame = Frame::of(view.receiver.normal);
+    let radiances = Radiances { view, maps, frame };
+    let (width, height) = (3.0 * CELL.0, HEAD + 2.0 * CELL.1 + FOOT);
+    let paint = |x: f64, y: f64| {
+        let (column, row) = ((x / CELL.0).floor(), ((y - HEAD) / CELL.1).floor());
+        if !(0.0..2.0).contains(&row) {
+            return PAPER;
+        }
+        let picture = (row * 3.0 + column) as usize;
+        let at = (x - column * CELL.0 - MIDDLE.0, y - HEAD - row * CELL.1 - MIDDLE.1);
+        let Some(direction) = direction_at(&radiances.frame, at) else { return PAPER };
+        if picture == 0 {
+            return seen(view, &radiances.frame, direction);
+        }
+        let [sky, of_sun, mirrored, of_sky] = radiances.of(direction);
+        colour(match picture {
+            1 => sky,
+            2 => of_sun,
+            3 => mirrored,
+            4 => of_sky,
+            _ => sky + of_sun + mirrored + of_sky,
+        })
+    };
+    let mut canvas = Canvas::painted(width as usize, height as usize, paint);
+    let irradiances = [
+        String::new(),
+        format!("{:.1} W/m2, the sun {:.1}", radiances.sum("sky", "sky_direct"), radiances.sum("sky", "sun_direct")),
+        format!("{:.1} W/m2", radiances.sum("hit", "sun_diffuse")),
+        format!(
+            "{:.1} W/m2, the sun {:.1}",
+            radiances.sum("mirror", "sky_specular"),
+            radiances.sum("mirror", "sun_specular")
+        ),
+        format!("{:.1} W/m2", radiances.sum("hit", "sky_diffuse")),
+        format!("{:.1} W/m2", total(&radiances)),
+    ];
+    for (picture, (title, irradiance)) in TITLES.iter().zip(&irradiances).enumerate() {
+        let (left, top) = ((picture % 3) as f64 * CELL.0, HEAD + (picture / 3) as f64 * CELL.1);
+        let middle = (left + MIDDLE.0, top + MIDDLE.1);
+        canvas.ring(middle, RADIUS, 1.3, INK);
+        canvas.headline(title, (left + MIDDLE.0, top + 12.0), Side::Center, INK);
+        canvas.word(irradiance, (left + MIDDLE.0, top + 28.0), Side::Center, INK);
+        for (azimuth, name) in [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")] {
+            let way = north.to_axes(direction_from_degrees(azimuth, 0.0));
+            if frame_share(&radiances.frame, way) > -1e-6 {
+                let (x, y) = place_at(&radiances.frame, way);
+                let length = x.hypot(y).max(1.0);
+                let (scale, ink) = if length > RADIUS - 2.0 { ((RADIUS + 9.0) / length, INK) } else { (1.0, INSIDE) };
+                let ink = if picture == 0 { INK } else { ink };
+                canvas.word(name, (middle.0 + x * scale, middle.1 + y * scale), Side::Center, ink);
+            }
+        }
+        for place in suns(&radiances, sun.direction, picture) {
+            let at = (middle.0 + place.0, middle.1 + place.1);
+            canvas.dot(at, 4.5, INK);
+            canvas.dot(at, 3.0, SUN);
+        }
+    }
+    draw_words(&mut canvas, view, sun, (width, height));
+    canvas.png(about.ascii())
+}
+
+fn total(radiances: &Radiances) -> f64 {
+    let of = |(map, names): (&str, [&str; 2])| names.map(|name| radiances.sum(map, name)).iter().sum::<f64>();
+    let all = [
+        ("sky", ["sky_direct", "sun_direct"]),
+        ("hit", ["sun_diffuse", "sky_diffuse"]),
+        ("mirror", ["sky_specular", "sun_specular"]),
+    ];
+    all.into_iter().map(of).sum()
+}
+
+/// Where suns are seen in a picture: straight with the sky, and in mirrors.
+fn suns(radiances: &Radiances, sun: DVec3, picture: usize) -> Vec<(f64, f64)> {
+    let view = radiances.view;
+    let mut found = Vec::new();
+    if [1, 5].contains(&picture) && radiances.at("sky", "sun_direct", sun) > 0.0 {
+        found.push(sun);
+    }
+    if [3, 5].contains(&picture) {
+        found.extend(view.mirror_images(sun));
+    }
+    found.into_iter().map(|direction| place_at(&radiances.frame, direction)).collect()
+}
+
+/// Cosine of a direction on the surface.
+fn frame_share(frame: &Frame, direction: DVec3) -> f64 {
+    frame.to_local(direction).z
+}
+
+/// Where a direction is drawn beside the middle of a picture: x to the right, y down.
+fn place_at(frame: &Frame, direction: DVec3) -> (f64, f64) {
+    let local = frame.to_local(direction);
+    let across = local.x.hypot(local.y);
+    let r = RADIUS * across.atan2(local.z) / FRAC_PI_2;
+    let scale = if across > 0.0 { r / across } else { 0.0 };
+    (-local.x * scale, -local.y * scale)
+}
+
+/// The direction that is drawn there; `None` behind the surface.
+fn direction_at(frame: &Frame, (x, y): (f64, f64)) -> Option<DVec3> {
+    let r = x.hypot(y);
+    let angle = r / RADIUS * FRAC_PI_2;
+    let scale = if r > 0.0 { angle.sin() / r } else { 0.0 };
+    (r <= RADIUS).then(|| frame.to_world(DVec3::new(-x * scale, -y * scale, angle.cos())))
+}
+
+fn colour(radiance: f64) -> Rgb {
+    // A logarithm of 0 is below every scale.
+    let share = (radiance / DARKEST).ln() / (BRIGHTEST / DARKEST).ln();
+    inferno(share as f32)
+}
+
+fn draw_words(canvas: &mut Canvas, view: &ReceiverView, sun: &PanelSun, (width, height): (f64, f64)) {
+    let receiver = &view.receiver;
+    let name: String = receiver.id.chars().take(60).collect();
+    canvas.headline(&name, (20.0, 20.0), Side::Left, INK);
+    let [sky, ground, obstruction] = view.views;
+    let shares = format!("view factors: sky {sky:.3}, ground {ground:.3}, obstructions {obstruction:.3}");
+    canvas.word(&shares, (20.0, 40.0), Side::Left, INK);
+    canvas.word(&sun.called, (width - 20.0, 20.0), Side::Right, INK);
+    canvas.word("as a camera on the surface sees it, equidistant", (width - 20.0, 40.0), Side::Right, INK);
+    let (left, top, wide) = (150.0, height - FOOT + 14.0, width - 300.0);
+    let steps = (wide / 4.0) as usize;
+    for step in 0..steps {
+        let share = step as f64 / (steps - 1).max(1) as f64;
+        (0..4).for_each(|row| {
+            let at = (left + 4.0 * step as f64, top + 4.0 * f64::from(row));
+            canvas.square(at, 4.0, inferno(share as f32));
+        });
+    }
+    let decades = (BRIGHTEST / DARKEST).log10().round() as i32;
+    for decade in 0..=decades {
+        let x = left + wide * f64::from(decade) / f64::from(decades);
+        let value = DARKEST * 10_f64.powi(decade);
+        canvas.line(&[(x, top + 16.0), (x, top + 21.0)], 1.0, INK);
+        canvas.word(&format!("{value}"), (x, top + 30.0), Side::Center, INK);
+    }
+    canvas.word("W/m2 sr", (left + wide + 30.0, top + 8.0), Side::Left, INK);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Places of 300 directions before a wall lead back to them; up is up, and who looks south has east at the left: 2 of 2.
+    #[test]
+    fn as_a_camera() {
+        let south = Frame::of(-DVec3::Y);
+        for i in 0..300 {
+            let d = direction_from_degrees(180.0 + f64::from(i % 17) * 10.0 - 80.0, f64::from(i % 13) * 13.0 - 78.0);
+            let back = direction_at(&south, place_at(&south, d)).expect("in front");
+            assert!((back - d).length() < 1e-12, "{d}");
+        }
+        assert!(place_at(&south, direction_from_degrees(180.0, 30.0)).1 < -40.0);
+        assert!(place_at(&south, direction_from_degrees(120.0, 0.0)).0 < -40.0);
+    }
+}
