@@ -64,7 +64,7 @@ pub enum Physics {
 
 impl NamedValues for Physics {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("full", "All reflections, those that mirrors light too", Physics::Full),
+        ("full", "All reflections, what mirrors light and show, the sky of Perez 1990", Physics::Full),
         (
             "energyplus",
             "One diffuse reflection and the mirrored sun, as EnergyPlus has them: to compare",

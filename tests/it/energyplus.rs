@@ -1,6 +1,5 @@
 //! Models of EnergyPlus with reflected sun: what is written into them, what is refused, and what EnergyPlus makes of it.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -49,12 +48,14 @@ fn of<'o>(objects: &'o [Vec<String>], class: &str) -> Vec<&'o Vec<String>> {
 }
 
 /// Values of a table of a surface, `[azimuth][altitude]`: `P` fixed, `Q` by the ground, found by way of its actuator.
+/// All 0 where there is none.
 fn table(objects: &[Vec<String>], surface: &str, letter: &str) -> Vec<f64> {
     let actuator = of(objects, "EnergyManagementSystem:Actuator").into_iter().find(|a| a[2] == surface).expect(surface);
     let number = actuator[1].trim_start_matches("HT1_A");
     let name = format!("HT1_Table_{letter}{number}");
-    let lookup = of(objects, "Table:Lookup").into_iter().find(|table| table[1] == name).expect(&name);
-    lookup[10..].iter().map(|value| value.parse().expect("a number")).collect()
+    let lookup = of(objects, "Table:Lookup").into_iter().find(|table| table[1] == name);
+    let values = |table: &Vec<String>| table[11..].iter().map(|value| value.parse().expect("a number")).collect();
+    lookup.map_or(vec![0.0; 703], values)
 }
 
 /// All bytes of an IDF model stay but for the solar distribution, with comments and LF or CR LF; behind them stand an actuator for each of 17
@@ -76,7 +77,8 @@ fn an_idf_keeps_its_text() {
         assert_eq!(count("EnergyManagementSystem:Sensor"), 5);
         assert_eq!(count("EnergyManagementSystem:Program"), 2);
         assert_eq!(count("EnergyManagementSystem:CurveOrTableIndexVariable"), count("Table:Lookup"));
-        assert!(of(&added, "Table:Lookup").iter().all(|table| table.len() == 10 + 703));
+        let suns = |table: &Vec<String>| if table[1].contains("_S") { 73 * 37 } else { 37 * 19 };
+        assert!(of(&added, "Table:Lookup").iter().all(|table| table.len() == 11 + suns(table)));
     }
 }
 
@@ -105,7 +107,7 @@ fn an_epjson_keeps_its_text() {
 fn tables_hold_what_a_query_gives() {
     let folder = boxed(&[]);
     injected(&folder, DRAFT);
-    let suns = [(120, 45), (200, 60), (300, 20)];
+    let suns: [(usize, usize); 3] = [(120, 45), (200, 60), (300, 20)];
     let rows = suns.map(|(azimuth, altitude)| format!("a{azimuth},{azimuth},{altitude},1000,0\n")).concat();
     folder.write("suns.csv", &format!("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n{rows}"));
     let query = "query out/site.helio --conditions suns.csv --paths none --by surface --reflectance ground=0.2 --columns sun_diffuse";
@@ -117,18 +119,15 @@ fn tables_hold_what_a_query_gives() {
         let cells: Vec<&str> = line.split(',').collect();
         let (azimuth, altitude) = suns[suns.iter().position(|sun| cells[0] == format!("a{}", sun.0)).expect("a sun")];
         let at = azimuth / 10 * 19 + altitude / 5;
-        let tables = BTreeMap::from(["P", "Q"].map(|letter| {
-            let has = lines.len() > 1 && !(letter == "Q" && ["Roof", "Skylight"].contains(&cells[1]));
-            (letter, if has { table(&objects, cells[1], letter)[at as usize] } else { 0.0 })
-        }));
+        let [fixed, by_ground] = ["P", "Q"].map(|letter| table(&objects, cells[1], letter)[at]);
         let value: f64 = cells[2].parse().expect("a number");
-        assert!((tables["P"] + 0.2 * tables["Q"] - value).abs() < 0.01, "{line}: {tables:?}");
+        assert!((fixed + 0.2 * by_ground - value).abs() < 0.01, "{line}: {fixed} {by_ground}");
         compared += 1;
     }
     assert_eq!(compared, 3 * 16, "{lines}");
 }
 
-/// 8 models that cannot get our light are refused with exit code 2, each with what is wrong and what to do; no model is written.
+/// 7 models that cannot get our light are refused with exit code 2, each with what is wrong and what to do; no model is written.
 #[test]
 fn refusals() {
     let outdoors = |folder: &Folder| {
@@ -143,7 +142,7 @@ fn refusals() {
             .collect();
         folder.write("box.idf", &none);
     };
-    let cases: [(&[(&str, &str)], &[&str]); 5] = [
+    let cases: [(&[(&str, &str)], &[&str]); 4] = [
         (&[("Version, 25.2;", "Version, 9.6;")], &["EnergyPlus 9.6, and 25.2 is to run it", "Transition tool"]),
         (&[("Window, Skylight,", "Window, SOUTH window,")], &["`SOUTH window` bears the name of", "a name of its own"]),
         (
@@ -153,7 +152,6 @@ fn refusals() {
             )],
             &["`East` already: light would be injected twice"],
         ),
-        (&[("FullExteriorWithReflections", "FullExterior\n WithReflections")], &["goes over several lines"]),
         (&[("Version, 25.2;", "##include x.idf")], &["macro"]),
     ];
     for (changes, parts) in cases {
@@ -258,7 +256,7 @@ fn surroundings() {
     assert!(said.contains("5 polygons as Shading:Site:Detailed"), "{said}");
     let near = objects(&text(&folder, "out/model.idf"));
     assert_eq!(of(&near, "Shading:Site:Detailed").len(), 5);
-    let p = |objects: &[Vec<String>]| table(objects, "South", "P")[10 * 19 + 6];
+    let p = |objects: &[Vec<String>]| table(objects, "South", "P").iter().sum::<f64>() / 703.0;
     injected(&folder, &base.replace("-o out", "-o alone"));
     let alone = objects(&text(&folder, "alone/model.idf"));
     assert_eq!(of(&alone, "Shading:Site:Detailed").len(), 0);
@@ -270,8 +268,8 @@ fn surroundings() {
     injected(&folder, &format!("{moved} --scene far.obj --at 400000,400000"));
     let moved = objects(&text(&folder, "moved/model.idf"));
     assert_eq!(of(&moved, "Shading:Site:Detailed"), of(&near, "Shading:Site:Detailed"));
-    assert!((p(&moved) - p(&near)).abs() < 0.05 * p(&near) + 0.5, "{} {}", p(&moved), p(&near));
-    assert!(p(&near) > p(&alone) + 1.0, "{} {}", p(&near), p(&alone));
+    assert!((p(&moved) / p(&near) - 1.0).abs() < 0.03, "{} {}", p(&moved), p(&near));
+    assert!(p(&near) > p(&alone) + 5.0, "{} {}", p(&near), p(&alone));
 }
 
 /// EnergyPlus itself runs what was written: over three days of March the sun that opaque surfaces absorb is within 1 % of its own

@@ -10,6 +10,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
+use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::site::{MissingGround, Part, Site};
 
 /// A model with its surroundings.
@@ -39,8 +40,9 @@ impl Around {
                 types: Vec::new(),
             });
         }
-        let own = Scene::load_with_objects(&model)?.1;
-        let types: BTreeSet<String> = own.object_notes.into_iter().map(|note| note.object_type).collect();
+        let (alone, own) = Scene::load_with_objects(&model)?;
+        let objects = Surfaces::find(&own, &alone.materials).objects;
+        let types: BTreeSet<String> = objects.into_iter().map(|(_, note)| note.object_type).collect();
         let types = types.into_iter().filter(|name| !name.is_empty()).collect();
         let mut others = args.surfaces.site(&args.scene)?;
         others.frame.epsg = args.crs.or(others.frame.epsg);

@@ -16,7 +16,9 @@ use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};
-use crate::outputs::energyplus::sun_tables::{GroundRange, SunGrid, SurfaceLight, TableRequest, surface_lights};
+use crate::outputs::energyplus::sun_tables::{
+    GroundRange, ReflectedSky, SunGrid, SurfaceLight, TableRequest, surface_lights,
+};
 use crate::outputs::sink::write_texts;
 use around::Around;
 use heliotile_core::archive::Archive;
@@ -72,7 +74,8 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     };
     let lights = lights(args, ground, &archive, &covered)?;
     let targets = targets(&document, &lights, &covered);
-    let injection = Injection { grid: SunGrid::USUAL, lights: &lights, targets: &targets.list };
+    let injection =
+        Injection { grid: SunGrid::USUAL, sky: sky_of(args.physics), lights: &lights, targets: &targets.list };
     let changed = injection::write(&mut document, &injection)?;
     neighbours.add(&mut document, &materials, false);
     let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
@@ -163,6 +166,13 @@ fn no_surface(args: &EnergyplusArgs, error: Error) -> Error {
     }
 }
 
+fn sky_of(physics: Physics) -> ReflectedSky {
+    match physics {
+        Physics::EnergyPlus => ReflectedSky::Uniform,
+        Physics::Full => ReflectedSky::Perez1990,
+    }
+}
+
 /// What surfaces get, hidden parts of them nothing.
 fn lights(
     args: &EnergyplusArgs,
@@ -175,9 +185,11 @@ fn lights(
         Physics::EnergyPlus => LightPaths::FIRST,
         Physics::Full => LightPaths::ALL,
     };
+    let sky = sky_of(args.physics);
     let asked = TableRequest {
         grid: SunGrid::USUAL,
         paths,
+        sky,
         ground,
         memory: MemoryBudget::new(args.memory.0),
         storage: &storage,
@@ -203,7 +215,8 @@ fn ground_range(document: &Document) -> GroundRange {
     if low < high {
         GroundRange { low, high }
     } else {
-        GroundRange { low: 0.0, high: high.max(injection::LEAST_GROUND) }
+        let high = high.max(injection::LEAST_GROUND);
+        GroundRange { low: 0.5 * high, high }
     }
 }
 

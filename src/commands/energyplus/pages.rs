@@ -35,8 +35,8 @@ pub fn report(told: &Told) -> Report {
 fn done(told: &Told) -> Vec<String> {
     let grid = SunGrid::USUAL;
     let light = match told.args.physics {
-        Physics::Full => "all diffuse reflections and the mirrored sun",
-        Physics::EnergyPlus => "one diffuse reflection and the mirrored sun, as EnergyPlus has them",
+        Physics::Full => "all diffuse reflections, mirrors, the sky of Perez 1990",
+        Physics::EnergyPlus => "one diffuse reflection and the mirrored sun of a uniform sky, as EnergyPlus has them",
     };
     let mut list = vec![
         format!("light: `--physics {}`: {light}", physics_name(told.args.physics)),

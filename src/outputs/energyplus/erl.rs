@@ -5,7 +5,8 @@
 //! Radiation Rate per Area`); DHI and DNI are those of the site. The ground's reflectance of the hour is
 //! GSR / (DNI sin(altitude) + DHI), with months and snow as EnergyPlus has them.
 
-use super::sun_tables::NOMINAL_W_M2;
+use super::sky_program::brightening_lines;
+use super::sun_tables::{NOMINAL_W_M2, ReflectedSky};
 
 /// Less radiation from the ground than this is night, W/m2.
 const NIGHT_W_M2: f64 = 0.01;
@@ -23,8 +24,9 @@ pub const SENSORS: [(&str, &str); 5] = [
     ("Alt", "Site Solar Altitude Angle"),
 ];
 
-/// Variables that the first program sets for all others: what tables of suns and of the sky are multiplied by, the ground's reflectance.
-pub const SHARED: [&str; 3] = ["B", "D", "R"];
+/// Variables that the first program sets for all others: what tables of suns, of the sky's dome and of its horizon are multiplied by, the
+/// ground's reflectance.
+pub const SHARED: [&str; 4] = ["B", "D", "H", "R"];
 
 impl Names {
     /// The first of `HT1`, `HT2` ... that none of `taken` begins with.
@@ -51,33 +53,52 @@ pub struct SurfaceTerms {
     pub tables: usize,
     /// Which of [`TABLES`] it has.
     pub has: [bool; 3],
-    /// Under the sky, W/m2 by W/m2 of DHI: the same two parts.
+    /// Under a uniform sky, W/m2 by W/m2 of DHI: whatever the ground, and by its reflectance.
     pub sky: [f64; 2],
+    /// The same of the band at the horizon; 0 where it does not count.
+    pub horizon: [f64; 2],
 }
 
 /// The program that runs first. In `bare_months` the ground reflects nothing, whatever the model says.
-pub fn sun_program(names: &Names, bare_months: &[usize]) -> Vec<String> {
+pub fn sun_program(names: &Names, sky: ReflectedSky, bare_months: &[usize]) -> Vec<String> {
     let n = |what: &str| names.of(what);
-    let (b, d, r, gsr, dni, dhi, alt) = (n("B"), n("D"), n("R"), n("GSR"), n("DNI"), n("DHI"), n("Alt"));
-    let mut lines = vec![
-        format!("SET {b} = 0"),
-        format!("SET {d} = 0"),
-        format!("SET {r} = 0"),
+    let (gsr, dni, dhi, alt) = (n("GSR"), n("DNI"), n("DHI"), n("Alt"));
+    let [b, d, h, r] = SHARED.map(n);
+    let mut lines: Vec<String> = [&b, &d, &h, &r].map(|shared| format!("SET {shared} = 0")).to_vec();
+    lines.extend([
         format!("IF {gsr} > {NIGHT_W_M2}"),
         format!("SET {d} = {dhi} / {gsr}"),
-        format!("SET Beam = 0"),
+        "SET Beam = 0".into(),
         format!("IF {alt} > 0"),
-        format!("SET {b} = {} * {dni} / {gsr}", 1.0 / NOMINAL_W_M2),
         format!("SET Sine = @Sin (@DegToRad {alt})"),
-        "SET Beam = ".to_owned() + &dni + " * Sine",
+        format!("SET Beam = {dni} * Sine"),
+        format!("SET Normal = {dni}"),
+    ]);
+    if sky == ReflectedSky::Perez1990 {
+        lines.extend(brightening_lines(names));
+        lines.extend([
+            format!("SET Normal = {dni} + ({dhi} * F1 / Around)"),
+            format!("SET {d} = {d} * (1 - F1)"),
+            format!("SET {h} = {dhi} * F2 / {gsr}"),
+        ]);
+    }
+    lines.extend([
+        format!("SET {b} = {} * Normal / {gsr}", 1.0 / NOMINAL_W_M2),
         "ENDIF".into(),
         format!("SET {r} = {gsr} / (Beam + {dhi})"),
-    ];
+    ]);
     for month in bare_months {
         lines.extend([format!("IF Month == {month}"), format!("SET {r} = 0"), "ENDIF".into()]);
     }
     lines.push("ENDIF".into());
     lines
+}
+
+/// A number as the language takes it, which has a minus for what stands before it.
+pub(super) fn signed(value: f64) -> String {
+    let digits = format!("{:.6}", value.abs());
+    let digits = digits.trim_end_matches('0').trim_end_matches('.');
+    if value < 0.0 { format!("(0 - {digits})") } else { digits.into() }
 }
 
 /// Lines that set one actuator.
@@ -86,6 +107,10 @@ pub fn surface_lines(names: &Names, terms: &SurfaceTerms) -> Vec<String> {
     let (azi, alt, actuator) = (n("Azi"), n("Alt"), n(&format!("A{}", terms.actuator)));
     let [sky, sky_ground] = terms.sky;
     let mut lines = vec![format!("SET {actuator} = {} * ({sky:.6} + {} * {sky_ground:.6})", n("D"), n("R"))];
+    let [low, low_ground] = terms.horizon.map(signed);
+    if terms.horizon != [0.0; 2] {
+        lines.push(format!("SET {actuator} = {actuator} + {} * ({low} + {} * {low_ground})", n("H"), n("R")));
+    }
     if terms.has.contains(&true) {
         lines.push(format!("IF {} > 0", n("B")));
         let factors = [n("B"), format!("{} * {}", n("B"), n("R")), n("B")];
@@ -114,11 +139,13 @@ mod tests {
     #[test]
     fn lines() {
         let names = Names::free(std::iter::empty());
-        let of = |has| surface_lines(&names, &SurfaceTerms { actuator: 4, tables: 2, has, sky: [0.25, 0.5] });
+        let of = |has| {
+            surface_lines(&names, &SurfaceTerms { actuator: 4, tables: 2, has, sky: [0.25, 0.5], horizon: [0.0; 2] })
+        };
         let count = |lines: &[String], word: &str| lines.iter().filter(|line| line.contains(word)).count();
         assert_eq!(count(&of([true; 3]), "@CurveValue"), 3);
         assert_eq!(of([false; 3]), ["SET HT1_A4 = HT1_D * (0.250000 + HT1_R * 0.500000)"]);
-        let sun = sun_program(&names, &[2]);
+        let sun = sun_program(&names, ReflectedSky::Uniform, &[2]);
         assert_eq!((count(&sun, "IF "), count(&sun, "ENDIF"), count(&sun, "Month == 2")), (3, 3, 1));
     }
 }

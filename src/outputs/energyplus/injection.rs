@@ -4,7 +4,7 @@
 use super::document::{Document, ModelObject};
 use super::erl::{Names, SENSORS, SHARED, SurfaceTerms, TABLES, sun_program, surface_lines};
 use super::new_object::{FieldValue, NewObject};
-use super::sun_tables::{GroundLine, NOMINAL_W_M2, SunGrid, SurfaceLight};
+use super::sun_tables::{GroundLine, NOMINAL_W_M2, ReflectedSky, SunGrid, SurfaceLight};
 use heliotile_core::error::Result;
 
 /// Sun tables below this everywhere are not written, W/m2 under 1000 W/m2.
@@ -50,6 +50,7 @@ const USUAL_GROUND: f64 = 0.2;
 /// What light is made of, and who gets it.
 pub struct Injection<'a> {
     pub grid: SunGrid,
+    pub sky: ReflectedSky,
     pub lights: &'a [SurfaceLight],
     /// Names of EnergyPlus's surfaces, each with the number of its light; without one it gets none.
     pub targets: &'a [(String, Option<usize>)],
@@ -178,7 +179,7 @@ fn write_site(document: &mut Document, names: &Names) {
 
 /// Actuators, and the programs that set them.
 fn write_programs(document: &mut Document, injection: &Injection, names: &Names, has: &[[bool; 3]], bare: &[usize]) {
-    let mut programs = vec![(names.of("Prepare"), sun_program(names, bare))];
+    let mut programs = vec![(names.of("Prepare"), sun_program(names, injection.sky, bare))];
     for (i, (surface, number)) in injection.targets.iter().enumerate() {
         document.add(NewObject::new(
             "EnergyManagementSystem:Actuator",
@@ -196,6 +197,7 @@ fn write_programs(document: &mut Document, injection: &Injection, names: &Names,
             tables: number.map_or(0, |number| number + 1),
             has: number.and_then(|number| has.get(number)).copied().unwrap_or_default(),
             sky: light.map_or([0.0; 2], |light| sky(&light.sky)).map(|value| value / NOMINAL_W_M2),
+            horizon: light.map_or([0.0; 2], |light| sky(&light.horizon)).map(|value| value / NOMINAL_W_M2),
         };
         if i % PROGRAM_SURFACES == 0 {
             programs.push((names.of(&format!("Surfaces{}", i / PROGRAM_SURFACES + 1)), Vec::new()));

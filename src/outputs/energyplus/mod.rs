@@ -12,4 +12,5 @@ pub mod injection;
 pub mod neighbours;
 pub mod new_object;
 pub mod report;
+mod sky_program;
 pub mod sun_tables;

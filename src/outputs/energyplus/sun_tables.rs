@@ -61,6 +61,15 @@ fn steps(last: f64, step: f64) -> Vec<f64> {
     (0..=count as usize).map(|i| last * i as f64 / count).collect()
 }
 
+/// The sky whose reflected light counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReflectedSky {
+    /// As EnergyPlus reflects it.
+    Uniform,
+    /// As EnergyPlus lights surfaces by it: brighter around the sun and at the horizon.
+    Perez1990,
+}
+
 /// Reflectances of the ground between which tables hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundRange {
@@ -69,8 +78,9 @@ pub struct GroundRange {
 }
 
 impl GroundRange {
-    /// Any ground: with one reflection light is a straight line over its reflectance.
-    pub const UNIT: GroundRange = GroundRange { low: 0.0, high: 1.0 };
+    /// Any ground: with one reflection light is a straight line over its reflectance. It begins above 0, where what is next to nothing
+    /// is cut off at nothing.
+    pub const UNIT: GroundRange = GroundRange { low: 0.1, high: 1.0 };
 }
 
 /// Light that depends on the ground's reflectance: `fixed + reflectance x by_ground`, W/m2 under 1000 W/m2.
@@ -98,6 +108,8 @@ pub struct SurfaceLight {
     pub mirrored: Vec<f64>,
     /// Under a uniform sky: one value each.
     pub sky: GroundLine,
+    /// Of the band at the horizon, where it adds 1000 W/m2 to an open wall: one value each; none for a uniform sky.
+    pub horizon: GroundLine,
     /// How far light at the middle reflectance of the ground lies off the line through both ends at most, W/m2 under 1000 W/m2.
     pub bend_w_m2: f64,
 }
@@ -114,6 +126,7 @@ struct Means {
 pub struct TableRequest<'a> {
     pub grid: SunGrid,
     pub paths: LightPaths,
+    pub sky: ReflectedSky,
     pub ground: GroundRange,
     pub memory: MemoryBudget,
     pub storage: &'a dyn ScratchSpace,
@@ -132,7 +145,9 @@ pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<Sur
     let states = if changes { vec![low, high, 0.5 * (low + high)] } else { vec![0.0] };
     let mut one = suns(asked.grid);
     let zenith = direction_from_degrees(0.0, 90.0);
+    // Without a sun every sky here is uniform.
     one.push(Condition::new(String::new(), &[], zenith, 0.0, NOMINAL_W_M2));
+    one.extend(asked.sky.low().map(|low| low.condition));
     let conditions: Vec<Condition> = states.iter().flat_map(|_| one.clone()).collect();
     let values = states.iter().flat_map(|value| std::iter::repeat_n(*value, one.len())).collect();
     let schedules = if changes { vec![Schedule { materials: ground, values }] } else { Vec::new() };
@@ -160,7 +175,7 @@ fn surface_means(
     asked: &TableRequest,
 ) -> Result<Vec<Means>> {
     let settings = ReplaySettings {
-        sky: SkyModel::Uniform,
+        sky: asked.sky.model(),
         paths: asked.paths,
         patches: archive.manifest().settings.patches(),
         components: ComponentSet::of(components),
@@ -195,6 +210,40 @@ fn surface_means(
     Ok(found.into_values().map(mean).collect())
 }
 
+/// An overcast sky whose horizon is darker than its dome, and nothing else.
+struct LowSky {
+    condition: Condition,
+    /// Shares of 1000 W/m2; the band's is below 0.
+    dome: f64,
+    horizon: f64,
+}
+
+impl ReflectedSky {
+    fn model(self) -> SkyModel {
+        match self {
+            ReflectedSky::Uniform => SkyModel::Uniform,
+            ReflectedSky::Perez1990 => SkyModel::Perez1990,
+        }
+    }
+
+    /// A sky that tells what the band at the horizon gives, if there is one.
+    fn low(self) -> Option<LowSky> {
+        let sun = direction_from_degrees(180.0, LOW_SUN_DEG);
+        let mut condition = Condition::new(String::new(), &[sun], sun, 0.0, NOMINAL_W_M2);
+        // So that the sky is dull: nothing comes from around the sun.
+        condition.extraterrestrial_w_m2 = DULL_W_M2;
+        let parts = self.model().parts(&condition);
+        let (dome, horizon) = (parts.dome_w_m2 / NOMINAL_W_M2, parts.horizon_w_m2 / NOMINAL_W_M2);
+        (horizon != 0.0 && parts.circumsolar_w_m2 == 0.0).then_some(LowSky { condition, dome, horizon })
+    }
+}
+
+/// The lower the sun, the darker the horizon of an overcast sky.
+const LOW_SUN_DEG: f64 = 5.0;
+
+/// A sun beside which 1000 W/m2 are nothing.
+const DULL_W_M2: f64 = 1e9;
+
 /// All suns of the grid but those of 360 degrees.
 fn suns(grid: SunGrid) -> Vec<Condition> {
     let azimuths = grid.azimuths_deg();
@@ -227,13 +276,18 @@ fn finish(Means { mut light, values }: Means, conditions: usize, asked: &TableRe
     for (middle, line) in states.next().unwrap_or_default().iter().zip(fixed.iter().zip(&by_ground)) {
         light.bend_w_m2 = light.bend_w_m2.max((middle - line.0 - 0.5 * (low + high) * line.1).abs());
     }
+    let low = asked.sky.low();
     let split = |mut all: Vec<f64>| {
-        let sky = all.pop();
-        (round_the_circle(all, asked.grid), sky.into_iter().collect())
+        let lower = low.as_ref().and_then(|_| all.pop());
+        let sky = all.pop().unwrap_or_default();
+        // What is not the dome's is the horizon's.
+        let horizon = low.as_ref().zip(lower).map(|(low, light)| (light - low.dome * sky) / low.horizon);
+        [round_the_circle(all, asked.grid), vec![sky], horizon.into_iter().collect()]
     };
-    let ((sun_fixed, sky_fixed), (sun_slope, sky_slope)) = (split(fixed), split(by_ground));
-    light.sun = GroundLine { fixed: sun_fixed, by_ground: sun_slope };
-    light.sky = GroundLine { fixed: sky_fixed, by_ground: sky_slope };
+    let ([sun, sky, horizon], [sun_slope, sky_slope, horizon_slope]) = (split(fixed), split(by_ground));
+    light.sun = GroundLine { fixed: sun, by_ground: sun_slope };
+    light.sky = GroundLine { fixed: sky, by_ground: sky_slope };
+    light.horizon = GroundLine { fixed: horizon, by_ground: horizon_slope };
     light
 }
 
@@ -250,6 +304,7 @@ impl SurfaceLight {
             sun: GroundLine::default(),
             mirrored: Vec::new(),
             sky: GroundLine::default(),
+            horizon: GroundLine::default(),
             bend_w_m2: 0.0,
         }
     }
@@ -258,7 +313,7 @@ impl SurfaceLight {
     pub fn spread_over(&mut self, whole_m2: f64) {
         if whole_m2 > self.area_m2 && self.area_m2 > 0.0 {
             let share = self.area_m2 / whole_m2;
-            let lines = [&mut self.sun, &mut self.sky];
+            let lines = [&mut self.sun, &mut self.sky, &mut self.horizon];
             lines
                 .into_iter()
                 .flat_map(|line| line.fixed.iter_mut().chain(&mut line.by_ground))
@@ -278,7 +333,8 @@ impl GroundLine {
 mod tests {
     use super::*;
 
-    /// The usual grid has 37 azimuths and 19 altitudes, 703 suns, the lowest at 0.5 degrees; of each north stands there twice.
+    /// The usual grid has 37 azimuths and 19 altitudes, 703 suns, the lowest at 0.5 degrees; of each north stands there twice. An overcast sky of 1990 with
+    /// the sun at 5 degrees has F1 = 0 and F2 = -0.060 - 0.022 x 1.4835 = -0.0926.
     #[test]
     fn the_usual_grid() {
         let (azimuths, altitudes) = (SunGrid::USUAL.azimuths_deg(), SunGrid::USUAL.altitudes_deg());
@@ -287,6 +343,9 @@ mod tests {
             (azimuths[0], azimuths[36], altitudes[0], altitudes[1], altitudes[18]),
             (0.0, 360.0, 0.5, 5.0, 90.0)
         );
+        assert_eq!(ReflectedSky::Uniform.low().map(|low| low.horizon), None);
+        let low = ReflectedSky::Perez1990.low().expect("a sky with a horizon");
+        assert!(low.dome == 1.0 && (low.horizon + 0.0926).abs() < 1e-4, "{} {}", low.dome, low.horizon);
         assert_eq!((suns(SunGrid::USUAL).len(), suns(SunGrid::FINE).len()), (36 * 19, 72 * 37));
     }
 }
