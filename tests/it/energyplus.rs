@@ -142,7 +142,8 @@ fn refusals() {
             .collect();
         folder.write("box.idf", &none);
     };
-    let cases: [(&[(&str, &str)], &[&str]); 4] = [
+    type Changes = &'static [(&'static str, &'static str)];
+    let cases: [(Changes, &[&str]); 4] = [
         (&[("Version, 25.2;", "Version, 9.6;")], &["EnergyPlus 9.6, and 25.2 is to run it", "Transition tool"]),
         (&[("Window, Skylight,", "Window, SOUTH window,")], &["`SOUTH window` bears the name of", "a name of its own"]),
         (

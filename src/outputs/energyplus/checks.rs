@@ -111,7 +111,7 @@ pub fn warnings(document: &Document, injected: &BTreeSet<String>) -> Vec<String>
     let mut found = Vec::new();
     let mut say = |what: &str, names: Vec<String>| {
         if !names.is_empty() {
-            found.push(with_list(&format!("{what} ({})", names.len()), names.into_iter()));
+            found.push(with_list(&format!("{what} ({})", names.len()), names));
         }
     };
     let controls = |place, key: &'static str, words: &'static [&'static str]| -> Vec<String> {

@@ -49,7 +49,7 @@ pub fn appended(bytes: &[u8], added: &[NewObject]) -> (Range<usize>, Vec<u8>) {
 
 fn write(object: &NewObject, out: &mut String) {
     *out += object.class;
-    let named = object.is_named.then(|| object.name.as_str());
+    let named = object.is_named.then_some(object.name.as_str());
     let fields = object.fields.iter().map(|(_, value)| shown(value));
     for text in named.into_iter().chain(fields) {
         *out += ",\n  ";

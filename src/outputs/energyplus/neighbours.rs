@@ -37,7 +37,7 @@ pub struct Neighbours {
 
 impl Spot {
     /// A position of the surroundings in the model.
-    pub fn to_model(&self, p: DVec3) -> DVec3 {
+    pub fn to_model(self, p: DVec3) -> DVec3 {
         let (sin, cos) = self.north_deg.to_radians().sin_cos();
         let p = p - self.origin;
         // North is (sin, cos), east a right angle clockwise of it.
