@@ -98,15 +98,15 @@ pub fn sun_program(names: &Names, sky: ReflectedSky, bare_months: &[usize]) -> V
 pub(super) fn signed(value: f64) -> String {
     let digits = format!("{:.6}", value.abs());
     let digits = digits.trim_end_matches('0').trim_end_matches('.');
-    if value < 0.0 { format!("(0 - {digits})") } else { digits.into() }
+    if value < 0.0 && digits != "0" { format!("(0 - {digits})") } else { digits.into() }
 }
 
 /// Lines that set one actuator.
 pub fn surface_lines(names: &Names, terms: &SurfaceTerms) -> Vec<String> {
     let n = |what: &str| names.of(what);
     let (azi, alt, actuator) = (n("Azi"), n("Alt"), n(&format!("A{}", terms.actuator)));
-    let [sky, sky_ground] = terms.sky;
-    let mut lines = vec![format!("SET {actuator} = {} * ({sky:.6} + {} * {sky_ground:.6})", n("D"), n("R"))];
+    let [sky, sky_ground] = terms.sky.map(signed);
+    let mut lines = vec![format!("SET {actuator} = {} * ({sky} + {} * {sky_ground})", n("D"), n("R"))];
     let [low, low_ground] = terms.horizon.map(signed);
     if terms.horizon != [0.0; 2] {
         lines.push(format!("SET {actuator} = {actuator} + {} * ({low} + {} * {low_ground})", n("H"), n("R")));
@@ -135,6 +135,12 @@ mod tests {
         assert_eq!(names.of("A1"), "HT3_A1");
     }
 
+    /// Of 3 numbers one is below 0 after rounding: it stands as a difference, since EnergyPlus takes no minus behind another sign.
+    #[test]
+    fn signs() {
+        assert_eq!([0.5, -0.25, -1e-9].map(signed), ["0.5", "(0 - 0.25)", "0"]);
+    }
+
     /// A surface with all tables reads 3, one with neither none; blocks close.
     #[test]
     fn lines() {
@@ -144,7 +150,7 @@ mod tests {
         };
         let count = |lines: &[String], word: &str| lines.iter().filter(|line| line.contains(word)).count();
         assert_eq!(count(&of([true; 3]), "@CurveValue"), 3);
-        assert_eq!(of([false; 3]), ["SET HT1_A4 = HT1_D * (0.250000 + HT1_R * 0.500000)"]);
+        assert_eq!(of([false; 3]), ["SET HT1_A4 = HT1_D * (0.25 + HT1_R * 0.5)"]);
         let sun = sun_program(&names, ReflectedSky::Uniform, &[2]);
         assert_eq!((count(&sun, "IF "), count(&sun, "ENDIF"), count(&sun, "Month == 2")), (3, 3, 1));
     }
