@@ -3,6 +3,7 @@
 mod build;
 mod choice;
 mod cover;
+mod energyplus;
 mod everywhere;
 mod export;
 mod misplaced;
@@ -28,7 +29,8 @@ use self::choice::choice;
 
 pub use self::build::{BuildArgs, PlanArgs};
 pub use self::choice::name_of;
-pub use self::cover::{CoverArgs, ReceiversArgs};
+pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
+pub use self::energyplus::{EnergyplusArgs, Physics};
 pub use self::everywhere::EverywhereArgs;
 pub use self::export::ExportArgs;
 pub use self::misplaced::parse;
@@ -55,6 +57,8 @@ pub struct Cli {
 pub enum Command {
     /// From scene files to a year's sun in one go: receivers, archive, sums, map
     Run(RunArgs),
+    /// Give a model of EnergyPlus the sun that its surroundings reflect, for any weather, as tables that EnergyPlus itself runs
+    Energyplus(EnergyplusArgs),
     /// Cover the surfaces of a scene with receivers
     Receivers(ReceiversArgs),
     /// Trace every receiver of a scene once and store its layers in an archive

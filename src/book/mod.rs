@@ -46,6 +46,9 @@ pub mod mirrors_and_glass {}
 #[doc = include_str!("longwave.md")]
 pub mod longwave {}
 
+#[doc = include_str!("energyplus.md")]
+pub mod energyplus {}
+
 #[doc = include_str!("export.md")]
 pub mod export {}
 

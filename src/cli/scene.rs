@@ -98,7 +98,7 @@ impl PlaceArgs {
 }
 
 /// `EPSG:28992`, `epsg:28992` or `28992`.
-fn parse_crs(text: &str) -> Result<u32, String> {
+pub(super) fn parse_crs(text: &str) -> Result<u32, String> {
     let upper = text.trim().to_ascii_uppercase();
     let digits = upper.strip_prefix("EPSG:").unwrap_or(&upper);
     let number = digits.parse().map_err(|_| "give the number of a system in the EPSG register, such as EPSG:28992")?;

@@ -3,6 +3,7 @@
 pub mod build;
 mod chosen;
 mod console;
+pub mod energyplus;
 pub mod export;
 pub mod factors;
 mod horizon;
@@ -17,6 +18,7 @@ mod scene;
 mod shells;
 pub mod store;
 pub mod study;
+mod traced;
 pub mod tradeoff;
 pub mod transfer;
 
@@ -63,6 +65,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Query(args) => replay::query(args),
         Command::Run(args) => run::run(args),
+        Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args),
         Command::Factors(args) => factors::run(args),
         Command::Info(args) => inspect::info(args),

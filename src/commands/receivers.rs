@@ -60,7 +60,8 @@ impl Covered {
         self.all().filter(|row| row.3 == Lying::Free)
     }
 
-    fn all(&self) -> impl Iterator<Item = Row<'_>> {
+    /// Those that are buried, too.
+    pub fn all(&self) -> impl Iterator<Item = Row<'_>> {
         self.chosen.iter().flat_map(|chosen| {
             let surface = &self.surfaces.list[chosen.surface];
             let numbered = chosen.pieces.iter().zip(&chosen.lying).enumerate();

@@ -5,6 +5,7 @@
 //! sums.
 
 pub mod annual;
+pub mod energyplus;
 pub mod factors;
 pub mod groups;
 pub mod kinds_and_sides;

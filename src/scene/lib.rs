@@ -53,6 +53,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+pub use formats::energyplus::idf::{IdfField, idf_fields};
 pub use formats::format_of_name;
 
 use coordinate::MAX_COORDINATE_M;

@@ -286,7 +286,7 @@ impl Pile {
             bounds: [low, high],
             shift: part.shift(),
             scale: part.metres(),
-            own: geometry.reference,
+            own: geometry.reference.filter(|_| !part.is_moved),
             stated: part.reference,
             walls,
         });

@@ -55,6 +55,8 @@ pub struct Part {
     pub elevation_m: Option<f64>,
     /// Where its own coordinates, in metres and before `offset`, lie on Earth, in place of what the file says.
     pub reference: Option<Reference>,
+    /// Whether it was moved into the coordinates of other files: what it says of its own place does not hold.
+    pub is_moved: bool,
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
     /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0 keeps every sample. Without it
@@ -75,6 +77,7 @@ impl Part {
             rotate_deg: 0.0,
             elevation_m: None,
             reference: None,
+            is_moved: false,
             lod: None,
             horizon_deg: None,
         }
@@ -252,6 +255,7 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
         rotate_deg: entry.rotate_deg.map(check_rotation).transpose()?.unwrap_or_default(),
         elevation_m: entry.elevation_m.map(check_elevation).transpose()?,
         reference,
+        is_moved: false,
         lod: entry.lod.clone(),
         horizon_deg: entry.horizon_deg,
     })

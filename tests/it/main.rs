@@ -6,6 +6,7 @@ mod canopy;
 mod cityjson;
 mod cli;
 mod damage;
+mod energyplus;
 mod export;
 mod ground;
 mod hostile;

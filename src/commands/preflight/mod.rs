@@ -54,6 +54,14 @@ impl<'a> Files<'a> {
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.write_if(&args.output, Written::Folder);
             }
+            Command::Energyplus(args) => {
+                self.read(&args.model, Wanted::Scene);
+                args.scene.iter().for_each(|file| self.read(file, Wanted::Scene));
+                self.read_if(&args.surfaces.materials, Wanted::Other);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.write(&args.output, Written::Folder);
+            }
             Command::Receivers(args) => {
                 self.scene(&args.scene);
                 self.write(&args.output, Written::Csv);

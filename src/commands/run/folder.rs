@@ -1,36 +1,21 @@
 //! The folder of a run: which files it holds, and what may be put there. In: a command line, what was found. Out: names, and a refusal
 //! where results of another scene, spacing, accuracy or weather would be lost.
 
-use std::fs::{self, File};
-use std::io::{BufRead, BufReader};
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
 use super::made_from::{FILE, MadeFrom};
-use crate::cli::{Percent, RunArgs, name_of};
+use crate::cli::{RunArgs, name_of};
 use crate::commands::console::shell_words::quoted;
-use crate::commands::receivers::{self, Covered};
-use crate::commands::repair::other_receivers;
+use crate::commands::traced::KEEP_OR_REPLACE;
 use crate::commands::{guard_archive, guard_site, warn};
 use crate::outputs::periods::Every;
-use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::By;
 use crate::outputs::tables::writer::files_of;
-use heliotile_builder::receiver_tiles::ReceiverTiles;
-use heliotile_builder::settings::{BuildSettings, Effects};
-use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::series::Weather;
-use heliotile_scene::Scene;
 use heliotile_scene::site::Site;
-
-/// What can be done where a build of other inputs was interrupted.
-pub const OTHER_INPUTS: &str =
-    "give the command that it was started with to go on with it, --replace to discard it, or --output FOLDER";
-
-/// What can be done where other results are.
-const KEEP_OR_REPLACE: &str = "--output FOLDER to keep both, or --replace to put the new ones in their place";
 
 /// Files of the folder.
 pub struct Files {
@@ -41,15 +26,6 @@ pub struct Files {
     pub results: PathBuf,
     pub table: PathBuf,
     pub map: PathBuf,
-}
-
-/// The archive that lies in the folder.
-pub enum Found {
-    Nothing,
-    /// What a build would give.
-    Same(Box<Archive>),
-    /// How it differs from that.
-    Other(Vec<String>),
 }
 
 impl Files {
@@ -110,49 +86,6 @@ impl Files {
             }
         }
         Ok(())
-    }
-
-    /// The archive in the folder, beside what a build would give.
-    pub fn archive_of(
-        &self,
-        scene: &Scene,
-        receivers: &mut ReceiverTiles,
-        settings: &BuildSettings,
-        args: &RunArgs,
-    ) -> Result<Found> {
-        if !self.archive.exists() {
-            return Ok(Found::Nothing);
-        }
-        let archive = match Archive::open_with(&self.archive, Access::Read) {
-            Ok(archive) => archive,
-            Err(error) => return Ok(Found::Other(vec![format!("site.helio cannot be read ({error})")])),
-        };
-        let mut others = Vec::new();
-        if archive.manifest().scene.content_hash != format::hex(&scene.content_hash()) {
-            others.push("the scene or its materials have changed since site.helio was built".to_owned());
-        }
-        if archive.manifest().ground != scene.ground {
-            others.push("the ground of the scene has changed since site.helio was built".to_owned());
-        }
-        // The suns go by the place.
-        let same_place = match (&archive.manifest().place, &scene.place) {
-            (Some(stated), Some(place)) => stated.is_same(place),
-            (stated, place) => stated.is_none() && place.is_none(),
-        };
-        if !same_place {
-            others.push("the place of the scene has changed since site.helio was built".to_owned());
-        }
-        if let Some(difference) = other_receivers(&archive, receivers)? {
-            others.push(format!("the table of receivers now {difference}"));
-        }
-        others.extend(other_accuracy(&archive, settings, args));
-        Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
-    }
-
-    /// The refusal to replace what is in the folder.
-    pub fn refuse(&self, differences: &[String]) -> Error {
-        let what = format!("holds results of other inputs: {}", differences.join("; "));
-        Error::input(&self.folder, None, what, KEEP_OR_REPLACE)
     }
 
     /// Refuses to replace results through other weather, before any work.
@@ -238,91 +171,6 @@ impl Files {
             word(&args.weather),
             args.about_weather
         )
-    }
-}
-
-/// How an archive's accuracy differs from what is asked for.
-fn other_accuracy(archive: &Archive, settings: &BuildSettings, args: &RunArgs) -> Option<String> {
-    let manifest = archive.manifest();
-    let accuracy = manifest.accuracy.as_ref();
-    let there = match accuracy {
-        Some(accuracy) => format!("--error {}%", accuracy.target_percent),
-        None if manifest.settings.quality.is_empty() => "settings of its own".to_owned(),
-        None => format!("--quality {}", manifest.settings.quality),
-    };
-    let asked = match args.accuracy.error {
-        Some(Percent(target)) if accuracy.is_some_and(|accuracy| accuracy.target_percent == target) => return None,
-        Some(Percent(target)) => format!("--error {target}%"),
-        None => {
-            let stated = BuildSettings { left_out: Effects::default(), ..BuildSettings::of(&manifest.settings) };
-            if stated == *settings && accuracy.is_none() {
-                return None;
-            }
-            let now = settings.stated();
-            let pairs = manifest.settings.numbers().zip(now.numbers());
-            let others = pairs.filter(|((_, there), (_, now))| there != now);
-            let list: Vec<String> = others.map(|((setting, _), (_, now))| format!("{}={now}", setting.name)).collect();
-            match now.quality.as_str() {
-                "" => format!("--quality {} and {}", name_of(&args.accuracy.quality), list.join(" ")),
-                quality => format!("--quality {quality}"),
-            }
-        }
-    };
-    Some(format!("site.helio was built with {there}, not {asked}"))
-}
-
-/// A table of receivers that is not yet in its place.
-pub struct PlannedReceivers {
-    /// It is removed with the value.
-    _beside: TempDir,
-    file: PathBuf,
-}
-
-impl PlannedReceivers {
-    /// Writes the receivers that get light.
-    pub fn write(covered: &Covered, args: &RunArgs, files: &Files) -> Result<Self> {
-        let beside = tempfile::Builder::new().prefix(".receivers").tempdir_in(&files.folder);
-        let beside = beside.map_err(Error::io(&files.folder, "make a folder in"))?;
-        let file = beside.path().join("receivers.csv");
-        receivers::write(Sink::file(&file)?, covered, covered.free(), args.cover.offset.0, false)?;
-        Ok(PlannedReceivers { _beside: beside, file })
-    }
-
-    pub fn path(&self) -> &Path {
-        &self.file
-    }
-
-    /// How the table that lies in the folder differs, if there is one: no difference, or one.
-    pub fn differences(&self, files: &Files) -> Result<Vec<String>> {
-        let there = &files.receivers;
-        if !there.exists() {
-            return Ok(Vec::new());
-        }
-        let lines = |path: &Path| File::open(path).map(|file| BufReader::new(file).split(b'\n'));
-        let (mut old, mut new) = (
-            lines(there).map_err(Error::io(there, "read"))?,
-            lines(&self.file).map_err(Error::io(&self.file, "read"))?,
-        );
-        for line in 1_u64.. {
-            let of =
-                |next: Option<std::io::Result<Vec<u8>>>, path: &Path| next.transpose().map_err(Error::io(path, "read"));
-            match (of(old.next(), there)?, of(new.next(), &self.file)?) {
-                (None, None) => break,
-                (a, b) if a == b => {}
-                _ => {
-                    return Ok(vec![format!(
-                        "receivers.csv is another one from line {line} on (other surfaces or spacing, or it was edited: \
-                         --receivers takes it as it is)"
-                    )]);
-                }
-            }
-        }
-        Ok(Vec::new())
-    }
-
-    /// Puts the table into its place.
-    pub fn place(self, files: &Files) -> Result<()> {
-        fs::rename(&self.file, &files.receivers).map_err(Error::io(&files.receivers, "rename to"))
     }
 }
 

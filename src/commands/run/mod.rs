@@ -6,17 +6,13 @@ mod made_from;
 mod periods;
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::Path;
 
-use super::build::{BuildRequest, plan_and_write, settings_of};
 use super::horizon::nothing_seen;
-use super::receivers::{self, Covered, cover_site};
+use super::receivers::{Covered, cover_site};
 use super::terminal::Terminal;
-use super::{
-    Outcome, interrupt, invocation, load_scene, read_receivers, remark, same_file, say, temporary_files, warn,
-    workspace_beside,
-};
+use super::traced::{TraceRequest, up_to_date};
+use super::{Outcome, interrupt, invocation, load_scene, remark, same_file, say, temporary_files, warn};
 use crate::cli::RunArgs;
 use crate::files::{read_file, read_weather_as};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
@@ -24,13 +20,11 @@ use crate::outputs::kinds_and_sides::by_kind_and_side;
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
-use folder::{Files, Found, PlannedReceivers};
-use heliotile_builder::build::{Build, Output, PreparedScene, Start};
+use folder::Files;
 use heliotile_builder::observer::Stage;
-use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::transfer::ArchiveReceivers;
-use heliotile_core::archive::{Access, Archive};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::archive::Archive;
+use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
@@ -40,7 +34,6 @@ use heliotile_core::site::north::North;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::years::Years;
-use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::Piece;
 
 /// `heliotile run`.
@@ -60,7 +53,19 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     files.check_weather(&weather, args)?;
     let (scene, covered) = loaded.map_or_else(load, Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
-    let archive = up_to_date(args, &files, &scene, covered.as_ref())?;
+    // What is said of the clock is said of --weather, whatever errors are estimated under.
+    let is_weather = args.accuracy.error_weather.as_deref().is_some_and(|file| same_file(file, &args.weather));
+    let asked = TraceRequest {
+        folder: &files.folder,
+        receivers: &files.receivers,
+        archive: &files.archive,
+        accuracy: &args.accuracy,
+        offset_m: args.cover.offset.0,
+        replace: args.replace,
+        memory: args.memory,
+        about_error_weather: is_weather.then_some(&args.about_weather),
+    };
+    let archive = up_to_date(&asked, &scene, covered.as_ref())?;
     nothing_seen(&archive)?.iter().for_each(|lost| warn(lost));
     interrupt::stop_if_requested("after site.helio was complete")?;
     files.claim(&archive, &weather, args)?;
@@ -83,55 +88,6 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     ))?;
     remark(&files.summary(args, covered.is_some()))?;
     Ok(Outcome::Fine)
-}
-
-/// The archive of these inputs: the one that is there, or a new one. What is there of other inputs is kept, unless it is to be replaced.
-fn up_to_date(args: &RunArgs, files: &Files, scene: &Scene, covered: Option<&Covered>) -> Result<Archive> {
-    fs::create_dir_all(&files.folder).map_err(Error::io(&files.folder, "create"))?;
-    let planned = match covered {
-        Some(covered) => Some(PlannedReceivers::write(covered, args, files)?),
-        None => None,
-    };
-    let workspace = workspace_beside(&files.archive, args.memory);
-    let path = planned.as_ref().map_or(files.receivers.as_path(), PlannedReceivers::path);
-    let mut receivers = read_receivers(path, scene, &workspace)?;
-    let settings = settings_of(&args.accuracy)?;
-    let mut differences = planned.as_ref().map_or(Ok(Vec::new()), |planned| planned.differences(files))?;
-    let found = files.archive_of(scene, &mut receivers, &settings, args)?;
-    if let Found::Other(others) = &found {
-        differences.extend_from_slice(others);
-    }
-    if !args.replace && !differences.is_empty() {
-        return Err(files.refuse(&differences));
-    }
-    if let (Some(planned), Some(covered)) = (planned, covered) {
-        planned.place(files)?;
-        remark(&format!("{}: {}", files.receivers.display(), receivers::summary(covered, scene)))?;
-    }
-    if let Found::Same(archive) = found {
-        remark(&format!("{}: up to date, nothing is traced again\n", files.archive.display()))?;
-        return Ok(*archive);
-    }
-    let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
-    // What is said of the clock is said of --weather, whatever errors are estimated under.
-    let is_weather = args.accuracy.error_weather.as_deref().is_some_and(|file| same_file(file, &args.weather));
-    let about_error_weather = is_weather.then_some(&args.about_weather);
-    let asked = BuildRequest {
-        settings,
-        accuracy: &args.accuracy,
-        about_error_weather,
-        effects: EffectChoice::Auto,
-        store: None,
-    };
-    let mut write = |start: Start| {
-        let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
-        plan_and_write(build, &asked, &Output { start, ..Output::new(files.archive.clone()) })
-    };
-    match write(Start::Resume) {
-        Err(Error::Incomplete { .. }) if args.replace => write(Start::Fresh)?,
-        done => done.map_err(|error| error.advise(folder::OTHER_INPUTS))?,
-    }
-    Archive::open_with(&files.archive, Access::Read)
 }
 
 /// Sums over the weather file of all receivers, in the archive's order, with so many positions of the sun in each interval.

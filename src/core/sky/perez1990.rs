@@ -68,11 +68,15 @@ pub fn brightening(dni_w_m2: f64, dhi_w_m2: f64, extraterrestrial_w_m2: f64, cos
     }
 }
 
+/// Numbers of [`air_mass`]: a factor, degrees, an exponent.
+pub const AIR_MASS: [f64; 3] = [0.50572, 96.07995, -1.6364];
+
 /// Relative optical air mass: Kasten and Young, "Revised optical air mass tables and approximation formula", Applied Optics 28(22), 1989,
 /// equation 3; zenith angles of 0 to 90 degrees, where it is 38. It is what pvlib takes; the paper of 1990 had Kasten's of 1966.
 pub fn air_mass(zenith_rad: f64) -> f64 {
     let zenith_rad = zenith_rad.clamp(0.0, FRAC_PI_2);
-    1.0 / (zenith_rad.cos() + 0.50572 * (96.07995 - zenith_rad.to_degrees()).powf(-1.6364))
+    let [factor, degrees, exponent] = AIR_MASS;
+    1.0 / (zenith_rad.cos() + factor * (degrees - zenith_rad.to_degrees()).powf(exponent))
 }
 
 #[cfg(test)]

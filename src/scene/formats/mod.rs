@@ -4,7 +4,7 @@
 mod ascii_grid;
 mod building;
 mod cityjson;
-mod energyplus;
+pub(crate) mod energyplus;
 mod geokeys;
 mod geotiff;
 mod gltf;

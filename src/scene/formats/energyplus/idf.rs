@@ -2,6 +2,7 @@
 //!
 //! `Class, field, field;` with `!` before comments (Input Output Reference, chapter "Input Data Dictionary").
 
+use std::ops::Range;
 use std::path::Path;
 
 use crate::coordinate::MAX_COORDINATE_M;
@@ -23,7 +24,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
         model: Model { version, ..Model::default() },
         current: None,
     };
-    fields(bytes, file, |field| reader.take(field))?;
+    idf_fields(bytes, file, |field| reader.take(field))?;
     Ok(reader.model)
 }
 
@@ -31,7 +32,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
 fn version(bytes: &[u8], file: &Path) -> Result<Option<Version>> {
     let mut of_version = false;
     let mut found = None;
-    fields(bytes, file, |field| {
+    idf_fields(bytes, file, |field| {
         if found.is_none() && of_version && field.place == 1 {
             found = Version::parse(&String::from_utf8_lossy(field.text));
         }
@@ -41,25 +42,37 @@ fn version(bytes: &[u8], file: &Path) -> Result<Option<Version>> {
     Ok(found)
 }
 
-struct Field<'a> {
+/// A field of an object of an IDF file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IdfField<'a> {
     /// 0 is the class.
-    place: usize,
-    text: &'a [u8],
-    line: usize,
+    pub place: usize,
+    /// Without blanks around it.
+    pub text: &'a [u8],
+    /// 1-based line that it ends on.
+    pub line: usize,
     /// Whether the object ends here.
-    last: bool,
+    pub last: bool,
+    /// Bytes of the file that hold the text, empty before the sign that ends an empty field; none where the text goes over several lines.
+    pub span: Option<Range<usize>>,
+    /// Where the comma or semicolon behind it stands, bytes from the start of the file.
+    pub end: usize,
 }
 
-/// Gives all fields of all objects until `take` is content (`false`).
-fn fields(bytes: &[u8], file: &Path, mut take: impl FnMut(Field) -> Result<bool>) -> Result<()> {
+/// Gives all fields of all objects of an IDF file until `take` is content (`false`).
+pub fn idf_fields(bytes: &[u8], file: &Path, mut take: impl FnMut(IdfField) -> Result<bool>) -> Result<()> {
     // What of a field stands in the lines before.
     let mut begun = Vec::new();
     let (mut place, mut line_of_object) = (0, 0);
+    let whole = bytes.len();
     let bytes = without_byte_order_mark(bytes);
+    let mut line_start = whole - bytes.len();
     // Only files of the old Macintosh hold no LF at all.
     let end_of_line = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == end_of_line)) {
         let mut rest = text.split(|&byte| byte == b'!').next().unwrap_or_default().trim_ascii();
+        // Where a part of the line stands in the file.
+        let at = |part: &[u8]| line_start + (part.as_ptr() as usize - text.as_ptr() as usize);
         if rest.starts_with(b"##") {
             return Err(Error::Unsupported {
                 what: format!("{}, line {line}", file.display()),
@@ -74,8 +87,12 @@ fn fields(bytes: &[u8], file: &Path, mut take: impl FnMut(Field) -> Result<bool>
             if place == 0 && begun.is_empty() {
                 line_of_object = line;
             }
+            let end = at(piece) + piece.len();
+            let text = piece.trim_ascii();
+            let start = if text.is_empty() { end } else { at(text) };
+            let span = begun.is_empty().then(|| start..start + text.len());
             begun.extend_from_slice(piece);
-            if !take(Field { place, text: begun.trim_ascii(), line, last })? {
+            if !take(IdfField { place, text: begun.trim_ascii(), line, last, span, end })? {
                 return Ok(());
             }
             begun.clear();
@@ -88,6 +105,7 @@ fn fields(bytes: &[u8], file: &Path, mut take: impl FnMut(Field) -> Result<bool>
             begun.extend_from_slice(rest);
             begun.push(b' ');
         }
+        line_start += text.len() + 1;
     }
     if place > 0 || !begun.is_empty() {
         let what = "the object that begins here does not end";
@@ -112,7 +130,7 @@ struct Current {
 }
 
 impl Reader<'_> {
-    fn take(&mut self, field: Field) -> Result<bool> {
+    fn take(&mut self, field: IdfField) -> Result<bool> {
         if field.place == 0 {
             self.begin(&field)?;
         } else if let Some(current) = &mut self.current {
@@ -127,7 +145,7 @@ impl Reader<'_> {
         Ok(true)
     }
 
-    fn begin(&mut self, field: &Field) -> Result<()> {
+    fn begin(&mut self, field: &IdfField) -> Result<()> {
         if field.text.is_empty() && !field.last {
             let what = "an object without a class begins here";
             return Err(Error::input(self.file, field.line, what, "write `Class, field, field;`"));
@@ -143,7 +161,7 @@ impl Reader<'_> {
 }
 
 impl Current {
-    fn take(&mut self, file: &Path, field: &Field) -> Result<()> {
+    fn take(&mut self, file: &Path, field: &IdfField) -> Result<()> {
         let text = || String::from_utf8_lossy(field.text).into_owned();
         let layout = self.object.layout;
         match self.order.get(field.place - 1) {

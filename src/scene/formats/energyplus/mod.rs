@@ -5,7 +5,7 @@ mod epjson;
 mod ground;
 #[cfg(test)]
 mod hostile_tests;
-mod idf;
+pub(crate) mod idf;
 mod layout;
 mod materials;
 mod model;

@@ -1,0 +1,258 @@
+//! `heliotile energyplus`: a model of EnergyPlus with the sun that its surroundings reflect. In: a model, what stands around it. Out: a
+//! folder with the model that an unmodified EnergyPlus runs, the archive, and a report.
+
+mod around;
+mod pages;
+mod runs;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::receivers::{Covered, cover_site};
+use super::traced::{KEEP_OR_REPLACE, TraceRequest, up_to_date};
+use super::{Outcome, guard_archive, guard_output, interrupt, remark, temporary_files, warn};
+use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
+use crate::outputs::energyplus::checks;
+use crate::outputs::energyplus::document::Document;
+use crate::outputs::energyplus::injection::{self, Changed, Injection};
+use crate::outputs::energyplus::sun_tables::{
+    GroundRange, ReflectedSky, SunGrid, SurfaceLight, TableRequest, surface_lights,
+};
+use crate::outputs::sink::write_texts;
+use around::Around;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::paths::LightPaths;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::text::counted;
+use heliotile_scene::input;
+use heliotile_scene::site::Site;
+use runs::Engine;
+
+/// Receivers lie off their surfaces by this, metres.
+const OFFSET_M: f64 = 0.02;
+
+/// Names of the report.
+const REPORT: [&str; 2] = ["report.md", "report.html"];
+
+/// What a surface is called in the model, and whose light it gets.
+pub(super) struct Targets {
+    /// Names of EnergyPlus's surfaces, each with the number of its light; hidden ones get none.
+    pub list: Vec<(String, Option<usize>)>,
+    /// Openings that get what their wall gets.
+    pub by_wall: Vec<(String, String)>,
+    /// Surfaces all of whose area is hidden.
+    pub hidden: Vec<String>,
+}
+
+/// `heliotile energyplus`.
+pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
+    let mut document = Document::read(&args.model, input::read(&args.model)?)?;
+    checks::check(&document)?;
+    // Before minutes of work.
+    let engine = args.run.then(|| Engine::find(args.energyplus.as_deref())).transpose()?;
+    let Around { site, neighbours, materials, types } = Around::read(args)?;
+    let files = Files::of(args, &document);
+    files.guard(args, &site)?;
+    let (scene, covered) = cover_site(&site, &cover_of(args, types)).map_err(|error| no_surface(args, error))?;
+    let asked = TraceRequest {
+        folder: &args.output,
+        receivers: &files.receivers,
+        archive: &files.archive,
+        accuracy: &args.accuracy,
+        offset_m: OFFSET_M,
+        replace: args.replace,
+        memory: args.memory,
+        about_error_weather: None,
+    };
+    let archive = up_to_date(&asked, &scene, Some(&covered))?;
+    interrupt::stop_if_requested("after site.helio was complete")?;
+    let ground = match args.physics {
+        Physics::EnergyPlus => GroundRange::UNIT,
+        Physics::Full => ground_range(&document),
+    };
+    let lights = lights(args, ground, &archive, &covered)?;
+    let targets = targets(&document, &lights, &covered);
+    let injection =
+        Injection { grid: SunGrid::USUAL, sky: sky_of(args.physics), lights: &lights, targets: &targets.list };
+    let changed = injection::write(&mut document, &injection)?;
+    neighbours.add(&mut document, &materials, false);
+    let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
+    let warnings = checks::warnings(&document, &injected);
+    changed.notes.iter().try_for_each(|note| remark(&format!("{note}\n")))?;
+    warnings.iter().for_each(|text| warn(text));
+    let told = pages::Told {
+        args,
+        archive: &archive,
+        lights: &lights,
+        ground,
+        targets: &targets,
+        changed: &changed,
+        warnings: &warnings,
+    };
+    let mut report = pages::report(&told);
+    write_model(&files.model, &document)?;
+    remark(&summary(&files, &targets, &changed))?;
+    if let (Some(engine), Some(weather)) = (engine, &args.weather) {
+        let bare = || {
+            let mut model = Document::read(&args.model, input::read(&args.model)?)?;
+            neighbours.add(&mut model, &materials, true);
+            Ok(model)
+        };
+        report.sections.extend(runs::run_all(&engine, &bare, document, weather, &args.output.join("energyplus"))?);
+    }
+    let pictures: Vec<(String, String)> = report.pictures().map(|(n, svg)| (n.to_owned(), svg.to_owned())).collect();
+    let mut texts = vec![(REPORT[0], report.markdown()), (REPORT[1], report.html())];
+    texts.extend(pictures.iter().map(|(name, svg)| (name.as_str(), svg.clone())));
+    write_texts(&args.output, &texts)?;
+    Ok(Outcome::Fine)
+}
+
+/// Files of the folder.
+struct Files {
+    receivers: PathBuf,
+    archive: PathBuf,
+    model: PathBuf,
+}
+
+impl Files {
+    fn of(args: &EnergyplusArgs, document: &Document) -> Files {
+        let name = |name: &str| args.output.join(name);
+        Files {
+            receivers: name("receivers.csv"),
+            archive: name("site.helio"),
+            model: name(&format!("model.{}", document.ending())),
+        }
+    }
+
+    /// Refuses to replace an input, or results of something else.
+    fn guard(&self, args: &EnergyplusArgs, site: &Site) -> Result<()> {
+        let inputs: Vec<&Path> = site.files().chain(args.weather.as_deref()).collect();
+        for output in [&self.receivers, &self.archive, &self.model] {
+            guard_output(output, &inputs)?;
+        }
+        guard_archive(&self.archive)?;
+        // A model without the archive that it was made with is none of ours.
+        if self.model.exists() && !self.archive.exists() && !args.replace {
+            let what = "is there, and no site.helio that it was made from";
+            return Err(Error::input(&self.model, None, what, KEEP_OR_REPLACE));
+        }
+        Ok(())
+    }
+}
+
+/// All that the sun may reach of the model.
+fn cover_of(args: &EnergyplusArgs, types: Vec<String>) -> CoverArgs {
+    CoverArgs {
+        on: Vec::new(),
+        types,
+        spacing: args.spacing,
+        per_surface: None,
+        offset: Metres(OFFSET_M),
+        min_area: 0.0,
+    }
+}
+
+/// A model without surfaces outdoors is said to be one.
+fn no_surface(args: &EnergyplusArgs, error: Error) -> Error {
+    match error {
+        Error::Argument { argument, .. } if argument == "--on" => {
+            let what = "has no wall, roof or window that the sun may reach";
+            let hint = "give a model with surfaces that are `Outdoors` and `SunExposed`";
+            Error::input(&args.model, None, what, hint)
+        }
+        error => error,
+    }
+}
+
+fn sky_of(physics: Physics) -> ReflectedSky {
+    match physics {
+        Physics::EnergyPlus => ReflectedSky::Uniform,
+        Physics::Full => ReflectedSky::Perez1990,
+    }
+}
+
+/// What surfaces get, hidden parts of them nothing.
+fn lights(
+    args: &EnergyplusArgs,
+    ground: GroundRange,
+    archive: &Archive,
+    covered: &Covered,
+) -> Result<Vec<SurfaceLight>> {
+    let storage = temporary_files();
+    let paths = match args.physics {
+        Physics::EnergyPlus => LightPaths::FIRST,
+        Physics::Full => LightPaths::ALL,
+    };
+    let sky = sky_of(args.physics);
+    let asked = TableRequest {
+        grid: SunGrid::USUAL,
+        paths,
+        sky,
+        ground,
+        memory: MemoryBudget::new(args.memory.0),
+        storage: &storage,
+    };
+    let mut whole_m2: BTreeMap<String, f64> = BTreeMap::new();
+    for (_, piece, surface, _) in covered.all() {
+        *whole_m2.entry(covered.part(piece, surface).face.to_lowercase()).or_default() += piece.area_m2;
+    }
+    let mut lights = surface_lights(archive, &asked)?;
+    for light in &mut lights {
+        light.spread_over(whole_m2.get(&light.name.to_lowercase()).copied().unwrap_or_default());
+    }
+    Ok(lights)
+}
+
+/// Between what reflectances the ground of a model goes, with snow.
+fn ground_range(document: &Document) -> GroundRange {
+    let months = injection::months(document);
+    let snow =
+        injection::snow_modifier(document).map(|modifier| months.map(|value| (value * modifier).clamp(0.0, 1.0)));
+    let all = || months.iter().chain(snow.iter().flatten()).copied();
+    let (low, high) = (all().fold(1.0, f64::min), all().fold(0.0, f64::max));
+    if low < high {
+        GroundRange { low, high }
+    } else {
+        let high = high.max(injection::LEAST_GROUND);
+        GroundRange { low: 0.5 * high, high }
+    }
+}
+
+/// Which surface gets what.
+fn targets(document: &Document, lights: &[SurfaceLight], covered: &Covered) -> Targets {
+    let number: BTreeMap<String, usize> = lights.iter().enumerate().map(|(i, l)| (l.name.to_lowercase(), i)).collect();
+    let mut list: Vec<(String, Option<usize>)> =
+        lights.iter().enumerate().map(|(i, light)| (light.name.clone(), Some(i))).collect();
+    let by_wall = checks::openings_left_out(document, &number.keys().cloned().collect());
+    list.extend(by_wall.iter().filter_map(|(name, wall)| Some((name.clone(), Some(*number.get(wall)?)))));
+    let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
+    let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
+    list.extend(hidden.iter().map(|name| (name.clone(), None)));
+    Targets { list, by_wall, hidden: hidden.into_iter().collect() }
+}
+
+fn write_model(path: &Path, document: &Document) -> Result<()> {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(".partial");
+    let partial = PathBuf::from(name);
+    fs::write(&partial, document.bytes()).map_err(Error::io(&partial, "write"))?;
+    fs::rename(&partial, path).map_err(Error::io(path, "rename to"))
+}
+
+fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
+    format!(
+        "{}: {} get reflected light by {}; {} says which and how\nenergyplus -w WEATHER.epw -d results {}\n",
+        files.model.display(),
+        counted(targets.list.len() as u64, "surface"),
+        counted(changed.tables as u64, "table"),
+        files.model.with_file_name(REPORT[0]).display(),
+        files.model.display()
+    )
+}
+
+/// As the report calls it.
+pub(super) fn physics_name(physics: Physics) -> &'static str {
+    name_of(&physics)
+}

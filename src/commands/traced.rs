@@ -1,0 +1,225 @@
+//! The archive of a scene's receivers in a folder. In: a scene, the receivers on it, what is wanted. Out: the archive that is there, if it is
+//! what a build would give, or a new one. What is there of other inputs is kept, unless it is to be replaced.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use super::build::{BuildRequest, plan_and_write, settings_of};
+use super::receivers::{self, Covered};
+use super::repair::other_receivers;
+use super::terminal::Terminal;
+use super::{read_receivers, remark, workspace_beside};
+use crate::cli::{AccuracyArgs, Bytes, ClockArgs, Percent, name_of};
+use crate::outputs::sink::Sink;
+use heliotile_builder::build::{Build, Output, PreparedScene, Start};
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects};
+use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_scene::Scene;
+
+/// What can be done where a build of other inputs was interrupted.
+const OTHER_INPUTS: &str =
+    "give the command that it was started with to go on with it, --replace to discard it, or --output FOLDER";
+
+/// What can be done where other results are.
+pub const KEEP_OR_REPLACE: &str = "--output FOLDER to keep both, or --replace to put the new ones in their place";
+
+/// What is wanted, and where.
+pub struct TraceRequest<'a> {
+    pub folder: &'a Path,
+    pub receivers: &'a Path,
+    pub archive: &'a Path,
+    pub accuracy: &'a AccuracyArgs,
+    /// Distance of receivers off their surfaces.
+    pub offset_m: f64,
+    /// Whether what is there of other inputs goes.
+    pub replace: bool,
+    pub memory: Bytes,
+    /// How the weather that errors are estimated under reads the clock, if more is known than the file says.
+    pub about_error_weather: Option<&'a ClockArgs>,
+}
+
+/// The archive that lies in the folder.
+enum Found {
+    Nothing,
+    /// What a build would give.
+    Same(Box<Archive>),
+    /// How it differs from that.
+    Other(Vec<String>),
+}
+
+/// The archive of these inputs: the one that is there, or a new one. What is there of other inputs is kept, unless it is to be replaced.
+pub fn up_to_date(asked: &TraceRequest, scene: &Scene, covered: Option<&Covered>) -> Result<Archive> {
+    fs::create_dir_all(asked.folder).map_err(Error::io(asked.folder, "create"))?;
+    let planned = match covered {
+        Some(covered) => Some(PlannedReceivers::write(covered, asked)?),
+        None => None,
+    };
+    let workspace = workspace_beside(asked.archive, asked.memory);
+    let path = planned.as_ref().map_or(asked.receivers, PlannedReceivers::path);
+    let mut receivers = read_receivers(path, scene, &workspace)?;
+    let settings = settings_of(asked.accuracy)?;
+    let mut differences = planned.as_ref().map_or(Ok(Vec::new()), |planned| planned.differences(asked.receivers))?;
+    let found = archive_of(asked, scene, &mut receivers, &settings)?;
+    if let Found::Other(others) = &found {
+        differences.extend_from_slice(others);
+    }
+    if !asked.replace && !differences.is_empty() {
+        return Err(refuse(asked.folder, &differences));
+    }
+    if let (Some(planned), Some(covered)) = (planned, covered) {
+        planned.place(asked.receivers)?;
+        remark(&format!("{}: {}", asked.receivers.display(), receivers::summary(covered, scene)))?;
+    }
+    if let Found::Same(archive) = found {
+        remark(&format!("{}: up to date, nothing is traced again\n", asked.archive.display()))?;
+        return Ok(*archive);
+    }
+    let (prepared, terminal) = (PreparedScene::new(scene)?, Terminal::default());
+    let wanted = BuildRequest {
+        settings,
+        accuracy: asked.accuracy,
+        about_error_weather: asked.about_error_weather,
+        effects: EffectChoice::Auto,
+        store: None,
+    };
+    let mut write = |start: Start| {
+        let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
+        plan_and_write(build, &wanted, &Output { start, ..Output::new(asked.archive.to_owned()) })
+    };
+    match write(Start::Resume) {
+        Err(Error::Incomplete { .. }) if asked.replace => write(Start::Fresh)?,
+        done => done.map_err(|error| error.advise(OTHER_INPUTS))?,
+    }
+    Archive::open_with(asked.archive, Access::Read)
+}
+
+/// The archive in the folder, beside what a build would give.
+fn archive_of(
+    asked: &TraceRequest,
+    scene: &Scene,
+    receivers: &mut ReceiverTiles,
+    settings: &BuildSettings,
+) -> Result<Found> {
+    if !asked.archive.exists() {
+        return Ok(Found::Nothing);
+    }
+    let archive = match Archive::open_with(asked.archive, Access::Read) {
+        Ok(archive) => archive,
+        Err(error) => return Ok(Found::Other(vec![format!("site.helio cannot be read ({error})")])),
+    };
+    let mut others = Vec::new();
+    if archive.manifest().scene.content_hash != format::hex(&scene.content_hash()) {
+        others.push("the scene or its materials have changed since site.helio was built".to_owned());
+    }
+    if archive.manifest().ground != scene.ground {
+        others.push("the ground of the scene has changed since site.helio was built".to_owned());
+    }
+    // The suns go by the place.
+    let same_place = match (&archive.manifest().place, &scene.place) {
+        (Some(stated), Some(place)) => stated.is_same(place),
+        (stated, place) => stated.is_none() && place.is_none(),
+    };
+    if !same_place {
+        others.push("the place of the scene has changed since site.helio was built".to_owned());
+    }
+    if let Some(difference) = other_receivers(&archive, receivers)? {
+        others.push(format!("the table of receivers now {difference}"));
+    }
+    others.extend(other_accuracy(&archive, settings, asked.accuracy));
+    Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
+}
+
+/// The refusal to replace what is in the folder.
+fn refuse(folder: &Path, differences: &[String]) -> Error {
+    let what = format!("holds results of other inputs: {}", differences.join("; "));
+    Error::input(folder, None, what, KEEP_OR_REPLACE)
+}
+
+/// How an archive's accuracy differs from what is asked for.
+fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyArgs) -> Option<String> {
+    let manifest = archive.manifest();
+    let accuracy = manifest.accuracy.as_ref();
+    let there = match accuracy {
+        Some(accuracy) => format!("--error {}%", accuracy.target_percent),
+        None if manifest.settings.quality.is_empty() => "settings of its own".to_owned(),
+        None => format!("--quality {}", manifest.settings.quality),
+    };
+    let wanted = match asked.error {
+        Some(Percent(target)) if accuracy.is_some_and(|accuracy| accuracy.target_percent == target) => return None,
+        Some(Percent(target)) => format!("--error {target}%"),
+        None => {
+            let stated = BuildSettings { left_out: Effects::default(), ..BuildSettings::of(&manifest.settings) };
+            if stated == *settings && accuracy.is_none() {
+                return None;
+            }
+            let now = settings.stated();
+            let pairs = manifest.settings.numbers().zip(now.numbers());
+            let others = pairs.filter(|((_, there), (_, now))| there != now);
+            let list: Vec<String> = others.map(|((setting, _), (_, now))| format!("{}={now}", setting.name)).collect();
+            match now.quality.as_str() {
+                "" => format!("--quality {} and {}", name_of(&asked.quality), list.join(" ")),
+                quality => format!("--quality {quality}"),
+            }
+        }
+    };
+    Some(format!("site.helio was built with {there}, not {wanted}"))
+}
+
+/// A table of receivers that is not yet in its place.
+struct PlannedReceivers {
+    /// It is removed with the value.
+    _beside: TempDir,
+    file: PathBuf,
+}
+
+impl PlannedReceivers {
+    /// Writes the receivers that get light.
+    fn write(covered: &Covered, asked: &TraceRequest) -> Result<Self> {
+        let beside = tempfile::Builder::new().prefix(".receivers").tempdir_in(asked.folder);
+        let beside = beside.map_err(Error::io(asked.folder, "make a folder in"))?;
+        let file = beside.path().join("receivers.csv");
+        receivers::write(Sink::file(&file)?, covered, covered.free(), asked.offset_m, false)?;
+        Ok(PlannedReceivers { _beside: beside, file })
+    }
+
+    fn path(&self) -> &Path {
+        &self.file
+    }
+
+    /// How the table that lies in the folder differs, if there is one: no difference, or one.
+    fn differences(&self, there: &Path) -> Result<Vec<String>> {
+        if !there.exists() {
+            return Ok(Vec::new());
+        }
+        let lines = |path: &Path| File::open(path).map(|file| BufReader::new(file).split(b'\n'));
+        let (mut old, mut new) = (
+            lines(there).map_err(Error::io(there, "read"))?,
+            lines(&self.file).map_err(Error::io(&self.file, "read"))?,
+        );
+        for line in 1_u64.. {
+            let of =
+                |next: Option<std::io::Result<Vec<u8>>>, path: &Path| next.transpose().map_err(Error::io(path, "read"));
+            match (of(old.next(), there)?, of(new.next(), &self.file)?) {
+                (None, None) => break,
+                (a, b) if a == b => {}
+                _ => {
+                    return Ok(vec![format!(
+                        "receivers.csv is another one from line {line} on (other surfaces or spacing, or it was edited: \
+                         --receivers takes it as it is)"
+                    )]);
+                }
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// Puts the table into its place.
+    fn place(self, to: &Path) -> Result<()> {
+        fs::rename(&self.file, to).map_err(Error::io(to, "rename to"))
+    }
+}

@@ -1,0 +1,166 @@
+//! What a model must be to get our light, and what of it will not see that light. In: a model. Out: a refusal, or sentences of warning.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::document::{Document, ModelObject};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::with_list;
+
+/// The version whose rules were measured.
+const VERSION: &str = "25.2";
+
+/// Classes whose objects are surfaces by a name of their own.
+const SURFACES: [&str; 22] = [
+    "BuildingSurface:Detailed",
+    "Wall:Detailed",
+    "RoofCeiling:Detailed",
+    "Floor:Detailed",
+    "FenestrationSurface:Detailed",
+    "Wall:Exterior",
+    "Wall:Adiabatic",
+    "Wall:Underground",
+    "Wall:Interzone",
+    "Roof",
+    "Ceiling:Adiabatic",
+    "Ceiling:Interzone",
+    "Floor:GroundContact",
+    "Floor:Adiabatic",
+    "Floor:Interzone",
+    "Window",
+    "GlazedDoor",
+    "Door",
+    "Window:Interzone",
+    "GlazedDoor:Interzone",
+    "Door:Interzone",
+    "InternalMass",
+];
+
+/// Openings with the places of their wall's name.
+const OPENINGS: [(&str, usize); 4] =
+    [("FenestrationSurface:Detailed", 4), ("Window", 3), ("GlazedDoor", 3), ("Door", 3)];
+
+/// The control type of the actuators that are added.
+const ACTUATED: &str = "View Factor To Ground";
+
+/// Refuses what cannot work.
+pub fn check(document: &Document) -> Result<()> {
+    check_version(document)?;
+    check_names(document)?;
+    let actuators = document.of("EnergyManagementSystem:Actuator");
+    if let Some(actuator) = actuators.into_iter().find(|a| a.text(4, "actuated_component_control_type") == ACTUATED) {
+        let surface = actuator.text(2, "actuated_component_unique_name");
+        let what =
+            format!("{} sets `{ACTUATED}` of `{surface}` already: light would be injected twice", actuator.title());
+        let hint = "give the model as it was before, without what heliotile or you added";
+        return Err(Error::input(&document.file, line(actuator), what, hint));
+    }
+    Ok(())
+}
+
+fn line(object: &ModelObject) -> Option<usize> {
+    (object.line > 0).then_some(object.line)
+}
+
+fn check_version(document: &Document) -> Result<()> {
+    let Some(version) = document.of("Version").next() else { return Ok(()) };
+    let stated = version.text(1, "version_identifier");
+    let numbers: Vec<&str> = stated.split('.').take(2).map(str::trim).collect();
+    if numbers.join(".") == VERSION {
+        return Ok(());
+    }
+    let what = format!("is a model of EnergyPlus {stated}, and {VERSION} is to run it");
+    let hint = "bring it to 25.2 with the Transition tool (IDFVersionUpdater) that comes with EnergyPlus";
+    Err(Error::input(&document.file, line(version), what, hint))
+}
+
+fn check_names(document: &Document) -> Result<()> {
+    let mut seen: BTreeMap<String, &ModelObject> = BTreeMap::new();
+    for object in document.objects.iter().filter(|object| SURFACES.iter().any(|class| object.is(class))) {
+        if object.name().contains('\u{fffd}') {
+            let what = format!("{}: the name is not UTF-8", object.title());
+            return Err(Error::input(&document.file, line(object), what, "save the model in UTF-8"));
+        }
+        if let Some(other) = seen.insert(object.name().to_uppercase(), object) {
+            let at = line(other).map_or(String::new(), |line| format!(" (line {line})"));
+            let what = format!(
+                "{} bears the name of {}{at}: EnergyPlus takes no two surfaces of one name",
+                object.title(),
+                other.title()
+            );
+            return Err(Error::input(&document.file, line(object), what, "give every surface a name of its own"));
+        }
+    }
+    Ok(())
+}
+
+/// Openings of walls in `injected` that are not in there themselves, each with the name of its wall. Names are in small letters.
+pub fn openings_left_out(document: &Document, injected: &BTreeSet<String>) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for object in &document.objects {
+        let Some((_, place)) = OPENINGS.into_iter().find(|(class, _)| object.is(class)) else { continue };
+        let wall = object.text(place, "building_surface_name").to_lowercase();
+        if injected.contains(&wall) && !injected.contains(&object.name().to_lowercase()) {
+            found.push((object.name().to_owned(), wall));
+        }
+    }
+    found
+}
+
+/// What EnergyPlus will not get right under injection. `injected` are names in small letters.
+pub fn warnings(document: &Document, injected: &BTreeSet<String>) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut say = |what: &str, names: Vec<String>| {
+        if !names.is_empty() {
+            found.push(with_list(&format!("{what} ({})", names.len()), names));
+        }
+    };
+    let controls = |place, key: &'static str, words: &'static [&'static str]| -> Vec<String> {
+        let has = |object: &&ModelObject| {
+            let text = object.text(place, key).to_lowercase();
+            words.iter().any(|word| text.contains(word))
+        };
+        document.of("WindowShadingControl").filter(has).map(|object| object.name().to_owned()).collect()
+    };
+    say(
+        "exterior blinds and screens get light of walls as if it came from the ground (one case: cooling 6 % too high, where leaving \
+         reflections out was 28 %)",
+        controls(4, "shading_type", &["exteriorblind", "exteriorscreen"]),
+    );
+    say(
+        "blinds inside or between panes get light of walls as if it came from the ground",
+        controls(4, "shading_type", &["interiorblind", "betweenglassblind"]),
+    );
+    say(
+        "shading controls follow the incident sun that EnergyPlus reports, which holds our light in the wrong place: they switch at \
+         other times",
+        controls(6, "shading_control_type", &["solaronwindow"]),
+    );
+    let named = |class: &str| document.of(class).map(|object| object.name().to_owned()).collect::<Vec<_>>();
+    say(
+        "complex fenestration (BSDF) gets light of walls as if it came from the ground",
+        named("Construction:ComplexFenestrationState"),
+    );
+    say(
+        "daylighting controls do not see our light: EnergyPlus's daylighting has reflections of its own",
+        [named("Daylighting:Controls"), named("Daylighting:DELight:Controls")].concat(),
+    );
+    let on_injected =
+        |object: &&ModelObject| object.texts().skip(1).any(|text| injected.contains(&text.to_lowercase()));
+    let gains = [
+        "Generator:Photovoltaic",
+        "Generator:PVWatts",
+        "SolarCollector:FlatPlate:Water",
+        "SolarCollector:FlatPlate:PhotovoltaicThermal",
+    ];
+    say(
+        "modules and collectors read the incident sun that EnergyPlus reports, which is wrong on injected surfaces: take their sun from \
+         heliotile",
+        gains.iter().flat_map(|class| document.of(class)).filter(on_injected).map(ModelObject::title).collect(),
+    );
+    found.push(
+        "EnergyPlus's outputs of incident and ground-reflected sun on injected surfaces are wrong, at windows by up to 42 %; absorbed and \
+         transmitted sun and loads are right"
+            .into(),
+    );
+    found
+}

@@ -1,0 +1,258 @@
+//! What is written into a model. In: its surfaces with their light. Out: tables, sensors, actuators and programs among its objects, and a
+//! solar distribution that lets them count.
+
+use super::document::{Document, ModelObject};
+use super::erl::{Names, SENSORS, SHARED, SurfaceTerms, TABLES, sun_program, surface_lines};
+use super::new_object::{FieldValue, NewObject};
+use super::sun_tables::{GroundLine, NOMINAL_W_M2, ReflectedSky, SunGrid, SurfaceLight};
+use heliotile_core::error::Result;
+
+/// Sun tables below this everywhere are not written, W/m2 under 1000 W/m2.
+const NOTHING_W_M2: f64 = 0.005;
+
+/// Digits behind the point of tables, W/m2.
+const DECIMALS: usize = 3;
+
+/// Surfaces in one program, and programs that one calling manager runs: EnergyPlus reads 500 lines and 25 programs.
+const PROGRAM_SURFACES: usize = 60;
+const MANAGER_PROGRAMS: usize = 20;
+
+/// What a ground that reflects nothing is set to, so that there is something to multiply.
+pub const LEAST_GROUND: f64 = 0.01;
+
+const MONTHS: [&str; 12] = [
+    "january_ground_reflectance",
+    "february_ground_reflectance",
+    "march_ground_reflectance",
+    "april_ground_reflectance",
+    "may_ground_reflectance",
+    "june_ground_reflectance",
+    "july_ground_reflectance",
+    "august_ground_reflectance",
+    "september_ground_reflectance",
+    "october_ground_reflectance",
+    "november_ground_reflectance",
+    "december_ground_reflectance",
+];
+
+/// Place and key of the solar distribution of a `Building`.
+pub const DISTRIBUTION: (usize, &str) = (6, "solar_distribution");
+
+/// Distributions with EnergyPlus's own reflections, and the same without them.
+pub const WITH_OWN: [(&str, &str); 2] = [
+    ("FullExteriorWithReflections", "FullExterior"),
+    ("FullInteriorAndExteriorWithReflections", "FullInteriorAndExterior"),
+];
+
+/// What EnergyPlus takes where a model says nothing.
+const USUAL_GROUND: f64 = 0.2;
+
+/// What light is made of, and who gets it.
+pub struct Injection<'a> {
+    pub grid: SunGrid,
+    pub sky: ReflectedSky,
+    pub lights: &'a [SurfaceLight],
+    /// Names of EnergyPlus's surfaces, each with the number of its light; without one it gets none.
+    pub targets: &'a [(String, Option<usize>)],
+}
+
+/// What was changed in a model besides what was added.
+#[derive(Debug, Default)]
+pub struct Changed {
+    /// Sentences.
+    pub notes: Vec<String>,
+    pub tables: usize,
+}
+
+/// The ground's reflectance by month, bare of snow, as the model states it.
+pub fn months(document: &Document) -> [f64; 12] {
+    let object = document.of("Site:GroundReflectance").next();
+    let mut place = 0;
+    MONTHS.map(|key| {
+        place += 1;
+        let stated = object.and_then(|object| object.text(place, key).parse::<f64>().ok());
+        stated.filter(|value| (0.0..=1.0).contains(value)).unwrap_or(USUAL_GROUND)
+    })
+}
+
+/// By what snow multiplies it, if the model says so.
+pub fn snow_modifier(document: &Document) -> Option<f64> {
+    let object = document.of("Site:GroundReflectance:SnowModifier").next()?;
+    Some(object.text(1, "ground_reflected_solar_modifier").parse().unwrap_or(1.0))
+}
+
+/// Writes it all.
+pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> {
+    let mut changed = Changed::default();
+    changed.notes.extend(switch_distribution(document)?);
+    let bare = brighten_ground(document, &mut changed.notes)?;
+    let names = Names::free(document.objects.iter().map(ModelObject::name));
+    write_site(document, &names);
+    write_suns(document, injection.grid, &names, "Sun");
+    let is_worth = |values: &Vec<f64>| values.iter().any(|value| value.abs() >= NOTHING_W_M2);
+    if injection.lights.iter().any(|light| is_worth(&light.mirrored)) {
+        write_suns(document, SunGrid::FINE, &names, "FineSun");
+    }
+    let mut has = Vec::new();
+    for (number, light) in injection.lights.iter().enumerate() {
+        let tables = [&light.sun.fixed, &light.sun.by_ground, &light.mirrored];
+        let worth = tables.map(is_worth);
+        for ((letter, values), _) in TABLES.into_iter().zip(tables).zip(worth).filter(|(_, worth)| *worth) {
+            let name = names.of(&format!("{letter}{}", number + 1));
+            let table = names.of(&format!("Table_{letter}{}", number + 1));
+            let suns = names.of(if letter == TABLES[2] { "FineSun" } else { "Sun" });
+            let fields = [("independent_variable_list_name", suns)];
+            let mut lookup = NewObject::new("Table:Lookup", &table, &fields.each_ref().map(|(k, v)| (*k, v.as_str())));
+            lookup.fields.push(("normalization_method", FieldValue::Text("None".into())));
+            for blank in [
+                "normalization_divisor",
+                "minimum_output",
+                "maximum_output",
+                "output_unit_type",
+                "external_file_name",
+                "external_file_column_number",
+                "external_file_starting_row_number",
+            ] {
+                lookup.fields.push((blank, FieldValue::Nothing));
+            }
+            let values = values.iter().map(|value| FieldValue::number(*value, DECIMALS)).collect();
+            document.add(lookup.with_list("values", &["output_value"], values));
+            document.add(NewObject::new(
+                "EnergyManagementSystem:CurveOrTableIndexVariable",
+                name,
+                &[("curve_or_table_object_name", &table)],
+            ));
+            changed.tables += 1;
+        }
+        has.push(worth);
+    }
+    write_programs(document, injection, &names, &has, &bare);
+    Ok(changed)
+}
+
+/// Axes of tables.
+fn write_suns(document: &mut Document, grid: SunGrid, names: &Names, list: &str) {
+    for (name, values) in [("Azimuth", grid.azimuths_deg()), ("Altitude", grid.altitudes_deg())] {
+        let (first, last) = (values.first().copied().unwrap_or_default(), values.last().copied().unwrap_or_default());
+        let mut axis = NewObject::new(
+            "Table:IndependentVariable",
+            names.of(&format!("{list}_{name}")),
+            &[("interpolation_method", "Linear"), ("extrapolation_method", "Constant")],
+        );
+        axis.fields.extend([
+            ("minimum_value", FieldValue::number(first, 4)),
+            ("maximum_value", FieldValue::number(last, 4)),
+            ("normalization_reference_value", FieldValue::Nothing),
+            ("unit_type", FieldValue::Text("Angle".into())),
+            ("external_file_name", FieldValue::Nothing),
+            ("external_file_column_number", FieldValue::Nothing),
+            ("external_file_starting_row_number", FieldValue::Nothing),
+        ]);
+        let values = values.iter().map(|value| FieldValue::number(*value, 4)).collect();
+        document.add(axis.with_list("values", &["value"], values));
+    }
+    let axes = ["Azimuth", "Altitude"].map(|axis| FieldValue::Text(names.of(&format!("{list}_{axis}"))));
+    document.add(NewObject::new("Table:IndependentVariableList", names.of(list), &[]).with_list(
+        "independent_variables",
+        &["independent_variable_name"],
+        axes.to_vec(),
+    ));
+}
+
+/// What is read of the site, and what programs share.
+fn write_site(document: &mut Document, names: &Names) {
+    for (name, output) in SENSORS {
+        document.add(NewObject::new(
+            "EnergyManagementSystem:Sensor",
+            names.of(name),
+            &[
+                ("output_variable_or_output_meter_index_key_name", "Environment"),
+                ("output_variable_or_output_meter_name", output),
+            ],
+        ));
+    }
+    let shared = SHARED.map(|name| FieldValue::Text(names.of(name)));
+    let mut list = NewObject::new("EnergyManagementSystem:GlobalVariable", names.of("Shared"), &[]).nameless();
+    list = list.with_list("variables", &["erl_variable_name"], shared.to_vec());
+    document.add(list);
+}
+
+/// Actuators, and the programs that set them.
+fn write_programs(document: &mut Document, injection: &Injection, names: &Names, has: &[[bool; 3]], bare: &[usize]) {
+    let mut programs = vec![(names.of("Prepare"), sun_program(names, injection.sky, bare))];
+    for (i, (surface, number)) in injection.targets.iter().enumerate() {
+        document.add(NewObject::new(
+            "EnergyManagementSystem:Actuator",
+            names.of(&format!("A{}", i + 1)),
+            &[
+                ("actuated_component_unique_name", surface),
+                ("actuated_component_type", "Surface"),
+                ("actuated_component_control_type", "View Factor To Ground"),
+            ],
+        ));
+        let light = number.and_then(|number| injection.lights.get(number));
+        let sky = |line: &GroundLine| [&line.fixed, &line.by_ground].map(|v| v.first().copied().unwrap_or_default());
+        let terms = SurfaceTerms {
+            actuator: i + 1,
+            tables: number.map_or(0, |number| number + 1),
+            has: number.and_then(|number| has.get(number)).copied().unwrap_or_default(),
+            sky: light.map_or([0.0; 2], |light| sky(&light.sky)).map(|value| value / NOMINAL_W_M2),
+            horizon: light.map_or([0.0; 2], |light| sky(&light.horizon)).map(|value| value / NOMINAL_W_M2),
+        };
+        if i % PROGRAM_SURFACES == 0 {
+            programs.push((names.of(&format!("Surfaces{}", i / PROGRAM_SURFACES + 1)), Vec::new()));
+        }
+        if let Some((_, lines)) = programs.last_mut() {
+            lines.extend(surface_lines(names, &terms));
+        }
+    }
+    for (number, some) in programs.chunks(MANAGER_PROGRAMS).enumerate() {
+        let listed = some.iter().map(|(name, _)| FieldValue::Text(name.clone())).collect();
+        let manager = names.of(&format!("Manager{}", number + 1));
+        let point = [("energyplus_model_calling_point", "BeginZoneTimestepBeforeInitHeatBalance")];
+        document.add(NewObject::new("EnergyManagementSystem:ProgramCallingManager", manager, &point).with_list(
+            "programs",
+            &["program_name"],
+            listed,
+        ));
+    }
+    for (name, lines) in programs {
+        let lines = lines.into_iter().map(FieldValue::Text).collect();
+        let program = NewObject::new("EnergyManagementSystem:Program", name, &[]);
+        document.add(program.with_list("lines", &["program_line"], lines));
+    }
+}
+
+/// EnergyPlus's own reflections would make what is injected count for nothing.
+fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
+    let (place, key) = DISTRIBUTION;
+    let stated = document.first_text("Building", place, key).to_owned();
+    if stated.eq_ignore_ascii_case("MinimalShadowing") {
+        let note = "solar distribution stays MinimalShadowing: EnergyPlus lets no neighbour shade direct light";
+        return Ok(Some(note.into()));
+    }
+    let Some((_, now)) = WITH_OWN.into_iter().find(|(with, _)| stated.eq_ignore_ascii_case(with)) else {
+        return Ok(None);
+    };
+    document.set("Building", place, key, now)?;
+    Ok(Some(format!("solar distribution {stated} became {now}: EnergyPlus's own reflections are off")))
+}
+
+/// Months without ground reflectance get a little, which the programs take away again.
+fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Result<Vec<usize>> {
+    let mut bare = Vec::new();
+    for ((month, value), key) in months(document).into_iter().enumerate().zip(MONTHS) {
+        if value == 0.0 {
+            document.set("Site:GroundReflectance", month + 1, key, &LEAST_GROUND.to_string())?;
+            bare.push(month + 1);
+        }
+    }
+    if !bare.is_empty() {
+        notes.push(format!(
+            "the ground reflects nothing in {} of 12 months: there it is set to {LEAST_GROUND} so that there is something to multiply, and \
+             its light is left out by the programs",
+            bare.len()
+        ));
+    }
+    Ok(bare)
+}

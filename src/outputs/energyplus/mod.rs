@@ -1,0 +1,16 @@
+//! What a model of EnergyPlus gets so that it runs under our light. In: a model, an archive of its surfaces. Out: the model with tables
+//! over the sun's position and programs that read them, and what was done as a page. Objects of the user stay as they were typed.
+
+pub mod checks;
+pub mod comparison;
+pub mod document;
+mod epjson;
+pub mod erl;
+pub mod eso;
+mod idf;
+pub mod injection;
+pub mod neighbours;
+pub mod new_object;
+pub mod report;
+mod sky_program;
+pub mod sun_tables;

@@ -1,0 +1,351 @@
+//! Reflected light of surfaces as tables over the sun's position. In: an archive of a model's surfaces. Out: for each surface of
+//! EnergyPlus what it gets under each sun of a grid, and under a sky, apart by whether it depends on the ground's reflectance.
+
+use std::collections::BTreeMap;
+
+use heliotile_builder::transfer::ArchiveReceivers;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::Result;
+use heliotile_core::light::paths::LightPaths;
+use heliotile_core::light::scratch::ScratchSpace;
+use heliotile_core::light::states::Schedule;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::material::Class;
+use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::units::direction_from_degrees;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::time::bins::Bins;
+
+/// W/m2 of DNI that tables of the sun stand for, and of DHI for the sky.
+pub const NOMINAL_W_M2: f64 = 1000.0;
+
+/// Lowest sun of a table: constants beyond.
+const LOWEST_DEG: f64 = 0.5;
+
+/// Positions of the sun: azimuths from 0 to 360, altitudes from near the horizon to 90.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunGrid {
+    pub azimuth_step_deg: f64,
+    pub altitude_step_deg: f64,
+}
+
+impl SunGrid {
+    /// 37 x 19 suns: against a series of 15 minutes cooling is off by 0.02 % (measured).
+    pub const USUAL: SunGrid = SunGrid { azimuth_step_deg: 10.0, altitude_step_deg: 5.0 };
+
+    /// For what mirrors throw, which comes and goes within a few degrees.
+    pub const FINE: SunGrid = SunGrid { azimuth_step_deg: 5.0, altitude_step_deg: 2.5 };
+
+    /// 0 to 360 degrees, both of which are north.
+    pub fn azimuths_deg(&self) -> Vec<f64> {
+        steps(360.0, self.azimuth_step_deg)
+    }
+
+    /// 0.5 to 90 degrees.
+    pub fn altitudes_deg(&self) -> Vec<f64> {
+        let mut all = steps(90.0, self.altitude_step_deg);
+        if let Some(first) = all.first_mut() {
+            *first = LOWEST_DEG;
+        }
+        all
+    }
+}
+
+/// From 0 to `last` in equal steps.
+fn steps(last: f64, step: f64) -> Vec<f64> {
+    let count = (last / step).round().max(1.0);
+    (0..=count as usize).map(|i| last * i as f64 / count).collect()
+}
+
+/// The sky whose reflected light counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReflectedSky {
+    /// As EnergyPlus reflects it.
+    Uniform,
+    /// As EnergyPlus lights surfaces by it: brighter around the sun and at the horizon.
+    Perez1990,
+}
+
+/// Reflectances of the ground between which tables hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundRange {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl GroundRange {
+    /// Any ground: with one reflection light is a straight line over its reflectance. It begins above 0, where what is next to nothing
+    /// is cut off at nothing.
+    pub const UNIT: GroundRange = GroundRange { low: 0.1, high: 1.0 };
+}
+
+/// Light that depends on the ground's reflectance: `fixed + reflectance x by_ground`, W/m2 under 1000 W/m2.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GroundLine {
+    /// One value a condition.
+    pub fixed: Vec<f64>,
+    /// The same.
+    pub by_ground: Vec<f64>,
+}
+
+/// A surface of the model with what it gets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceLight {
+    /// As the model spells it.
+    pub name: String,
+    pub kind: String,
+    pub class: String,
+    pub zone: String,
+    pub receivers: usize,
+    pub area_m2: f64,
+    /// `[azimuth][altitude]` of the grid, altitude fastest: what surfaces reflect diffusely.
+    pub sun: GroundLine,
+    /// The same of the fine grid: the sun in mirrors, whatever the ground.
+    pub mirrored: Vec<f64>,
+    /// Under a uniform sky: one value each.
+    pub sky: GroundLine,
+    /// Of the band at the horizon, where it adds 1000 W/m2 to an open wall: one value each; none for a uniform sky.
+    pub horizon: GroundLine,
+    /// How far light at the middle reflectance of the ground lies off the line through both ends at most, W/m2 under 1000 W/m2.
+    pub bend_w_m2: f64,
+}
+
+/// Means over the receivers of a surface, by area.
+struct Means {
+    /// Without light.
+    light: SurfaceLight,
+    /// `[state][condition]`
+    values: Vec<f64>,
+}
+
+/// How tables are made.
+pub struct TableRequest<'a> {
+    pub grid: SunGrid,
+    pub paths: LightPaths,
+    pub sky: ReflectedSky,
+    pub ground: GroundRange,
+    pub memory: MemoryBudget,
+    pub storage: &'a dyn ScratchSpace,
+}
+
+/// What all surfaces get, by name without regard to case, sorted so.
+pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<SurfaceLight>> {
+    let site = OpenSite::of(archive)?;
+    let ground: Vec<usize> = (site.materials().iter().enumerate())
+        .filter(|(_, material)| material.class == Class::Ground && material.transmittance.is_none())
+        .map(|(number, _)| number)
+        .collect();
+    // Without reflections or ground nothing depends on it.
+    let changes = site.settings().diffuse && !ground.is_empty();
+    let GroundRange { low, high } = asked.ground;
+    let states = if changes { vec![low, high, 0.5 * (low + high)] } else { vec![0.0] };
+    let mut one = suns(asked.grid);
+    let zenith = direction_from_degrees(0.0, 90.0);
+    // Without a sun every sky here is uniform.
+    one.push(Condition::new(String::new(), &[], zenith, 0.0, NOMINAL_W_M2));
+    one.extend(asked.sky.low().map(|low| low.condition));
+    let conditions: Vec<Condition> = states.iter().flat_map(|_| one.clone()).collect();
+    let values = states.iter().flat_map(|value| std::iter::repeat_n(*value, one.len())).collect();
+    let schedules = if changes { vec![Schedule { materials: ground, values }] } else { Vec::new() };
+    let diffuse = [Component::SunDiffuse, Component::SkyDiffuse, Component::SkySpecular];
+    let means = surface_means(archive, &site, &conditions, &schedules, &diffuse, asked)?;
+    let mut lights: Vec<SurfaceLight> = means.into_iter().map(|means| finish(means, one.len(), asked)).collect();
+    if site.orientations().is_empty() {
+        return Ok(lights);
+    }
+    let mirrored = surface_means(archive, &site, &suns(SunGrid::FINE), &[], &[Component::SunSpecular], asked)?;
+    // Both are sorted by the same names.
+    for (light, means) in lights.iter_mut().zip(mirrored) {
+        light.mirrored = round_the_circle(means.values, SunGrid::FINE);
+    }
+    Ok(lights)
+}
+
+/// Components of light under conditions, added up, as means over surfaces by name.
+fn surface_means(
+    archive: &Archive,
+    site: &OpenSite,
+    conditions: &[Condition],
+    schedules: &[Schedule],
+    components: &[Component],
+    asked: &TableRequest,
+) -> Result<Vec<Means>> {
+    let settings = ReplaySettings {
+        sky: asked.sky.model(),
+        paths: asked.paths,
+        patches: archive.manifest().settings.patches(),
+        components: ComponentSet::of(components),
+        memory: asked.memory,
+        storage: asked.storage,
+    };
+    let replay = Replay::scheduled(site, conditions, settings, &Bins::each(conditions.len()), schedules)?;
+    let mut found: BTreeMap<String, Means> = BTreeMap::new();
+    let mut receivers = ArchiveReceivers::<()>::new(site);
+    for result in replay.results(0..replay.tiles()) {
+        let values = result?.1;
+        for (row, receiver) in receivers.by_ref().take(values.receivers()).enumerate() {
+            let receiver = receiver?.receiver;
+            let part = receiver.part;
+            let sum = found
+                .entry(part.face.to_lowercase())
+                .or_insert_with(|| Means { light: SurfaceLight::dark(part), values: vec![0.0; conditions.len()] });
+            let area_m2 = receiver.area.unwrap_or(1.0);
+            sum.light.receivers += 1;
+            sum.light.area_m2 += area_m2;
+            for component in components {
+                let row = values.row(*component, row);
+                sum.values.iter_mut().zip(row).for_each(|(sum, value)| *sum += area_m2 * f64::from(*value));
+            }
+        }
+    }
+    let mean = |mut means: Means| {
+        let area_m2 = if means.light.area_m2 > 0.0 { means.light.area_m2 } else { 1.0 };
+        means.values.iter_mut().for_each(|value| *value /= area_m2);
+        means
+    };
+    Ok(found.into_values().map(mean).collect())
+}
+
+/// An overcast sky whose horizon is darker than its dome, and nothing else.
+struct LowSky {
+    condition: Condition,
+    /// Shares of 1000 W/m2; the band's is below 0.
+    dome: f64,
+    horizon: f64,
+}
+
+impl ReflectedSky {
+    fn model(self) -> SkyModel {
+        match self {
+            ReflectedSky::Uniform => SkyModel::Uniform,
+            ReflectedSky::Perez1990 => SkyModel::Perez1990,
+        }
+    }
+
+    /// A sky that tells what the band at the horizon gives, if there is one.
+    fn low(self) -> Option<LowSky> {
+        let sun = direction_from_degrees(180.0, LOW_SUN_DEG);
+        let mut condition = Condition::new(String::new(), &[sun], sun, 0.0, NOMINAL_W_M2);
+        // So that the sky is dull: nothing comes from around the sun.
+        condition.extraterrestrial_w_m2 = DULL_W_M2;
+        let parts = self.model().parts(&condition);
+        let (dome, horizon) = (parts.dome_w_m2 / NOMINAL_W_M2, parts.horizon_w_m2 / NOMINAL_W_M2);
+        (horizon != 0.0 && parts.circumsolar_w_m2 == 0.0).then_some(LowSky { condition, dome, horizon })
+    }
+}
+
+/// The lower the sun, the darker the horizon of an overcast sky.
+const LOW_SUN_DEG: f64 = 5.0;
+
+/// A sun beside which 1000 W/m2 are nothing.
+const DULL_W_M2: f64 = 1e9;
+
+/// All suns of the grid but those of 360 degrees.
+fn suns(grid: SunGrid) -> Vec<Condition> {
+    let azimuths = grid.azimuths_deg();
+    let mut conditions = Vec::new();
+    for azimuth_deg in azimuths.iter().take(azimuths.len().saturating_sub(1)) {
+        for altitude_deg in grid.altitudes_deg() {
+            let sun = direction_from_degrees(*azimuth_deg, altitude_deg);
+            conditions.push(Condition::new(String::new(), &[sun], sun, NOMINAL_W_M2, 0.0));
+        }
+    }
+    conditions
+}
+
+/// The same with north again, at 360 degrees.
+fn round_the_circle(mut values: Vec<f64>, grid: SunGrid) -> Vec<f64> {
+    let north: Vec<f64> = values.iter().copied().take(grid.altitudes_deg().len()).collect();
+    values.extend(north);
+    values
+}
+
+/// The lines through the states of the ground.
+fn finish(Means { mut light, values }: Means, conditions: usize, asked: &TableRequest) -> SurfaceLight {
+    let GroundRange { low, high } = asked.ground;
+    let mut states = values.chunks(conditions.max(1));
+    let first = states.next().unwrap_or_default();
+    let second = states.next().unwrap_or(first);
+    let width = if high > low { high - low } else { 1.0 };
+    let by_ground: Vec<f64> = first.iter().zip(second).map(|(low, high)| (high - low) / width).collect();
+    let fixed: Vec<f64> = first.iter().zip(&by_ground).map(|(value, slope)| value - low * slope).collect();
+    for (middle, line) in states.next().unwrap_or_default().iter().zip(fixed.iter().zip(&by_ground)) {
+        light.bend_w_m2 = light.bend_w_m2.max((middle - line.0 - 0.5 * (low + high) * line.1).abs());
+    }
+    let low = asked.sky.low();
+    let split = |mut all: Vec<f64>| {
+        let lower = low.as_ref().and_then(|_| all.pop());
+        let sky = all.pop().unwrap_or_default();
+        // What is not the dome's is the horizon's.
+        let horizon = low.as_ref().zip(lower).map(|(low, light)| (light - low.dome * sky) / low.horizon);
+        [round_the_circle(all, asked.grid), vec![sky], horizon.into_iter().collect()]
+    };
+    let ([sun, sky, horizon], [sun_slope, sky_slope, horizon_slope]) = (split(fixed), split(by_ground));
+    light.sun = GroundLine { fixed: sun, by_ground: sun_slope };
+    light.sky = GroundLine { fixed: sky, by_ground: sky_slope };
+    light.horizon = GroundLine { fixed: horizon, by_ground: horizon_slope };
+    light
+}
+
+impl SurfaceLight {
+    /// A surface that gets nothing yet.
+    fn dark(part: ModelPart) -> SurfaceLight {
+        SurfaceLight {
+            name: part.face,
+            kind: part.kind,
+            class: part.object_type,
+            zone: part.object,
+            receivers: 0,
+            area_m2: 0.0,
+            sun: GroundLine::default(),
+            mirrored: Vec::new(),
+            sky: GroundLine::default(),
+            horizon: GroundLine::default(),
+            bend_w_m2: 0.0,
+        }
+    }
+
+    /// The same spread over a larger area, the rest of which gets nothing.
+    pub fn spread_over(&mut self, whole_m2: f64) {
+        if whole_m2 > self.area_m2 && self.area_m2 > 0.0 {
+            let share = self.area_m2 / whole_m2;
+            let lines = [&mut self.sun, &mut self.sky, &mut self.horizon];
+            lines
+                .into_iter()
+                .flat_map(|line| line.fixed.iter_mut().chain(&mut line.by_ground))
+                .for_each(|v| *v *= share);
+        }
+    }
+}
+
+impl GroundLine {
+    /// Mean of both parts.
+    pub fn mean(&self) -> [f64; 2] {
+        [&self.fixed, &self.by_ground].map(|values| values.iter().sum::<f64>() / values.len().max(1) as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The usual grid has 37 azimuths and 19 altitudes, 703 suns, the lowest at 0.5 degrees; of each north stands there twice. An overcast sky of 1990 with
+    /// the sun at 5 degrees has F1 = 0 and F2 = -0.060 - 0.022 x 1.4835 = -0.0926.
+    #[test]
+    fn the_usual_grid() {
+        let (azimuths, altitudes) = (SunGrid::USUAL.azimuths_deg(), SunGrid::USUAL.altitudes_deg());
+        assert_eq!((azimuths.len(), altitudes.len()), (37, 19));
+        assert_eq!(
+            (azimuths[0], azimuths[36], altitudes[0], altitudes[1], altitudes[18]),
+            (0.0, 360.0, 0.5, 5.0, 90.0)
+        );
+        assert_eq!(ReflectedSky::Uniform.low().map(|low| low.horizon), None);
+        let low = ReflectedSky::Perez1990.low().expect("a sky with a horizon");
+        assert!(low.dome == 1.0 && (low.horizon + 0.0926).abs() < 1e-4, "{} {}", low.dome, low.horizon);
+        assert_eq!((suns(SunGrid::USUAL).len(), suns(SunGrid::FINE).len()), (36 * 19, 72 * 37));
+    }
+}

@@ -1,0 +1,295 @@
+//! Models of EnergyPlus with reflected sun: what is written into them, what is refused, and what EnergyPlus makes of it.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::cli::{Folder, golden, stderr, stdout};
+
+const BOX: &str = include_str!("../data/energyplus/box.idf");
+const DRAFT: &str = "--physics energyplus --quality draft -o out";
+
+fn model(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/energyplus").join(name)
+}
+
+/// The box as `box.idf`, some words replaced.
+fn boxed(changes: &[(&str, &str)]) -> Folder {
+    let folder = Folder::new();
+    let text = changes.iter().fold(BOX.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    folder.write("box.idf", &text);
+    folder
+}
+
+/// Writes `out` from `box.idf`; what it says of notes and warnings.
+fn injected(folder: &Folder, arguments: &str) -> String {
+    let output = folder.run(&format!("energyplus box.idf {arguments}"));
+    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
+    stdout(&output) + &stderr(&output)
+}
+
+fn text(folder: &Folder, name: &str) -> String {
+    fs::read_to_string(folder.path(name)).expect(name)
+}
+
+/// Objects of an IDF text as lists of fields, the class first.
+fn objects(text: &str) -> Vec<Vec<String>> {
+    let plain: String = text.lines().map(|line| line.split('!').next().unwrap_or_default().to_owned() + "\n").collect();
+    let object = |part: &str| part.split(',').map(|field| field.trim().to_owned()).collect::<Vec<_>>();
+    plain.split(';').filter(|part| !part.trim().is_empty()).map(object).collect()
+}
+
+fn of<'o>(objects: &'o [Vec<String>], class: &str) -> Vec<&'o Vec<String>> {
+    objects.iter().filter(|object| object[0] == class).collect()
+}
+
+/// Values of a table of a surface, `[azimuth][altitude]`: `P` fixed, `Q` by the ground, found by way of its actuator.
+/// All 0 where there is none.
+fn table(objects: &[Vec<String>], surface: &str, letter: &str) -> Vec<f64> {
+    let actuator = of(objects, "EnergyManagementSystem:Actuator").into_iter().find(|a| a[2] == surface).expect(surface);
+    let number = actuator[1].trim_start_matches("HT1_A");
+    let name = format!("HT1_Table_{letter}{number}");
+    let lookup = of(objects, "Table:Lookup").into_iter().find(|table| table[1] == name);
+    let values = |table: &Vec<String>| table[11..].iter().map(|value| value.parse().expect("a number")).collect();
+    lookup.map_or(vec![0.0; 703], values)
+}
+
+/// All bytes of an IDF model stay but for the solar distribution, with comments and LF or CR LF; behind them stand an actuator for each of 17
+/// surfaces outdoors, the one that lies on the ground too, and 3 programs or lists that tie them to 5 sensors.
+#[test]
+fn an_idf_keeps_its_text() {
+    for text_of in [BOX.to_owned(), BOX.replace('\n', "\r\n")] {
+        let folder = Folder::new();
+        folder.write("box.idf", &text_of);
+        injected(&folder, DRAFT);
+        let written = text(&folder, "out/model.idf");
+        let kept = text_of.replace("WithReflections", "");
+        assert!(written.starts_with(&kept), "{}", &written[..kept.len().min(written.len())]);
+        let added = &written[kept.len()..];
+        assert_eq!(added.contains("\r\n"), text_of.contains("\r\n"));
+        let added = objects(added);
+        let count = |class: &str| of(&added, class).len();
+        assert_eq!(count("EnergyManagementSystem:Actuator"), 17);
+        assert_eq!(count("EnergyManagementSystem:Sensor"), 5);
+        assert_eq!(count("EnergyManagementSystem:Program"), 2);
+        assert_eq!(count("EnergyManagementSystem:CurveOrTableIndexVariable"), count("Table:Lookup"));
+        let suns = |table: &Vec<String>| if table[1].contains("_S") { 73 * 37 } else { 37 * 19 };
+        assert!(of(&added, "Table:Lookup").iter().all(|table| table.len() == 11 + suns(table)));
+    }
+}
+
+/// An epJSON model keeps the order and digits of what it has: without the added classes and with the distribution as it was it is the same
+/// text, and its 17 actuators name the surfaces as the model does.
+#[test]
+fn an_epjson_keeps_its_text() {
+    let folder = Folder::new();
+    let before = fs::read_to_string(model("box.epJSON")).expect("a model");
+    folder.write("box.epJSON", &before);
+    let output = folder.run(&format!("energyplus box.epJSON {DRAFT}"));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let written = text(&folder, "out/model.epJSON");
+    let end = before.trim_end().strip_suffix('}').expect("an object").trim_end();
+    let kept = end.replace("FullExteriorWithReflections", "FullExterior");
+    assert!(written.starts_with(&kept));
+    let all: Value = serde_json::from_str(&written).expect("JSON");
+    let actuators = all["EnergyManagementSystem:Actuator"].as_object().expect("actuators");
+    assert_eq!(actuators.len(), 17);
+    assert!(actuators.values().any(|actuator| actuator["actuated_component_unique_name"] == "South window"));
+}
+
+/// Under suns of the grid, P + 0.2 Q is what `query` gives with one reflection and a ground of 0.2: 3 suns, 16 surfaces, within 0.01 W/m2 of
+/// up to 100. (A mirror makes two of the surfaces brighter, whose light has a table of its own.)
+#[test]
+fn tables_hold_what_a_query_gives() {
+    let folder = boxed(&[]);
+    injected(&folder, DRAFT);
+    let suns: [(usize, usize); 3] = [(120, 45), (200, 60), (300, 20)];
+    let rows = suns.map(|(azimuth, altitude)| format!("a{azimuth},{azimuth},{altitude},1000,0\n")).concat();
+    folder.write("suns.csv", &format!("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n{rows}"));
+    let query = "query out/site.helio --conditions suns.csv --paths none --by surface --reflectance ground=0.2 --columns sun_diffuse";
+    let output = folder.run(query);
+    let lines = stdout(&output);
+    let objects = objects(&text(&folder, "out/model.idf"));
+    let mut compared = 0;
+    for line in lines.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let (azimuth, altitude) = suns[suns.iter().position(|sun| cells[0] == format!("a{}", sun.0)).expect("a sun")];
+        let at = azimuth / 10 * 19 + altitude / 5;
+        let [fixed, by_ground] = ["P", "Q"].map(|letter| table(&objects, cells[1], letter)[at]);
+        let value: f64 = cells[2].parse().expect("a number");
+        assert!((fixed + 0.2 * by_ground - value).abs() < 0.01, "{line}: {fixed} {by_ground}");
+        compared += 1;
+    }
+    assert_eq!(compared, 3 * 16, "{lines}");
+}
+
+/// 7 models that cannot get our light are refused with exit code 2, each with what is wrong and what to do; no model is written.
+#[test]
+fn refusals() {
+    let outdoors = |folder: &Folder| {
+        let none: String = BOX
+            .lines()
+            .filter(|line| {
+                ["Wall:", "Roof,", "Window,", "Door,", "GlazedDoor,", "Fenestration", "Shading:Overhang", "Shading:Fin"]
+                    .iter()
+                    .all(|class| !line.starts_with(class))
+            })
+            .map(|line| line.replace("Outdoors, , SunExposed", "Adiabatic, , NoSun") + "\n")
+            .collect();
+        folder.write("box.idf", &none);
+    };
+    type Changes = &'static [(&'static str, &'static str)];
+    let cases: [(Changes, &[&str]); 4] = [
+        (&[("Version, 25.2;", "Version, 9.6;")], &["EnergyPlus 9.6, and 25.2 is to run it", "Transition tool"]),
+        (&[("Window, Skylight,", "Window, SOUTH window,")], &["`SOUTH window` bears the name of", "a name of its own"]),
+        (
+            &[(
+                "Output:Surfaces:List, D",
+                "EnergyManagementSystem:Actuator, a, East, Surface, View Factor To Ground;\nOutput:Surfaces:List, D",
+            )],
+            &["`East` already: light would be injected twice"],
+        ),
+        (&[("Version, 25.2;", "##include x.idf")], &["macro"]),
+    ];
+    for (changes, parts) in cases {
+        let folder = boxed(changes);
+        folder.refused(&format!("energyplus box.idf {DRAFT}"), parts);
+        assert!(!folder.path("out/model.idf").exists(), "{parts:?}");
+    }
+    let folder = Folder::new();
+    outdoors(&folder);
+    folder.refused(
+        &format!("energyplus box.idf {DRAFT}"),
+        &["box.idf: ", "no wall, roof or window that the sun may reach", "`SunExposed`"],
+    );
+    folder.refused(&format!("energyplus scene.obj {DRAFT}"), &["is no model of EnergyPlus by its name", "--scene"]);
+    folder.refused(&format!("energyplus box.idf {DRAFT} --run"), &["--weather"]);
+}
+
+/// A model that heliotile has written is refused; other spacing in a folder with results is, too, and replaces them with `--replace`; equal
+/// inputs trace nothing again: 2 refusals.
+#[test]
+fn what_is_there_is_kept() {
+    let folder = boxed(&[]);
+    injected(&folder, DRAFT);
+    folder.refused("energyplus out/model.idf -o other", &["injected twice", "as it was before"]);
+    let first = text(&folder, "out/model.idf");
+    let said = injected(&folder, DRAFT);
+    assert!(said.contains("nothing is traced again") && text(&folder, "out/model.idf") == first, "{said}");
+    let wider = format!("{DRAFT} --spacing 2m");
+    folder.refused(&format!("energyplus box.idf {wider}"), &["holds results of other inputs", "--replace"]);
+    injected(&folder, &format!("{wider} --replace"));
+    assert_ne!(text(&folder, "out/model.idf"), first);
+}
+
+/// Where the ground reflects nothing in January, 0.01 is written and the program takes its light away in month 1; other months keep their
+/// 0.3; a distribution with interior light keeps that.
+#[test]
+fn black_ground_in_a_month() {
+    let months = "Site:GroundReflectance, 0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3;\nZone, Hall";
+    let folder = boxed(&[("Zone, Hall", months), ("FullExteriorWith", "FullInteriorAndExteriorWith")]);
+    let said = injected(&folder, DRAFT);
+    assert!(said.contains("reflects nothing in 1 of 12 months"), "{said}");
+    let objects = objects(&text(&folder, "out/model.idf"));
+    let ground = of(&objects, "Site:GroundReflectance");
+    assert_eq!((ground[0][1].as_str(), ground[0][2].as_str()), ("0.01", "0.3"));
+    assert_eq!(of(&objects, "Building")[0][6], "FullInteriorAndExterior");
+    let program = of(&objects, "EnergyManagementSystem:Program")[0].join("\n");
+    assert_eq!(program.matches("IF Month == 1").count(), 1, "{program}");
+}
+
+/// Names with commas and quotes work in epJSON: the actuator of 1 window bears such a name, and the report shows it.
+#[test]
+fn names_with_commas() {
+    let folder = Folder::new();
+    let before = fs::read_to_string(model("box.epJSON")).expect("a model");
+    folder.write("box.epJSON", &before.replace("\"South window\"", "\"South, \\\"big\\\" | window\""));
+    let output = folder.run(&format!("energyplus box.epJSON {DRAFT}"));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let all: Value = serde_json::from_str(&text(&folder, "out/model.epJSON")).expect("JSON");
+    let actuators = all["EnergyManagementSystem:Actuator"].as_object().expect("actuators").values();
+    let named = actuators.filter(|a| a["actuated_component_unique_name"] == "South, \"big\" | window");
+    assert_eq!(named.count(), 1);
+    assert!(text(&folder, "out/report.md").contains("| South, \"big\" \\| window | window |"));
+}
+
+/// 4 things that do not see our light are warned of, and a window over the edge of its wall gets the wall's tables.
+#[test]
+fn warnings() {
+    let more = "WindowShadingControl, c, Hall, 1, ExteriorBlind, , OnIfHighSolarOnWindow, , 20, No, No, , , , , , South window;\n\
+                Daylighting:Controls, d, Hall;\nGenerator:Photovoltaic, p, Roof, PhotovoltaicPerformance:Simple;\nZone, Hall";
+    let folder = boxed(&[("Zone, Hall", more), ("South, , 1, 1, 1, 3, 1.2", "South, , 1, 6, 1, 3, 1.2")]);
+    let said = injected(&folder, DRAFT);
+    for part in
+        ["exterior blinds and screens", "shading controls follow", "daylighting controls", "modules and collectors"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let report = text(&folder, "out/report.md");
+    assert!(report.contains("South window: reaches over an edge of `south`"), "{report}");
+    let objects = objects(&text(&folder, "out/model.idf"));
+    let program: Vec<&String> = of(&objects, "EnergyManagementSystem:Program").into_iter().flatten().collect();
+    let actuator =
+        of(&objects, "EnergyManagementSystem:Actuator").into_iter().find(|a| a[2] == "South window").expect("one");
+    let walls = of(&objects, "EnergyManagementSystem:Actuator").into_iter().find(|a| a[2] == "South").expect("one");
+    let sky =
+        |name: &str| program.iter().find_map(|line| line.strip_prefix(&format!("SET {name} = HT1_D"))).expect("a line");
+    assert_eq!(sky(&actuator[1]), sky(&walls[1]));
+}
+
+/// A block of 20 m in front of the model becomes 5 shading surfaces of its own faces, which the model lacks alone, and makes the wall that faces
+/// it brighter by what it reflects; surroundings in national coordinates are refused without `--at`.
+#[test]
+fn surroundings() {
+    let folder = boxed(&[]);
+    let corners = [(-30, -30, 0), (10, -30, 0), (10, -20, 0), (-30, -20, 0)];
+    let at = |z: i32, e: i32| corners.map(|(x, y, _)| format!("v {} {} {z}\n", x + e, y + e)).concat();
+    let faces = "usemtl white\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 6 7 8\n";
+    folder.write("block.obj", &(at(0, 0) + &at(20, 0) + faces));
+    folder.write("far.obj", &(at(0, 400_000) + &at(20, 400_000) + faces));
+    folder.write("white.toml", "[white]\ndiffuse = 0.8\n");
+    let base = format!("{DRAFT} --materials white.toml");
+    let said = injected(&folder, &format!("{base} --scene block.obj"));
+    assert!(said.contains("5 polygons as Shading:Site:Detailed"), "{said}");
+    let near = objects(&text(&folder, "out/model.idf"));
+    assert_eq!(of(&near, "Shading:Site:Detailed").len(), 5);
+    let p = |objects: &[Vec<String>]| table(objects, "South", "P").iter().sum::<f64>() / 703.0;
+    injected(&folder, &base.replace("-o out", "-o alone"));
+    let alone = objects(&text(&folder, "alone/model.idf"));
+    assert_eq!(of(&alone, "Shading:Site:Detailed").len(), 0);
+    folder.refused(
+        &format!("energyplus box.idf {base} --scene far.obj --replace"),
+        &["far from the model's origin", "--at E,N"],
+    );
+    let moved = base.replace("-o out", "-o moved");
+    injected(&folder, &format!("{moved} --scene far.obj --at 400000,400000"));
+    let moved = objects(&text(&folder, "moved/model.idf"));
+    assert_eq!(of(&moved, "Shading:Site:Detailed"), of(&near, "Shading:Site:Detailed"));
+    assert!((p(&moved) / p(&near) - 1.0).abs() < 0.03, "{} {}", p(&moved), p(&near));
+    assert!(p(&near) > p(&alone) + 5.0, "{} {}", p(&near), p(&alone));
+}
+
+/// EnergyPlus itself runs what was written: over three days of March the sun that opaque surfaces absorb is within 1 % of its own
+/// reflections, where leaving these out costs more. Says so where no EnergyPlus is named by HELIOTILE_ENERGYPLUS.
+#[test]
+fn energyplus_runs_it() {
+    let Some(engine) = std::env::var_os("HELIOTILE_ENERGYPLUS") else {
+        eprintln!("not run: HELIOTILE_ENERGYPLUS names no folder of EnergyPlus 25.2");
+        return;
+    };
+    let days = "RunPeriod, day, 3, 20, , 3, 22";
+    let folder = boxed(&[("RunPeriod, day, 1, 1, , 1, 1", days), ("No, No, No, Yes, No", "No, No, No, No, Yes")]);
+    let mut command = folder.command("energyplus box.idf --physics energyplus --run -o out --weather");
+    let output = command.arg(golden()).arg("--energyplus").arg(engine).output().expect("the program");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = text(&folder, "out/report.md");
+    let section = report.split("## Sun absorbed by opaque surfaces").nth(1).expect("a section");
+    let all = section.lines().find(|line| line.starts_with("| all |")).expect("a sum");
+    let cells: Vec<f64> = all.split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
+    let (without, ours) = (cells[3], cells[4]);
+    assert!(ours.abs() < 1.0 && without.abs() > ours.abs(), "{all}");
+}
