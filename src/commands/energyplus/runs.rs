@@ -70,7 +70,13 @@ impl Engine {
         let done = command.arg(&file).output().map_err(Error::io(&self.program, "run"))?;
         let seconds = begun.elapsed().as_secs_f64();
         let errors = folder.join("eplusout.err");
-        if !done.status.success() || !eso.is_file() {
+        if done.status.success() && !eso.is_file() {
+            let what =
+                "EnergyPlus finished and reported nothing: the model runs neither a weather file nor a design day";
+            let hint = "set `Run Simulation for Weather File Run Periods` of its SimulationControl to Yes";
+            return Err(Error::input(&file, None, what, hint));
+        }
+        if !done.status.success() {
             let said = fs::read(&errors).unwrap_or_default();
             let said = String::from_utf8_lossy(&said);
             let severe = said.lines().find(|line| line.contains("** Severe") || line.contains("**  Fatal"));
