@@ -4,7 +4,6 @@
 import json
 
 import numpy as np
-
 import parts
 
 NAME = "reflected.csv"

@@ -1,5 +1,5 @@
-"""The picture of the hours of a day. In: surface -> part of the light -> (ours, EnergyPlus's) of 24 hours, W/m2. Out: an SVG, a row
-a surface, direct light on the left, reflected light by kind on the right; lines are ours, dots EnergyPlus's own."""
+"""The picture of the hours of a day. In: surface -> part of the light -> (ours, EnergyPlus's) of 24 hours, W/m2. Out: an SVG: a
+row a surface, direct light on the left, reflected light by kind on the right; lines are ours, dots EnergyPlus's own."""
 
 import math
 from html import escape

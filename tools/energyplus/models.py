@@ -18,7 +18,7 @@ CHICAGO_EPW = PAYLOAD / "WeatherData" / "USA_IL_Chicago-OHare.Intl.AP.725300_TMY
 OFFICE = pathlib.Path(__file__).with_name("office.epJSON.gz")
 
 YEAR = ((1, 1), (12, 31))
-FORTNIGHT = ((3, 7), (3, 20))
+DAYS_FROM = (3, 7)
 BAND = [(0.06, 0.47, 0.22, 0.85), (0.53, 0.94, 0.22, 0.85)]
 WIDE = [(0.1, 0.9, 0.22, 0.85)]
 
@@ -51,20 +51,21 @@ def box(period=YEAR, steps=4):
 
 
 def ell(period=YEAR, steps=4):
-    """Six zones on two floors round a court open to south and east, between three neighbours of reflectance 0.1 to 0.6."""
+    """Ten zones on two floors round a court open to south and east, between three neighbours of reflectance 0.1 to 0.6."""
     model = parts.base(parts.GOLDEN, period, steps)
-    shares = [(0.06, 0.47, 0.25, 0.85), (0.53, 0.94, 0.25, 0.85)]
-    every = {side: shares for side in parts.SIDES}
+    windows = {side: [(0.15, 0.85, 0.25, 0.85)] for side in parts.SIDES}
+    # Floor plans, and the sides where the next zone stands. EnergyPlus gives a wall one share of the sky, so none is long.
+    plans = {
+        "north east": ((16.5, 18, 24, 27), ("west",)),
+        "north": ((9, 18, 16.5, 27), ("west", "east")),
+        "corner": ((0, 18, 9, 27), ("east", "south")),
+        "west": ((0, 9, 9, 18), ("north", "south")),
+        "west south": ((0, 0, 9, 9), ("north",)),
+    }
     for floor in range(2):
         low, high, roof, ground = 3.2 * floor, 3.2 * floor + 3.2, floor == 1, floor == 0
-        plans = {
-            "north": ((9, 18, 24, 27), ("west",)),
-            "corner": ((0, 18, 9, 27), ("east", "south")),
-            "west": ((0, 0, 9, 18), ("north",)),
-        }
         for name, (plan, inside) in plans.items():
-            zone = f"{name} {floor + 1}"
-            parts.zone(model, zone, plan, low, high, inside, every, "Wall 60", roof, ground)
+            parts.zone(model, f"{name} {floor + 1}", plan, low, high, inside, windows, "Wall 60", roof, ground)
     neighbours = (
         ("Dark", (-30, 0, -12, 24), 16.0, "east", 0.1, 0.0),
         ("Grey", (0, -34, 24, -14), 10.0, "north", 0.35, 0.0),

@@ -1,15 +1,15 @@
 """The paper's experiment. In: the dense block, EnergyPlus, heliotile. Out: Table 1 (seconds of each part with 256 and 1,024 rays
 a receiver, beside EnergyPlus's own) as CSV and Markdown; Fig. 7 (hours of a day at five surfaces) as CSV and SVG."""
 
+import json
 import shutil
-
-import numpy as np
 
 import block
 import compare
 import curves
 import light
 import models
+import numpy as np
 import parts
 import runs
 import study
@@ -17,13 +17,14 @@ import study
 RAYS = {256: 16, 1024: 32}  # Rays of a receiver's map, and the side of the texture that they fill.
 DAY = (5, 18)
 SURFACES = ("east 4 south window 1", "east 4 east window 1", "west 4 north window 1", "west 4 west window 1", "east 7 top")
-COOLING_BOUND = 2.0
 UPDATE_DAYS = 20
+STEPS = 4
+SHORT, LONGER = 7, 7 + UPDATE_DAYS  # days of runs with one update of the shadows and with two
 UPDATES_A_YEAR = 19
 
 
 def settings(side):
-    """Options of a build with side x side rays, and a quarter of 1,024 a map of what is seen, as in the paper."""
+    """Options of a build with side x side rays a map, and 256 a map of what is seen, as in the paper."""
     values = {"sky_base": side, "sky_fine": side, "hit": side, "probe": 16}
     return [word for name, value in values.items() for word in ("--set", f"{name}={value}")]
 
@@ -36,62 +37,65 @@ def experiment(folder):
         f"{len(parts.exposed(case.model))} surfaces in the sun",
         flush=True,
     )
-    here = folder / "dense"
-    none, own = study.baselines(case, here, "Timestep")
-    series, areas = own.series(), models.window_areas(case.model)
-    table = study.Table()
-    table.add("dense", "none", compare.deviation(series, none.series(), areas), none.user_s)
-    columns = {"none": {"EnergyPlus": none.user_s}, "own": {"EnergyPlus": own.user_s}}
-    for rays, side in RAYS.items():
-        columns[f"{rays} rays"], found = injected(case, series, here / f"rays-{rays}", side)
-        table.add("dense", f"{rays} rays", found, sum(columns[f"{rays} rays"].values()), {"cooling": COOLING_BOUND})
-    years = year(folder)
-    table_1(here, columns, years)
-    figure_7(here, here / "rays-1024" / "heliotile" / "site.helio", series)
+    here, table = folder / "dense", study.Table()
+    # Loads: every hour has its own shadows. The steps' series are those of Fig. 7.
+    own = compared(case, here, table, "Timestep")
+    # Seconds: EnergyPlus as it comes, with shadows every 20 days; a week, and as much longer as the next update takes.
+    columns = {}
+    for days in (SHORT, LONGER):
+        long = block.case((block.WEEK[0], models.after(block.WEEK[0], days)), STEPS, UPDATE_DAYS)
+        none_s, own_s = (run.user_s for run in study.baselines(long, folder / f"dense-{days}"))
+        columns[days] = {"without": {"EnergyPlus": none_s}, "its own": {"EnergyPlus": own_s}}
+        for rays, side in RAYS.items():
+            columns[days][f"{rays} rays"] = injected(long, folder / f"dense-{days}", rays, side)[1]
+    table_1(here, columns)
+    figure_7(here, here / "rays-1024" / "heliotile" / "site.helio", own)
     return table.end(here)
 
 
-def injected(case, series, folder, side):
-    """Seconds of each part of the way to an injected run, and how its loads deviate."""
+def compared(case, folder, table, frequency):
+    """EnergyPlus without reflections and injected, beside its own; the series of its own."""
+    none, own = study.baselines(case, folder, frequency)
+    series, areas = own.series(), models.window_areas(case.model)
+    table.add(case.name, "none", compare.deviation(series, none.series(), areas), none.user_s)
+    for rays, side in RAYS.items():
+        run, seconds = injected(case, folder, rays, side)
+        found = compare.deviation(series, run.series(), areas)
+        table.add(case.name, f"{rays} rays", found, sum(seconds.values()), {"cooling": case.bound})
+    print(f"{'':<26}EnergyPlus {none.user_s:.1f} s without, {own.user_s:.1f} s with its own")
+    return series
+
+
+def injected(case, folder, rays, side):
+    """An injected run, and the seconds of each part of the way to it."""
+    folder /= f"rays-{rays}"
     folder.mkdir(parents=True, exist_ok=True)
     source, out = folder / "given.epJSON", folder / "heliotile"
-    source.write_text(study.json.dumps(parts.outputs(case.model, "Timestep")))
+    source.write_text(json.dumps(case.model))
     shutil.rmtree(out, ignore_errors=True)
-    made = runs.seconds([study.HELIOTILE, "energyplus", source, "--physics", "energyplus", "-o", out, "--quiet", *settings(side)])
+    command = [study.HELIOTILE, "energyplus", source, "--physics", "energyplus", "-o", out, "--quiet"]
+    made = runs.seconds([*command, *settings(side)])
     # The same steps one by one, to share those seconds out.
     read = runs.seconds([study.HELIOTILE, "receivers", source, "-o", folder / "receivers.csv", "--quiet"])
     inputs = [source, "-r", out / "receivers.csv", "-o", folder / "site.helio", "--fresh", "--quiet"]
     built = runs.seconds([study.HELIOTILE, "build", *inputs, *settings(side)]) - read
     run = runs.run(out / "model.epJSON", case.weather, folder / "run")
-    found = compare.deviation(series, run.series(), models.window_areas(case.model))
-    return {"scene": read, "rays": built, "tables and model": made - read - built, "EnergyPlus": run.user_s}, found
+    return run, {"scene": read, "rays": built, "tables and model": made - read - built, "EnergyPlus": run.user_s}
 
 
-def year(folder):
-    """Seconds of a year by kind of run, shadows every 20 days as by default: from runs with one update and with two."""
-    found = {}
-    for own in (False, True):
-        times = []
-        for days in (20, 40):
-            case = block.case(((4, 1), models.after((4, 1), days)), update=UPDATE_DAYS)
-            model = runs.with_distribution(case.model, own)
-            times.append(runs.run(model, case.weather, folder / f"dense-{days}" / ("own" if own else "none")).user_s)
-        once, twice = times
-        found["own" if own else "none"] = once + (UPDATES_A_YEAR - 1) * (twice - once)
-    return found
-
-
-def table_1(folder, columns, years):
-    """Writes Table 1."""
+def table_1(folder, columns):
+    """Writes Table 1: seconds of a week by part, and of the year that runs with one update of the shadows and with two make."""
+    week, longer = columns[SHORT], columns[LONGER]
     names = ("scene", "rays", "tables and model", "EnergyPlus")
-    rows = [[name, *(f"{columns[run].get(name, 0.0):.1f}" for run in columns)] for name in names]
-    sums = [sum(column.values()) for column in columns.values()]
-    rows.append(["together", *(f"{total:.1f}" for total in sums)])
-    rows.append(["times faster than EnergyPlus's own", *(f"{sums[1] / total:.1f}" for total in sums)])
-    rows.append(
-        ["a year, shadows every 20 days, extrapolated", *(f"{years[run]:.0f}" if run in years else "" for run in columns)]
-    )
-    head = ["CPU seconds", *columns]
+    rows = [[name, *(f"{column.get(name, 0.0):.1f}" for column in week.values())] for name in names]
+    sums = [sum(column.values()) for column in week.values()]
+    rows.append(["a week", *(f"{total:.1f}" for total in sums)])
+    rows.append(["faster than its own", *(f"{sums[1] / total:.1f}" for total in sums)])
+    every = [longer[run]["EnergyPlus"] - week[run]["EnergyPlus"] for run in week]
+    years = [total + (UPDATES_A_YEAR - 1) * more for total, more in zip(sums, every)]
+    rows.append(["a year, extrapolated", *(f"{total:.0f}" for total in years)])
+    rows.append(["faster than its own", *(f"{years[1] / total:.1f}" for total in years)])
+    head = ["CPU seconds", *week]
     study.write(folder / "table1.csv", head, rows)
     lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
     (folder / "table1.md").write_text("\n".join(lines) + "\n")
@@ -100,15 +104,14 @@ def table_1(folder, columns, years):
 
 def figure_7(folder, archive, series):
     """Writes Fig. 7: hourly means of a day of what EnergyPlus reports and of what the archive has, under EnergyPlus's suns."""
-    options = ["--paths", "first", "--bounces", "1", "--sky", "perez1990"]
-    ours = light.ours(study.HELIOTILE, archive, series, SURFACES, folder, options)
+    lights = light.ours(study.HELIOTILE, archive, series, SURFACES, folder)
     at = np.array([time[1:3] == DAY for time in series.times])
     hours = np.array([time[3] for time in series.times])[at]
     rows, pictures = [], {}
     for surface in SURFACES:
-        theirs, mine = light.own(series, surface), ours[surface.upper()]
-        for part in light.NAMES.values():
-            means = [[values[part][at][hours == hour].mean() for hour in range(1, 25)] for values in (mine, theirs)]
+        for part, theirs in light.own(series, surface).items():
+            ours = lights[surface.upper()][part]
+            means = [[values[at][hours == hour].mean() for hour in range(1, 25)] for values in (ours, theirs)]
             pictures.setdefault(surface, {})[part] = means
             rows += [[surface, hour - 0.5, part, *(f"{column[hour - 1]:.3f}" for column in means)] for hour in range(1, 25)]
     study.write(folder / "fig7.csv", ["surface", "hour", "light", "heliotile_w_m2", "energyplus_w_m2"], rows)

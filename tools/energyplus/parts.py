@@ -37,7 +37,6 @@ GOLDEN = {"latitude": 39.74, "longitude": -105.18, "time_zone": -7.0, "elevation
 
 def base(location, period, steps=4, distribution="FullExterior", north_axis_deg=0.0, ground=(0.2,) * 12):
     """A model without zones. `period` is ((month, day), (month, day)), `location` the place of its weather file."""
-    (m0, d0), (m1, d1) = period
     return {
         "Version": {"Version 1": {"version_identifier": "25.2"}},
         "Building": {
@@ -64,17 +63,7 @@ def base(location, period, steps=4, distribution="FullExterior", north_axis_deg=
                 "coordinate_system": "World",
             }
         },
-        "RunPeriod": {
-            "Period": {
-                "begin_month": m0,
-                "begin_day_of_month": d0,
-                "end_month": m1,
-                "end_day_of_month": d1,
-                "day_of_week_for_start_day": "Monday",
-                "use_weather_file_daylight_saving_period": "No",
-                "use_weather_file_holidays_and_special_days": "No",
-            }
-        },
+        "RunPeriod": {"Period": run_period(period)},
         "ShadowCalculation": {
             "Shadows": {
                 "shading_calculation_method": "PolygonClipping",
@@ -101,6 +90,26 @@ def base(location, period, steps=4, distribution="FullExterior", north_axis_deg=
         "Site:GroundTemperature:BuildingSurface": {"Soil": {f"{month}_ground_temperature": 18.0 for month in MONTHS}},
         **materials(),
     }
+
+
+def run_period(period):
+    """Days from (month, day) to (month, day), from a Monday on."""
+    (m0, d0), (m1, d1) = period
+    return {
+        "begin_month": m0,
+        "begin_day_of_month": d0,
+        "end_month": m1,
+        "end_day_of_month": d1,
+        "day_of_week_for_start_day": "Monday",
+        "use_weather_file_daylight_saving_period": "No",
+        "use_weather_file_holidays_and_special_days": "No",
+    }
+
+
+def also(model, *periods):
+    """Adds further periods."""
+    for k, period in enumerate(periods):
+        model["RunPeriod"][f"Period {k + 2}"] = run_period(period)
 
 
 def materials():

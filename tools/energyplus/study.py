@@ -6,17 +6,22 @@ In: names of models. Out: a table, target/energyplus/table.csv and by-surface.cs
 import argparse
 import csv
 import json
+import os
 import pathlib
+import shutil
 import sys
 
 import channel
 import compare
+import light
 import models
+import numpy as np
 import parts
 import runs
 import variants
 
-HELIOTILE = runs.ROOT / "target" / "release" / "heliotile"
+HELIOTILE = pathlib.Path(os.environ.get("HELIOTILE", runs.ROOT / "target" / "release" / "heliotile"))
+LIGHT_DAYS = 14
 CHANNEL = ("plain", "hourly", "six-steps", "interior")
 SUN_BOUND = 3.0
 DAILY_BOUND = 1.0
@@ -102,10 +107,8 @@ def heliotile(model, folder, physics):
     source, out = folder / "given.epJSON", folder / "heliotile"
     folder.mkdir(parents=True, exist_ok=True)
     source.write_text(json.dumps(model, indent=1))
-    if out.exists():
-        for file in out.iterdir():
-            file.unlink()
-    seconds = runs.seconds([HELIOTILE, "energyplus", source, "--physics", physics, "-o", out])
+    shutil.rmtree(out, ignore_errors=True)
+    seconds = runs.seconds([HELIOTILE, "energyplus", source, "--physics", physics, "-o", out, "--quiet"])
     return out / "model.epJSON", seconds
 
 
@@ -125,6 +128,24 @@ def compared(case, folder, physics, table):
     print(f"{'':<26}{took}; tables {build_s:.1f} s")
 
 
+def by_part(name, folder):
+    """Prints and writes W/m2 of each surface by part of the light, ours beside EnergyPlus's, under its suns and irradiances."""
+    case = variants.case(name, folder / "weather", LIGHT_DAYS)
+    here = folder / f"light-{name}"
+    series, surfaces = baselines(case, here, "Timestep")[1].series(), parts.exposed(case.model)
+    heliotile(case.model, here, "energyplus")
+    archive = here / "heliotile" / "site.helio"
+    lights = light.ours(HELIOTILE, archive, series, surfaces, here)
+    rows = []
+    for surface in surfaces:
+        for part, theirs in light.own(series, surface).items():
+            ours = lights[surface.upper()][part]
+            rms = np.sqrt(np.mean((ours - theirs) ** 2))
+            rows.append([surface, part, *(f"{value:.3f}" for value in (theirs.mean(), ours.mean(), rms))])
+            print(f"{surface:<26}{part:<26}{theirs.mean():>9.2f}{ours.mean():>9.2f}{rms:>9.2f}")
+    write(folder / f"light-{name}.csv", ["surface", "light", "energyplus_w_m2", "heliotile_w_m2", "rms_w_m2"], rows)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="tools/energyplus/run", description=__doc__.splitlines()[0])
     known = ["channel", *models.YEARS, "variants", *variants.VARIANTS]
@@ -137,7 +158,12 @@ def main():
     parser.add_argument(
         "--paper", action="store_true", help="the dense block: seconds of each part, hours of a day at five surfaces"
     )
+    parser.add_argument(
+        "--light", choices=[*models.YEARS, *variants.VARIANTS], help="each part of the light by surface, ours beside EnergyPlus's"
+    )
     asked = parser.parse_args()
+    if asked.light:
+        return by_part(asked.light, asked.keep)
     if asked.paper:
         import paper
 

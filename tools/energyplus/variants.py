@@ -2,15 +2,19 @@
 study by its name."""
 
 import parts
-from models import BAND, FORTNIGHT, GOLDEN_EPW, WIDE, YEAR, YEARS, Case, after, half
+from models import DAYS_FROM, GOLDEN_EPW, YEAR, YEARS, Case, after
+
+WEEKS = ((1, 10), (1, 16)), ((7, 10), (7, 16))
 
 
-def small(period=FORTNIGHT, steps=4, **options):
+def small(periods=WEEKS, steps=4, **options):
     """The box of the variants: the mirror facade is smaller, one house more stands before it."""
-    model = parts.base(parts.GOLDEN, period, steps, **options)
-    windows = {"south": BAND, "east": WIDE, "north": BAND, "west": WIDE}
+    model = parts.base(parts.GOLDEN, periods[0], steps, **options)
+    parts.also(model, *periods[1:])
+    pair, single = [(0.1, 0.43, 0.3, 0.8), (0.57, 0.9, 0.3, 0.8)], [(0.2, 0.8, 0.3, 0.8)]
+    windows = {"south": pair, "east": single, "north": pair, "west": single}
     parts.zone(model, "Box", (0, 0, 10, 8), 0.0, 3.5, windows=windows, wall="Wall 40", roof=True, ground=True)
-    parts.facade(model, "Tower", (-5, 20), (15, 20), 0.0, 20.0, 4, 4, 0.3, half(0.8))
+    parts.facade(model, "Tower", (-5, 20), (15, 20), 0.0, 20.0, 4, 4, 0.3, lambda i, k: 0.5)
     parts.facade(model, "West house", (-12, -4), (-12, 12), 0.0, 9.0, 4, 3, 0.45)
     return parts.outputs(model)
 
@@ -22,22 +26,21 @@ def daylight_saving(folder):
 
 
 def monthly_ground(folder):
-    return small(((2, 22), (3, 7)), ground=(0.2, 0.5, 0.15, *(0.2,) * 9)), GOLDEN_EPW
+    return small(ground=(0.5, *(0.2,) * 5, 0.12, *(0.2,) * 5)), GOLDEN_EPW
 
 
 def snow(folder):
     model = small()
     model["Site:GroundReflectance:SnowModifier"] = {"Snow": {"ground_reflected_solar_modifier": 3.0}}
     weather = folder / "snow.epw"
-    edited(GOLDEN_EPW, weather, lambda f: f[:30] + ["10" if (f[1], int(f[2])) < ("3", 14) and f[1] == "3" else "0"] + f[31:])
+    edited(GOLDEN_EPW, weather, lambda f: f[:30] + ["10" if f[1] == "1" and int(f[2]) < 14 else "0"] + f[31:])
     return model, weather
 
 
 def leap_year(folder):
-    model = small(((2, 22), (3, 6)))
-    model["RunPeriod"]["Period"].update(begin_year=2024, end_year=2024)
-    # The year's first day was a Monday; the field says on which day of the week the period starts.
-    model["RunPeriod"]["Period"]["day_of_week_for_start_day"] = "Thursday"
+    model = small((((2, 23), (3, 1)), WEEKS[1]))
+    for period, weekday in zip(model["RunPeriod"].values(), ("Friday", "Wednesday")):
+        period.update(begin_year=2024, end_year=2024, day_of_week_for_start_day=weekday)
     weather = folder / "leap.epw"
     edited(GOLDEN_EPW, weather, lambda f: ["2024", *f[1:]], leap=True)
     return model, weather
@@ -176,8 +179,8 @@ def shades(folder):
 VARIANTS = {
     "plain": ("the small box as it is", lambda folder: (small(), GOLDEN_EPW)),
     "daylight-saving": ("daylight saving from 12 March", daylight_saving),
-    "monthly-ground": ("ground 0.5 in February, 0.15 in March", monthly_ground),
-    "snow": ("ground x 3 while snow lies, a week", snow),
+    "monthly-ground": ("ground 0.5 in January, 0.12 in July", monthly_ground),
+    "snow": ("ground x 3 while snow lies, four days", snow),
     "design-days": ("three clear design days", design_days),
     "hourly": ("1 time step an hour", lambda folder: (small(steps=1), GOLDEN_EPW)),
     "six-steps": ("6 time steps an hour", lambda folder: (small(steps=6), GOLDEN_EPW)),
@@ -195,7 +198,7 @@ def case(name, folder, days=None):
     """A case by its name; `days` shortens a year to so many days from 7 March."""
     if name in YEARS:
         question, made, weather = YEARS[name]
-        period = YEAR if days is None else (FORTNIGHT[0], after(FORTNIGHT[0], days))
+        period = YEAR if days is None else (DAYS_FROM, after(DAYS_FROM, days))
         return Case(name, made(period), weather, 0.5, question)
     question, made = VARIANTS[name]
     model, weather = made(folder)
