@@ -4,6 +4,7 @@
 import json
 
 import numpy as np
+
 import parts
 
 NAME = "reflected.csv"

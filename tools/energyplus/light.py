@@ -5,6 +5,7 @@ import csv
 import subprocess
 
 import numpy as np
+
 import parts
 
 # What heliotile calls the parts that EnergyPlus reports.

@@ -51,16 +51,15 @@ def box(period=YEAR, steps=4):
 
 
 def ell(period=YEAR, steps=4):
-    """Ten zones on two floors round a court open to south and east, between three neighbours of reflectance 0.1 to 0.6."""
+    """Six zones on two floors round a court that is open to north and east, between neighbours of reflectance 0.1 to 0.6."""
     model = parts.base(parts.GOLDEN, period, steps)
-    windows = {side: [(0.15, 0.85, 0.25, 0.85)] for side in parts.SIDES}
-    # Floor plans, and the sides where the next zone stands. EnergyPlus gives a wall one share of the sky, so none is long.
+    shares = [(0.06, 0.47, 0.25, 0.85), (0.53, 0.94, 0.25, 0.85)]
+    windows = {side: shares for side in parts.SIDES}
+    # Floor plans, and the sides where the next zone stands.
     plans = {
-        "north east": ((16.5, 18, 24, 27), ("west",)),
-        "north": ((9, 18, 16.5, 27), ("west", "east")),
-        "corner": ((0, 18, 9, 27), ("east", "south")),
-        "west": ((0, 9, 9, 18), ("north", "south")),
-        "west south": ((0, 0, 9, 9), ("north",)),
+        "south": ((9, 0, 24, 9), ("west",)),
+        "corner": ((0, 0, 9, 9), ("east", "north")),
+        "west": ((0, 9, 9, 27), ("south",)),
     }
     for floor in range(2):
         low, high, roof, ground = 3.2 * floor, 3.2 * floor + 3.2, floor == 1, floor == 0
@@ -69,11 +68,11 @@ def ell(period=YEAR, steps=4):
     neighbours = (
         ("Dark", (-30, 0, -12, 24), 16.0, "east", 0.1, 0.0),
         ("Grey", (0, -34, 24, -14), 10.0, "north", 0.35, 0.0),
-        ("Bright", (36, 2, 54, 26), 20.0, "west", 0.6, 0.4),
+        ("Bright", (36, 2, 54, 26), 20.0, "west", 0.6, 0.2),
     )
     for name, plan, height, side, diffuse, glazed in neighbours:
         start, end = parts.edges(*plan)[side]
-        parts.facade(model, f"{name} face", start, end, 0.0, height, 5, 4, diffuse, half(glazed))
+        parts.facade(model, f"{name} face", start, end, 0.0, height, 5, 4, diffuse, lambda i, k, share=glazed: share)
         for other in parts.SIDES:
             if other != side:
                 parts.facade(model, f"{name} {other}", *parts.edges(*plan)[other], 0.0, height, 1, 1, diffuse)

@@ -1,20 +1,20 @@
 """The paper's experiment. In: the dense block, EnergyPlus, heliotile. Out: Table 1 (seconds of each part with 256 and 1,024 rays
-a receiver, beside EnergyPlus's own) as CSV and Markdown; Fig. 7 (hours of a day at five surfaces) as CSV and SVG."""
+a receiver and as builds come, beside EnergyPlus's own) as CSV and Markdown; Fig. 7 (hours of a day at five surfaces) as CSV and SVG."""
 
 import json
 import shutil
+
+import numpy as np
 
 import block
 import compare
 import curves
 import light
 import models
-import numpy as np
 import parts
 import runs
 import study
 
-RAYS = {256: 16, 1024: 32}  # Rays of a receiver's map, and the side of the texture that they fill.
 DAY = (5, 18)
 SURFACES = ("east 4 south window 1", "east 4 east window 1", "west 4 north window 1", "west 4 west window 1", "east 7 top")
 UPDATE_DAYS = 20
@@ -27,6 +27,10 @@ def settings(side):
     """Options of a build with side x side rays a map, and 256 a map of what is seen, as in the paper."""
     values = {"sky_base": side, "sky_fine": side, "hit": side, "probe": 16}
     return [word for name, value in values.items() for word in ("--set", f"{name}={value}")]
+
+
+# The paper's rays a receiver, and what a build takes if nothing is asked for.
+BUILDS = {"256 rays": settings(16), "1024 rays": settings(32), "standard": []}
 
 
 def experiment(folder):
@@ -46,10 +50,10 @@ def experiment(folder):
         long = block.case((block.WEEK[0], models.after(block.WEEK[0], days)), STEPS, UPDATE_DAYS)
         none_s, own_s = (run.user_s for run in study.baselines(long, folder / f"dense-{days}"))
         columns[days] = {"without": {"EnergyPlus": none_s}, "its own": {"EnergyPlus": own_s}}
-        for rays, side in RAYS.items():
-            columns[days][f"{rays} rays"] = injected(long, folder / f"dense-{days}", rays, side)[1]
+        for build in BUILDS:
+            columns[days][build] = injected(long, folder / f"dense-{days}", build)[1]
     table_1(here, columns)
-    figure_7(here, here / "rays-1024" / "heliotile" / "site.helio", own)
+    figure_7(here, here / "standard" / "heliotile" / "site.helio", own)
     return table.end(here)
 
 
@@ -58,27 +62,27 @@ def compared(case, folder, table, frequency):
     none, own = study.baselines(case, folder, frequency)
     series, areas = own.series(), models.window_areas(case.model)
     table.add(case.name, "none", compare.deviation(series, none.series(), areas), none.user_s)
-    for rays, side in RAYS.items():
-        run, seconds = injected(case, folder, rays, side)
+    for build in BUILDS:
+        run, seconds = injected(case, folder, build)
         found = compare.deviation(series, run.series(), areas)
-        table.add(case.name, f"{rays} rays", found, sum(seconds.values()), {"cooling": case.bound})
+        table.add(case.name, build, found, sum(seconds.values()), {"cooling": case.bound})
     print(f"{'':<26}EnergyPlus {none.user_s:.1f} s without, {own.user_s:.1f} s with its own")
     return series
 
 
-def injected(case, folder, rays, side):
+def injected(case, folder, build):
     """An injected run, and the seconds of each part of the way to it."""
-    folder /= f"rays-{rays}"
+    folder /= build.replace(" ", "-")
     folder.mkdir(parents=True, exist_ok=True)
     source, out = folder / "given.epJSON", folder / "heliotile"
     source.write_text(json.dumps(case.model))
     shutil.rmtree(out, ignore_errors=True)
     command = [study.HELIOTILE, "energyplus", source, "--physics", "energyplus", "-o", out, "--quiet"]
-    made = runs.seconds([*command, *settings(side)])
+    made = runs.seconds([*command, *BUILDS[build]])
     # The same steps one by one, to share those seconds out.
     read = runs.seconds([study.HELIOTILE, "receivers", source, "-o", folder / "receivers.csv", "--quiet"])
     inputs = [source, "-r", out / "receivers.csv", "-o", folder / "site.helio", "--fresh", "--quiet"]
-    built = runs.seconds([study.HELIOTILE, "build", *inputs, *settings(side)]) - read
+    built = runs.seconds([study.HELIOTILE, "build", *inputs, *BUILDS[build]]) - read
     run = runs.run(out / "model.epJSON", case.weather, folder / "run")
     return run, {"scene": read, "rays": built, "tables and model": made - read - built, "EnergyPlus": run.user_s}
 

@@ -11,11 +11,12 @@ import pathlib
 import shutil
 import sys
 
+import numpy as np
+
 import channel
 import compare
 import light
 import models
-import numpy as np
 import parts
 import runs
 import variants
