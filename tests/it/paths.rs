@@ -150,7 +150,7 @@ fn factors_add_up() {
     let archive = Archive::open(&site.path).expect("an archive");
     let opened = OpenSite::of(&archive).expect("a site");
     let grid = SunGrid::new(72.0, 30.0).expect("a grid");
-    let factors = Factors::new(&opened, grid.clone(), ReplaySettings::default()).expect("factors");
+    let factors = Factors::new(&opened, grid, ReplaySettings::default()).expect("factors");
     let mut conditions = grid.conditions(700.0);
     conditions.iter_mut().for_each(|c| c.dhi_w_m2 = 90.0);
     let settings = ReplaySettings { sky: SkyModel::Uniform, paths: LightPaths::FIRST, ..ReplaySettings::default() };

@@ -16,15 +16,14 @@ use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};
-use crate::outputs::energyplus::sun_tables::{
-    GroundRange, ReflectedSky, SunGrid, SurfaceLight, TableRequest, surface_lights,
-};
+use crate::outputs::energyplus::sun_tables::{GroundRange, ReflectedSky, SurfaceLight, TableRequest, surface_lights};
 use crate::outputs::sink::write_texts;
 use around::Around;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::counted;
 use heliotile_scene::input;
 use heliotile_scene::site::Site;

@@ -4,8 +4,9 @@ use super::{Targets, physics_name};
 use crate::cli::{EnergyplusArgs, Physics};
 use crate::outputs::energyplus::injection::Changed;
 use crate::outputs::energyplus::report::{Block, Report};
-use crate::outputs::energyplus::sun_tables::{GroundRange, SunGrid, SurfaceLight};
+use crate::outputs::energyplus::sun_tables::{GroundRange, SurfaceLight};
 use heliotile_core::archive::{Archive, format};
+use heliotile_core::replay::factors::SunGrid;
 
 /// What there is to tell.
 pub struct Told<'a> {

@@ -4,8 +4,9 @@
 use super::document::{Document, ModelObject};
 use super::erl::{Names, SENSORS, SHARED, SurfaceTerms, TABLES, sun_program, surface_lines};
 use super::new_object::{FieldValue, NewObject};
-use super::sun_tables::{GroundLine, NOMINAL_W_M2, ReflectedSky, SunGrid, SurfaceLight};
+use super::sun_tables::{GroundLine, NOMINAL_W_M2, ReflectedSky, SurfaceLight};
 use heliotile_core::error::Result;
+use heliotile_core::replay::factors::SunGrid;
 
 /// Sun tables below this everywhere are not written, W/m2 under 1000 W/m2.
 const NOTHING_W_M2: f64 = 0.005;

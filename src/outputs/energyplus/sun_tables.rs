@@ -12,6 +12,7 @@ use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::Class;
 use heliotile_core::site::model_part::ModelPart;
@@ -22,44 +23,6 @@ use heliotile_core::weather::time::bins::Bins;
 
 /// W/m2 of DNI that tables of the sun stand for, and of DHI for the sky.
 pub const NOMINAL_W_M2: f64 = 1000.0;
-
-/// Lowest sun of a table: constants beyond.
-const LOWEST_DEG: f64 = 0.5;
-
-/// Positions of the sun: azimuths from 0 to 360, altitudes from near the horizon to 90.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SunGrid {
-    pub azimuth_step_deg: f64,
-    pub altitude_step_deg: f64,
-}
-
-impl SunGrid {
-    /// 37 x 19 suns: against a series of 15 minutes cooling is off by 0.02 % (measured).
-    pub const USUAL: SunGrid = SunGrid { azimuth_step_deg: 10.0, altitude_step_deg: 5.0 };
-
-    /// For what mirrors throw, which comes and goes within a few degrees.
-    pub const FINE: SunGrid = SunGrid { azimuth_step_deg: 5.0, altitude_step_deg: 2.5 };
-
-    /// 0 to 360 degrees, both of which are north.
-    pub fn azimuths_deg(&self) -> Vec<f64> {
-        steps(360.0, self.azimuth_step_deg)
-    }
-
-    /// 0.5 to 90 degrees.
-    pub fn altitudes_deg(&self) -> Vec<f64> {
-        let mut all = steps(90.0, self.altitude_step_deg);
-        if let Some(first) = all.first_mut() {
-            *first = LOWEST_DEG;
-        }
-        all
-    }
-}
-
-/// From 0 to `last` in equal steps.
-fn steps(last: f64, step: f64) -> Vec<f64> {
-    let count = (last / step).round().max(1.0);
-    (0..=count as usize).map(|i| last * i as f64 / count).collect()
-}
 
 /// The sky whose reflected light counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -244,17 +207,11 @@ const LOW_SUN_DEG: f64 = 5.0;
 /// A sun beside which 1000 W/m2 are nothing.
 const DULL_W_M2: f64 = 1e9;
 
-/// All suns of the grid but those of 360 degrees.
+/// All suns of the grid but those of 360 degrees, without sky.
 fn suns(grid: SunGrid) -> Vec<Condition> {
-    let azimuths = grid.azimuths_deg();
-    let mut conditions = Vec::new();
-    for azimuth_deg in azimuths.iter().take(azimuths.len().saturating_sub(1)) {
-        for altitude_deg in grid.altitudes_deg() {
-            let sun = direction_from_degrees(*azimuth_deg, altitude_deg);
-            conditions.push(Condition::new(String::new(), &[sun], sun, NOMINAL_W_M2, 0.0));
-        }
-    }
-    conditions
+    let mut all = grid.conditions(NOMINAL_W_M2);
+    all.truncate(all.len().saturating_sub(grid.altitudes_deg().len()));
+    all
 }
 
 /// The same with north again, at 360 degrees.
