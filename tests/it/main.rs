@@ -30,6 +30,7 @@ mod shared;
 mod site;
 mod store;
 mod study;
+mod sums;
 mod terrain;
 mod tidy;
 mod tilted;

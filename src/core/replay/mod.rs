@@ -12,6 +12,7 @@ pub mod reflectances;
 pub mod run;
 mod sources;
 mod specular;
+mod sun_map;
 mod suns;
 mod through_canopy;
 pub mod tile;

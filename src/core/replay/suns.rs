@@ -10,6 +10,7 @@ use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::canopy_transmittance::CanopyTransmittance;
 use crate::replay::specular::MirrorView;
+use crate::replay::sun_map::{Glint, SunMap};
 use crate::sky::disc::disc_texels;
 use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
@@ -37,8 +38,20 @@ struct Part {
     fine: Range<usize>,
 }
 
-/// Suns made ready for receivers' textures.
-pub struct SunLookups {
+/// Suns made ready for receivers' textures: one by one where each has a result, added up where many share one.
+pub enum SunLookups {
+    /// Suns of hours.
+    Each(EachSun),
+    /// Suns of sums.
+    Summed(SunMap),
+}
+
+/// From so many suns a result on they are added up.
+const SUMMED_FROM: usize = 100;
+
+/// Suns one by one.
+#[derive(Default)]
+pub struct EachSun {
     suns: Vec<Sun>,
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
@@ -64,7 +77,6 @@ impl SunLookups {
         normal_w_m2: impl Fn(&Condition) -> f64 + Sync,
     ) -> Self {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
-        let mut found = SunLookups { suns: Vec::new(), parts: Vec::new(), fine: Vec::new() };
         let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
         let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
         let discs: Vec<(Sun, Vec<_>)> = lit
@@ -76,6 +88,10 @@ impl SunLookups {
                 })
             })
             .collect();
+        if discs.len() >= SUMMED_FROM * bins.count.max(1) {
+            return SunLookups::Summed(SunMap::new(glints(&discs, block), sides.sky_base));
+        }
+        let mut found = EachSun::default();
         for (sun, mut disc) in discs {
             let first = found.parts.len();
             disc.sort_by_key(|t| (t.1 / block, t.0 / block));
@@ -91,16 +107,57 @@ impl SunLookups {
             }
             found.suns.push(Sun { parts: first..found.parts.len(), ..sun });
         }
-        found
+        SunLookups::Each(found)
     }
 
     /// Whether there is no sun.
     pub fn is_empty(&self) -> bool {
-        self.suns.is_empty()
+        matches!(self, SunLookups::Each(each) if each.suns.is_empty())
     }
 
     /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
     pub fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
+        match self {
+            SunLookups::Each(each) => each.direct(normal, sky, out),
+            SunLookups::Summed(map) => map.direct(normal, sky, out),
+        }
+    }
+
+    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
+    pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
+        match self {
+            SunLookups::Each(each) => each.by_mirrors(normal, view, out),
+            SunLookups::Summed(map) => map.by_mirrors(normal, view, out),
+        }
+    }
+
+    /// The first of them behind a veil.
+    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
+        match self {
+            SunLookups::Each(each) => each.direct_behind(normal, sky, veil, out),
+            SunLookups::Summed(map) => map.direct_behind(normal, sky, veil, out),
+        }
+    }
+}
+
+/// The light of suns on the texels under their discs.
+fn glints(discs: &[(Sun, Vec<(u32, u32, f32)>)], block: u32) -> Vec<Glint> {
+    let of_sun = |(sun, disc): &(Sun, Vec<(u32, u32, f32)>)| -> Vec<Glint> {
+        let glint = |&(column, row, share): &(u32, u32, f32)| Glint {
+            bin: sun.bin as u32,
+            column: column / block,
+            row: row / block,
+            place: row % block * block + column % block,
+            vector: sun.direction * (sun.strength * f64::from(share)),
+        };
+        disc.iter().map(glint).collect()
+    };
+    discs.par_iter().flat_map_iter(of_sun).collect()
+}
+
+impl EachSun {
+    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
+    fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
             if cos > 0.0 {
@@ -111,7 +168,7 @@ impl SunLookups {
     }
 
     /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
-    pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
+    fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
         let image = view.reflection.image(normal);
         for sun in &self.suns {
             let cos = image.dot(sun.direction);
@@ -127,7 +184,7 @@ impl SunLookups {
     }
 
     /// The same behind a veil.
-    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
+    fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
             if cos > 0.0 {
