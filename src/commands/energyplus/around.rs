@@ -3,14 +3,17 @@
 
 use std::collections::BTreeSet;
 
+use glam::{DVec2, DVec3};
+
 use super::super::{remark, warn};
 use crate::cli::EnergyplusArgs;
 use crate::outputs::energyplus::neighbours::{Neighbours, Spot, convergence_deg};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::site::material::Material;
+use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
+use heliotile_scene::load::Soup;
 use heliotile_scene::site::{MissingGround, Part, Site};
 
 /// A model with its surroundings.
@@ -52,6 +55,7 @@ impl Around {
             Some(origin) => Spot::at(origin, convergence_deg(scene.place.as_ref())),
             None => refuse_far(args, &scene).map(|()| Spot::default())?,
         };
+        how_it_stands(spot.origin, &soup, &scene.materials).iter().for_each(|text| warn(text));
         let neighbours = Neighbours::of(&soup, &scene.materials, spot);
         let mut site = Site { parts: Vec::new(), ..others };
         // A system that the surroundings are in knows more of true north than the model.
@@ -89,6 +93,48 @@ fn refuse_far(args: &EnergyplusArgs, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
+/// More than this between a model's origin and the ground there is hardly meant, metres.
+const OFF_THE_GROUND_M: f64 = 1.0;
+
+/// What is odd about the place of a model's origin among its surroundings.
+fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<String> {
+    let (low, high) = soup.bounds();
+    let (at, hint) =
+        (format!("the model's origin, {:.1} {:.1}", origin.x, origin.y), "--at E,N,Z says where it stands");
+    let place = origin.truncate();
+    if place.cmplt(low.truncate()).any() || place.cmpgt(high.truncate()).any() {
+        return Some(format!(
+            "{at}, lies outside its surroundings, {:.1} {:.1} to {:.1} {:.1}: there is no ground below it; {hint}",
+            low.x, low.y, high.x, high.y
+        ));
+    }
+    let is_ground = |material: u16| materials.get(usize::from(material)).is_some_and(|m| m.class == Class::Ground);
+    let ground = soup.triangles.iter().zip(&soup.materials).filter(|(_, material)| is_ground(**material));
+    let heights = ground.filter_map(|(corners, _)| {
+        let corners = corners.map(|corner| soup.positions.get(corner as usize).copied());
+        let [Some(a), Some(b), Some(c)] = corners else { return None };
+        height_of([a, b, c], place)
+    });
+    let nearest = heights.min_by(|a, b| (a - origin.z).abs().total_cmp(&(b - origin.z).abs()))?;
+    let off = origin.z - nearest;
+    (off.abs() > OFF_THE_GROUND_M).then(|| {
+        let side = if off > 0.0 { "above" } else { "below" };
+        format!(
+            "{at}, stands {:.1} m {side} the ground of its surroundings, which lies at {nearest:.2} m there; {hint}",
+            off.abs()
+        )
+    })
+}
+
+/// Height of a triangle over a place; `None` beside it and where it is upright.
+fn height_of([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
+    let (ab, ac, ap) = ((b - a).truncate(), (c - a).truncate(), at - a.truncate());
+    let whole = ab.perp_dot(ac);
+    let (v, w) = (ap.perp_dot(ac) / whole, ab.perp_dot(ap) / whole);
+    // False for NaN.
+    (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then(|| a.z + v * (b.z - a.z) + w * (c.z - a.z))
+}
+
 fn say(neighbours: &Neighbours) -> Result<()> {
     let count = neighbours.polygons.len();
     remark(&format!(
@@ -107,4 +153,19 @@ fn say(neighbours: &Neighbours) -> Result<()> {
         ));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A slope of 10 m over 100 m is 2.5 m high a quarter up; beside it and on an upright triangle there is no height: 3 of 3.
+    #[test]
+    fn heights() {
+        let slope = [DVec3::ZERO, DVec3::new(100.0, 0.0, 10.0), DVec3::new(0.0, 100.0, 0.0)];
+        assert_eq!(height_of(slope, DVec2::new(25.0, 10.0)), Some(2.5));
+        assert_eq!(height_of(slope, DVec2::new(80.0, 30.0)), None);
+        let upright = [DVec3::ZERO, DVec3::new(100.0, 0.0, 0.0), DVec3::new(50.0, 0.0, 10.0)];
+        assert_eq!(height_of(upright, DVec2::new(50.0, 0.0)), None);
+    }
 }

@@ -224,10 +224,11 @@ fn targets(document: &Document, lights: &[SurfaceLight], covered: &Covered) -> T
     let number: BTreeMap<String, usize> = lights.iter().enumerate().map(|(i, l)| (l.name.to_lowercase(), i)).collect();
     let mut list: Vec<(String, Option<usize>)> =
         lights.iter().enumerate().map(|(i, light)| (light.name.clone(), Some(i))).collect();
-    let by_wall = checks::openings_left_out(document, &number.keys().cloned().collect());
-    list.extend(by_wall.iter().filter_map(|(name, wall)| Some((name.clone(), Some(*number.get(wall)?)))));
     let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
     let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
+    let known = number.keys().cloned().chain(hidden.iter().map(|name| name.to_lowercase()));
+    let by_wall = checks::openings_left_out(document, &known.collect());
+    list.extend(by_wall.iter().map(|(name, wall)| (name.clone(), number.get(wall).copied())));
     list.extend(hidden.iter().map(|name| (name.clone(), None)));
     Targets { list, by_wall, hidden: hidden.into_iter().collect() }
 }
