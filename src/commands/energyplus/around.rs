@@ -64,7 +64,7 @@ impl Around {
         };
         site.parts.extend(model.parts.into_iter().map(placed));
         site.parts.extend(others.parts);
-        say(&neighbours)?;
+        say(&neighbours, args.delete_surroundings)?;
         Ok(Around { site, neighbours, materials: scene.materials, types })
     }
 }
@@ -89,8 +89,11 @@ fn refuse_far(args: &EnergyplusArgs, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-fn say(neighbours: &Neighbours) -> Result<()> {
+fn say(neighbours: &Neighbours, are_deleted: bool) -> Result<()> {
     let count = neighbours.polygons.len();
+    if are_deleted {
+        return remark(&format!("surroundings: {} are traced, and not added\n", counted(count as u64, "polygon")));
+    }
     remark(&format!(
         "surroundings: {} as Shading:Site:Detailed, so that EnergyPlus shades direct light\n",
         counted(count as u64, "polygon")
