@@ -25,10 +25,15 @@ pub struct EnergyplusArgs {
     /// Coordinate reference system of --scene, in place of what its files say: EPSG:28992 or 28992
     #[arg(long, value_name = "EPSG", requires = "scene", value_parser = parse_crs)]
     pub crs: Option<u32>,
-    /// Weather file of --run
+    /// Take what stands around the model out of it: direct and diffuse light of the surroundings come as a series of this weather file,
+    /// and EnergyPlus has none of their shadows to find
+    #[arg(long, requires = "weather")]
+    pub delete_surroundings: bool,
+    /// Weather file of --run and of --delete-surroundings
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
-    /// Folder for model.idf or model.epJSON, report.md and .html, receivers.csv and site.helio
+    /// Folder for model.idf or model.epJSON, report.md and .html, receivers.csv and site.helio; with
+    /// --delete-surroundings also series.csv, and stripped.idf with an archive of its own
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Which light the model gets
@@ -40,8 +45,8 @@ pub struct EnergyplusArgs {
     /// Folder of EnergyPlus 25.2 [default: that of `energyplus` on the search path]
     #[arg(long, value_name = "DIR", requires = "run")]
     pub energyplus: Option<PathBuf>,
-    /// Distance between receivers on the model's surfaces, such as 1m or 50cm
-    #[arg(long, value_name = "LENGTH", default_value = "1m")]
+    /// Distance between receivers on the model's surfaces, such as 1m or 50cm; with --delete-surroundings, whose shadows go by them, 50cm
+    #[arg(long, value_name = "LENGTH", default_value = "1m", default_value_if("delete_surroundings", "true", "50cm"))]
     pub spacing: Metres,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,

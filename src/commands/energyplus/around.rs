@@ -68,7 +68,7 @@ impl Around {
         };
         site.parts.extend(model.parts.into_iter().map(placed));
         site.parts.extend(others.parts);
-        say(&neighbours)?;
+        say(&neighbours, args.delete_surroundings)?;
         Ok(Around { site, neighbours, materials: scene.materials, types })
     }
 }
@@ -135,8 +135,11 @@ fn height_of([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
     (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then(|| a.z + v * (b.z - a.z) + w * (c.z - a.z))
 }
 
-fn say(neighbours: &Neighbours) -> Result<()> {
+fn say(neighbours: &Neighbours, are_deleted: bool) -> Result<()> {
     let count = neighbours.polygons.len();
+    if are_deleted {
+        return remark(&format!("surroundings: {} are traced, and not added\n", counted(count as u64, "polygon")));
+    }
     remark(&format!(
         "surroundings: {} as Shading:Site:Detailed, so that EnergyPlus shades direct light\n",
         counted(count as u64, "polygon")

@@ -4,6 +4,7 @@
 mod around;
 mod pages;
 mod runs;
+mod stripped;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -28,6 +29,7 @@ use heliotile_core::text::counted;
 use heliotile_scene::input;
 use heliotile_scene::site::Site;
 use runs::Engine;
+use stripped::Full;
 
 /// Receivers lie off their surfaces by this, metres.
 const OFFSET_M: f64 = 0.02;
@@ -51,6 +53,7 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     checks::check(&document)?;
     // Before minutes of work.
     let engine = args.run.then(|| Engine::find(args.energyplus.as_deref())).transpose()?;
+    let steps = stripped::steps(args, &document)?;
     let Around { site, neighbours, materials, types } = Around::read(args)?;
     let files = Files::of(args, &document);
     files.guard(args, &site)?;
@@ -67,6 +70,15 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     };
     let archive = up_to_date(&asked, &scene, Some(&covered))?;
     interrupt::stop_if_requested("after site.helio was complete")?;
+    let bare = || {
+        let mut model = Document::read(&args.model, input::read(&args.model)?)?;
+        neighbours.add(&mut model, &materials, true);
+        Ok(model)
+    };
+    if let Some(steps) = steps {
+        let full = Full { files: &files, archive: &archive, covered: &covered, bare: &bare, engine };
+        return stripped::run(args, document, &steps, full);
+    }
     let ground = match args.physics {
         Physics::EnergyPlus => GroundRange::UNIT,
         Physics::Full => ground_range(&document),
@@ -91,14 +103,9 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
         warnings: &warnings,
     };
     let mut report = pages::report(&told);
-    write_model(&files.model, &document)?;
+    write_document(&files.model, &document)?;
     remark(&summary(&files, &targets, &changed))?;
     if let (Some(engine), Some(weather)) = (engine, &args.weather) {
-        let bare = || {
-            let mut model = Document::read(&args.model, input::read(&args.model)?)?;
-            neighbours.add(&mut model, &materials, true);
-            Ok(model)
-        };
         report.sections.extend(runs::run_all(&engine, &bare, document, weather, &args.output.join("energyplus"))?);
     }
     let pictures: Vec<(String, String)> = report.pictures().map(|(n, svg)| (n.to_owned(), svg.to_owned())).collect();
@@ -125,17 +132,26 @@ impl Files {
         }
     }
 
+    /// What a model without its surroundings has besides: itself, its receivers, its archive, the series.
+    fn of_stripped(&self) -> Vec<PathBuf> {
+        let ending = self.model.extension().unwrap_or_default().to_string_lossy();
+        let names = [&format!("stripped.{ending}"), "stripped.csv", "stripped.helio", stripped::SERIES];
+        names.map(|name| self.model.with_file_name(name)).to_vec()
+    }
+
     /// Refuses to replace an input, or results of something else.
     fn guard(&self, args: &EnergyplusArgs, site: &Site) -> Result<()> {
         let inputs: Vec<&Path> = site.files().chain(args.weather.as_deref()).collect();
-        for output in [&self.receivers, &self.archive, &self.model] {
+        let more = if args.delete_surroundings { self.of_stripped() } else { Vec::new() };
+        for output in [&self.receivers, &self.archive, &self.model].into_iter().chain(&more) {
             guard_output(output, &inputs)?;
         }
         guard_archive(&self.archive)?;
         // A model without the archive that it was made with is none of ours.
-        if self.model.exists() && !self.archive.exists() && !args.replace {
+        let there = std::iter::once(&self.model).chain(&more).find(|path| path.exists());
+        if let Some(path) = there.filter(|_| !self.archive.exists() && !args.replace) {
             let what = "is there, and no site.helio that it was made from";
-            return Err(Error::input(&self.model, None, what, KEEP_OR_REPLACE));
+            return Err(Error::input(path, None, what, KEEP_OR_REPLACE));
         }
         Ok(())
     }
@@ -233,7 +249,7 @@ fn targets(document: &Document, lights: &[SurfaceLight], covered: &Covered) -> T
     Targets { list, by_wall, hidden: hidden.into_iter().collect() }
 }
 
-fn write_model(path: &Path, document: &Document) -> Result<()> {
+fn write_document(path: &Path, document: &Document) -> Result<()> {
     let mut name = path.as_os_str().to_os_string();
     name.push(".partial");
     let partial = PathBuf::from(name);

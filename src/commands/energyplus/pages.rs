@@ -27,20 +27,25 @@ pub fn report(told: &Told) -> Report {
         sections: vec![
             ("What was done".into(), vec![Block::List(done(told))]),
             ("Surfaces".into(), surfaces(told)),
-            ("Not injected".into(), vec![left_out(told)]),
+            ("Not injected".into(), vec![left_out(told.targets)]),
             ("What to know".into(), vec![Block::List(told.warnings.to_vec())]),
         ],
     }
 }
 
-fn done(told: &Told) -> Vec<String> {
-    let grid = SunGrid::USUAL;
-    let light = match told.args.physics {
+/// Which light it is.
+pub fn physics_lines(physics: Physics) -> Vec<String> {
+    let light = match physics {
         Physics::Full => "all diffuse reflections, mirrors, the sky of Perez 1990",
         Physics::EnergyPlus => "one diffuse reflection and the mirrored sun of a uniform sky, as EnergyPlus has them",
     };
-    let mut list = vec![
-        format!("light: `--physics {}`: {light}", physics_name(told.args.physics)),
+    vec![format!("light: `--physics {}`: {light}", physics_name(physics))]
+}
+
+fn done(told: &Told) -> Vec<String> {
+    let grid = SunGrid::USUAL;
+    let mut list = physics_lines(told.args.physics);
+    list.extend([
         format!(
             "tables over the sun's azimuth in steps of {} and altitude in steps of {} degrees, for any weather, design day and time step",
             grid.azimuth_step_deg, grid.altitude_step_deg
@@ -48,7 +53,7 @@ fn done(told: &Told) -> Vec<String> {
         "direct light of sun and sky is EnergyPlus's own".into(),
         format!("archive root {}", format::hex(&told.archive.root())),
         format!("heliotile {}, for EnergyPlus 25.2", env!("CARGO_PKG_VERSION")),
-    ];
+    ]);
     if told.args.physics == Physics::Full {
         let bend = told.lights.iter().map(|light| light.bend_w_m2).fold(0.0, f64::max);
         let ground = told.ground;
@@ -102,8 +107,9 @@ fn surfaces(told: &Told) -> Vec<Block> {
     ]
 }
 
-fn left_out(told: &Told) -> Block {
-    let Targets { by_wall, hidden, .. } = told.targets;
+/// Surfaces that get nothing of their own.
+pub fn left_out(targets: &Targets) -> Block {
+    let Targets { by_wall, hidden, .. } = targets;
     let mut list: Vec<String> = hidden
         .iter()
         .map(|name| format!("{name}: all of it is hidden by a neighbour or the ground, and it gets no reflected light"))

@@ -160,6 +160,19 @@ impl Document {
         (at..at, text.into_bytes())
     }
 
+    /// Takes objects out, as `leaves` says; how many. What refers to them is left as it is.
+    pub fn remove(&mut self, leaves: impl Fn(&ModelObject) -> bool) -> usize {
+        let all = std::mem::take(&mut self.objects);
+        let (gone, kept): (Vec<ModelObject>, Vec<ModelObject>) = all.into_iter().partition(leaves);
+        self.objects = kept;
+        let spans: Vec<Range<usize>> = gone.iter().map(|object| object.span.clone()).collect();
+        match self.form {
+            Form::Idf => self.edits.extend(spans.into_iter().map(|span| (span, Vec::new()))),
+            Form::EpJson => self.edits.extend(epjson::removed(&self.bytes, &spans)),
+        }
+        gone.len()
+    }
+
     /// Adds an object behind all others.
     pub fn add(&mut self, object: NewObject) {
         self.added.push(object);

@@ -1,6 +1,7 @@
 //! The JSON form of a model. In: bytes, objects to add. Out: objects with the bytes that hold their values; text to be inserted: what the
 //! file has keeps its place and its digits.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
@@ -117,6 +118,26 @@ pub fn inserted(bytes: &[u8], added: &[NewObject]) -> Vec<(Range<usize>, Vec<u8>
     let behind = whole.get(..end).unwrap_or_default().trim_end().len();
     let last = if there.is_empty() { last.trim_start_matches(',').to_owned() } else { last };
     edits.push((behind..behind, last.into_bytes()));
+    edits
+}
+
+/// Classes without the members that stand at `gone`.
+pub fn removed(bytes: &[u8], gone: &[Range<usize>]) -> Vec<(Range<usize>, Vec<u8>)> {
+    let whole = std::str::from_utf8(bytes).unwrap_or_default();
+    let there = serde_json::from_str::<Members>(whole.trim_start_matches('\u{feff}')).map_or(Vec::new(), |all| all.0);
+    let gone: HashSet<usize> = gone.iter().map(|span| span.start).collect();
+    let mut edits = Vec::new();
+    for (_, raw) in there {
+        let members = serde_json::from_str::<Members>(raw.get()).map_or(Vec::new(), |all| all.0);
+        let count = members.len();
+        let is_kept = |member: &&(String, &RawValue)| !gone.contains(&place_in(whole, member.1.get()).start);
+        let kept: Vec<String> = (members.iter().filter(is_kept))
+            .map(|(key, raw)| format!("\n        {}: {}", Value::from(key.as_str()), raw.get()))
+            .collect();
+        if kept.len() < count {
+            edits.push((place_in(whole, raw.get()), format!("{{{}\n    }}", kept.join(",")).into_bytes()));
+        }
+    }
     edits
 }
 

@@ -15,7 +15,7 @@ const NOTHING_W_M2: f64 = 0.005;
 const DECIMALS: usize = 3;
 
 /// Surfaces in one program, and programs that one calling manager runs: EnergyPlus reads 500 lines and 25 programs.
-const PROGRAM_SURFACES: usize = 60;
+pub const PROGRAM_SURFACES: usize = 60;
 const MANAGER_PROGRAMS: usize = 20;
 
 /// What a ground that reflects nothing is set to, so that there is something to multiply.
@@ -207,6 +207,11 @@ fn write_programs(document: &mut Document, injection: &Injection, names: &Names,
             lines.extend(surface_lines(names, &terms));
         }
     }
+    add_programs(document, names, programs);
+}
+
+/// Programs, and who calls them in each time step.
+pub fn add_programs(document: &mut Document, names: &Names, programs: Vec<(String, Vec<String>)>) {
     for (number, some) in programs.chunks(MANAGER_PROGRAMS).enumerate() {
         let listed = some.iter().map(|(name, _)| FieldValue::Text(name.clone())).collect();
         let manager = names.of(&format!("Manager{}", number + 1));
@@ -225,7 +230,7 @@ fn write_programs(document: &mut Document, injection: &Injection, names: &Names,
 }
 
 /// EnergyPlus's own reflections would make what is injected count for nothing.
-fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
+pub fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
     let (place, key) = DISTRIBUTION;
     let stated = document.first_text("Building", place, key).to_owned();
     if stated.eq_ignore_ascii_case("MinimalShadowing") {
@@ -240,7 +245,7 @@ fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
 }
 
 /// Months without ground reflectance get a little, which the programs take away again.
-fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Result<Vec<usize>> {
+pub fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Result<Vec<usize>> {
     let mut bare = Vec::new();
     for ((month, value), key) in months(document).into_iter().enumerate().zip(MONTHS) {
         if value == 0.0 {

@@ -1,5 +1,5 @@
 //! What a model of EnergyPlus gets so that it runs under our light. In: a model, an archive of its surfaces. Out: the model with tables
-//! over the sun's position and programs that read them, and what was done as a page. Objects of the user stay as they were typed.
+//! over the sun's position and programs that read them, or with a series beside it, and what was done as a page. Objects of the user stay as they were typed.
 
 pub mod checks;
 pub mod comparison;
@@ -12,5 +12,6 @@ pub mod injection;
 pub mod neighbours;
 pub mod new_object;
 pub mod report;
+pub mod series;
 mod sky_program;
 pub mod sun_tables;

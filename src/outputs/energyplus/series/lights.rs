@@ -1,0 +1,109 @@
+//! What surfaces get step by step. In: an archive, steps. Out: means over each surface of some components of light.
+
+use std::collections::BTreeMap;
+
+use super::steps::Steps;
+use heliotile_builder::transfer::ArchiveReceivers;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::Result;
+use heliotile_core::light::paths::LightPaths;
+use heliotile_core::light::scratch::ScratchSpace;
+use heliotile_core::light::states::Schedule;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::material::Class;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::time::bins::Bins;
+
+/// Reflected light, whatever it meets.
+pub const REFLECTED: &[&[Component]] =
+    &[&[Component::SunDiffuse, Component::SkyDiffuse, Component::SunSpecular, Component::SkySpecular]];
+
+/// Light that comes straight, of the sun and of the sky.
+pub const DIRECT: &[&[Component]] = &[&[Component::SunDirect], &[Component::SkyDirect]];
+
+/// What is asked for.
+pub struct SeriesRequest<'a> {
+    pub steps: &'a Steps,
+    pub sky: SkyModel,
+    pub paths: LightPaths,
+    /// Components that are added up, by result.
+    pub sums: &'a [&'a [Component]],
+    /// `[lit]`: the ground's reflectance; none where it does not matter.
+    pub ground: Option<&'a [f64]>,
+    /// Areas of surfaces with their hidden parts, by name in small letters, m2.
+    pub whole_m2: &'a BTreeMap<String, f64>,
+    pub memory: MemoryBudget,
+    pub storage: &'a dyn ScratchSpace,
+}
+
+/// What a surface gets.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceSeries {
+    /// As the model spells it.
+    pub name: String,
+    pub receivers: usize,
+    /// Of what is not hidden.
+    pub area_m2: f64,
+    /// Share of the hemisphere that is sky.
+    pub sky_view: f64,
+    /// `[sum][lit]`, W/m2.
+    pub sums: Vec<Vec<f64>>,
+}
+
+/// Means over all surfaces, by name in small letters; hidden parts of them get nothing.
+pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeMap<String, SurfaceSeries>> {
+    let site = OpenSite::of(archive)?;
+    let count = asked.steps.conditions.len();
+    let grounds: Vec<usize> = (site.materials().iter().enumerate())
+        .filter(|(_, material)| material.class == Class::Ground && material.transmittance.is_none())
+        .map(|(number, _)| number)
+        .collect();
+    let schedules: Vec<Schedule> = (asked.ground.iter())
+        .filter(|_| site.settings().diffuse && !grounds.is_empty())
+        .map(|values| Schedule { materials: grounds.clone(), values: values.to_vec() })
+        .collect();
+    let components: Vec<Component> = asked.sums.iter().copied().flatten().copied().collect();
+    let settings = ReplaySettings {
+        sky: asked.sky,
+        paths: asked.paths,
+        patches: archive.manifest().settings.patches(),
+        components: ComponentSet::of(&components),
+        memory: asked.memory,
+        storage: asked.storage,
+    };
+    let replay = Replay::scheduled(&site, &asked.steps.conditions, settings, &Bins::each(count), &schedules)?;
+    let mut found: BTreeMap<String, SurfaceSeries> = BTreeMap::new();
+    let mut receivers = ArchiveReceivers::<()>::new(&site);
+    for result in replay.results(0..replay.tiles()) {
+        let values = result?.1;
+        for (row, receiver) in receivers.by_ref().take(values.receivers()).enumerate() {
+            let receiver = receiver?;
+            let (views, receiver) = (receiver.views, receiver.receiver);
+            let area_m2 = receiver.area.unwrap_or(1.0);
+            let mean = found.entry(receiver.part.face.to_lowercase()).or_insert_with(|| SurfaceSeries {
+                name: receiver.part.face.clone(),
+                sums: vec![vec![0.0; count]; asked.sums.len()],
+                ..SurfaceSeries::default()
+            });
+            mean.receivers += 1;
+            mean.area_m2 += area_m2;
+            mean.sky_view += area_m2 * f64::from(views[0]);
+            for (sum, components) in mean.sums.iter_mut().zip(asked.sums) {
+                for component in *components {
+                    let row = values.row(*component, row);
+                    sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += area_m2 * f64::from(*value));
+                }
+            }
+        }
+    }
+    for (name, mean) in &mut found {
+        let whole_m2 = asked.whole_m2.get(name).copied().unwrap_or_default().max(mean.area_m2);
+        let share = if whole_m2 > 0.0 { 1.0 / whole_m2 } else { 0.0 };
+        mean.sky_view *= share;
+        mean.sums.iter_mut().flatten().for_each(|value| *value *= share);
+    }
+    Ok(found)
+}

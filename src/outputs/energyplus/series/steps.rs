@@ -1,0 +1,105 @@
+//! The time steps of EnergyPlus over a weather file. In: the file, steps an hour. Out: sun and sky of each step as EnergyPlus has them.
+//!
+//! EnergyPlus takes the values of an hour for those of its middle, and goes straight from one to the next; a step has the sun and the light
+//! of its end. With one step an hour both are those of the middle (measured in 25.2: light equal to all digits of the report).
+
+use std::path::Path;
+
+use heliotile_core::error::{Error, Result};
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::row::WeatherRow;
+use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::time::sun::extraterrestrial_w_m2;
+
+/// Hours of a year, and of a leap year.
+const HOURS: [usize; 2] = [8760, 8784];
+
+/// Sun and sky of the steps that have both.
+pub struct Steps {
+    /// All steps, dark ones too.
+    pub count: usize,
+    /// In an hour.
+    pub an_hour: usize,
+    /// `[lit]`: numbers of the steps, ascending.
+    pub lit: Vec<usize>,
+    /// `[lit]`
+    pub conditions: Vec<Condition>,
+    /// `[lit]`: which month of the year it is, from 0.
+    pub months: Vec<usize>,
+    /// `[lit]`: whether snow lies.
+    pub snow: Vec<bool>,
+}
+
+impl Steps {
+    /// Steps of a whole year of hours.
+    pub fn of(weather: &Weather, file: &Path, an_hour: usize) -> Result<Steps> {
+        let rows = &weather.rows;
+        let at = |row: Option<&WeatherRow>| row.map(|r| (r.interval.date.month, r.interval.date.day));
+        let is_year = HOURS.contains(&rows.len())
+            && weather.interval_hours == 1.0
+            && (at(rows.first()), at(rows.last())) == (Some((1, 1)), Some((12, 31)));
+        if !is_year {
+            let what = format!("has {} rows, and no year of hours from 1 January on", rows.len());
+            return Err(Error::input(file, None, what, "give the EPW file of a year, as EnergyPlus runs it"));
+        }
+        let an_hour = an_hour.max(1);
+        let count = rows.len() * an_hour;
+        let mut steps =
+            Steps { count, an_hour, lit: Vec::new(), conditions: Vec::new(), months: Vec::new(), snow: Vec::new() };
+        for (hour, row) in rows.iter().enumerate() {
+            for step in 0..an_hour {
+                let share = if an_hour == 1 { 0.5 } else { (step + 1) as f64 / an_hour as f64 };
+                let [dni_w_m2, dhi_w_m2] = at_end(rows, hour, share);
+                let date = row.interval.date;
+                let sun = weather.site.sun(date, row.interval.start_min + 60.0 * share);
+                if sun.z <= 0.0 || dni_w_m2 + dhi_w_m2 <= 0.0 {
+                    continue;
+                }
+                let condition = Condition::new(String::new(), &[sun], sun, dni_w_m2, dhi_w_m2);
+                let extraterrestrial_w_m2 = extraterrestrial_w_m2(date);
+                steps.conditions.push(Condition { extraterrestrial_w_m2, ..condition });
+                steps.lit.push(hour * an_hour + step);
+                steps.months.push((date.month as usize).saturating_sub(1));
+                steps.snow.push(row.snow_depth_cm.is_some_and(|depth| depth > 0.0));
+            }
+        }
+        Ok(steps)
+    }
+}
+
+/// DNI and DHI where a share of an hour has passed, on the line between the middles of hours.
+fn at_end(rows: &[WeatherRow], hour: usize, share: f64) -> [f64; 2] {
+    let away = (share - 0.5).abs();
+    let other = if share < 0.5 { hour.saturating_sub(1) } else { (hour + 1).min(rows.len().saturating_sub(1)) };
+    let of = |hour: usize| rows.get(hour).map_or([0.0; 2], |row| [row.dni_w_m2, row.dhi_w_m2]);
+    let (here, there) = (of(hour), of(other));
+    [0, 1].map(|i| (1.0 - away) * here[i] + away * there[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::read_weather;
+
+    /// What EnergyPlus 25.2 reports for 10 June of Golden, hour 6, which has 51 and 37 W/m2 before 465 and 86: at a quarter to 6 154.5 and 49.25
+    /// with the sun at 11.76 degrees, of one step an hour 51 and 37 at 9.07. Three days are no year.
+    #[test]
+    fn as_energyplus_has_them() {
+        let file = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather").join(name);
+        let path = file("golden_tmy3.epw");
+        let weather = read_weather(&path).expect("a weather file");
+        let hour = 160 * 24 + 5;
+        for (an_hour, step, dni, dhi, altitude) in
+            [(4, hour * 4 + 2, 154.5, 49.25, 11.7618), (1, hour, 51.0, 37.0, 9.0746)]
+        {
+            let steps = Steps::of(&weather, &path, an_hour).expect("a year");
+            assert_eq!(steps.count, 8760 * an_hour);
+            let at = steps.lit.binary_search(&step).expect("a step by day");
+            let condition = &steps.conditions[at];
+            assert_eq!((condition.dni_w_m2, condition.dhi_w_m2, steps.months[at]), (dni, dhi, 5));
+            assert!((condition.sky_sun.z.asin().to_degrees() - altitude).abs() < 0.15, "{:?}", condition.sky_sun);
+        }
+        let days = read_weather(&file("golden_3_days.epw")).expect("a weather file");
+        assert!(Steps::of(&days, &path, 4).is_err());
+    }
+}
