@@ -132,7 +132,7 @@ fn height_of([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
     let whole = ab.perp_dot(ac);
     let (v, w) = (ap.perp_dot(ac) / whole, ab.perp_dot(ap) / whole);
     // False for NaN.
-    (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then(|| a.z + v * (b.z - a.z) + w * (c.z - a.z))
+    (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then_some(a.z + v * (b.z - a.z) + w * (c.z - a.z))
 }
 
 fn say(neighbours: &Neighbours, are_deleted: bool) -> Result<()> {

@@ -79,7 +79,7 @@ impl SunLookups {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
         let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
-        let discs: Vec<(Sun, Vec<_>)> = lit
+        let discs: Vec<(Sun, Disc)> = lit
             .flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
                 c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
                     let strength = normal_w_m2 * instant.weight * weight;
@@ -140,9 +140,12 @@ impl SunLookups {
     }
 }
 
+/// Texels (column, row) under a disc, and their shares of it.
+type Disc = Vec<(u32, u32, f32)>;
+
 /// The light of suns on the texels under their discs.
-fn glints(discs: &[(Sun, Vec<(u32, u32, f32)>)], block: u32) -> Vec<Glint> {
-    let of_sun = |(sun, disc): &(Sun, Vec<(u32, u32, f32)>)| -> Vec<Glint> {
+fn glints(discs: &[(Sun, Disc)], block: u32) -> Vec<Glint> {
+    let of_sun = |(sun, disc): &(Sun, Disc)| -> Vec<Glint> {
         let glint = |&(column, row, share): &(u32, u32, f32)| Glint {
             bin: sun.bin as u32,
             column: column / block,
