@@ -34,6 +34,8 @@ pub struct TraceRequest<'a> {
     pub receivers: &'a Path,
     pub archive: &'a Path,
     pub accuracy: &'a AccuracyArgs,
+    /// Which light paths are traced; an archive with more of them serves, too.
+    pub effects: EffectChoice,
     /// Distance of receivers off their surfaces.
     pub offset_m: f64,
     /// Whether what is there of other inputs goes.
@@ -84,7 +86,7 @@ pub fn up_to_date(asked: &TraceRequest, scene: &Scene, covered: Option<&Covered>
         settings,
         accuracy: asked.accuracy,
         about_error_weather: asked.about_error_weather,
-        effects: EffectChoice::Auto,
+        effects: asked.effects,
         store: None,
     };
     let mut write = |start: Start| {

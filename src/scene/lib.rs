@@ -53,8 +53,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
+pub use formats::energyplus::ground::GROUND_MONTHS;
 pub use formats::energyplus::idf::{IdfField, idf_fields};
 pub use formats::format_of_name;
+pub use ground::model::USUAL as USUAL_GROUND;
 
 use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};

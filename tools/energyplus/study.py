@@ -13,6 +13,7 @@ import sys
 
 import numpy as np
 
+import block
 import channel
 import compare
 import light
@@ -103,29 +104,41 @@ def through_channel(name, folder, table):
     table.add(f"channel {name}", "injected", found, again.user_s, {"heating": 0.001, "cooling": 0.001, "transmitted": 0.01})
 
 
-def heliotile(model, folder, physics):
+def heliotile(model, folder, *options):
     """The model that `heliotile energyplus` makes of `model`, and its CPU seconds."""
     source, out = folder / "given.epJSON", folder / "heliotile"
     folder.mkdir(parents=True, exist_ok=True)
     source.write_text(json.dumps(model, indent=1))
     shutil.rmtree(out, ignore_errors=True)
-    seconds = runs.seconds([HELIOTILE, "energyplus", source, "--physics", physics, "-o", out, "--quiet"])
+    seconds = runs.seconds([HELIOTILE, "energyplus", source, *options, "-o", out, "--quiet"])
     return out / "model.epJSON", seconds
 
 
-def compared(case, folder, physics, table):
+def ours(case, folder, physics, deleted):
+    """EnergyPlus with heliotile's light: its run, and the CPU seconds before. `deleted`: by series, without surroundings."""
+    here = folder / (f"{physics}-deleted" if deleted else physics)
+    options = ["--delete-surroundings", "--weather", case.weather] if deleted else []
+    model, build_s = heliotile(case.model, here, "--physics", physics, *options)
+    beside = []
+    if deleted:
+        (here / "run").mkdir(parents=True, exist_ok=True)
+        beside = [shutil.copy(model.with_name("series.csv"), here / "run")]
+    return runs.run(model, case.weather, here / "run", beside), build_s
+
+
+def compared(case, folder, physics, deleted, table):
     """EnergyPlus without reflections and with heliotile's, beside its own."""
     none, own = baselines(case, folder)
     series, areas = own.series(), models.window_areas(case.model)
     table.add(case.name, "none", compare.deviation(series, none.series(), areas), none.user_s)
-    model, build_s = heliotile(case.model, folder / physics, physics)
-    ours = runs.run(model, case.weather, folder / physics / "run")
+    run, build_s = ours(case, folder, physics, deleted)
     bounds = {"heating": case.bound, "cooling": case.bound}
     if case.name in models.YEARS:
         bounds |= {"daily": DAILY_BOUND, "sun": SUN_BOUND}
-    found = compare.deviation(series, ours.series(), areas)
-    table.add(case.name, physics, found, build_s + ours.user_s, bounds if physics == "energyplus" else None)
-    took = f"EnergyPlus {none.user_s:.1f} s without, {own.user_s:.1f} s with its own, {ours.user_s:.1f} s injected"
+    found = compare.deviation(series, run.series(), areas)
+    judged = physics == "energyplus" and not deleted
+    table.add(case.name, "deleted" if deleted else physics, found, build_s + run.user_s, bounds if judged else None)
+    took = f"EnergyPlus {none.user_s:.1f} s without, {own.user_s:.1f} s with its own, {run.user_s:.1f} s injected"
     print(f"{'':<26}{took}; tables {build_s:.1f} s")
 
 
@@ -134,7 +147,7 @@ def by_part(name, folder):
     case = variants.case(name, folder / "weather", LIGHT_DAYS)
     here = folder / f"light-{name}"
     series, surfaces = baselines(case, here, "Timestep")[1].series(), parts.exposed(case.model)
-    heliotile(case.model, here, "energyplus")
+    heliotile(case.model, here, "--physics", "energyplus")
     archive = here / "heliotile" / "site.helio"
     lights = light.ours(HELIOTILE, archive, series, surfaces, here)
     rows = []
@@ -149,10 +162,11 @@ def by_part(name, folder):
 
 def main():
     parser = argparse.ArgumentParser(prog="tools/energyplus/run", description=__doc__.splitlines()[0])
-    known = ["channel", *models.YEARS, "variants", *variants.VARIANTS]
+    known = ["channel", *models.YEARS, "variants", *variants.VARIANTS, "dense"]
     parser.add_argument("--models", default="channel,box,l,office,variants", help=f"some of {', '.join(known)}")
     parser.add_argument("--days", type=int, help="so many days from 7 March in place of a year")
     parser.add_argument("--physics", choices=("energyplus", "full"), default="energyplus")
+    parser.add_argument("--delete-surroundings", action="store_true", help="light by series, without surroundings")
     parser.add_argument(
         "--keep", type=pathlib.Path, default=runs.ROOT / "target" / "energyplus", help="folder of runs, used again"
     )
@@ -179,8 +193,9 @@ def main():
             through_channel(name, asked.keep, table)
     names = [one for name in names if name != "channel" for one in (variants.VARIANTS if name == "variants" else [name])]
     for name in names:
-        case = variants.case(name, asked.keep / "weather", asked.days)
-        compared(case, asked.keep / (name if asked.days is None else f"{name}-{asked.days}"), asked.physics, table)
+        case = block.case() if name == "dense" else variants.case(name, asked.keep / "weather", asked.days)
+        folder = asked.keep / (name if asked.days is None else f"{name}-{asked.days}")
+        compared(case, folder, asked.physics, asked.delete_surroundings, table)
     sys.exit(table.end(asked.keep))
 
 

@@ -17,15 +17,18 @@ use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};
+use crate::outputs::energyplus::report::Report;
 use crate::outputs::energyplus::sun_tables::{GroundRange, ReflectedSky, SurfaceLight, TableRequest, surface_lights};
 use crate::outputs::sink::write_texts;
 use around::Around;
+use heliotile_builder::settings::EffectChoice;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::counted;
+use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::site::Site;
 use runs::Engine;
@@ -58,18 +61,7 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     let files = Files::of(args, &document);
     files.guard(args, &site)?;
     let (scene, covered) = cover_site(&site, &cover_of(args, types)).map_err(|error| no_surface(args, error))?;
-    let asked = TraceRequest {
-        folder: &args.output,
-        receivers: &files.receivers,
-        archive: &files.archive,
-        accuracy: &args.accuracy,
-        offset_m: OFFSET_M,
-        replace: args.replace,
-        memory: args.memory,
-        about_error_weather: None,
-    };
-    let archive = up_to_date(&asked, &scene, Some(&covered))?;
-    interrupt::stop_if_requested("after site.helio was complete")?;
+    let archive = traced(args, (&scene, &covered), [&files.receivers, &files.archive], EffectChoice::Auto)?;
     let bare = || {
         let mut model = Document::read(&args.model, input::read(&args.model)?)?;
         neighbours.add(&mut model, &materials, true);
@@ -108,11 +100,47 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     if let (Some(engine), Some(weather)) = (engine, &args.weather) {
         report.sections.extend(runs::run_all(&engine, &bare, document, weather, &args.output.join("energyplus"))?);
     }
-    let pictures: Vec<(String, String)> = report.pictures().map(|(n, svg)| (n.to_owned(), svg.to_owned())).collect();
-    let mut texts = vec![(REPORT[0], report.markdown()), (REPORT[1], report.html())];
-    texts.extend(pictures.iter().map(|(name, svg)| (name.as_str(), svg.clone())));
-    write_texts(&args.output, &texts)?;
+    write_report(args, &report)?;
     Ok(Outcome::Fine)
+}
+
+/// The archive of receivers on a scene: table and archive to write.
+fn traced(
+    args: &EnergyplusArgs,
+    (scene, covered): (&Scene, &Covered),
+    [receivers, archive]: [&Path; 2],
+    effects: EffectChoice,
+) -> Result<Archive> {
+    let asked = TraceRequest {
+        folder: &args.output,
+        receivers,
+        archive,
+        accuracy: &args.accuracy,
+        effects,
+        offset_m: OFFSET_M,
+        replace: args.replace,
+        memory: args.memory,
+        about_error_weather: None,
+    };
+    let found = up_to_date(&asked, scene, Some(covered))?;
+    let name = archive.file_name().unwrap_or_default().to_string_lossy();
+    interrupt::stop_if_requested(&format!("after {name} was complete"))?;
+    Ok(found)
+}
+
+fn write_report(args: &EnergyplusArgs, report: &Report) -> Result<()> {
+    let mut texts = vec![(REPORT[0], report.markdown()), (REPORT[1], report.html())];
+    texts.extend(report.pictures().map(|(name, svg)| (name, svg.to_owned())));
+    write_texts(&args.output, &texts)
+}
+
+/// Areas of surfaces with their hidden parts, by name in small letters, m2.
+fn areas(covered: &Covered) -> BTreeMap<String, f64> {
+    let mut whole_m2: BTreeMap<String, f64> = BTreeMap::new();
+    for (_, piece, surface, _) in covered.all() {
+        *whole_m2.entry(covered.part(piece, surface).face.to_lowercase()).or_default() += piece.area_m2;
+    }
+    whole_m2
 }
 
 /// Files of the folder.
@@ -209,10 +237,7 @@ fn lights(
         memory: MemoryBudget::new(args.memory.0),
         storage: &storage,
     };
-    let mut whole_m2: BTreeMap<String, f64> = BTreeMap::new();
-    for (_, piece, surface, _) in covered.all() {
-        *whole_m2.entry(covered.part(piece, surface).face.to_lowercase()).or_default() += piece.area_m2;
-    }
+    let whole_m2 = areas(covered);
     let mut lights = surface_lights(archive, &asked)?;
     for light in &mut lights {
         light.spread_over(whole_m2.get(&light.name.to_lowercase()).copied().unwrap_or_default());
@@ -222,10 +247,8 @@ fn lights(
 
 /// Between what reflectances the ground of a model goes, with snow.
 fn ground_range(document: &Document) -> GroundRange {
-    let months = injection::months(document);
-    let snow =
-        injection::snow_modifier(document).map(|modifier| months.map(|value| (value * modifier).clamp(0.0, 1.0)));
-    let all = || months.iter().chain(snow.iter().flatten()).copied();
+    let ground = injection::ground_of(document);
+    let all = || (1..=12).flat_map(|month| [None, Some(1.0)].map(|snow_cm| ground.of(month, snow_cm)));
     let (low, high) = (all().fold(1.0, f64::min), all().fold(0.0, f64::max));
     if low < high {
         GroundRange { low, high }

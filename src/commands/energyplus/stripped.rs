@@ -7,11 +7,10 @@ use std::io::Write;
 
 use super::pages::{left_out, physics_lines};
 use super::runs::{self, Engine};
-use super::{Files, OFFSET_M, REPORT, Targets, cover_of, write_document};
+use super::{Files, REPORT, Targets, areas, cover_of, traced, write_document, write_report};
 use crate::cli::{EnergyplusArgs, Physics};
 use crate::commands::receivers::{Covered, cover_site};
-use crate::commands::traced::{TraceRequest, up_to_date};
-use crate::commands::{Outcome, interrupt, remark, temporary_files, warn};
+use crate::commands::{Outcome, remark, temporary_files, warn};
 use crate::files::read_weather;
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::{Document, ModelObject};
@@ -23,7 +22,8 @@ use crate::outputs::energyplus::series::lights::{DIRECT, REFLECTED, SeriesReques
 use crate::outputs::energyplus::series::objects::{self, Reader, Table};
 use crate::outputs::energyplus::series::steps::Steps;
 use crate::outputs::energyplus::series::values::StepLight;
-use crate::outputs::sink::{Sink, write_texts};
+use crate::outputs::sink::Sink;
+use heliotile_builder::settings::{Effect, EffectChoice, Effects};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
@@ -73,16 +73,10 @@ pub fn steps(args: &EnergyplusArgs, document: &Document) -> Result<Option<Steps>
 
 /// Writes the folder.
 pub fn run(args: &EnergyplusArgs, mut document: Document, steps: &Steps, full: Full) -> Result<Outcome> {
-    let months = injection::months(&document);
-    let snow = injection::snow_modifier(&document);
+    let stated = injection::ground_of(&document);
     let deleted = delete(&mut document);
     let (alone, alone_covered) = alone(args, &document, &full)?;
-    let ground: Vec<f64> = (steps.months.iter().zip(&steps.snow))
-        .map(|(month, lies)| {
-            let value = months.get(*month).copied().unwrap_or_default();
-            if *lies { (value * snow.unwrap_or(1.0)).clamp(0.0, 1.0) } else { value }
-        })
-        .collect();
+    let ground: Vec<f64> = steps.grounds.iter().map(|(month, snow_cm)| stated.of(*month, *snow_cm)).collect();
     let lit = lit(args, steps, &ground, [(full.archive, full.covered), (&alone, &alone_covered)])?;
     let targets = targets(&document, &lit, full.covered);
     let windows = windows(&document);
@@ -144,10 +138,7 @@ pub fn run(args: &EnergyplusArgs, mut document: Document, steps: &Steps, full: F
         fs::copy(args.output.join(SERIES), &copy).map_err(Error::io(&copy, "write"))?;
         report.sections.extend(runs::run_all(engine, full.bare, document, weather_file, &folder)?);
     }
-    let pictures: Vec<(String, String)> = report.pictures().map(|(n, svg)| (n.to_owned(), svg.to_owned())).collect();
-    let mut texts = vec![(REPORT[0], report.markdown()), (REPORT[1], report.html())];
-    texts.extend(pictures.iter().map(|(name, svg)| (name.as_str(), svg.clone())));
-    write_texts(&args.output, &texts)?;
+    write_report(args, &report)?;
     Ok(Outcome::Fine)
 }
 
@@ -175,18 +166,10 @@ fn alone(args: &EnergyplusArgs, document: &Document, full: &Full) -> Result<(Arc
     write_document(&model, document)?;
     let site = args.surfaces.site(std::slice::from_ref(&model))?;
     let (scene, covered) = cover_site(&site, &cover_of(args, Vec::new()))?;
-    let asked = TraceRequest {
-        folder: &args.output,
-        receivers: &model.with_file_name("stripped.csv"),
-        archive: &model.with_file_name("stripped.helio"),
-        accuracy: &args.accuracy,
-        offset_m: OFFSET_M,
-        replace: args.replace,
-        memory: args.memory,
-        about_error_weather: None,
-    };
-    let archive = up_to_date(&asked, &scene, Some(&covered))?;
-    interrupt::stop_if_requested("after stripped.helio was complete")?;
+    let files = ["stripped.csv", "stripped.helio"].map(|name| model.with_file_name(name));
+    // Only its direct light is asked for.
+    let direct = EffectChoice::These(Effects::NONE.with(Effect::Canopies));
+    let archive = traced(args, (&scene, &covered), files.each_ref().map(|file| file.as_path()), direct)?;
     Ok((archive, covered))
 }
 
@@ -198,13 +181,6 @@ fn lit(
     [full, alone]: [(&Archive, &Covered); 2],
 ) -> Result<Vec<Lit>> {
     let storage = temporary_files();
-    let areas = |covered: &Covered| {
-        let mut whole_m2: BTreeMap<String, f64> = BTreeMap::new();
-        for (_, piece, surface, _) in covered.all() {
-            *whole_m2.entry(covered.part(piece, surface).face.to_lowercase()).or_default() += piece.area_m2;
-        }
-        whole_m2
-    };
     let whole_m2 = [full.1, alone.1].map(areas);
     let (paths, reflected_sky) = match args.physics {
         Physics::EnergyPlus => (LightPaths::FIRST, SkyModel::Uniform),

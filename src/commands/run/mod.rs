@@ -22,6 +22,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use folder::Files;
 use heliotile_builder::observer::Stage;
+use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
@@ -60,6 +61,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         receivers: &files.receivers,
         archive: &files.archive,
         accuracy: &args.accuracy,
+        effects: EffectChoice::Auto,
         offset_m: args.cover.offset.0,
         replace: args.replace,
         memory: args.memory,

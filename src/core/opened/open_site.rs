@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::opened::materials;
 use crate::opened::settings::SiteSettings;
 use crate::site::chain::Orientation;
-use crate::site::material::Material;
+use crate::site::material::{Class, Material};
 use crate::site::north::North;
 
 /// What is known of a site besides its blocks, every number in range and every reference followed.
@@ -153,6 +153,13 @@ impl<'a> OpenSite<'a> {
     /// Whether a number is one of a material.
     pub(super) fn has_material(&self, number: u16) -> bool {
         usize::from(number) < self.facts.materials.len()
+    }
+
+    /// Numbers of the materials of class ground that reflect: what a reflectance of the ground is said of.
+    pub fn grounds(&self) -> Vec<usize> {
+        let reflects = |material: &Material| material.class == Class::Ground && material.transmittance.is_none();
+        let numbered = self.materials().iter().enumerate();
+        numbered.filter(|(_, material)| reflects(material)).map(|(number, _)| number).collect()
     }
 
     /// Whether a number is one of a material that lets light through.

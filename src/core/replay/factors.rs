@@ -11,7 +11,6 @@ use crate::light::states::Schedule;
 use crate::opened::OpenSite;
 use crate::replay::components::{Component, ComponentSet};
 use crate::replay::run::{Replay, ReplaySettings};
-use crate::site::material::Class;
 use crate::sky::model::SkyModel;
 use crate::units::direction_from_degrees;
 use crate::weather::conditions::Condition;
@@ -115,8 +114,7 @@ impl<'a> Factors<'a> {
         let mut conditions = grid.conditions(SOURCE_W_M2);
         let up = direction_from_degrees(0.0, 90.0);
         conditions.push(Condition::new("sky".into(), &[up], up, 0.0, SOURCE_W_M2));
-        let all = |m: &usize| site.materials()[*m].class == Class::Ground && !site.is_canopy(*m as u16);
-        let grounds: Vec<usize> = (0..site.materials().len()).filter(all).collect();
+        let grounds = site.grounds();
         let schedules = match grounds.is_empty() {
             true => Vec::new(),
             false => vec![Schedule { materials: grounds, values: vec![1.0; conditions.len()] }],

@@ -7,6 +7,8 @@ use super::new_object::{FieldValue, NewObject};
 use super::sun_tables::{GroundLine, NOMINAL_W_M2, ReflectedSky, SurfaceLight};
 use heliotile_core::error::Result;
 use heliotile_core::replay::factors::SunGrid;
+use heliotile_core::site::ground::MonthlyGround;
+use heliotile_scene::{GROUND_MONTHS, USUAL_GROUND};
 
 /// Sun tables below this everywhere are not written, W/m2 under 1000 W/m2.
 const NOTHING_W_M2: f64 = 0.005;
@@ -21,21 +23,6 @@ const MANAGER_PROGRAMS: usize = 20;
 /// What a ground that reflects nothing is set to, so that there is something to multiply.
 pub const LEAST_GROUND: f64 = 0.01;
 
-const MONTHS: [&str; 12] = [
-    "january_ground_reflectance",
-    "february_ground_reflectance",
-    "march_ground_reflectance",
-    "april_ground_reflectance",
-    "may_ground_reflectance",
-    "june_ground_reflectance",
-    "july_ground_reflectance",
-    "august_ground_reflectance",
-    "september_ground_reflectance",
-    "october_ground_reflectance",
-    "november_ground_reflectance",
-    "december_ground_reflectance",
-];
-
 /// Place and key of the solar distribution of a `Building`.
 pub const DISTRIBUTION: (usize, &str) = (6, "solar_distribution");
 
@@ -44,9 +31,6 @@ pub const WITH_OWN: [(&str, &str); 2] = [
     ("FullExteriorWithReflections", "FullExterior"),
     ("FullInteriorAndExteriorWithReflections", "FullInteriorAndExterior"),
 ];
-
-/// What EnergyPlus takes where a model says nothing.
-const USUAL_GROUND: f64 = 0.2;
 
 /// What light is made of, and who gets it.
 pub struct Injection<'a> {
@@ -65,21 +49,17 @@ pub struct Changed {
     pub tables: usize,
 }
 
-/// The ground's reflectance by month, bare of snow, as the model states it.
-pub fn months(document: &Document) -> [f64; 12] {
+/// The ground as the model states it; its material has no name.
+pub fn ground_of(document: &Document) -> MonthlyGround {
     let object = document.of("Site:GroundReflectance").next();
-    let mut place = 0;
-    MONTHS.map(|key| {
-        place += 1;
-        let stated = object.and_then(|object| object.text(place, key).parse::<f64>().ok());
-        stated.filter(|value| (0.0..=1.0).contains(value)).unwrap_or(USUAL_GROUND)
-    })
-}
-
-/// By what snow multiplies it, if the model says so.
-pub fn snow_modifier(document: &Document) -> Option<f64> {
-    let object = document.of("Site:GroundReflectance:SnowModifier").next()?;
-    Some(object.text(1, "ground_reflected_solar_modifier").parse().unwrap_or(1.0))
+    let mut reflectance = [USUAL_GROUND; 12];
+    for ((place, key), value) in GROUND_MONTHS.into_iter().enumerate().zip(&mut reflectance) {
+        let stated = object.and_then(|object| object.text(place + 1, key).parse::<f64>().ok());
+        *value = stated.filter(|value| (0.0..=1.0).contains(value)).unwrap_or(USUAL_GROUND);
+    }
+    let modifier = document.first_text("Site:GroundReflectance:SnowModifier", 1, "ground_reflected_solar_modifier");
+    let modifier = modifier.parse::<f64>().ok().filter(|value| value.is_finite());
+    MonthlyGround { material: String::new(), reflectance, snow_modifier: modifier.unwrap_or(1.0).max(0.0) }
 }
 
 /// Writes it all.
@@ -247,7 +227,7 @@ pub fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
 /// Months without ground reflectance get a little, which the programs take away again.
 pub fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Result<Vec<usize>> {
     let mut bare = Vec::new();
-    for ((month, value), key) in months(document).into_iter().enumerate().zip(MONTHS) {
+    for ((month, value), key) in ground_of(document).reflectance.into_iter().enumerate().zip(GROUND_MONTHS) {
         if value == 0.0 {
             document.set("Site:GroundReflectance", month + 1, key, &LEAST_GROUND.to_string())?;
             bare.push(month + 1);

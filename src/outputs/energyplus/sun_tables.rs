@@ -14,7 +14,6 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::site::material::Class;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
@@ -98,10 +97,7 @@ pub struct TableRequest<'a> {
 /// What all surfaces get, by name without regard to case, sorted so.
 pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<SurfaceLight>> {
     let site = OpenSite::of(archive)?;
-    let ground: Vec<usize> = (site.materials().iter().enumerate())
-        .filter(|(_, material)| material.class == Class::Ground && material.transmittance.is_none())
-        .map(|(number, _)| number)
-        .collect();
+    let ground = site.grounds();
     // Without reflections or ground nothing depends on it.
     let changes = site.settings().diffuse && !ground.is_empty();
     let GroundRange { low, high } = asked.ground;

@@ -2,7 +2,7 @@
 //! what it reflects, month by month.
 
 /// Default of `Site:GroundReflectance` (Input Output Reference); Liu and Jordan (1963) introduced it.
-pub(crate) const USUAL: f64 = 0.2;
+pub const USUAL: f64 = 0.2;
 
 /// What an EnergyPlus model says of its ground.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,6 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::site::material::Class;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::time::bins::Bins;
 
@@ -57,10 +56,7 @@ pub struct SurfaceSeries {
 pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeMap<String, SurfaceSeries>> {
     let site = OpenSite::of(archive)?;
     let count = asked.steps.conditions.len();
-    let grounds: Vec<usize> = (site.materials().iter().enumerate())
-        .filter(|(_, material)| material.class == Class::Ground && material.transmittance.is_none())
-        .map(|(number, _)| number)
-        .collect();
+    let grounds = site.grounds();
     let schedules: Vec<Schedule> = (asked.ground.iter())
         .filter(|_| site.settings().diffuse && !grounds.is_empty())
         .map(|values| Schedule { materials: grounds.clone(), values: values.to_vec() })

@@ -24,10 +24,8 @@ pub struct Steps {
     pub lit: Vec<usize>,
     /// `[lit]`
     pub conditions: Vec<Condition>,
-    /// `[lit]`: which month of the year it is, from 0.
-    pub months: Vec<usize>,
-    /// `[lit]`: whether snow lies.
-    pub snow: Vec<bool>,
+    /// `[lit]`: month from 1 and depth of snow, cm, which the ground's reflectance follows.
+    pub grounds: Vec<(u32, Option<f64>)>,
 }
 
 impl Steps {
@@ -44,8 +42,7 @@ impl Steps {
         }
         let an_hour = an_hour.max(1);
         let count = rows.len() * an_hour;
-        let mut steps =
-            Steps { count, an_hour, lit: Vec::new(), conditions: Vec::new(), months: Vec::new(), snow: Vec::new() };
+        let mut steps = Steps { count, an_hour, lit: Vec::new(), conditions: Vec::new(), grounds: Vec::new() };
         for (hour, row) in rows.iter().enumerate() {
             for step in 0..an_hour {
                 let share = if an_hour == 1 { 0.5 } else { (step + 1) as f64 / an_hour as f64 };
@@ -59,8 +56,7 @@ impl Steps {
                 let extraterrestrial_w_m2 = extraterrestrial_w_m2(date);
                 steps.conditions.push(Condition { extraterrestrial_w_m2, ..condition });
                 steps.lit.push(hour * an_hour + step);
-                steps.months.push((date.month as usize).saturating_sub(1));
-                steps.snow.push(row.snow_depth_cm.is_some_and(|depth| depth > 0.0));
+                steps.grounds.push((date.month, row.snow_depth_cm));
             }
         }
         Ok(steps)
@@ -96,7 +92,7 @@ mod tests {
             assert_eq!(steps.count, 8760 * an_hour);
             let at = steps.lit.binary_search(&step).expect("a step by day");
             let condition = &steps.conditions[at];
-            assert_eq!((condition.dni_w_m2, condition.dhi_w_m2, steps.months[at]), (dni, dhi, 5));
+            assert_eq!((condition.dni_w_m2, condition.dhi_w_m2, steps.grounds[at].0), (dni, dhi, 6));
             assert!((condition.sky_sun.z.asin().to_degrees() - altitude).abs() < 0.15, "{:?}", condition.sky_sun);
         }
         let days = read_weather(&file("golden_3_days.epw")).expect("a weather file");

@@ -9,7 +9,8 @@ use crate::formats::energyplus::model::Model;
 use crate::ground::model::{ModelGround, USUAL};
 use heliotile_core::error::Result;
 
-const MONTHS: [&str; 12] = [
+/// Fields of `Site:GroundReflectance`, January to December.
+pub const GROUND_MONTHS: [&str; 12] = [
     "january_ground_reflectance",
     "february_ground_reflectance",
     "march_ground_reflectance",
@@ -30,7 +31,7 @@ pub(super) fn read(model: &Model, file: &Path, lowest_m: Option<f64>, notes: &mu
     let mut ground = ModelGround::usual(lowest_m.unwrap_or(0.0));
     if let Some(stated) = model.of("Site:GroundReflectance").next() {
         ground.stated = true;
-        for (value, key) in ground.reflectance.iter_mut().zip(MONTHS) {
+        for (value, key) in ground.reflectance.iter_mut().zip(GROUND_MONTHS) {
             *value = share(stated, file, key, USUAL, notes)?;
         }
     }

@@ -2,7 +2,7 @@
 //! shades it, normals outwards, x to the east. Multipliers draw nothing twice.
 
 mod epjson;
-mod ground;
+pub(crate) mod ground;
 #[cfg(test)]
 mod hostile_tests;
 pub(crate) mod idf;
