@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::canopy_transmittance::CanopyTransmittance;
+use crate::replay::sky_masks::SkyMasks;
 use crate::replay::specular::MirrorView;
-use crate::replay::sun_map::{Glint, SunMap};
+use crate::replay::sun_map::{Shine, SunMap};
 use crate::sky::disc::disc_texels;
 use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
@@ -76,23 +77,23 @@ impl SunLookups {
         sides: TextureSides,
         normal_w_m2: impl Fn(&Condition) -> f64 + Sync,
     ) -> Self {
-        let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
         let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
-        let discs: Vec<(Sun, Disc)> = lit
+        let suns: Vec<Shine> = lit
             .flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
                 c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
                     let strength = normal_w_m2 * instant.weight * weight;
-                    let sun = Sun { bin, strength, direction: instant.sun, parts: 0..0 };
-                    (sun, disc_texels(instant.sun, sides.sky_fine))
+                    Shine { bin, strength, direction: instant.sun }
                 })
             })
             .collect();
-        if discs.len() >= SUMMED_FROM * bins.count.max(1) {
-            return SunLookups::Summed(SunMap::new(glints(&discs, block), sides.sky_base));
+        if suns.len() >= SUMMED_FROM * bins.count.max(1) {
+            return SunLookups::Summed(SunMap::new(suns, sides));
         }
+        let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
+        let discs: Vec<_> = suns.par_iter().map(|sun| disc_texels(sun.direction, sides.sky_fine)).collect();
         let mut found = EachSun::default();
-        for (sun, mut disc) in discs {
+        for (sun, mut disc) in suns.into_iter().zip(discs) {
             let first = found.parts.len();
             disc.sort_by_key(|t| (t.1 / block, t.0 / block));
             for part in disc.chunk_by(|a, b| (a.0 / block, a.1 / block) == (b.0 / block, b.1 / block)) {
@@ -105,7 +106,12 @@ impl SunLookups {
                     fine: start..found.fine.len(),
                 });
             }
-            found.suns.push(Sun { parts: first..found.parts.len(), ..sun });
+            found.suns.push(Sun {
+                bin: sun.bin,
+                strength: sun.strength,
+                direction: sun.direction,
+                parts: first..found.parts.len(),
+            });
         }
         SunLookups::Each(found)
     }
@@ -115,11 +121,11 @@ impl SunLookups {
         matches!(self, SunLookups::Each(each) if each.suns.is_empty())
     }
 
-    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
-    pub fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
+    /// Calls `each(receiver, result, irradiance)` for direct irradiances, which may add up: those of one result may come in parts.
+    pub fn direct(&self, skies: &SkyMasks, each: impl FnMut(usize, usize, f64)) {
         match self {
-            SunLookups::Each(each) => each.direct(normal, sky, out),
-            SunLookups::Summed(map) => map.direct(normal, sky, out),
+            SunLookups::Each(suns) => suns.direct(skies, each),
+            SunLookups::Summed(map) => map.direct(skies, each),
         }
     }
 
@@ -140,32 +146,17 @@ impl SunLookups {
     }
 }
 
-/// Texels (column, row) under a disc, and their shares of it.
-type Disc = Vec<(u32, u32, f32)>;
-
-/// The light of suns on the texels under their discs.
-fn glints(discs: &[(Sun, Disc)], block: u32) -> Vec<Glint> {
-    let of_sun = |(sun, disc): &(Sun, Disc)| -> Vec<Glint> {
-        let glint = |&(column, row, share): &(u32, u32, f32)| Glint {
-            bin: sun.bin as u32,
-            column: column / block,
-            row: row / block,
-            place: row % block * block + column % block,
-            vector: sun.direction * (sun.strength * f64::from(share)),
-        };
-        disc.iter().map(glint).collect()
-    };
-    discs.par_iter().flat_map_iter(of_sun).collect()
-}
-
 impl EachSun {
-    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
-    fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
-        for sun in &self.suns {
-            let cos = normal.dot(sun.direction);
-            if cos > 0.0 {
-                let visible: f32 = self.parts[sun.parts.clone()].iter().map(|part| self.visible(part, sky)).sum();
-                out[sun.bin] += sun.strength * cos * f64::from(visible);
+    /// Calls `each(receiver, result, irradiance)` for each sun before a receiver.
+    fn direct(&self, skies: &SkyMasks, mut each: impl FnMut(usize, usize, f64)) {
+        for receiver in 0..skies.receivers() {
+            let (normal, sky) = (skies.normal(receiver), skies.sky(receiver));
+            for sun in &self.suns {
+                let cos = normal.dot(sun.direction);
+                if cos > 0.0 {
+                    let visible: f32 = self.parts[sun.parts.clone()].iter().map(|part| self.visible(part, sky)).sum();
+                    each(receiver, sun.bin, sun.strength * cos * f64::from(visible));
+                }
             }
         }
     }
