@@ -75,7 +75,7 @@ impl Mosaic {
     }
 
     /// Words of a mixed texel.
-    pub(super) fn words(&self) -> usize {
+    fn words(&self) -> usize {
         (self.block * self.block).div_ceil(64)
     }
 

@@ -36,7 +36,15 @@ pub fn unfold<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize) -> Opti
     let mut scratch = Vec::new();
     let finish = |mut texture: Unfolding<'a>| {
         arch.dispatch(|| texture.take(&mut rest))?;
-        Some(arch.dispatch(|| texture.finish(fine / base, &mut scratch)))
+        // One piece of code for each size of blocks.
+        Some(match fine / base {
+            2 => arch.dispatch(|| texture.finish::<2>(&mut scratch)),
+            4 => arch.dispatch(|| texture.finish::<4>(&mut scratch)),
+            8 => arch.dispatch(|| texture.finish::<8>(&mut scratch)),
+            16 => arch.dispatch(|| texture.finish::<16>(&mut scratch)),
+            32 => arch.dispatch(|| texture.finish::<32>(&mut scratch)),
+            _ => arch.dispatch(|| texture.finish::<64>(&mut scratch)),
+        })
     };
     let found = textures.into_iter().map(finish).collect::<Option<Vec<Mosaic>>>()?;
     rest.is_empty().then_some(found)
@@ -80,12 +88,14 @@ impl<'a> Unfolding<'a> {
     fn take(&mut self, rest: &mut &'a [u8]) -> Option<()> {
         self.refined = vec![0; self.bits.len()];
         let mut count = 0;
+        // Rows of a base texel: a power of two.
+        let steps = (self.side / self.base_side.max(1)).trailing_zeros();
         for row in 0..self.side {
             let mut flags = self.flags[row];
             while flags != 0 {
                 let word = flags.trailing_zeros() as usize;
                 flags &= flags - 1;
-                let mixed = self.mixed(row, word);
+                let mixed = self.mixed(row, word, steps);
                 count += mixed.count_ones() as usize;
                 self.refined[row * self.stride + word] = mixed;
             }
@@ -97,12 +107,11 @@ impl<'a> Unfolding<'a> {
 
     /// [`BitSquare::mixed`] of one word.
     #[inline(always)]
-    fn mixed(&self, row: usize, word: usize) -> u64 {
+    fn mixed(&self, row: usize, word: usize, steps: u32) -> u64 {
         let (mut ones, mut zeros, mut within) = (0, 0, 0);
-        let rows_of_mask = self.side / self.base_side;
         for near in row.saturating_sub(1)..(row + 2).min(self.side) {
             let bits = &self.bits[near * self.stride..][..self.stride];
-            let mask = &self.mask[near / rows_of_mask * self.stride..][..self.stride];
+            let mask = &self.mask[(near >> steps) * self.stride..][..self.stride];
             let (b, m) = (bits[word], mask[word]);
             let (one, zero) = (b & m, !b & m);
             ones |= one | one << 1 | one >> 1;
@@ -137,10 +146,15 @@ impl<'a> Unfolding<'a> {
             for word in 0..self.stride {
                 let at = row * self.stride + word;
                 let refined = self.refined[at];
+                // Closed throughout, as the new rows are.
+                if self.bits[at] | refined == 0 {
+                    continue;
+                }
                 let [above, below] = doubled(self.bits[at], refined, &mut nibbles);
-                let pair = 2 * word..(2 * word + 2).min(stride);
-                upper[pair.clone()].copy_from_slice(&above[..pair.len()]);
-                lower[pair.clone()].copy_from_slice(&below[..pair.len()]);
+                (upper[2 * word], lower[2 * word]) = (above[0], below[0]);
+                if 2 * word + 1 < stride {
+                    (upper[2 * word + 1], lower[2 * word + 1]) = (above[1], below[1]);
+                }
                 if refined != 0 {
                     let wide = refined | refined << 1 | refined >> 1;
                     near |= u64::from(wide as u32 != 0) << (2 * word) | u64::from(wide >> 32 != 0) << (2 * word + 1);
@@ -154,27 +168,29 @@ impl<'a> Unfolding<'a> {
             }
         }
         let rows = self.mask.chunks(self.stride.max(1));
-        let doubled = rows.flat_map(|row| {
-            let words = row.iter().flat_map(|&m| [spread(m as u32), spread((m >> 32) as u32)]);
-            words.take(stride).collect::<Vec<u64>>()
-        });
-        self.mask = doubled.collect();
+        let mut mask = vec![0; self.base_side * stride];
+        for (row, out) in rows.zip(mask.chunks_mut(stride.max(1))) {
+            for (&m, pair) in row.iter().zip(out.chunks_mut(2)) {
+                let twice = [spread(m as u32), spread((m >> 32) as u32)];
+                pair.copy_from_slice(&twice[..pair.len()]);
+            }
+        }
+        self.mask = mask;
         (self.side, self.stride, self.bits, self.flags) = (side, stride, bits, flags);
     }
 
-    /// The mosaic of the last refinement; `block` fine texels to a side of a base texel.
+    /// The mosaic of the last refinement; `BLOCK` fine texels to a side of a base texel.
     #[inline(always)]
-    fn finish(self, block: usize, scratch: &mut Vec<u64>) -> Mosaic {
-        let (base, rows) = (self.base_side, block / 2);
+    fn finish<const BLOCK: usize>(self, scratch: &mut Vec<u64>) -> Mosaic {
+        let (base, rows) = (self.base_side, BLOCK / 2);
         let steps = rows.trailing_zeros();
         let in_word = 64 / rows;
-        let mut mosaic = Mosaic::closed(base, block);
+        let mut mosaic = Mosaic::closed(base, BLOCK);
         let mut nibbles = Nibbles { bytes: self.nibbles, next: 0 };
         // `[fine row of the base row][word]`, filled in active words only.
         let wide = 2 * self.stride;
-        scratch.resize(block * wide, 0);
-        let low = u64::MAX >> (64 - block);
-        let mut place = vec![0_u64; mosaic.words()];
+        scratch.resize(BLOCK * wide, 0);
+        let low = u64::MAX >> (64 - BLOCK);
         for base_row in 0..base {
             let active = self.flags[base_row * rows..][..rows].iter().fold(0, |all, f| all | f);
             for row in 0..rows {
@@ -198,13 +214,13 @@ impl<'a> Unfolding<'a> {
                     }
                     continue;
                 }
-                let (mut all, mut any) = ([u64::MAX; 2], [0; 2]);
-                for row in scratch.chunks_exact(wide) {
-                    let pair = &row[2 * word..][..2];
+                let (mut all, mut any, mut pairs) = ([u64::MAX; 2], [0; 2], [[0; 2]; BLOCK]);
+                for (pair, row) in pairs.iter_mut().zip(scratch.chunks_exact(wide)) {
+                    pair.copy_from_slice(&row[2 * word..][..2]);
                     (0..2).for_each(|i| (all[i], any[i]) = (all[i] & pair[i], any[i] | pair[i]));
                 }
                 for texel in 0..in_word.min(base.saturating_sub(first)) {
-                    let (half, shift) = (texel * block / 64, texel * block % 64);
+                    let (half, shift) = (texel * BLOCK / 64, texel * BLOCK % 64);
                     if any[half] >> shift & low == 0 {
                         continue;
                     }
@@ -213,11 +229,12 @@ impl<'a> Unfolding<'a> {
                         continue;
                     }
                     mosaic.mixed.set(first + texel, base_row, true);
-                    place.fill(0);
-                    for (i, row) in scratch.chunks_exact(wide).enumerate() {
-                        place[i * block / 64] |= (row[2 * word + half] >> shift & low) << (i * block % 64);
-                    }
-                    mosaic.blocks.extend_from_slice(&place);
+                    let in_place = (64 / BLOCK).min(BLOCK);
+                    let place = |rows: &[[u64; 2]]| {
+                        let row = |(i, pair): (usize, &[u64; 2])| (pair[half] >> shift & low) << (i * BLOCK);
+                        rows.iter().enumerate().map(row).fold(0, |all, bits| all | bits)
+                    };
+                    mosaic.blocks.extend(pairs.chunks_exact(in_place).map(place));
                 }
             }
         }
