@@ -7,6 +7,7 @@ use pulp::Arch;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sky::half_texel;
 use crate::sky::projection::Projection;
+use crate::units::SUN_RADIUS_RAD;
 
 /// Receivers side by side: bits of a mask.
 pub const LANES: usize = 64;
@@ -20,7 +21,8 @@ pub struct TexelPlanes {
     side: usize,
     /// `[axis][texel]`.
     axes: [Vec<f32>; 3],
-    /// Farther than this from a plane through the receiver, no part of a texel lies on its other side.
+    /// Farther than this from a plane through the receiver, no part of a texel lies on its other side, and no middle of a sun whose disc
+    /// reaches into it.
     reach: f32,
 }
 
@@ -28,7 +30,7 @@ impl TexelPlanes {
     /// Of a projection's texels.
     pub fn new(projection: &Projection) -> Self {
         let axis = |axis: usize| projection.mean_directions.iter().map(|d| d[axis] as f32).collect();
-        let reach = REACH * half_texel(projection.side()) as f32;
+        let reach = REACH * half_texel(projection.side()) as f32 + SUN_RADIUS_RAD as f32;
         TexelPlanes { side: projection.side(), axes: [axis(0), axis(1), axis(2)], reach }
     }
 
@@ -98,11 +100,6 @@ impl<'t> SkyMasks<'t> {
     /// Where a receiver looks.
     pub fn normal(&self, receiver: usize) -> DVec3 {
         self.normals[receiver]
-    }
-
-    /// What a receiver sees.
-    pub fn sky(&self, receiver: usize) -> &'t Mosaic {
-        &self.skies[receiver]
     }
 
     /// Receivers that see a texel whole and in front of them.
@@ -198,7 +195,7 @@ mod tests {
                 }
             }
             // Open texels that are partial lie in a belt of four halves about the plane.
-            let belt = 4.0 * half_texel(side) / (HEMISPHERE_SR / std::f64::consts::PI) * 2.0;
+            let belt = 4.0 * (half_texel(side) + SUN_RADIUS_RAD) / (HEMISPHERE_SR / std::f64::consts::PI) * 2.0;
             let share = partials as f64 / (partials + wholes) as f64;
             assert!(wholes > side * side && share < 2.0 * belt, "{share} {belt}");
         }

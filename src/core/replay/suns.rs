@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::canopy_transmittance::CanopyTransmittance;
-use crate::replay::sky_masks::SkyMasks;
+use crate::replay::sky_masks::{LANES, SkyMasks};
 use crate::replay::specular::MirrorView;
 use crate::replay::sun_map::{Shine, SunMap};
 use crate::sky::disc::disc_texels;
@@ -39,6 +39,18 @@ struct Part {
     fine: Range<usize>,
 }
 
+/// The suns of a result in one base texel.
+#[derive(Clone, Debug)]
+struct Passage {
+    bin: usize,
+    /// Base texel, row-major.
+    texel: usize,
+    /// Sum of strength x share of the disc x direction.
+    whole: DVec3,
+    /// Its suns and their parts in [`EachSun::passing`].
+    passing: Range<usize>,
+}
+
 /// Suns made ready for receivers' textures: one by one where each has a result, added up where many share one.
 pub enum SunLookups {
     /// Suns of hours.
@@ -57,6 +69,10 @@ pub struct EachSun {
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
     fine: Vec<(u32, f32)>,
+    /// By run of suns of one result, and texel.
+    passages: Vec<Passage>,
+    /// Sun, part.
+    passing: Vec<(u32, u32)>,
 }
 
 impl SunLookups {
@@ -113,6 +129,7 @@ impl SunLookups {
                 parts: first..found.parts.len(),
             });
         }
+        found.add_passages(sides.sky_base);
         SunLookups::Each(found)
     }
 
@@ -147,16 +164,51 @@ impl SunLookups {
 }
 
 impl EachSun {
-    /// Calls `each(receiver, result, irradiance)` for each sun before a receiver.
+    /// Adds up the suns that pass a base texel, of `side` to a side, on their way through a result.
+    fn add_passages(&mut self, side: usize) {
+        let mut first = 0;
+        for of_bin in self.suns.chunk_by(|a, b| a.bin == b.bin) {
+            let numbered = of_bin.iter().enumerate().flat_map(|(i, sun)| sun.parts.clone().map(move |part| (i, part)));
+            let place = |part: usize| self.parts[part].row as usize * side + self.parts[part].column as usize;
+            let mut found: Vec<(usize, usize, usize)> = numbered.map(|(i, part)| (place(part), i, part)).collect();
+            found.sort_unstable();
+            for passing in found.chunk_by(|a, b| a.0 == b.0) {
+                let start = self.passing.len();
+                self.passing.extend(passing.iter().map(|&(_, i, part)| ((first + i) as u32, part as u32)));
+                let light = |&(_, i, part): &(usize, usize, usize)| {
+                    of_bin[i].direction * (of_bin[i].strength * f64::from(self.parts[part].share))
+                };
+                self.passages.push(Passage {
+                    bin: of_bin[0].bin,
+                    texel: passing[0].0,
+                    whole: passing.iter().map(light).sum(),
+                    passing: start..self.passing.len(),
+                });
+            }
+            first += of_bin.len();
+        }
+    }
+
+    /// Calls `each(receiver, result, irradiance)` for each run of suns of one result.
     fn direct(&self, skies: &SkyMasks, mut each: impl FnMut(usize, usize, f64)) {
-        for receiver in 0..skies.receivers() {
-            let (normal, sky) = (skies.normal(receiver), skies.sky(receiver));
-            for sun in &self.suns {
-                let cos = normal.dot(sun.direction);
-                if cos > 0.0 {
-                    let visible: f32 = self.parts[sun.parts.clone()].iter().map(|part| self.visible(part, sky)).sum();
-                    each(receiver, sun.bin, sun.strength * cos * f64::from(visible));
+        for of_bin in self.passages.chunk_by(|a, b| a.bin == b.bin) {
+            let (mut wholes, mut partials) = ([DVec3::ZERO; LANES], [0.0_f64; LANES]);
+            for passage in of_bin {
+                skies.whole(passage.texel).for_each(|receiver| wholes[receiver] += passage.whole);
+                for (receiver, texel) in skies.partial(passage.texel) {
+                    let normal = skies.normal(receiver);
+                    for &(sun, part) in &self.passing[passage.passing.clone()] {
+                        let sun = &self.suns[sun as usize];
+                        let cos = normal.dot(sun.direction);
+                        if cos > 0.0 {
+                            let visible = self.share(&self.parts[part as usize], texel);
+                            partials[receiver] += sun.strength * cos * f64::from(visible);
+                        }
+                    }
                 }
+            }
+            for (receiver, (whole, partial)) in wholes.iter().zip(partials).enumerate().take(skies.receivers()) {
+                each(receiver, of_bin[0].bin, skies.normal(receiver).dot(*whole) + partial);
             }
         }
     }
@@ -201,11 +253,6 @@ impl EachSun {
     }
 
     /// Share of the disc that is seen in a base texel.
-    #[inline]
-    fn visible(&self, part: &Part, sky: &Mosaic) -> f32 {
-        self.share(part, sky.texel(part.column as usize, part.row as usize))
-    }
-
     #[inline]
     fn share(&self, part: &Part, texel: Texel) -> f32 {
         match texel {
