@@ -97,6 +97,30 @@ fn closed_sphere_does_not_leak() {
     assert_eq!(escapes(&scene(&triangles, &[0.2]), [10_000_000, 1_000_000, 1_000_000]), [0, 0, 0]);
 }
 
+/// What rays meet first does not depend on how a large scene is cut: 20,000 rays through shells of 150,000 triangles, far more than one
+/// block of the tree holds, meet the same triangles at the same distances, to the bit, as the nearest of what 5 trees of a fifth each give.
+#[test]
+fn blocks_of_the_tree_change_nothing() {
+    let shells = (0..5).map(|i| sphere(v(2.0 * f64::from(i), 0.5, 0.0), 3.0 + f64::from(i), 123));
+    let scene = scene(&shells.collect::<Vec<_>>().concat(), &[0.2]);
+    let count = scene.mesh.triangles.len() as u32;
+    assert!(count > 150_000);
+    let whole = Tracer::new(&scene.mesh).expect("a tree");
+    let every_fifth = |i: u32| (i..count).step_by(5).collect::<Vec<u32>>();
+    let parts: Vec<Tracer> = (0..5).map(|i| Tracer::of(&scene.mesh, &every_fifth(i))).collect();
+    let rays: Vec<Ray> =
+        (0..20_000).map(|i| ray(12.0 * (jitter(8, i / 16) - 0.5).extend(0.1), anywhere(9, i))).collect();
+    let apart: Vec<_> = parts.iter().map(|part| part.closest_many(&rays)).collect();
+    let (mut same, mut met) = (0, 0);
+    for (i, found) in whole.closest_many(&rays).into_iter().enumerate() {
+        let hits = apart.iter().filter_map(|part| part[i]);
+        let nearest = hits.min_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        same += usize::from(found == nearest);
+        met += usize::from(found.is_some());
+    }
+    assert!(same == rays.len() && met > rays.len() / 2, "{same} {met}");
+}
+
 /// The same at 1,000 m from the origin of the scene and far off-centre (148376, 1234, -223423): 0 of 3 x 300,000 rays escape, twice.
 #[test]
 fn far_away_does_not_leak() {

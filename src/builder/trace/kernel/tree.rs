@@ -3,12 +3,19 @@
 //! obvhs builds the tree (preset "slow": spatial splits; a scene is traced often and built once; leaves are collapsed less
 //! than it would, 5 % faster for packets). Three levels of its binary nodes become one node of eight children, with boxes padded for
 //! rounding, so that one instruction of sixteen lanes meets a plane of every box on either side.
+//!
+//! What improves a tree takes time that grows faster than the tree, so a large scene is cut into blocks with trees of their own, below a
+//! small tree of blocks.
+
+use std::time::Duration;
 
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::bvh2::builder::{build_bvh2, build_bvh2_from_tris};
 use obvhs::triangle::Triangle;
+use rayon::prelude::*;
 
 use prefetch_index::prefetch_index;
 
@@ -18,6 +25,9 @@ use heliotile_scene::mesh::Mesh;
 /// Boxes grow by this share of the largest coordinate: measured to close all leaks at vertices. A triangle that a ray meets is so always
 /// reached, and what a ray meets does not depend on how the scene around it is cut into boxes.
 const BOX_PAD: f32 = 1e-6;
+
+/// Triangles of a block at most.
+const BLOCK: usize = 1 << 16;
 
 /// Children of a node.
 pub const WIDTH: usize = 8;
@@ -50,23 +60,53 @@ pub struct Tree {
 impl Tree {
     /// Of some triangles of a mesh, which keep their indices.
     pub fn new(mesh: &Mesh, ids: &[u32]) -> Self {
-        let corners_of = |id: u32| mesh.triangle_points(id as usize).map(|p| p.as_vec3().to_array());
-        let boxed: Vec<Triangle> = ids
-            .iter()
-            .map(|&id| {
-                let [v0, v1, v2] = corners_of(id).map(Vec3A::from_array);
-                Triangle { v0, v1, v2 }
-            })
-            .collect();
-        let mut build_time = std::time::Duration::default();
-        let params = BvhBuildParams { collapse_traversal_cost: 1.0, ..BvhBuildParams::slow_build() };
-        let bvh = build_bvh2_from_tris(&boxed, params, &mut build_time);
         let (low, high) = mesh.bounds();
-        let reach = low.abs().max(high.abs()).max_element();
+        let pad = low.abs().max(high.abs()).max_element() as f32 * BOX_PAD;
+        let blocks: Vec<(Tree, Aabb)> =
+            blocks(mesh, ids).into_par_iter().map(|ids| Tree::of_block(mesh, &ids, pad)).collect();
+        let mut tree = Tree { nodes: Vec::new(), triangles: Vec::new() };
+        let mut order = Vec::new();
+        if blocks.len() > 1 {
+            let boxes: Vec<Aabb> = blocks.iter().map(|(_, bounds)| *bounds).collect();
+            let bvh = build_bvh2(&boxes, BvhBuildParams::fastest_build(), &mut Duration::default());
+            (tree.nodes, order) = (widened(&bvh, pad), bvh.primitive_indices);
+        }
+        let above = tree.nodes.len();
+        tree.nodes.reserve_exact(blocks.iter().map(|(block, _)| block.nodes.len()).sum());
+        tree.triangles.reserve_exact(blocks.iter().map(|(block, _)| block.triangles.len()).sum());
+        let mut roots = Vec::with_capacity(blocks.len());
+        for (block, _) in blocks {
+            let (node, triangle) = (tree.nodes.len() as u32, tree.triangles.len() as u32);
+            roots.push(node);
+            tree.triangles.extend(block.triangles);
+            tree.nodes.extend(block.nodes.into_iter().map(|mut moved| {
+                for child in &mut moved.child {
+                    child.first += if child.count > 0 { triangle } else { node };
+                }
+                moved
+            }));
+        }
+        // Leaves of the tree above hold one block each.
+        for child in tree.nodes.iter_mut().take(above).flat_map(|node| &mut node.child).filter(|child| child.count > 0)
+        {
+            *child = Child { first: roots[order[child.first as usize] as usize], count: 0 };
+        }
+        tree
+    }
+
+    /// Of one block's triangles, and the box about them.
+    fn of_block(mesh: &Mesh, ids: &[u32], pad: f32) -> (Self, Aabb) {
+        let corners_of = |id: u32| mesh.triangle_points(id as usize).map(|p| p.as_vec3().to_array());
+        let boxed = ids.iter().map(|&id| {
+            let [v0, v1, v2] = corners_of(id).map(Vec3A::from_array);
+            Triangle { v0, v1, v2 }
+        });
+        let params = BvhBuildParams { collapse_traversal_cost: 1.0, ..BvhBuildParams::slow_build() };
+        let bvh = build_bvh2_from_tris(&boxed.collect::<Vec<_>>(), params, &mut Duration::default());
         let placed = bvh.primitive_indices.iter().map(|&i| ids[i as usize]);
         let triangles = placed.map(|id| EdgeTriangle::new(corners_of(id), id)).collect();
-        let nodes = widened(&bvh, reach as f32 * BOX_PAD);
-        Tree { nodes, triangles }
+        let bounds = bvh.nodes.first().map_or(Aabb::INVALID, |root| root.aabb);
+        (Tree { nodes: widened(&bvh, pad), triangles }, bounds)
     }
 
     /// Asks for the memory of a child that will be visited.
@@ -118,6 +158,28 @@ impl Tree {
         found.dedup();
         found
     }
+}
+
+/// Cuts triangles at the middle of those along the longest axis of their centres, until parts are small; each part in ascending order.
+fn blocks(mesh: &Mesh, ids: &[u32]) -> Vec<Vec<u32>> {
+    let centre = |id: u32| mesh.triangle_points(id as usize).into_iter().sum::<DVec3>();
+    let mut done = Vec::new();
+    let mut waiting = vec![ids.to_vec()];
+    while let Some(mut part) = waiting.pop() {
+        if part.len() <= BLOCK {
+            part.sort_unstable();
+            done.push(part);
+            continue;
+        }
+        let ends = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = part.iter().map(|id| centre(*id)).fold(ends, |(low, high), c| (low.min(c), high.max(c)));
+        let axis = (high - low).max_position();
+        let middle = part.len() / 2;
+        part.select_nth_unstable_by(middle, |a, b| centre(*a)[axis].total_cmp(&centre(*b)[axis]).then(a.cmp(b)));
+        let rest = part.split_off(middle);
+        waiting.extend([part, rest]);
+    }
+    done
 }
 
 /// Nodes in depth-first order: of each binary node the descendants that a ray is likeliest to meet become its children.

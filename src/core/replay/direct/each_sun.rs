@@ -32,8 +32,10 @@ struct Part {
     row: u32,
     /// Share of the disc.
     share: f32,
-    /// Its texels in [`SunLookups::fine`].
+    /// Its texels in [`EachSun::fine`].
     fine: Range<usize>,
+    /// The same as bits, in [`EachSun::words`].
+    words: Range<usize>,
 }
 
 /// The suns of a result in one base texel.
@@ -55,6 +57,8 @@ pub struct EachSun {
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
     fine: Vec<(u32, f32)>,
+    /// Number of a word of a base texel's bits, and those that a disc covers.
+    words: Vec<(u32, u64)>,
     /// By run of suns of one result, and texel.
     passages: Vec<Passage>,
     /// Sun, part.
@@ -73,11 +77,19 @@ impl EachSun {
             for part in disc.chunk_by(|a, b| (a.0 / block, a.1 / block) == (b.0 / block, b.1 / block)) {
                 let start = found.fine.len();
                 found.fine.extend(part.iter().map(|&(c, r, share)| (r % block * block + c % block, share)));
+                let first_word = found.words.len();
+                for &(place, _) in &found.fine[start..] {
+                    match found.words[first_word..].iter_mut().find(|(word, _)| *word == place / 64) {
+                        Some((_, bits)) => *bits |= 1 << (place % 64),
+                        None => found.words.push((place / 64, 1 << (place % 64))),
+                    }
+                }
                 found.parts.push(Part {
                     column: part[0].0 / block,
                     row: part[0].1 / block,
                     share: part.iter().map(|t| t.2).sum(),
                     fine: start..found.fine.len(),
+                    words: first_word..found.words.len(),
                 });
             }
             found.suns.push(Sun {
@@ -191,6 +203,19 @@ impl EachSun {
             Texel::Closed => 0.0,
             Texel::Open => part.share,
             Texel::Mixed(bits) => {
+                // Most discs lie on one side of an edge: a word or two tell.
+                let words = &self.words[part.words.clone()];
+                let (mut hidden, mut shown) = (0, 0);
+                for &(word, disc) in words {
+                    hidden |= disc & !bits[word as usize];
+                    shown |= disc & bits[word as usize];
+                }
+                if shown == 0 {
+                    return 0.0;
+                }
+                if hidden == 0 {
+                    return part.share;
+                }
                 let seen = |&&(i, _): &&(u32, f32)| bits[i as usize / 64] >> (i % 64) & 1 == 1;
                 self.fine[part.fine.clone()].iter().filter(seen).map(|t| t.1).sum()
             }
