@@ -166,6 +166,11 @@ impl Centres {
         self.finest
     }
 
+    /// Sides of the textures that have a table, ascending.
+    pub fn sides(&self) -> Vec<usize> {
+        self.tables.iter().map(|table| table.0).collect()
+    }
+
     /// The smallest table, row-major.
     pub fn base(&self) -> &[DVec3] {
         self.tables.first().map_or(&[], |table| &table.1)

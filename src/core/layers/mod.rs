@@ -11,3 +11,4 @@ pub mod mosaic;
 pub mod response;
 pub mod sides;
 pub mod sky;
+pub mod texel_block;
