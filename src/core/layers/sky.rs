@@ -170,7 +170,7 @@ pub fn front_of(n: usize, normal: DVec3, centres: &[DVec3]) -> BitSquare {
     let in_front = |centre: &DVec3| u64::from(normal.dot(*centre) > -reach);
     for (words, centres) in front.words.chunks_mut(front.stride.max(1)).zip(centres.chunks(n.max(1))) {
         for (word, centres) in words.iter_mut().zip(centres.chunks(64)) {
-            *word = centres.iter().rev().fold(0, |word, centre| word << 1 | in_front(centre));
+            *word = centres.iter().enumerate().fold(0, |word, (bit, centre)| word | in_front(centre) << bit);
         }
     }
     front

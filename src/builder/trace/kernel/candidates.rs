@@ -71,21 +71,21 @@ impl Sixteen {
         let last = places.len() - 1;
         let zero = F32x16([0.0; LANES]);
         let (mut corners, mut longest, mut of) = ([[zero; 3]; 3], zero, [0; LANES]);
-        for lane in 0..LANES {
-            of[lane] = places[lane.min(last)];
-            let triangle = &tree.triangles[of[lane] as usize];
-            for corner in 0..3 {
-                for axis in 0..3 {
-                    corners[corner][axis].0[lane] = triangle.corners[corner][axis];
+        for (lane, of) in of.iter_mut().enumerate() {
+            *of = places[lane.min(last)];
+            let triangle = &tree.triangles[*of as usize];
+            for (to, from) in corners.iter_mut().zip(&triangle.corners) {
+                for (axis, x) in to.iter_mut().zip(from) {
+                    axis.0[lane] = *x;
                 }
             }
             longest.0[lane] = triangle.longest;
         }
         // Loops, since closures of `map` would not be compiled for the processor at hand.
         let mut loaded = [[l.splat(0.0); 3]; 3];
-        for corner in 0..3 {
-            for axis in 0..3 {
-                loaded[corner][axis] = l.load(&corners[corner][axis]);
+        for (to, from) in loaded.iter_mut().zip(&corners) {
+            for (axis, x) in to.iter_mut().zip(from) {
+                *axis = l.load(x);
             }
         }
         let seen = planes(l, &loaded, l.load(&longest), origin);
@@ -120,10 +120,10 @@ impl Sixteen {
         let (mut missed, mut hit) = (0, u16::MAX);
         for edge in &self.edges {
             let (mut middle, mut reach) = (l.splat(0.0), l.splat(0.0));
-            for axis in 0..3 {
-                let x = l.load(&edge[axis]);
-                middle = l.add(middle, l.mul(l.splat(cone.centre[axis]), x));
-                reach = l.add(reach, l.mul(l.splat(cone.half[axis]), l.abs(x)));
+            for (x, (centre, half)) in edge.iter().zip(cone.centre.iter().zip(&cone.half)) {
+                let x = l.load(x);
+                middle = l.add(middle, l.mul(l.splat(*centre), x));
+                reach = l.add(reach, l.mul(l.splat(*half), l.abs(x)));
             }
             missed |= l.less(l.add(middle, reach), minus_margin);
             hit &= l.less(margin, l.sub(middle, reach));
