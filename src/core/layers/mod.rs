@@ -12,3 +12,4 @@ pub mod response;
 pub mod sides;
 pub mod sky;
 pub mod texel_block;
+mod unfold;
