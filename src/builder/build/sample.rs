@@ -102,7 +102,7 @@ impl SiteTracer<'_> {
         let timed = Instant::now();
         let windows = |receiver: &&Receiver| {
             let mut rays = 0;
-            let seen = self.mirror_windows(&self.viewpoint(receiver), &fans, &mut rays);
+            let seen = self.mirror_windows(&self.viewpoint(receiver), &mut rays);
             (!seen.is_empty(), rays)
         };
         let windows: Vec<(bool, u64)> = whole.par_iter().map(windows).collect();

@@ -253,7 +253,7 @@ impl SiteTracer<'_> {
         let hits = self.trace_hits(&view);
         let viewer = viewer(&view, &dense, fans);
         let paths = self.mirror_paths(&view, &hits, &mut rays.mirror);
-        let windows = self.mirror_windows(&view, fans, &mut rays.mirror);
+        let windows = self.mirror_windows(&view, &mut rays.mirror);
         let mirrors = ReceiverMirrors { windows, paths };
         let (canopy, cast) = self.canopy_of_receiver(&view, &dense, &hits);
         rays.canopy = cast;
@@ -298,6 +298,6 @@ impl SiteTracer<'_> {
 
 /// What is needed of a receiver with these sky bits besides its hits.
 fn viewer(view: &Viewpoint, sky: &BitSquare, fans: &SkyFans) -> Viewer {
-    let sky_view = sky_view_factor(view.normal, sky, fans.centres().base()).min((1.0 + view.normal.z) / 2.0);
+    let sky_view = sky_view_factor(view.normal, sky, fans.centres()).min((1.0 + view.normal.z) / 2.0);
     Viewer { normal: view.normal, seed: view.seed(), sky_view }
 }

@@ -1,14 +1,15 @@
-//! Directions of the sky's texels at all levels of a texture, made once for all receivers. In: sides of a texture, blocks of its texels. Out:
-//! their rays by sixteens, and cones around them and all that they are refined to.
+//! Directions of the sky's texels at all levels of a texture, each made once for all receivers. In: sides of a texture, blocks of its
+//! texels. Out: their rays by sixteens, and cones around them and all that they are refined to.
 
 use std::f64::consts::FRAC_PI_4;
+use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
 use crate::trace::kernel::fan::{Cone, Fan};
 use crate::trace::kernel::lanes::{F32x16, LANES};
 use crate::trace::kernel::scan::Question;
-use heliotile_core::hemisphere::{Centres, texel_direction};
+use heliotile_core::hemisphere::{texel_centres, texel_direction};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::sky::front_of;
 use heliotile_core::layers::texel_block::TexelBlock;
@@ -31,17 +32,32 @@ const RIM: f64 = 0.06;
 
 /// Rays of textures of one base and finest side.
 pub struct SkyFans {
-    centres: Centres,
     base: usize,
+    fine: usize,
+    /// Of the base texture's texels, row-major.
+    centres: Vec<DVec3>,
+    /// Around its blocks with all that they are refined to, row-major: the parts of the sky.
+    parts: Vec<Cone>,
     levels: Vec<Level>,
 }
 
-/// `[block]`, row-major, of an n x n texture.
+/// Rays of the blocks of an n x n texture, row-major, made when they are asked for first: much of the sky is never refined.
 struct Level {
     n: usize,
-    fans: Vec<Fan>,
-    cones: Vec<Cone>,
+    stretches: Vec<OnceLock<Vec<Aim>>>,
 }
+
+/// Blocks that are made at once.
+const STRETCH: usize = 16;
+
+/// Where the rays of a block go.
+struct Aim {
+    fan: Fan,
+    cone: Cone,
+}
+
+/// Larger textures would not fit a core's share of cache and memory: their directions are computed when they are asked for.
+const LARGEST_TABLE: usize = 1024;
 
 /// What is turned by less than this is not: rounding of a dot product in f32, and more.
 const BEHIND: f32 = 1e-5;
@@ -49,91 +65,102 @@ const BEHIND: f32 = 1e-5;
 impl SkyFans {
     /// Of textures of `base` texels a side, a multiple of 8, refined to `fine`.
     pub fn new(base: usize, fine: usize) -> Self {
-        let mut fans = SkyFans { centres: Centres::new(base, fine), base, levels: Vec::new() };
-        for n in fans.centres.sides() {
-            let side = n / TexelBlock::SIDE as usize;
-            let blocks = (0..side * side).map(|block| ((block % side) as u32, (block / side) as u32));
-            let level = Level {
-                n,
-                fans: blocks.clone().map(|block| fans.fan(n, block, |d| d)).collect(),
-                cones: blocks.map(|(column, row)| cone(column, row, side)).collect(),
-            };
-            fans.levels.push(level);
-        }
-        fans
+        let blocks = |n: usize| n / TexelBlock::SIDE as usize;
+        let side = blocks(base);
+        let parts: Vec<Cone> = (0..side * side).map(|i| cone((i % side) as u32, (i / side) as u32, side)).collect();
+        let sides = std::iter::successors(Some(base), |n| Some(n * 2))
+            .take_while(|&n| n <= fine.min(LARGEST_TABLE) || n == base);
+        let stretches = |n| (0..(blocks(n) * blocks(n)).div_ceil(STRETCH)).map(|_| OnceLock::new()).collect();
+        let levels = sides.map(|n| Level { n, stretches: stretches(n) }).collect();
+        SkyFans { base, fine, centres: texel_centres(base), parts, levels }
     }
 
-    /// Directions of texels' centres.
-    pub fn centres(&self) -> &Centres {
+    /// Directions of the centres of the base texture's texels, row-major.
+    pub fn centres(&self) -> &[DVec3] {
         &self.centres
-    }
-
-    /// Side of the finest texture.
-    pub fn fine(&self) -> usize {
-        self.centres.finest()
     }
 
     /// Texels of the base texture that are not wholly behind a surface.
     pub fn front(&self, normal: DVec3) -> BitSquare {
-        front_of(self.base, normal, self.centres.base())
+        front_of(self.base, normal, &self.centres)
+    }
+
+    /// Side of the finest texture.
+    pub fn fine(&self) -> usize {
+        self.fine
     }
 
     /// Where the ray of a texel of an n x n texture goes, if nothing turns it.
-    pub(crate) fn direction(&self, n: usize) -> impl Fn(u32, u32) -> DVec3 + '_ {
-        let (centre, refined) = (self.centres.of(n), n < self.fine());
-        move |column, row| if refined { low(column, row, n) } else { None }.unwrap_or_else(|| centre(column, row))
+    pub(crate) fn direction(&self, n: usize) -> impl Fn(u32, u32) -> DVec3 + use<> {
+        let refined = n < self.fine;
+        move |column, row| {
+            let centre = || texel_direction(column as usize, row as usize, n, DVec2::splat(0.5));
+            if refined { low(column, row, n) } else { None }.unwrap_or_else(centre)
+        }
     }
 
-    /// The rays of a block, each after `turn`.
-    fn fan(&self, n: usize, (column, row): (u32, u32), turn: impl Fn(DVec3) -> DVec3) -> Fan {
+    /// The rays of a block that are asked about, each after `turn`; the other lanes hold one of them.
+    fn fan(&self, n: usize, block: &TexelBlock, turn: impl Fn(DVec3) -> DVec3) -> Fan {
         let direction = self.direction(n);
-        let block = TexelBlock { column, row, wanted: u16::MAX, ones: 0 };
-        let mut fan = Fan([F32x16([0.0; LANES]); 3]);
-        for bit in block.bits() {
+        let ray = |bit: u32| {
             let (column, row) = block.texel(bit);
-            for (axis, x) in fan.0.iter_mut().zip(turn(direction(column, row)).as_vec3().to_array()) {
+            turn(direction(column, row)).as_vec3().to_array()
+        };
+        let mut fan = Fan(ray(block.wanted.trailing_zeros() % 16).map(|x| F32x16([x; LANES])));
+        for bit in block.bits().skip(1) {
+            for (axis, x) in fan.0.iter_mut().zip(ray(bit)) {
                 axis.0[bit as usize] = x;
             }
         }
         fan
     }
 
-    /// The table of an n x n texture, if there is one.
-    fn level(&self, n: usize) -> Option<&Level> {
-        self.levels.iter().find(|level| level.n == n)
+    /// Whether there is a table of an n x n texture.
+    fn tabled(&self, n: usize) -> bool {
+        self.levels.iter().any(|level| level.n == n)
     }
 
-    /// The cone around a block of an n x n texture and all that it is refined to; where there is no table, around more.
-    fn cone(&self, n: usize, block: &TexelBlock) -> Cone {
-        let Some(level) = self.level(n).or(self.levels.last()) else { return Cone::default() };
+    /// Where blocks of an n x n texture go; where there is no table, the blocks that they are refined from in the finest one.
+    fn aims<'a>(&'a self, n: usize) -> impl Fn(&TexelBlock) -> &'a Aim {
+        let level = &self.levels[((n / self.base).ilog2() as usize).min(self.levels.len() - 1)];
         let (shift, side) = ((n / level.n).ilog2(), level.n / TexelBlock::SIDE as usize);
-        level.cones[(block.row >> shift) as usize * side + (block.column >> shift) as usize]
+        let make = move |place: usize| {
+            let (column, row) = ((place % side) as u32, (place / side) as u32);
+            let block = TexelBlock { column, row, wanted: u16::MAX, ones: 0 };
+            Aim { fan: self.fan(level.n, &block, |d| d), cone: cone(column, row, side) }
+        };
+        move |block| {
+            let place = (block.row >> shift) as usize * side + (block.column >> shift) as usize;
+            let stretch = level.stretches[place / STRETCH].get_or_init(|| {
+                let first = place - place % STRETCH;
+                (first..(first + STRETCH).min(side * side)).map(make).collect()
+            });
+            &stretch[place % STRETCH]
+        }
     }
 
-    /// Blocks of the base texture with all that they are refined to, before a surface.
+    /// Parts of the sky, before a surface.
     pub(crate) fn parts(&self, normal: DVec3) -> Vec<Part> {
-        let cones = self.levels.first().map(|level| level.cones.as_slice()).unwrap_or_default();
         let part = |cone: &Cone| match way(cone, normal) {
             None => Part { whole: *cone, front: true },
             Some(way) => Part { whole: cone.moved(way), front: false },
         };
-        cones.iter().map(part).collect()
+        self.parts.iter().map(part).collect()
     }
 
     /// Number of the part that a block of an n x n texture belongs to.
-    fn part(&self, n: usize, block: &TexelBlock) -> usize {
+    fn part(&self, n: usize) -> impl Fn(&TexelBlock) -> usize + use<> {
         let (shift, side) = ((n / self.base).ilog2(), self.base / TexelBlock::SIDE as usize);
-        (block.row >> shift) as usize * side + (block.column >> shift) as usize
+        move |block| (block.row >> shift) as usize * side + (block.column >> shift) as usize
     }
 
     /// Rays of those blocks of an n x n texture that the table does not hold, by place in the list: some go along the surface, since their
     /// texel's centre is behind it, or they are too many to be held.
     pub(crate) fn bent(&self, n: usize, blocks: &[TexelBlock], normal: DVec3, parts: &[Part]) -> Vec<(usize, Fan)> {
-        let tabled = self.level(n).is_some();
-        let front =
-            |block: &TexelBlock| parts[self.part(n, block)].front || way(&self.cone(n, block), normal).is_none();
+        let (tabled, part, aim) = (self.tabled(n), self.part(n), self.aims(n));
+        let front = |block: &TexelBlock| parts[part(block)].front || way(&aim(block).cone, normal).is_none();
         let bent = blocks.iter().enumerate().filter(|(_, block)| !tabled || !front(block));
-        bent.map(|(place, block)| (place, self.fan(n, (block.column, block.row), |d| before(d, normal)))).collect()
+        bent.map(|(place, block)| (place, self.fan(n, block, |d| before(d, normal)))).collect()
     }
 
     /// Questions for blocks, given those rays.
@@ -146,18 +173,18 @@ impl SkyFans {
         bent: &'a [(usize, Fan)],
     ) -> Vec<Question<'a>> {
         let mut bent = bent.iter().peekable();
-        let table = self.level(n).map(|level| level.fans.as_slice()).unwrap_or_default();
-        let side = n / TexelBlock::SIDE as usize;
+        let (number_of, aim) = (self.part(n), self.aims(n));
         let question = |(place, block): (usize, &TexelBlock)| {
-            let (number, cone) = (self.part(n, block), self.cone(n, block));
+            let number = number_of(block);
             let part = &parts[number];
-            let turned = if part.front { None } else { way(&cone, normal) };
+            let Aim { fan, cone } = aim(block);
+            let turned = if part.front { None } else { way(cone, normal) };
             let own = bent.next_if(|of| of.0 == place).map(|of| &of.1);
             Question {
                 part: number as u32,
                 whole: &part.whole,
-                fan: own.unwrap_or_else(|| &table[block.row as usize * side + block.column as usize]),
-                cone: turned.map_or(cone, |way| cone.moved(way)),
+                fan: own.unwrap_or(fan),
+                cone: turned.map_or(*cone, |way| cone.moved(way)),
                 wanted: block.wanted,
                 met: None,
             }
@@ -229,7 +256,7 @@ mod tests {
                 let side = n as u32 / TexelBlock::SIDE;
                 let blocks: Vec<TexelBlock> = (0..side * side)
                     .map(|i| TexelBlock { column: i % side, row: i / side, wanted: u16::MAX, ones: 0 })
-                    .filter(|block| fans.cone(n, block).dot(normal.as_vec3().to_array())[1] > 0.0)
+                    .filter(|block| fans.aims(n)(block).cone.dot(normal.as_vec3().to_array())[1] > 0.0)
                     .collect();
                 let bent = fans.bent(n, &blocks, normal, &parts);
                 for question in fans.questions(n, &blocks, normal, &parts, &bent) {
