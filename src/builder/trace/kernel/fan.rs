@@ -14,7 +14,7 @@ impl Fan {
     }
 }
 
-/// A box around some directions: [axis], f32.
+/// A box around some directions: `[axis]`, f32.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cone {
     pub centre: [f32; 3],
