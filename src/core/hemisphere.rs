@@ -145,42 +145,6 @@ pub fn texel_centres(n: usize) -> Vec<DVec3> {
     (0..n * n).map(|t| texel_direction(t % n, t / n, n, DVec2::splat(0.5))).collect()
 }
 
-/// Directions of texel centres of square textures of several sizes, computed once: 24 bytes a texel.
-pub struct Centres {
-    tables: Vec<(usize, Vec<DVec3>)>,
-    finest: usize,
-}
-
-/// Larger textures would not fit a core's share of cache and memory: their directions are computed when they are asked for.
-const LARGEST_TABLE: usize = 1024;
-
-impl Centres {
-    /// Tables of `base` x `base` texels, twice as many a side, and so on up to `fine`.
-    pub fn new(base: usize, fine: usize) -> Self {
-        let sides = std::iter::successors(Some(base), |n| Some(n * 2)).take_while(|&n| n <= fine.min(LARGEST_TABLE));
-        Centres { tables: sides.map(|n| (n, texel_centres(n))).collect(), finest: fine }
-    }
-
-    /// Side of the finest texture.
-    pub fn finest(&self) -> usize {
-        self.finest
-    }
-
-    /// The smallest table, row-major.
-    pub fn base(&self) -> &[DVec3] {
-        self.tables.first().map_or(&[], |table| &table.1)
-    }
-
-    /// Directions of texels of an n x n texture.
-    pub fn of(&self, n: usize) -> impl Fn(u32, u32) -> DVec3 + '_ {
-        let table = self.tables.iter().find(|table| table.0 == n).map(|table| &table.1);
-        move |column, row| match table {
-            Some(table) => table[row as usize * n + column as usize],
-            None => texel_direction(column as usize, row as usize, n, DVec2::splat(0.5)),
-        }
-    }
-}
-
 /// Right-handed frame of a unit normal: `u` horizontal, `v` up the surface, `n` the normal.
 /// For a vertical normal u = east, v = north (up) or south (down).
 #[derive(Clone, Copy, Debug, PartialEq)]

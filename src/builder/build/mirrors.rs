@@ -2,16 +2,19 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use glam::DVec2;
+
 use super::site_tracer::SiteTracer;
 use crate::settings::Effect;
 use crate::trace::mirror::{End, Look, Met, MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, lifted};
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::surroundings::{Surroundings, seen_from};
-use heliotile_core::hemisphere::{Centres, HEMISPHERE_SR, mix};
+use heliotile_core::hemisphere::{HEMISPHERE_SR, mix, texel_direction};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath, Window};
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::layers::texel_block::TexelBlock;
 use heliotile_core::light::mirrors::left;
 use heliotile_core::site::cells::{CellKey, level_of};
 
@@ -42,7 +45,7 @@ impl SiteTracer<'_> {
     }
 
     /// The parts of the sky that a receiver sees in mirrors.
-    pub(super) fn mirror_windows(&self, view: &Viewpoint, centres: &Centres, rays: &mut u64) -> Vec<Window> {
+    pub(super) fn mirror_windows(&self, view: &Viewpoint, rays: &mut u64) -> Vec<Window> {
         let Some(reflections) = &self.reflections else { return Vec::new() };
         let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
         let around = reflections.around(base, view.seed(), |_| (view.position, view.normal));
@@ -62,11 +65,14 @@ impl SiteTracer<'_> {
                 let scale = (n / side as usize) as u32;
                 let whole: Vec<(u32, u32)> =
                     texels.iter().map(|&(c, r)| (c + column * scale, r + row * scale)).collect();
-                let centre = centres.of(base * scale as usize);
-                let look = |&(c, r): &(u32, u32)| Look { chain: 0, sky: centre(c, r), origin, normal: view.normal };
+                let look = |&(c, r): &(u32, u32)| {
+                    let sky = texel_direction(c as usize, r as usize, base * scale as usize, DVec2::splat(0.5));
+                    Look { chain: 0, sky, origin, normal: view.normal }
+                };
                 reflections.lit(&[(chain, map)], &whole.iter().map(look).collect::<Vec<_>>(), rays)
             };
-            let (texture, dense) = SkyTexture::trace_within(front, side as usize * (fine / base), visible);
+            let (texture, dense) =
+                SkyTexture::trace(front, side as usize * (fine / base), TexelBlock::by_texels(visible));
             if dense.count() > 0 {
                 windows.push(Window {
                     chain,

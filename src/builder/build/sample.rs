@@ -10,9 +10,10 @@ use super::site_tracer::SiteTracer;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::trace::bounce::trace_bounce;
 use crate::trace::probe::Directions;
+use crate::trace::sky_fans::SkyFans;
 use crate::trace::surroundings::SurroundingSettings;
 use heliotile_core::error::Result;
-use heliotile_core::hemisphere::{Centres, jitter, texel_direction};
+use heliotile_core::hemisphere::{jitter, texel_direction};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::{Cell, Cells};
 use heliotile_core::layers::mirror::CellPath;
@@ -76,7 +77,7 @@ impl SiteTracer<'_> {
 
     /// Traces the sample: hits of all of it, the rest of some.
     fn look(&self, receivers: &[Receiver], all: usize) -> Sample {
-        let centres = Centres::new(self.settings.sky_base, self.settings.sky_fine);
+        let fans = SkyFans::new(self.settings.sky_base, self.settings.sky_fine);
         let reflectors = &self.reflectors;
         let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
         let whole: Vec<&Receiver> = receivers.iter().step_by(WHOLE).collect();
@@ -84,7 +85,7 @@ impl SiteTracer<'_> {
         let skies: Vec<(BitSquare, u64)> = whole
             .par_iter()
             .map(|receiver| {
-                let (_, bits, rays) = self.trace_sky(&self.viewpoint(receiver), &centres);
+                let (_, bits, rays) = self.viewpoint(receiver).sky(&fans, self.tracer);
                 (bits, rays)
             })
             .collect();
@@ -101,7 +102,7 @@ impl SiteTracer<'_> {
         let timed = Instant::now();
         let windows = |receiver: &&Receiver| {
             let mut rays = 0;
-            let seen = self.mirror_windows(&self.viewpoint(receiver), &centres, &mut rays);
+            let seen = self.mirror_windows(&self.viewpoint(receiver), &mut rays);
             (!seen.is_empty(), rays)
         };
         let windows: Vec<(bool, u64)> = whole.par_iter().map(windows).collect();

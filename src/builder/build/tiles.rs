@@ -15,10 +15,10 @@ use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::Effect;
 use crate::spill::{Sorter, TempFiles};
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
+use crate::trace::sky_fans::SkyFans;
 use crate::writing::Writer;
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
-use heliotile_core::hemisphere::Centres;
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::hit::HitTile;
@@ -119,7 +119,7 @@ impl SiteTracer<'_> {
         misplaced: &mut Vec<Misplaced>,
     ) -> Result<impl Iterator<Item = Result<CellKey>> + use<>> {
         let progress = Stage::begin(self.observer, "receivers", Some(receivers.count() as u64));
-        let centres = Centres::new(self.settings.sky_base, self.settings.sky_fine);
+        let fans = SkyFans::new(self.settings.sky_base, self.settings.sky_fine);
         let mut keys = Sorter::new(&self.folder, self.memory.length(Use::CellKeys)).unique();
         let mut tiles = receivers.tiles()?.peekable();
         let mut first = 0;
@@ -129,7 +129,7 @@ impl SiteTracer<'_> {
             let traced: Vec<Result<TracedTile>> = batch
                 .par_iter()
                 .enumerate()
-                .map(|(i, tile)| self.tile(first + i as u32, tile, &centres, writer))
+                .map(|(i, tile)| self.tile(first + i as u32, tile, &fans, writer))
                 .collect();
             for tile in traced {
                 let tile = tile?;
@@ -155,7 +155,7 @@ impl SiteTracer<'_> {
     }
 
     /// A tile that the file holds already, or a traced one.
-    fn tile(&self, number: u32, receivers: &[Receiver], centres: &Centres, writer: &Writer) -> Result<TracedTile> {
+    fn tile(&self, number: u32, receivers: &[Receiver], fans: &SkyFans, writer: &Writer) -> Result<TracedTile> {
         if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, number)) {
             let site = OpenSite::over(writer, Arc::clone(&self.facts));
             let (hits, table) = (site.tile_hits(number, receivers.len())?, site.tile_receivers(number)?);
@@ -165,7 +165,7 @@ impl SiteTracer<'_> {
             let cells = hits.palette.into_iter().chain(mirrors.iter().flat_map(ReceiverMirrors::cells)).collect();
             return Ok(TracedTile { cells, misplaced, ..TracedTile::default() });
         }
-        self.trace_tile(number, receivers, centres)
+        self.trace_tile(number, receivers, fans)
     }
 
     /// Derives and writes the responses of all tiles.
@@ -197,14 +197,14 @@ impl SiteTracer<'_> {
     }
 
     /// Traces and packs one tile.
-    fn trace_tile(&self, number: u32, receivers: &[Receiver], centres: &Centres) -> Result<TracedTile> {
+    fn trace_tile(&self, number: u32, receivers: &[Receiver], fans: &SkyFans) -> Result<TracedTile> {
         let known = self.known.receivers(receivers);
         let traced: Vec<Traced> = receivers
             .par_iter()
             .zip(known)
             .map(|(receiver, known)| match known {
-                Some(known) => self.known_receiver(receiver, known, centres),
-                None => self.trace_receiver(receiver, centres),
+                Some(known) => self.known_receiver(receiver, known, fans),
+                None => self.trace_receiver(receiver, fans),
             })
             .collect();
         let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
@@ -234,10 +234,10 @@ impl SiteTracer<'_> {
     }
 
     /// A receiver that an earlier build traced, as if it had been traced now.
-    fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, centres: &Centres) -> Traced {
+    fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, fans: &SkyFans) -> Traced {
         let hits =
             HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new(), distances_m: Vec::new() };
-        let viewer = viewer(&self.viewpoint(receiver), &known.dense, centres);
+        let viewer = viewer(&self.viewpoint(receiver), &known.dense, fans);
         Traced { sky: known.sky, hits, viewer, extras: known.extras, rays: RayCounts::default() }
     }
 
@@ -245,30 +245,19 @@ impl SiteTracer<'_> {
         Viewpoint { position: receiver.position, normal: receiver.normal }
     }
 
-    fn trace_receiver(&self, receiver: &Receiver, centres: &Centres) -> Traced {
+    fn trace_receiver(&self, receiver: &Receiver, fans: &SkyFans) -> Traced {
         let view = self.viewpoint(receiver);
-        let (sky, dense, sky_rays) = self.trace_sky(&view, centres);
+        let (sky, dense, sky_rays) = view.sky(fans, self.tracer);
         let mut rays =
             RayCounts { sky: sky_rays, hit: (self.settings.hit * self.settings.hit) as u64, ..RayCounts::default() };
         let hits = self.trace_hits(&view);
-        let viewer = viewer(&view, &dense, centres);
+        let viewer = viewer(&view, &dense, fans);
         let paths = self.mirror_paths(&view, &hits, &mut rays.mirror);
-        let windows = self.mirror_windows(&view, centres, &mut rays.mirror);
+        let windows = self.mirror_windows(&view, &mut rays.mirror);
         let mirrors = ReceiverMirrors { windows, paths };
         let (canopy, cast) = self.canopy_of_receiver(&view, &dense, &hits);
         rays.canopy = cast;
         Traced { sky, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
-    }
-
-    /// A receiver's sky, the bits that it describes, and the rays that were cast for it.
-    pub(super) fn trace_sky(&self, view: &Viewpoint, centres: &Centres) -> (SkyTexture, BitSquare, u64) {
-        let mut rays = 0;
-        let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
-        let (sky, dense) = SkyTexture::trace(base, fine, view.normal, |n, texels| {
-            rays += texels.len() as u64;
-            view.sky(n, texels, centres, self.tracer)
-        });
-        (sky, dense, rays)
     }
 
     /// A receiver's first hits.
@@ -308,7 +297,7 @@ impl SiteTracer<'_> {
 }
 
 /// What is needed of a receiver with these sky bits besides its hits.
-fn viewer(view: &Viewpoint, sky: &BitSquare, centres: &Centres) -> Viewer {
-    let sky_view = sky_view_factor(view.normal, sky, centres.base()).min((1.0 + view.normal.z) / 2.0);
+fn viewer(view: &Viewpoint, sky: &BitSquare, fans: &SkyFans) -> Viewer {
+    let sky_view = sky_view_factor(view.normal, sky, fans.centres()).min((1.0 + view.normal.z) / 2.0);
     Viewer { normal: view.normal, seed: view.seed(), sky_view }
 }

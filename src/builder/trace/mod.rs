@@ -8,6 +8,7 @@ pub(crate) mod mirror;
 pub mod placement;
 pub(crate) mod probe;
 pub mod receiver;
+pub mod sky_fans;
 pub(crate) mod surface;
 pub(crate) mod surroundings;
 

@@ -60,30 +60,6 @@ impl BitSquare {
         })
     }
 
-    /// The same bits, 4 x 4 block by block: neighbours in the list are neighbours on the sphere.
-    pub fn ones_in_blocks(&self) -> Vec<(u32, u32)> {
-        let mut found = Vec::new();
-        for band in (0..self.n).step_by(4) {
-            let rows = band..(band + 4).min(self.n);
-            for i in 0..self.stride {
-                let words: Vec<u64> = rows.clone().map(|row| self.words[row * self.stride + i]).collect();
-                let mut any = words.iter().fold(0, |a, w| a | w);
-                while any != 0 {
-                    let shift = any.trailing_zeros() & !3;
-                    for (word, row) in words.iter().zip(rows.clone()) {
-                        let mut bits = word >> shift & 15;
-                        while bits != 0 {
-                            found.push((i as u32 * 64 + shift + bits.trailing_zeros(), row as u32));
-                            bits &= bits - 1;
-                        }
-                    }
-                    any &= !(15 << shift);
-                }
-            }
-        }
-        found
-    }
-
     /// Those of the `within` bits whose 3 x 3 neighbourhood, as far as it lies within, holds both values of this square.
     pub(super) fn mixed(&self, within: &Self) -> Self {
         let mut out = BitSquare::new(self.n);

@@ -11,4 +11,5 @@ pub mod mosaic;
 pub mod response;
 pub mod sides;
 pub mod sky;
+pub mod texel_block;
 mod unfold;

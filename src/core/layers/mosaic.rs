@@ -178,8 +178,9 @@ fn ranks(square: &BitSquare) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hemisphere::texel_direction;
-    use crate::layers::sky::SkyTexture;
+    use crate::hemisphere::{texel_centres, texel_direction};
+    use crate::layers::sky::{SkyTexture, front_of};
+    use crate::layers::texel_block::TexelBlock;
     use glam::{DVec2, DVec3};
 
     /// A skyline, refined and packed for 3 receivers of different normals, gives the same mosaic by the short way as by way of the
@@ -192,10 +193,12 @@ mod tests {
         };
         for (base, fine) in [(128, 1024), (64, 1024), (32, 64), (16, 256), (64, 64), (4, 512)] {
             let trace = |normal| {
-                SkyTexture::trace(base, fine, normal, |n, texels| {
+                let visible = |n, texels: &[(u32, u32)]| {
                     let at = |t: &(u32, u32)| texel_direction(t.0 as usize, t.1 as usize, n, DVec2::splat(0.5));
                     texels.iter().map(|t| skyline(at(t))).collect()
-                })
+                };
+                let front = front_of(base, normal, &texel_centres(base));
+                SkyTexture::trace(front, fine, TexelBlock::by_texels(visible))
             };
             let traces = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y].map(trace);
             let raw = SkyTexture::pack(&traces.clone().map(|t| t.0));

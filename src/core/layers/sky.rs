@@ -4,10 +4,11 @@
 //! Which texels are refined follows from the bits alone, so nothing but bits is stored. The surface's own half of the
 //! hemisphere is a second bit plane at the base size: texels wholly behind the surface are 0 and never make an edge.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
-use crate::hemisphere::{HEMISPHERE_SR, texel_direction};
+use crate::hemisphere::HEMISPHERE_SR;
 use crate::layers::bits::BitSquare;
+use crate::layers::texel_block::TexelBlock;
 
 /// Bits of one receiver, as stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,45 +22,32 @@ pub struct SkyTexture {
 }
 
 impl SkyTexture {
-    /// Traces a texture from `base` to `fine` texels a side (powers of two); `visible(n, texels)` answers for the texels
-    /// (column, row) of an n x n square. Also gives the square of `fine` x `fine` bits that the texture describes.
+    /// Traces those texels of a base square that are set in `front`, and refines them to `fine` texels a side (the base doubled some
+    /// times); all others are 0 and make no edges. `visible(n, blocks)` answers for texels of an n x n square. Also gives the square of
+    /// `fine` x `fine` bits that the texture describes.
     pub fn trace(
-        base: usize,
-        fine: usize,
-        normal: DVec3,
-        visible: impl FnMut(usize, &[(u32, u32)]) -> Vec<bool>,
-    ) -> (Self, BitSquare) {
-        SkyTexture::trace_within(front_of(base, normal), fine, visible)
-    }
-
-    /// The same for those texels of a base square that are set in `front`; all others are 0 and make no edges.
-    pub fn trace_within(
         front: BitSquare,
         fine: usize,
-        mut visible: impl FnMut(usize, &[(u32, u32)]) -> Vec<bool>,
+        mut visible: impl FnMut(usize, &mut [TexelBlock]),
     ) -> (Self, BitSquare) {
         let base = front.side();
         let mut dense = BitSquare::new(base);
-        let texels = front.ones_in_blocks();
-        for (&(c, r), sky) in texels.iter().zip(visible(base, &texels)) {
-            dense.set(c as usize, r as usize, sky);
-        }
+        let mut blocks = Vec::new();
+        front.blocks(&mut blocks);
+        visible(base, &mut blocks);
+        blocks.iter().for_each(|block| dense.put(block));
         let mut texture = SkyTexture { front, base: dense.clone(), levels: Vec::new() };
         let mut mask = texture.front.clone();
         for n in sides(base, fine) {
             let refined = dense.mixed(&mask);
-            let children: Vec<(u32, u32)> = refined.ones_in_blocks().into_iter().flat_map(children_of).collect();
+            refined.child_blocks(&mut blocks);
+            visible(n, &mut blocks);
             dense = dense.double();
-            for (&(c, r), sky) in children.iter().zip(visible(n, &children)) {
-                dense.set(c as usize, r as usize, sky);
+            blocks.iter().for_each(|block| dense.put(block));
+            texture.levels.push(dense.nibbles(&refined));
+            if n < fine {
+                mask = mask.double();
             }
-            let nibble = |parent| {
-                let child = |&(c, r): &(u32, u32)| u8::from(dense.get(c as usize, r as usize));
-                children_of(parent).iter().rev().fold(0, |bits, t| bits << 1 | child(t))
-            };
-            let nibbles: Vec<u8> = refined.ones().map(nibble).collect();
-            texture.levels.push(nibbles.chunks(2).map(|two| two[0] | two.get(1).map_or(0, |n| n << 4)).collect());
-            mask = mask.double();
         }
         (texture, dense)
     }
@@ -180,18 +168,15 @@ pub(super) fn sides(base: usize, fine: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(base * 2), |n| Some(n * 2)).take_while(move |&n| n <= fine)
 }
 
-fn children_of((c, r): (u32, u32)) -> [(u32, u32); 4] {
-    [(2 * c, 2 * r), (2 * c + 1, 2 * r), (2 * c, 2 * r + 1), (2 * c + 1, 2 * r + 1)]
-}
-
-/// Texels that are not wholly behind a surface: their centre is less than half a texel's reach behind it.
-fn front_of(n: usize, normal: DVec3) -> BitSquare {
+/// Texels of an n x n square that are not wholly behind a surface, given the directions of their centres, row-major: their centre is less
+/// than half a texel's reach behind it.
+pub fn front_of(n: usize, normal: DVec3, centres: &[DVec3]) -> BitSquare {
     let mut front = BitSquare::new(n);
     let reach = half_texel(n) * 1.6;
-    for row in 0..n {
-        for column in 0..n {
-            let d = texel_direction(column, row, n, DVec2::splat(0.5));
-            front.set(column, row, normal.dot(d) > -reach);
+    let in_front = |centre: &DVec3| u64::from(normal.dot(*centre) > -reach);
+    for (words, centres) in front.words.chunks_mut(front.stride.max(1)).zip(centres.chunks(n.max(1))) {
+        for (word, centres) in words.iter_mut().zip(centres.chunks(64)) {
+            *word = centres.iter().enumerate().fold(0, |word, (bit, centre)| word | in_front(centre) << bit);
         }
     }
     front
@@ -205,6 +190,8 @@ pub fn half_texel(n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hemisphere::{texel_centres, texel_direction};
+    use glam::DVec2;
 
     /// A random skyline at direction d: visible above a bumpy horizon.
     fn skyline(d: DVec3) -> bool {
@@ -214,11 +201,16 @@ mod tests {
 
     fn traced(base: usize, fine: usize, normal: DVec3) -> (SkyTexture, BitSquare, usize) {
         let mut rays = 0;
-        let (texture, dense) = SkyTexture::trace(base, fine, normal, |n, texels| {
-            rays += texels.len();
-            let at = |&(c, r): &(u32, u32)| texel_direction(c as usize, r as usize, n, DVec2::splat(0.5));
-            texels.iter().map(|t| skyline(at(t))).collect()
-        });
+        let front = front_of(base, normal, &texel_centres(base));
+        let (texture, dense) = SkyTexture::trace(
+            front,
+            fine,
+            TexelBlock::by_texels(|n, texels| {
+                rays += texels.len();
+                let at = |&(c, r): &(u32, u32)| texel_direction(c as usize, r as usize, n, DVec2::splat(0.5));
+                texels.iter().map(|t| skyline(at(t))).collect()
+            }),
+        );
         (texture, dense, rays)
     }
 

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use glam::{DVec2, DVec3};
-use heliotile_core::hemisphere::{Centres, texel_direction};
+use heliotile_core::hemisphere::texel_direction;
 use heliotile_core::layers::bits::BitSquare;
-use heliotile_core::layers::sky::SkyTexture;
 use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_builder::trace::sky_fans::SkyFans;
 
 use crate::scenes::Site;
 
@@ -23,18 +23,14 @@ pub fn table(site: &Site, receivers: usize) {
         .map(|&(position, normal)| Viewpoint { position: position + site.scene.mesh.origin, normal })
         .collect();
     let trace = |base: usize, fine: usize| -> (Vec<BitSquare>, f64, f64) {
-        let centres = Centres::new(base, fine);
+        let fans = SkyFans::new(base, fine);
         let (mut rays, start) = (0, Instant::now());
-        let squares: Vec<BitSquare> = views
-            .iter()
-            .map(|view| {
-                let visible = |n: usize, texels: &[(u32, u32)]| {
-                    rays += texels.len();
-                    view.sky(n, texels, &centres, &tracer)
-                };
-                SkyTexture::trace(base, fine, view.normal, visible).1
-            })
-            .collect();
+        let sky = |view: &Viewpoint| {
+            let (_, bits, cast) = view.sky(&fans, &tracer);
+            rays += cast;
+            bits
+        };
+        let squares: Vec<BitSquare> = views.iter().map(sky).collect();
         let count = views.len() as f64;
         (squares, rays as f64 / count, start.elapsed().as_secs_f64() * 1e3 / count)
     };

@@ -15,6 +15,7 @@ use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath, ReceiverMirrors, Window};
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::layers::texel_block::TexelBlock;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::Chain;
@@ -228,7 +229,7 @@ fn layers_of_some_scenes() {
     let mut front = BitSquare::new(4);
     (0..16).for_each(|t| front.set(t % 4, t / 4, true));
     let visible = |_: usize, texels: &[(u32, u32)]| texels.iter().map(|t| (t.0 + t.1) % 3 > 0).collect();
-    let texture = SkyTexture::pack(&[SkyTexture::trace_within(front, 8, visible).0]);
+    let texture = SkyTexture::pack(&[SkyTexture::trace(front, 8, TexelBlock::by_texels(visible)).0]);
     let chain = Chain::new(&[0, 1]);
     let cell = CellKey { level: 1, facing: 5, material: 2, voxel: [3, 0, -1] };
     let steps = vec![(1, 200), (0, 90)];

@@ -5,8 +5,9 @@
 //! axis the least and the greatest reciprocal direction bound where the rays enter and leave. Rounding is monotone, so a beam
 //! never refuses a box that one of its rays meets by the same arithmetic.
 
+use crate::trace::kernel::fan::Cone;
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
-use crate::trace::kernel::packet::FAR_PAD;
+use crate::trace::kernel::packet::{FAR_PAD, inverse};
 use crate::trace::kernel::tree::{Node, WIDTH};
 
 /// Bounds of some rays. Lanes 0 to 7 are where the rays enter the eight boxes, lanes 8 to 15 where they leave, with their
@@ -44,6 +45,19 @@ impl<F: Copy> Beam<F> {
         Beam::new(l, &axes)
     }
 
+    /// All rays from a point in a cone; an axis along which they cross bounds nothing.
+    #[inline(always)]
+    pub fn of_cone<L: Lanes<F = F>>(l: L, origin: [f32; 3], cone: &Cone) -> Self {
+        let (sizes, mut axes) = (cone.sizes(), [Axis::default(); 3]);
+        for i in 0..3 {
+            let [most, least] = sizes[i].map(inverse);
+            let inverse = if cone.backwards[i] { [-most, -least] } else { [least, most] };
+            let bounded = Axis { origin: [origin[i]; 2], inverse };
+            axes[i] = if cone.crosses[i] { UNBOUNDED } else { bounded };
+        }
+        Beam::new(l, &axes)
+    }
+
     #[inline(always)]
     fn new<L: Lanes<F = F>>(l: L, axes: &[Axis; 3]) -> Self {
         let zero = l.splat(0.0);
@@ -77,6 +91,9 @@ impl<F: Copy> Beam<F> {
 
 /// Lanes of the sides at which rays enter.
 const ENTERING: u16 = 0x00ff;
+
+/// So far off that planes are entered before any start and left after any end.
+const UNBOUNDED: Axis = Axis { origin: [-1e30, 1e30], inverse: [1.0; 2] };
 
 /// Bounds along one axis.
 #[derive(Clone, Copy, Default)]

@@ -2,10 +2,13 @@
 //! walk the tree together; single rays are the reference that they are judged by.
 
 pub(crate) mod beam;
+mod candidates;
+pub(crate) mod fan;
 pub mod lanes;
 pub(crate) mod packet;
 mod planes;
 pub mod rays;
+pub(crate) mod scan;
 pub(crate) mod tree;
 mod triangle;
 mod walk;

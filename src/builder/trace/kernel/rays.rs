@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::trace::kernel::lanes::Level;
 use crate::trace::kernel::packet;
+use crate::trace::kernel::scan::{Scan, ScanSpace};
 use crate::trace::kernel::tree::{Child, Node, Tree, WIDTH};
 use crate::trace::kernel::triangle::intersect;
 use heliotile_core::error::Result;
@@ -72,6 +73,11 @@ impl Tracer {
     /// Whether each ray meets anything. Fast where neighbours in the list are alike, faster where they share an origin.
     pub fn occluded_many(&self, rays: &[Ray]) -> Vec<bool> {
         packet::occluded(&self.tree, self.level, rays)
+    }
+
+    /// What a point sees of so many parts of the sky.
+    pub(crate) fn scan<'a>(&'a self, origin: [f32; 3], parts: usize, space: &'a mut ScanSpace) -> Scan<'a> {
+        Scan::new(&self.tree, self.level, origin, parts, space)
     }
 
     /// What each ray meets first; the same triangles and bits as [`Tracer::closest`].

@@ -18,7 +18,7 @@ pub struct EdgeTriangle {
     pub corners: Corners,
     pub id: u32,
     /// Largest extent of an edge along an axis.
-    longest: f32,
+    pub longest: f32,
 }
 
 /// Share of (largest distance to a corner) x (longest edge) below which a volume's sign is not trusted: eight roundings of
