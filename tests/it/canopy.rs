@@ -149,7 +149,7 @@ fn conditions() -> Vec<Condition> {
 
 /// Trees in leaf in every second of 20 conditions (0.2 a crossing) and bare in the others (0.8), by schedule on either of two archives:
 /// each column is that of the archive built so, within 1e-6 of the largest where that one's response is derived anew too and within
-/// 3e-4 with the stored one; the leaves themselves change it by more than 10 %.
+/// 8e-3, what rounding may add under one sun, with the stored one; the leaves themselves change it by more than 10 %.
 #[test]
 fn seasons_equal_builds() {
     let receivers = &many()[..60];
@@ -172,7 +172,7 @@ fn seasons_equal_builds() {
         let (of_anew, of_stored, moved) =
             (largest(&anew, &seasons), largest(&stored, &seasons), largest(&stored, &replay(site, &[])));
         println!("anew {of_anew:.1e}, stored {of_stored:.1e}, moved by {moved:.2}");
-        assert!(of_anew < 1e-6 && of_stored < 3e-4 && moved > 0.1, "{of_anew:.1e} {of_stored:.1e} {moved:.2}");
+        assert!(of_anew < 1e-6 && of_stored < 8e-3 && moved > 0.1, "{of_anew:.1e} {of_stored:.1e} {moved:.2}");
     }
 }
 
@@ -230,7 +230,9 @@ fn maps_add_up() {
                 };
                 let sum: f64 = values.iter().zip(weights).map(|(v, w)| f64::from(*v) * f64::from(*w)).sum();
                 let off = (sum - column[0]).abs();
-                assert!(off < 2e-3 * column[0].max(row[6][0] / 10.0), "{id} {name}: {sum} {}", column[0]);
+                // Columns are made of stored responses: five times the RMS of what their rounding adds.
+                let rounded = if part == "hit" { 5.0 * 0.0032 / 16.0 * 800.0 } else { 0.0 };
+                assert!(off < 2e-3 * column[0].max(row[6][0] / 10.0) + rounded, "{id} {name}: {sum} {}", column[0]);
             }
         }
     }
@@ -263,7 +265,7 @@ fn both_legs() {
     for component in 0..4 {
         for (condition, light) in open[component].iter().enumerate() {
             assert_near("derived", behind[component][condition], light * 0.18, 1e-5);
-            assert_near("stored", stored[component][condition], light * 0.18, 1e-3);
+            assert_near("stored", stored[component][condition], light * 0.18, 4e-3);
         }
     }
 }
