@@ -7,7 +7,7 @@ use crate::settings::Effect;
 use crate::trace::mirror::{End, Look, Met, MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, lifted};
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
-use crate::trace::surroundings::{Surroundings, level_seen};
+use crate::trace::surroundings::{Surroundings, seen_from};
 use heliotile_core::hemisphere::{Centres, HEMISPHERE_SR, mix};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath, Window};
@@ -99,8 +99,8 @@ impl SiteTracer<'_> {
                 lost += met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors));
             }
             let path = |met: Met| {
-                let level = level_seen(met.length_m, key.level, closed);
-                CellPath { up: *up, cell: reflections.cell(&met, level).coarse(level), steps: met.steps }
+                let cell = seen_from(key, met.length_m, closed, |level| reflections.cell(&met, level));
+                CellPath { up: *up, cell, steps: met.steps }
             };
             paths.extend(met.into_iter().map(path));
         }

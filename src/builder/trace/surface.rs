@@ -37,6 +37,13 @@ struct Candidate {
     high: DVec2,
 }
 
+/// A line along the cell's axis, and the first surface of the cell on it with its height.
+struct Line {
+    number: u32,
+    at: DVec2,
+    first: Option<(f64, SurfacePoint)>,
+}
+
 /// Up to so many points of a cell; empty only if no surface of that name exists in the voxel.
 pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
     let (axis, sign) = key.axis();
@@ -57,11 +64,12 @@ pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<
     let mut clipper = Clipper::default();
     let (mut box_low, mut box_high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let mut largest: Option<(f64, SurfacePoint)> = None;
-    for triangle in tracer.triangles_near(to_scene + low, to_scene + high) {
+    let belongs = |triangle: u32| {
         let i = triangle as usize;
-        if mesh.triangle_material[i] != key.material {
-            continue;
-        }
+        mesh.triangle_material[i] == key.material && key.side_of(mesh.normal(i)).is_some()
+    };
+    for triangle in tracer.triangles_near(to_scene + low, to_scene + high, belongs) {
+        let i = triangle as usize;
         let Some(normal) = key.side_of(mesh.normal(i)) else { continue };
         let corners = mesh.triangle_points(i).map(|p| p - to_scene);
         let polygon = clipper.clip(&corners, low, high);
@@ -82,27 +90,36 @@ pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<
     let seed = key.seed();
     let start = DVec2::new(unit(mix(seed, 101)), unit(mix(seed, 102)));
     let mut points = Vec::with_capacity(wanted);
-    for i in 0..TRIES {
-        if points.len() == wanted || candidates.is_empty() {
-            break;
-        }
-        // R2 sequence (Roberts 2018): the plane's analogue of the golden ratio.
-        let r = f64::from(i) * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + start;
-        let at = box_low + (box_high - box_low) * r.fract();
-        let mut first: Option<(f64, SurfacePoint)> = None;
+    let (mut tried, mut count) = (0, wanted as u32);
+    while points.len() < wanted && tried < TRIES && !candidates.is_empty() {
+        let last = TRIES.min(tried + count);
+        let line = |i: u32| {
+            // R2 sequence (Roberts 2018): the plane's analogue of the golden ratio.
+            let r = f64::from(i) * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + start;
+            Line { number: i, at: box_low + (box_high - box_low) * r.fract(), first: None }
+        };
+        let mut lines: Vec<Line> = (tried..last).map(line).collect();
+        // A coarse cell of a large map has very many candidates, each before few lines.
+        lines.sort_by(|a, b| a.at.x.total_cmp(&b.at.x));
         for c in &candidates {
-            if at.cmplt(c.low).any() || at.cmpgt(c.high).any() {
-                continue;
-            }
-            let Some(weights) = barycentric(c.flat, at) else { continue };
-            let position = c.corners[0] * weights[0] + c.corners[1] * weights[1] + c.corners[2] * weights[2];
-            let height = position[axis] * sign;
-            let inside = position[axis] >= low[axis] && position[axis] <= high[axis];
-            if inside && first.as_ref().is_none_or(|(h, _)| height > *h) {
-                first = Some((height, SurfacePoint { position, normal: c.normal }));
+            let from = lines.partition_point(|line| line.at.x < c.low.x);
+            for line in lines[from..].iter_mut().take_while(|line| line.at.x <= c.high.x) {
+                let at = line.at;
+                if at.y < c.low.y || at.y > c.high.y {
+                    continue;
+                }
+                let Some(weights) = barycentric(c.flat, at) else { continue };
+                let position = c.corners[0] * weights[0] + c.corners[1] * weights[1] + c.corners[2] * weights[2];
+                let height = position[axis] * sign;
+                let inside = position[axis] >= low[axis] && position[axis] <= high[axis];
+                if inside && line.first.as_ref().is_none_or(|(h, _)| height > *h) {
+                    line.first = Some((height, SurfacePoint { position, normal: c.normal }));
+                }
             }
         }
-        points.extend(first.map(|(_, p)| p));
+        lines.sort_by_key(|line| line.number);
+        points.extend(lines.into_iter().filter_map(|line| line.first).map(|(_, p)| p).take(wanted - points.len()));
+        (tried, count) = (last, count * 2);
     }
     if points.is_empty() {
         points.extend(largest.map(|(_, p)| p));

@@ -27,7 +27,7 @@ pub struct SeenCell {
 /// How cells look around.
 #[derive(Clone, Copy, Debug)]
 pub struct SurroundingSettings {
-    /// Level of the cells that the closed system is made of at middle distance; cells nearby are finer, cells far away coarser.
+    /// Level of the cells at middle distance, as receivers' cells see them; cells nearby are finer, cells far away coarser.
     pub closed_level: i8,
     /// Rays of a cell.
     pub rays: usize,
@@ -56,6 +56,13 @@ const FAR_SHARE: f64 = 0.25;
 
 /// Nearby surfaces are cut into cells of about t at most: in a light well light falls off over the well's width.
 const NEAR_SHARE: f64 = 1.0;
+
+/// The home of a cell is a voxel so many levels above its own: within it coarse cells see each other in circles, as in a court or a
+/// room of white walls. What lies beyond is seen by larger cells, or one street would drag in the next, and that the whole map.
+const HOME: u32 = 3;
+
+/// So many levels above those at middle distance cells are large enough to see each other all over the map: they are few.
+const GROWTH: i8 = 6;
 
 /// A part of the hemisphere smaller than this gets no ray.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -124,8 +131,7 @@ pub fn surroundings(
     for (hit, &(ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {
         let [from, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
         let cell = hit.map(|hit| {
-            let level = level_seen(f64::from(hit.t), key.level, closed_level);
-            cell_of(hit, direction, level, mesh, from).coarse(level)
+            seen_from(key, f64::from(hit.t), closed_level, |level| cell_of(hit, direction, level, mesh, from))
         });
         met.seen.push(SeenCell { up, cell, path: hit.map(|hit| (ray, hit.t)) });
         if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
@@ -136,13 +142,16 @@ pub fn surroundings(
     met
 }
 
-/// Level of a coarse cell seen at distance t from a cell of level `own`.
-pub fn level_seen(t: f64, own: i8, closed: i8) -> i8 {
-    let near = level_of(t * NEAR_SHARE).min(closed);
-    let far = level_of(t * FAR_SHARE);
-    // Coarser from bounce to bounce, or one well of fine cells would drag in a city of them. It also means that only the
-    // cells from the closed level up see each other in circles.
-    near.max(far).max((own + 1).min(closed)).max(own)
+/// The coarse cell that a cell sees. `met`: the cell at a distance, if it had a given level.
+pub fn seen_from(own: CellKey, distance_m: f64, closed: i8, met: impl Fn(i8) -> CellKey) -> CellKey {
+    let near = level_of(distance_m * NEAR_SHARE).min(closed);
+    let far = level_of(distance_m * FAR_SHARE);
+    // Fine ones see coarser ones only, or one well of them would drag in a city of them.
+    let level = near.max(far).max((own.level + 1).min(closed)).max(own.level);
+    let seen = met(level).coarse(level);
+    let home = |key: CellKey| key.voxel.map(|v| v >> HOME);
+    let stays = level > own.level || level >= closed + GROWTH || home(own) == home(seen);
+    if stays { seen } else { seen.coarse(level + 1) }
 }
 
 /// Rays above and below the horizon, in proportion to their shares; at least one for each share that matters.

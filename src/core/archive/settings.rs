@@ -31,7 +31,7 @@ macro_rules! for_each_setting {
             probe_hits: u32 as usize, Whole(1, 4096), Bounced [4, 8, 8, 16, 16, 64],
                 "Rays of a probe to the surfaces around it.";
             closed_m: f64 as f64, Real(0.5, 1024.0), Bounced [32.0, 32.0, 16.0, 8.0, 4.0, 2.0],
-                "Edge of the bounce cells at middle distance, which form the closed system, metres.";
+                "Edge of the bounce cells at middle distance, metres; those and coarser ones are solved together.";
             bounce_sky: u32 as usize, PowerOfTwo(8, 64), Bounced [8, 8, 16, 16, 16, 16],
                 "Side of the sky texture of a bounce cell.";
             bounce_hits: u32 as usize, Whole(1, 4096), Bounced [8, 8, 8, 32, 16, 64],

@@ -12,3 +12,4 @@ pub mod rans;
 pub mod response;
 pub mod sides;
 pub mod sky;
+mod unfold;

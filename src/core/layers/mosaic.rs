@@ -1,10 +1,9 @@
 //! A decoded sky texture for lookups: open and closed texels of the base square are one bit each, only those with an edge in them
 //! keep their fine bits. 5 to 20 kB a receiver where the whole square takes 128.
 
-use pulp::Arch;
-
-use crate::layers::bits::{BitSquare, spread};
-use crate::layers::sky::{Decoded, decode};
+use crate::layers::bits::BitSquare;
+use crate::layers::sky::decode;
+use crate::layers::unfold::{unfold, unfolds};
 
 /// Bits of one receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,12 +11,12 @@ pub struct Mosaic {
     /// Fine texels to a side of a base texel.
     block: usize,
     /// Base texels that are sky throughout, and those that are sky in part.
-    open: BitSquare,
-    mixed: BitSquare,
+    pub(super) open: BitSquare,
+    pub(super) mixed: BitSquare,
     /// `[word of mixed]`: how many mixed texels lie in the words before.
     ranks: Vec<u32>,
     /// `[mixed texel][word]`: its fine bits row by row, lowest bit first.
-    blocks: Vec<u64>,
+    pub(super) blocks: Vec<u64>,
 }
 
 /// What a base texel holds.
@@ -31,13 +30,13 @@ pub enum Texel<'a> {
     Mixed(&'a [u64]),
 }
 
-/// Widest block that is put together word by word: its halved rows lie within a word.
-const WIDEST: usize = 64;
-
 impl Mosaic {
     /// The mosaics of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<Mosaic>> {
-        decode(raw, count, base, fine, |texture| Mosaic::from_decoded(texture, base, fine))
+        if unfolds(base, fine) {
+            return unfold(raw, count, base, fine);
+        }
+        decode(raw, count, base, fine, |texture| Mosaic::of(&texture.dense(), base))
     }
 
     /// The mosaic of a square of fine bits; `base` divides its side.
@@ -61,97 +60,18 @@ impl Mosaic {
                 }
             }
         }
-        mosaic.ranks = ranks(&mosaic.mixed);
+        mosaic.rank();
         mosaic
     }
 
-    fn closed(base: usize, block: usize) -> Mosaic {
+    pub(super) fn closed(base: usize, block: usize) -> Mosaic {
         let (open, mixed) = (BitSquare::new(base), BitSquare::new(base));
         Mosaic { block, open, mixed, ranks: Vec::new(), blocks: Vec::new() }
     }
 
-    fn from_decoded(texture: &Decoded, base: usize, fine: usize) -> Mosaic {
-        let block = fine / base;
-        let Some((refined, nibbles)) = texture.last.as_ref().filter(|_| block <= WIDEST) else {
-            return Mosaic::of(&texture.dense(), base);
-        };
-        let mut mosaic = Mosaic::closed(base, block);
-        Arch::new().dispatch(|| mosaic.classify(&texture.half, refined));
-        mosaic.fill(&texture.half, refined, nibbles);
-        mosaic.ranks = ranks(&mosaic.mixed);
-        mosaic
-    }
-
-    /// Finds the open texels and those that may be mixed: many at a time, by words of the halved square.
-    #[inline(always)]
-    fn classify(&mut self, half: &BitSquare, refined: &BitSquare) {
-        let (side, stride) = (self.block / 2, half.stride);
-        let steps = side.trailing_zeros();
-        let texels = 64 / side;
-        for row in 0..self.open.side() {
-            for i in 0..stride {
-                let (mut all, mut any, mut edge) = (u64::MAX, 0, 0);
-                for at in (row * side..(row + 1) * side).map(|r| r * stride + i) {
-                    all &= half.words[at];
-                    any |= half.words[at];
-                    edge |= refined.words[at];
-                }
-                // Bits of a texel are gathered in its lowest one.
-                for step in 0..steps {
-                    all &= all >> (1 << step);
-                    any |= any >> (1 << step);
-                    edge |= edge >> (1 << step);
-                }
-                let (all, any, edge) = (every(all, steps), every(any, steps), every(edge, steps));
-                let place = row * self.open.stride + i * texels / 64;
-                let shift = i * texels % 64;
-                if let (Some(open), Some(mixed)) = (self.open.words.get_mut(place), self.mixed.words.get_mut(place)) {
-                    *open |= (all & !edge) << shift;
-                    *mixed |= (edge | any & !all) << shift;
-                }
-            }
-        }
-    }
-
-    /// Collects the fine bits of the texels that may be mixed; those whose bits are all equal are not.
-    fn fill(&mut self, half: &BitSquare, refined: &BitSquare, nibbles: &[u8]) {
-        let side = self.block / 2;
-        let before = ranks(refined);
-        let low = (1_u64 << side) - 1;
-        let candidates = std::mem::replace(&mut self.mixed, BitSquare::new(self.open.side()));
-        let mut block = vec![0; self.words()];
-        let full = u32::try_from(self.block * self.block).unwrap_or(u32::MAX);
-        for (column, row) in candidates.ones() {
-            block.fill(0);
-            let (first, shift) = (column as usize * side / 64, column as usize * side % 64);
-            for r in 0..side {
-                let at = (row as usize * side + r) * half.stride + first;
-                let mut rows = [spread((half.words[at] >> shift & low) as u32); 2];
-                let mut edge = refined.words[at] >> shift & low;
-                if edge != 0 {
-                    let mut rank = (before[at] + (refined.words[at] & ((1 << shift) - 1)).count_ones()) as usize;
-                    while edge != 0 {
-                        let c = edge.trailing_zeros();
-                        let nibble = u64::from(nibbles[rank / 2] >> (rank % 2 * 4));
-                        rows[0] = rows[0] & !(3 << (2 * c)) | (nibble & 3) << (2 * c);
-                        rows[1] = rows[1] & !(3 << (2 * c)) | (nibble >> 2 & 3) << (2 * c);
-                        rank += 1;
-                        edge &= edge - 1;
-                    }
-                }
-                for (k, bits) in rows.into_iter().enumerate() {
-                    let first = (2 * r + k) * self.block;
-                    block[first / 64] |= bits << (first % 64);
-                }
-            }
-            let count: u32 = block.iter().map(|word| word.count_ones()).sum();
-            if count == full {
-                self.open.set(column as usize, row as usize, true);
-            } else if count > 0 {
-                self.mixed.set(column as usize, row as usize, true);
-                self.blocks.extend_from_slice(&block);
-            }
-        }
+    /// Counts mixed texels once all are there.
+    pub(super) fn rank(&mut self) {
+        self.ranks = ranks(&self.mixed);
     }
 
     /// Words of a mixed texel.
@@ -187,6 +107,13 @@ impl Mosaic {
         }
     }
 
+    /// A word of base texels that are sky throughout, and of those that are in part: rows of words, lowest bit first; 0 beyond them.
+    #[inline]
+    pub fn words_at(&self, word: usize) -> (u64, u64) {
+        let at = |square: &BitSquare| square.words.get(word).copied().unwrap_or_default();
+        (at(&self.open), at(&self.mixed))
+    }
+
     #[inline]
     fn mixed_at(&self, place: usize, bit: usize) -> &[u64] {
         let rank = (self.ranks[place] + (self.mixed.words[place] & ((1 << bit) - 1)).count_ones()) as usize;
@@ -217,7 +144,7 @@ impl Mosaic {
     }
 
     /// Calls `each` for every base texel, row by row, of which something is sky: its number and the share that is.
-    #[inline]
+    #[inline(always)]
     pub fn for_visible(&self, mut each: impl FnMut(usize, f64)) {
         let all = (self.block * self.block) as f64;
         let mut blocks = self.blocks.chunks_exact(self.words());
@@ -246,19 +173,6 @@ fn ranks(square: &BitSquare) -> Vec<u32> {
         Some(rank)
     };
     square.words.iter().scan(0, before).collect()
-}
-
-/// Keeps every 2^steps-th bit of a word, moved together.
-#[inline(always)]
-fn every(word: u64, steps: u32) -> u64 {
-    (0..steps).fold(word, |w, _| {
-        let mut w = w & 0x5555_5555_5555_5555;
-        w = (w | w >> 1) & 0x3333_3333_3333_3333;
-        w = (w | w >> 2) & 0x0f0f_0f0f_0f0f_0f0f;
-        w = (w | w >> 4) & 0x00ff_00ff_00ff_00ff;
-        w = (w | w >> 8) & 0x0000_ffff_0000_ffff;
-        (w | w >> 16) & 0xffff_ffff
-    })
 }
 
 #[cfg(test)]

@@ -137,23 +137,16 @@ pub(super) fn decode<'a, T>(
     fine: usize,
     each: impl Fn(&Decoded<'a>) -> T,
 ) -> Option<Vec<T>> {
-    // Zero doubled stays zero.
-    if base == 0 {
-        return None;
-    }
-    let plane = base.div_ceil(8) * base;
-    let (planes, mut rest) = raw.split_at_checked(plane.checked_mul(count)?.checked_mul(2)?)?;
-    let squares: Vec<BitSquare> = planes.chunks(plane.max(1)).map(|p| BitSquare::from_bytes(base, p)).collect();
-    let (fronts, bits) = squares.split_at_checked(count)?;
-    let texture = |(front, base): (&BitSquare, &BitSquare)| Decoded {
+    let (fronts, bits, mut rest) = planes(raw, count, base)?;
+    let texture = |(front, base): (BitSquare, BitSquare)| Decoded {
         front: front.clone(),
         base: base.clone(),
         levels: Vec::new(),
-        half: base.clone(),
-        mask: front.clone(),
+        half: base,
+        mask: front,
         last: None,
     };
-    let mut textures: Vec<Decoded<'a>> = fronts.iter().zip(bits).map(texture).collect();
+    let mut textures: Vec<Decoded<'a>> = fronts.into_iter().zip(bits).map(texture).collect();
     let levels = sides(base, fine).count();
     for _ in 1..levels {
         textures.iter_mut().try_for_each(|texture| texture.follow(&mut rest))?;
@@ -169,8 +162,21 @@ pub(super) fn decode<'a, T>(
     rest.is_empty().then_some(found)
 }
 
+/// The front planes and the base planes that a raw block of `count` textures begins with, and what follows them.
+pub(super) fn planes(raw: &[u8], count: usize, base: usize) -> Option<(Vec<BitSquare>, Vec<BitSquare>, &[u8])> {
+    // Zero doubled stays zero.
+    if base == 0 {
+        return None;
+    }
+    let plane = base.div_ceil(8) * base;
+    let (planes, rest) = raw.split_at_checked(plane.checked_mul(count)?.checked_mul(2)?)?;
+    let (fronts, bases) = planes.split_at(planes.len() / 2);
+    let squares = |bytes: &[u8]| bytes.chunks(plane).map(|p| BitSquare::from_bytes(base, p)).collect();
+    Some((squares(fronts), squares(bases), rest))
+}
+
 /// Sides of the refined levels: twice the base, four times, ... up to `fine`.
-fn sides(base: usize, fine: usize) -> impl Iterator<Item = usize> {
+pub(super) fn sides(base: usize, fine: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(base * 2), |n| Some(n * 2)).take_while(move |&n| n <= fine)
 }
 

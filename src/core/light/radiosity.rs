@@ -2,8 +2,8 @@
 //! of irradiance from each direction of the sky.
 //!
 //! `X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] )` for every sky texel t (one 3-vector each, as for the receiver's response;
-//! Goral et al. 1984 for the radiosity system). Only cells from the closed level up see each other in circles: they take a
-//! fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
+//! Goral et al. 1984 for the radiosity system). Only cells from the closed level up see each other in circles; they
+//! are solved together, by a fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
 //! depends on the cells reachable from it, not on which others are in the table.
 
 use std::ops::Range;
@@ -52,7 +52,7 @@ pub fn add_block(out: &mut ColumnBlock, weight: f32, values: &ColumnBlock) {
 pub struct RadiosityOptions {
     /// Side of the cells' sky texture.
     pub side: usize,
-    /// Cells from this level up see each other in circles.
+    /// Cells from this level up are solved together.
     pub closed_level: i8,
     /// How many diffuse reflections are followed.
     pub depth: MaxBounces,

@@ -62,6 +62,13 @@ impl Sources {
         self.results.is_empty()
     }
 
+    /// Calls `each(result, texel, vector)` for all of their light.
+    pub fn vectors(&self, mut each: impl FnMut(usize, usize, [f64; 3])) {
+        for Source { bin, texels } in &self.results {
+            texels.iter().for_each(|(texel, v)| each(*bin, *texel as usize, v.map(f64::from)));
+        }
+    }
+
     /// Adds the reflected irradiance of a receiver with this response, `[texel][axis]`, to `out[result]`.
     pub fn irradiance(&self, response: &[[f32; 3]], out: &mut [f64]) {
         for Source { bin, texels } in &self.results {

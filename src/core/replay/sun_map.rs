@@ -1,5 +1,5 @@
-//! The suns of sums as maps. In: where the discs of many suns lie, and how strong they are. Out: direct irradiance of a receiver whose sky is at
-//! hand, at a price that does not depend on how many suns there were.
+//! The suns of sums as maps. In: where the discs of many suns lie, and how strong they are. Out: direct irradiance of receivers whose skies are
+//! at hand, at a price that does not depend on how many suns there were.
 //!
 //! The sum over suns of strength x visible share x cosine is linear in the vectors strength x direction: those that fall on one texel of the
 //! sky are added before any receiver is asked. A receiver then takes whole base texels by one product, and those with an edge by their bits.
@@ -7,132 +7,234 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
+use pulp::Arch;
 use rayon::prelude::*;
 
 use crate::layers::mosaic::{Mosaic, Texel};
-use crate::layers::sky::half_texel;
+use crate::layers::sides::TextureSides;
 use crate::replay::canopy_transmittance::CanopyTransmittance;
+use crate::replay::sky_masks::{LANES, SkyMasks};
 use crate::replay::specular::MirrorView;
+use crate::sky::disc::disc_texels;
 
-/// Light that falls on one fine texel of the sky: which result it adds to, where, and what.
+/// A sun that shines on a result.
 #[derive(Clone, Copy, Debug)]
-pub struct Glint {
+pub struct Shine {
     /// Result.
-    pub bin: u32,
-    /// Base texel.
-    pub column: u32,
-    /// Base texel.
-    pub row: u32,
-    /// Place in the base texel's bits.
-    pub place: u32,
-    /// Irradiance x direction.
-    pub vector: DVec3,
+    pub bin: usize,
+    /// Irradiance normal to it x share of the time x weight in the result.
+    pub strength: f64,
+    /// Of its middle.
+    pub direction: DVec3,
+}
+
+/// Places in a base texel's bits that are taken at a time: a byte of them.
+const STRIP: usize = 8;
+
+/// Suns whose discs are found at a time.
+const DISCS: usize = 8192;
+
+/// The light on the places of a byte of a base texel's bits.
+#[derive(Clone, Copy, Debug)]
+struct Strip {
+    /// Number of the byte.
+    byte: u32,
+    /// `[axis][place]`: irradiance x direction.
+    vectors: [[f32; STRIP]; 3],
 }
 
 /// The light of a result on a base texel.
 #[derive(Clone, Debug)]
 struct LitTexel {
     bin: u32,
-    column: u32,
-    row: u32,
+    /// Base texel, row-major.
+    texel: u32,
     /// Of all of it.
-    whole: Vec3,
-    /// Below this product with a normal a surface's plane may cut the texel.
-    cut: f32,
-    /// Its fine texels in [`SunMap::fine`].
-    fine: Range<u32>,
+    whole: DVec3,
+    /// Its strips in [`SunMap::strips`].
+    strips: Range<u32>,
 }
 
 /// Suns added up, texel by texel of the sky.
 #[derive(Clone, Debug, Default)]
 pub struct SunMap {
-    /// By result, row and column.
+    side: usize,
+    /// By result and texel.
     texels: Vec<LitTexel>,
-    /// Place in a base texel's bits, irradiance x direction.
-    fine: Vec<(u32, Vec3)>,
+    strips: Vec<Strip>,
 }
 
 impl SunMap {
     /// Adds up light; what falls on one texel is added in the order given.
-    pub fn new(mut glints: Vec<Glint>, base: usize) -> Self {
-        // Twice the half: texels are wider along than across.
-        let wide = 2.0 * half_texel(base) as f32;
-        let key = |glint: &Glint| (glint.bin, glint.row, glint.column, glint.place);
+    pub fn new(mut suns: Vec<Shine>, sides: TextureSides) -> Self {
         // Stable: sums do not depend on the number of threads.
-        glints.par_sort_by_key(key);
-        let mut map = SunMap::default();
-        for of_texel in glints.chunk_by(|a, b| (a.bin, a.row, a.column) == (b.bin, b.row, b.column)) {
-            let first = map.fine.len() as u32;
-            for of_place in of_texel.chunk_by(|a, b| a.place == b.place) {
-                let sum: DVec3 = of_place.iter().map(|glint| glint.vector).sum();
-                map.fine.push((of_place[0].place, sum.as_vec3()));
+        suns.sort_by_key(|sun| sun.bin);
+        let block = (sides.sky_fine / sides.sky_base.max(1)).max(1);
+        let mut map = SunMap { side: sides.sky_base, ..SunMap::default() };
+        let mut sums = TexelSums::new(sides.sky_base, block);
+        for of_bin in suns.chunk_by(|a, b| a.bin == b.bin) {
+            for part in of_bin.chunks(DISCS) {
+                let discs: Vec<_> = part.par_iter().map(|sun| disc_texels(sun.direction, sides.sky_fine)).collect();
+                for (sun, disc) in part.iter().zip(&discs) {
+                    let light = sun.direction * sun.strength;
+                    disc.iter().for_each(|t| sums.add((t.0 as usize, t.1 as usize), light * f64::from(t.2)));
+                }
             }
-            let whole: DVec3 = of_texel.iter().map(|glint| glint.vector).sum();
-            let (Glint { bin, column, row, .. }, whole) = (of_texel[0], whole.as_vec3());
-            let (cut, fine) = (wide * whole.length(), first..map.fine.len() as u32);
-            map.texels.push(LitTexel { bin, column, row, whole, cut, fine });
+            map.take(of_bin[0].bin, &mut sums);
         }
         map
     }
 
-    fn fine_of(&self, texel: &LitTexel) -> &[(u32, Vec3)] {
-        self.fine.get(texel.fine.start as usize..texel.fine.end as usize).unwrap_or_default()
-    }
-
-    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
-    pub fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
-        let normal = normal.as_vec3();
-        for texel in &self.texels {
-            let sum = match sky.texel(texel.column as usize, texel.row as usize) {
-                Texel::Closed => continue,
-                Texel::Open => match normal.dot(texel.whole) {
-                    before if before > texel.cut => before,
-                    behind if behind < -texel.cut => continue,
-                    _ => self.fine_of(texel).iter().map(|(_, v)| normal.dot(*v).max(0.0)).sum(),
-                },
-                Texel::Mixed(bits) => seen(self.fine_of(texel), bits).map(|(_, v)| normal.dot(v).max(0.0)).sum(),
-            };
-            out[texel.bin as usize] += f64::from(sum);
+    /// Moves the sums of a result into the map.
+    fn take(&mut self, bin: usize, sums: &mut TexelSums) {
+        sums.lit.sort_unstable();
+        for &(texel, place) in &sums.lit {
+            let (first, mut whole) = (self.strips.len() as u32, DVec3::ZERO);
+            let per_texel = sums.block * sums.block;
+            let vectors = sums.vectors.get(place as usize * per_texel..).unwrap_or_default();
+            for (byte, places) in vectors.chunks(STRIP).enumerate().take(per_texel.div_ceil(STRIP)) {
+                let places = places.get(..STRIP.min(per_texel)).unwrap_or(places);
+                if places.iter().any(|v| *v != DVec3::ZERO) {
+                    let mut strip = Strip { byte: byte as u32, vectors: [[0.0; STRIP]; 3] };
+                    for (lane, v) in places.iter().enumerate() {
+                        whole += *v;
+                        (0..3).for_each(|axis| strip.vectors[axis][lane] = v[axis] as f32);
+                    }
+                    self.strips.push(strip);
+                }
+            }
+            self.texels.push(LitTexel { bin: bin as u32, texel, whole, strips: first..self.strips.len() as u32 });
         }
+        sums.clear();
     }
 
-    /// The same behind a veil.
+    fn strips_of(&self, texel: &LitTexel) -> &[Strip] {
+        self.strips.get(texel.strips.start as usize..texel.strips.end as usize).unwrap_or_default()
+    }
+
+    /// Column and row.
+    fn place(&self, texel: &LitTexel) -> (usize, usize) {
+        let texel = texel.texel as usize;
+        (texel % self.side.max(1), texel / self.side.max(1))
+    }
+
+    /// Calls `each(receiver, result, irradiance)` for the direct irradiance of each receiver and result with a sun.
+    pub fn direct(&self, skies: &SkyMasks, mut each: impl FnMut(usize, usize, f64)) {
+        Arch::new().dispatch(|| {
+            for of_bin in self.texels.chunk_by(|a, b| a.bin == b.bin) {
+                let (mut wholes, mut partials) = ([DVec3::ZERO; LANES], [0.0_f64; LANES]);
+                for lit in of_bin {
+                    skies.whole(lit.texel as usize).for_each(|receiver| wholes[receiver] += lit.whole);
+                    for (receiver, texel) in skies.partial(lit.texel as usize) {
+                        let normal = skies.normal(receiver).as_vec3();
+                        partials[receiver] += f64::from(seen_before(self.strips_of(lit), normal, texel));
+                    }
+                }
+                for (receiver, (whole, partial)) in wholes.iter().zip(partials).enumerate().take(skies.receivers()) {
+                    each(receiver, of_bin[0].bin as usize, skies.normal(receiver).dot(*whole) + partial);
+                }
+            }
+        });
+    }
+
+    /// The light on each place of a texel that is seen: its number in the texel's bits, irradiance x direction.
+    fn seen<'a>(&'a self, lit: &LitTexel, texel: Texel<'a>) -> impl Iterator<Item = (usize, Vec3)> + 'a {
+        self.strips_of(lit).iter().flat_map(move |strip| {
+            let byte = byte_of(texel, strip.byte as usize);
+            let [x, y, z] = strip.vectors;
+            let of = move |lane: usize| (strip.byte as usize * STRIP + lane, Vec3::new(x[lane], y[lane], z[lane]));
+            (0..STRIP).filter(move |lane| byte >> lane & 1 == 1).map(of).filter(|(_, v)| *v != Vec3::ZERO)
+        })
+    }
+
+    /// Adds the direct irradiance of a receiver with this normal and sky, behind a veil, to `out[result]`.
     pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
         let normal = normal.as_vec3();
-        for texel in &self.texels {
-            let place = (texel.column as usize, texel.row as usize);
-            let through = |(i, v): (u32, Vec3)| normal.dot(v).max(0.0) * veil.at(place, i as usize);
-            let fine = self.fine_of(texel);
-            let sum: f32 = match sky.texel(place.0, place.1) {
-                Texel::Closed => continue,
-                Texel::Open => fine.iter().copied().map(through).sum(),
-                Texel::Mixed(bits) => seen(fine, bits).map(through).sum(),
-            };
-            out[texel.bin as usize] += f64::from(sum);
+        for lit in &self.texels {
+            let place = self.place(lit);
+            let through = |(i, v): (usize, Vec3)| normal.dot(v).max(0.0) * veil.at(place, i);
+            let sum: f32 = self.seen(lit, sky.texel(place.0, place.1)).map(through).sum();
+            out[lit.bin as usize] += f64::from(sum);
         }
     }
 
     /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
     pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
         let image = view.reflection.image(normal);
-        let left = |v: Vec3| {
+        let left = |(_, v): (usize, Vec3)| {
             let v = v.as_dvec3();
             let cos = image.dot(v);
             if cos > 0.0 { cos * view.reflection.share(v.normalize_or_zero()) } else { 0.0 }
         };
-        for texel in &self.texels {
-            let fine = self.fine_of(texel);
-            let sum: f64 = match view.texel(texel.column as usize, texel.row as usize) {
-                Texel::Closed => continue,
-                Texel::Open => fine.iter().map(|(_, v)| left(*v)).sum(),
-                Texel::Mixed(bits) => seen(fine, bits).map(|(_, v)| left(v)).sum(),
-            };
-            out[texel.bin as usize] += sum;
+        for lit in &self.texels {
+            let (column, row) = self.place(lit);
+            let sum: f64 = self.seen(lit, view.texel(column, row)).map(left).sum();
+            out[lit.bin as usize] += sum;
         }
     }
 }
 
-/// Those of the fine texels whose bits are set.
-fn seen<'f>(fine: &'f [(u32, Vec3)], bits: &'f [u64]) -> impl Iterator<Item = (u32, Vec3)> + 'f {
-    fine.iter().copied().filter(|(i, _)| bits[*i as usize / 64] >> (i % 64) & 1 == 1)
+/// Eight places of what is seen of a texel.
+#[inline(always)]
+fn byte_of(texel: Texel, byte: usize) -> u8 {
+    match texel {
+        Texel::Closed => 0,
+        Texel::Open => u8::MAX,
+        Texel::Mixed(bits) => bits.get(byte / STRIP).map_or(0, |word| (word >> (byte % STRIP * STRIP)) as u8),
+    }
+}
+
+/// Irradiance of a surface from what it sees of a texel, of which parts may lie behind it: sums of eight, then of those.
+#[inline(always)]
+fn seen_before(strips: &[Strip], normal: Vec3, texel: Texel) -> f32 {
+    let mut sums = [0.0_f32; STRIP];
+    for Strip { byte, vectors: [x, y, z] } in strips {
+        let seen = u32::from(byte_of(texel, *byte as usize));
+        for lane in 0..STRIP {
+            let before = normal.x * x[lane] + normal.y * y[lane] + normal.z * z[lane];
+            let counts = before > 0.0 && seen >> lane & 1 == 1;
+            sums[lane] += if counts { before } else { 0.0 };
+        }
+    }
+    sums.iter().sum()
+}
+
+/// Vectors added up on the fine texels of one result.
+struct TexelSums {
+    side: usize,
+    block: usize,
+    /// `[base texel]`: its place in `vectors`, from 1 on; 0 if nothing fell on it.
+    places: Vec<u32>,
+    /// Base texels with light, and their places from 0 on.
+    lit: Vec<(u32, u32)>,
+    /// `[place][fine texel]`, in the order of a texel's bits.
+    vectors: Vec<DVec3>,
+}
+
+impl TexelSums {
+    fn new(side: usize, block: usize) -> Self {
+        TexelSums { side, block, places: vec![0; side * side], lit: Vec::new(), vectors: Vec::new() }
+    }
+
+    fn add(&mut self, (column, row): (usize, usize), light: DVec3) {
+        let texel = row / self.block * self.side + column / self.block;
+        let Some(place) = self.places.get_mut(texel) else { return };
+        let per_texel = self.block * self.block;
+        if *place == 0 {
+            self.lit.push((texel as u32, self.lit.len() as u32));
+            *place = self.lit.len() as u32;
+            self.vectors.resize(self.lit.len() * per_texel, DVec3::ZERO);
+        }
+        let inside = row % self.block * self.block + column % self.block;
+        if let Some(sum) = self.vectors.get_mut((*place as usize - 1) * per_texel + inside) {
+            *sum += light;
+        }
+    }
+
+    fn clear(&mut self) {
+        for (texel, _) in self.lit.drain(..) {
+            self.places[texel as usize] = 0;
+        }
+        self.vectors.clear();
+    }
 }

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::canopy_transmittance::CanopyTransmittance;
+use crate::replay::sky_masks::{LANES, SkyMasks};
 use crate::replay::specular::MirrorView;
-use crate::replay::sun_map::{Glint, SunMap};
+use crate::replay::sun_map::{Shine, SunMap};
 use crate::sky::disc::disc_texels;
 use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
@@ -38,6 +39,18 @@ struct Part {
     fine: Range<usize>,
 }
 
+/// The suns of a result in one base texel.
+#[derive(Clone, Debug)]
+struct Passage {
+    bin: usize,
+    /// Base texel, row-major.
+    texel: usize,
+    /// Sum of strength x share of the disc x direction.
+    whole: DVec3,
+    /// Its suns and their parts in [`EachSun::passing`].
+    passing: Range<usize>,
+}
+
 /// Suns made ready for receivers' textures: one by one where each has a result, added up where many share one.
 pub enum SunLookups {
     /// Suns of hours.
@@ -56,6 +69,10 @@ pub struct EachSun {
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
     fine: Vec<(u32, f32)>,
+    /// By run of suns of one result, and texel.
+    passages: Vec<Passage>,
+    /// Sun, part.
+    passing: Vec<(u32, u32)>,
 }
 
 impl SunLookups {
@@ -76,23 +93,23 @@ impl SunLookups {
         sides: TextureSides,
         normal_w_m2: impl Fn(&Condition) -> f64 + Sync,
     ) -> Self {
-        let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
         let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
-        let discs: Vec<(Sun, Disc)> = lit
+        let suns: Vec<Shine> = lit
             .flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
                 c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
                     let strength = normal_w_m2 * instant.weight * weight;
-                    let sun = Sun { bin, strength, direction: instant.sun, parts: 0..0 };
-                    (sun, disc_texels(instant.sun, sides.sky_fine))
+                    Shine { bin, strength, direction: instant.sun }
                 })
             })
             .collect();
-        if discs.len() >= SUMMED_FROM * bins.count.max(1) {
-            return SunLookups::Summed(SunMap::new(glints(&discs, block), sides.sky_base));
+        if suns.len() >= SUMMED_FROM * bins.count.max(1) {
+            return SunLookups::Summed(SunMap::new(suns, sides));
         }
+        let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
+        let discs: Vec<_> = suns.par_iter().map(|sun| disc_texels(sun.direction, sides.sky_fine)).collect();
         let mut found = EachSun::default();
-        for (sun, mut disc) in discs {
+        for (sun, mut disc) in suns.into_iter().zip(discs) {
             let first = found.parts.len();
             disc.sort_by_key(|t| (t.1 / block, t.0 / block));
             for part in disc.chunk_by(|a, b| (a.0 / block, a.1 / block) == (b.0 / block, b.1 / block)) {
@@ -105,8 +122,14 @@ impl SunLookups {
                     fine: start..found.fine.len(),
                 });
             }
-            found.suns.push(Sun { parts: first..found.parts.len(), ..sun });
+            found.suns.push(Sun {
+                bin: sun.bin,
+                strength: sun.strength,
+                direction: sun.direction,
+                parts: first..found.parts.len(),
+            });
         }
+        found.add_passages(sides.sky_base);
         SunLookups::Each(found)
     }
 
@@ -115,11 +138,11 @@ impl SunLookups {
         matches!(self, SunLookups::Each(each) if each.suns.is_empty())
     }
 
-    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
-    pub fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
+    /// Calls `each(receiver, result, irradiance)` for direct irradiances, which may add up: those of one result may come in parts.
+    pub fn direct(&self, skies: &SkyMasks, each: impl FnMut(usize, usize, f64)) {
         match self {
-            SunLookups::Each(each) => each.direct(normal, sky, out),
-            SunLookups::Summed(map) => map.direct(normal, sky, out),
+            SunLookups::Each(suns) => suns.direct(skies, each),
+            SunLookups::Summed(map) => map.direct(skies, each),
         }
     }
 
@@ -140,32 +163,52 @@ impl SunLookups {
     }
 }
 
-/// Texels (column, row) under a disc, and their shares of it.
-type Disc = Vec<(u32, u32, f32)>;
-
-/// The light of suns on the texels under their discs.
-fn glints(discs: &[(Sun, Disc)], block: u32) -> Vec<Glint> {
-    let of_sun = |(sun, disc): &(Sun, Disc)| -> Vec<Glint> {
-        let glint = |&(column, row, share): &(u32, u32, f32)| Glint {
-            bin: sun.bin as u32,
-            column: column / block,
-            row: row / block,
-            place: row % block * block + column % block,
-            vector: sun.direction * (sun.strength * f64::from(share)),
-        };
-        disc.iter().map(glint).collect()
-    };
-    discs.par_iter().flat_map_iter(of_sun).collect()
-}
-
 impl EachSun {
-    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`.
-    fn direct(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
-        for sun in &self.suns {
-            let cos = normal.dot(sun.direction);
-            if cos > 0.0 {
-                let visible: f32 = self.parts[sun.parts.clone()].iter().map(|part| self.visible(part, sky)).sum();
-                out[sun.bin] += sun.strength * cos * f64::from(visible);
+    /// Adds up the suns that pass a base texel, of `side` to a side, on their way through a result.
+    fn add_passages(&mut self, side: usize) {
+        let mut first = 0;
+        for of_bin in self.suns.chunk_by(|a, b| a.bin == b.bin) {
+            let numbered = of_bin.iter().enumerate().flat_map(|(i, sun)| sun.parts.clone().map(move |part| (i, part)));
+            let place = |part: usize| self.parts[part].row as usize * side + self.parts[part].column as usize;
+            let mut found: Vec<(usize, usize, usize)> = numbered.map(|(i, part)| (place(part), i, part)).collect();
+            found.sort_unstable();
+            for passing in found.chunk_by(|a, b| a.0 == b.0) {
+                let start = self.passing.len();
+                self.passing.extend(passing.iter().map(|&(_, i, part)| ((first + i) as u32, part as u32)));
+                let light = |&(_, i, part): &(usize, usize, usize)| {
+                    of_bin[i].direction * (of_bin[i].strength * f64::from(self.parts[part].share))
+                };
+                self.passages.push(Passage {
+                    bin: of_bin[0].bin,
+                    texel: passing[0].0,
+                    whole: passing.iter().map(light).sum(),
+                    passing: start..self.passing.len(),
+                });
+            }
+            first += of_bin.len();
+        }
+    }
+
+    /// Calls `each(receiver, result, irradiance)` for each run of suns of one result.
+    fn direct(&self, skies: &SkyMasks, mut each: impl FnMut(usize, usize, f64)) {
+        for of_bin in self.passages.chunk_by(|a, b| a.bin == b.bin) {
+            let (mut wholes, mut partials) = ([DVec3::ZERO; LANES], [0.0_f64; LANES]);
+            for passage in of_bin {
+                skies.whole(passage.texel).for_each(|receiver| wholes[receiver] += passage.whole);
+                for (receiver, texel) in skies.partial(passage.texel) {
+                    let normal = skies.normal(receiver);
+                    for &(sun, part) in &self.passing[passage.passing.clone()] {
+                        let sun = &self.suns[sun as usize];
+                        let cos = normal.dot(sun.direction);
+                        if cos > 0.0 {
+                            let visible = self.share(&self.parts[part as usize], texel);
+                            partials[receiver] += sun.strength * cos * f64::from(visible);
+                        }
+                    }
+                }
+            }
+            for (receiver, (whole, partial)) in wholes.iter().zip(partials).enumerate().take(skies.receivers()) {
+                each(receiver, of_bin[0].bin, skies.normal(receiver).dot(*whole) + partial);
             }
         }
     }
@@ -210,11 +253,6 @@ impl EachSun {
     }
 
     /// Share of the disc that is seen in a base texel.
-    #[inline]
-    fn visible(&self, part: &Part, sky: &Mosaic) -> f32 {
-        self.share(part, sky.texel(part.column as usize, part.row as usize))
-    }
-
     #[inline]
     fn share(&self, part: &Part, texel: Texel) -> f32 {
         match texel {

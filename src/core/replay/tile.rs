@@ -14,6 +14,8 @@ use crate::replay::components::Component::{
 };
 use crate::replay::components::ComponentSet;
 use crate::replay::longwave::Longwave;
+use crate::replay::response_sums::ResponseSums;
+use crate::replay::sky_masks::{LANES, SkyMasks, TexelPlanes};
 use crate::replay::sources::Sources;
 use crate::replay::suns::SunLookups;
 use crate::replay::through_canopy::DirectThroughCanopy;
@@ -25,6 +27,7 @@ use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive, response_coefficients, sky_coefficients};
+use crate::sky::sky_field::{FEW, SkyField};
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
@@ -38,11 +41,14 @@ pub(super) struct Forcing {
     sides: TextureSides,
     suns: SunLookups,
     skies: Skies,
+    /// The same for few results.
+    sky_field: Option<SkyField>,
     /// Light of the skies from where the suns are.
     circumsolar: SunLookups,
     /// `[state]`: what is reflected.
     reflected: Vec<Reflected>,
     sky_projection: Projection,
+    planes: TexelPlanes,
     response_projection: Projection,
     components: ComponentSet,
     /// Whether the sky that is seen in mirrors counts.
@@ -58,6 +64,20 @@ struct Reflected {
     circumsolar: Sources,
     /// `None` if they are all skies.
     skies: Option<Skies>,
+    /// Suns and skies of few results.
+    sums: Option<[ResponseSums; 2]>,
+}
+
+impl Reflected {
+    /// The same with sums, if results are few; `all`: skies if they have none of their own.
+    fn summed(self, bins: usize, all: &Skies, projection: &Projection) -> Self {
+        let field = || SkyField::of(self.skies.as_ref().unwrap_or(all), projection);
+        let sums = field().filter(|_| bins <= FEW).map(|field| {
+            [(&self.sources, None), (&self.circumsolar, Some(&field))]
+                .map(|(suns, skies)| ResponseSums::new(suns, skies, projection))
+        });
+        Reflected { sums, ..self }
+    }
 }
 
 impl Forcing {
@@ -77,25 +97,31 @@ impl Forcing {
         let sky_projection = projection(sides.sky_base);
         let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
-        let all = skies.next();
+        let all = skies.next().unwrap_or_default();
         let state = |bins, skies| Reflected {
             sources: Sources::new(when(components.needs(SunDiffuse)), bins, sides.response),
             circumsolar: Sources::circumsolar(when(components.needs(SkyDiffuse)), bins, sides.response, model),
             skies,
+            sums: None,
         };
         let mut reflected: Vec<Reflected> = states.iter().zip(skies).map(|(bins, s)| state(bins, Some(s))).collect();
         if reflected.is_empty() {
             reflected.push(state(bins, None));
         }
+        let response_projection = projection(sides.response);
+        let summed = |state: Reflected| state.summed(bins.count, &all, &response_projection);
+        let reflected = reflected.into_iter().map(summed).collect();
         let glows = when(components.needs(SkyDirect) || components.needs(SkySpecular));
         Forcing {
             bins: bins.count,
             sides,
             suns: SunLookups::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
-            skies: all.unwrap_or_default(),
+            sky_field: SkyField::of(&all, &sky_projection),
+            skies: all,
             circumsolar: SunLookups::circumsolar(glows, bins, sides, model),
             reflected,
-            response_projection: projection(sides.response),
+            response_projection,
+            planes: TexelPlanes::new(&sky_projection),
             sky_projection,
             components,
             mirror_sky: true,
@@ -186,28 +212,42 @@ impl Forcing {
 
     fn add_direct(&self, tile: &TileLayers, out: &mut TileValues) {
         let sky_direct = self.components.needs(SkyDirect) && !self.skies.is_empty();
-        let sun_direct = self.components.needs(SunDirect);
-        let mut sums = vec![0.0_f64; self.bins];
-        let mut coefficients = Vec::new();
-        for (receiver, (&normal, sky)) in tile.normals.iter().zip(&tile.sky).enumerate() {
-            if sun_direct {
-                sums.fill(0.0);
-                self.suns.direct(normal, sky, &mut sums);
-                put(&sums, out.row_mut(SunDirect, receiver));
+        if self.components.needs(SunDirect) && !self.suns.is_empty() {
+            self.add_suns(SunDirect, &self.suns, tile, out);
+            out.component_mut(SunDirect).iter_mut().for_each(|v| *v = v.max(0.0));
+        }
+        if sky_direct && let Some(field) = &self.sky_field {
+            for (receiver, (&normal, sky)) in tile.normals.iter().zip(&tile.sky).enumerate() {
+                let row = out.row_mut(SkyDirect, receiver);
+                field.irradiance(&self.sky_projection, normal, sky, |bin, v| row[bin] = v as f32);
             }
-            if sky_direct {
+        } else if sky_direct {
+            let mut coefficients = Vec::new();
+            for (&normal, sky) in tile.normals.iter().zip(&tile.sky) {
                 sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
             }
+            self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SkyDirect, receiver)[bin] = v);
         }
-        self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SkyDirect, receiver)[bin] = v);
-        let glow = |receiver: usize, sums: &mut [f64]| {
-            self.circumsolar.direct(tile.normals[receiver], &tile.sky[receiver], sums);
-        };
         if sky_direct {
-            self.add_circumsolar(SkyDirect, glow, out);
+            self.add_suns(SkyDirect, &self.circumsolar, tile, out);
+            // Parts of a sky may be below 0.
+            out.component_mut(SkyDirect).iter_mut().for_each(|v| *v = v.max(0.0));
         }
         if let Some(shaded) = &self.shaded {
             shaded.replace(tile, &self.sky_projection, out);
+        }
+    }
+
+    /// Adds the direct light of suns to a column.
+    fn add_suns(&self, column: Component, suns: &SunLookups, tile: &TileLayers, out: &mut TileValues) {
+        if suns.is_empty() {
+            return;
+        }
+        let labels = out.labels();
+        for (group, (normals, skies)) in tile.normals.chunks(LANES).zip(tile.sky.chunks(LANES)).enumerate() {
+            let masks = SkyMasks::new(&self.planes, normals, skies);
+            let rows = &mut out.component_mut(column)[group * LANES * labels..];
+            suns.direct(&masks, |receiver, bin, v| rows[receiver * labels + bin] += v as f32);
         }
     }
 
@@ -256,7 +296,7 @@ impl Forcing {
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
-        let (suns, skies) = self.reflected(tile, Response::vectors);
+        let (suns, skies) = self.reflected(tile, None);
         let receivers = tile.normals.len();
         for receiver in 0..receivers {
             let range = receiver * self.bins..(receiver + 1) * self.bins;
@@ -268,7 +308,7 @@ impl Forcing {
         if split == [None, None] {
             return;
         }
-        let (suns, skies) = self.reflected(tile, |response| response.vectors_of(Class::Ground));
+        let (suns, skies) = self.reflected(tile, Some(Class::Ground));
         let suns: Vec<f32> = suns.into_iter().map(|v| v as f32).collect();
         for ((whole, parts), grounds) in [SunDiffuse, SkyDiffuse].into_iter().zip(split).zip([suns, skies]) {
             let Some([ground, obstruction]) = parts else { continue };
@@ -282,8 +322,8 @@ impl Forcing {
         }
     }
 
-    /// `[receiver][result]`: reflected sun and sky by what `vectors` takes of responses, `[texel][axis]`.
-    fn reflected(&self, tile: &TileLayers, vectors: impl Fn(&Response) -> Vec<[f32; 3]>) -> (Vec<f64>, Vec<f32>) {
+    /// `[receiver][result]`: reflected sun and sky by responses, or by what is of one class in them.
+    fn reflected(&self, tile: &TileLayers, class: Option<Class>) -> (Vec<f64>, Vec<f32>) {
         let receivers = tile.normals.len();
         let mut suns = vec![0.0_f64; receivers * self.bins];
         let mut skies = vec![0.0_f32; receivers * self.bins];
@@ -293,19 +333,25 @@ impl Forcing {
             let mut coefficients = Vec::new();
             let mut glow = vec![0.0_f64; self.bins];
             for (receiver, (response, sums)) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))).enumerate() {
-                let response = vectors(response);
-                state.sources.irradiance(&response, sums);
-                if sky_diffuse {
-                    response_coefficients(&self.response_projection, &response, &mut coefficients);
-                }
-                if !state.circumsolar.is_empty() {
+                if let Some([of_suns, of_skies]) = &state.sums {
+                    of_suns.irradiance(response, class, sums);
+                    glow.fill(0.0);
+                    of_skies.irradiance(response, class, &mut glow);
+                } else {
+                    let response = class.map_or_else(|| response.vectors(), |class| response.vectors_of(class));
+                    state.sources.irradiance(&response, sums);
+                    if sky_diffuse {
+                        response_coefficients(&self.response_projection, &response, &mut coefficients);
+                    }
                     glow.fill(0.0);
                     state.circumsolar.irradiance(&response, &mut glow);
-                    let of_receiver = skies[receiver * self.bins..].iter_mut();
-                    of_receiver.zip(&glow).for_each(|(out, glow)| *out += *glow as f32);
                 }
+                let of_receiver = skies[receiver * self.bins..].iter_mut();
+                of_receiver.zip(&glow).for_each(|(out, glow)| *out += *glow as f32);
             }
-            of_state.irradiance(&coefficients, |receiver, bin, v| skies[receiver * self.bins + bin] += v);
+            if !coefficients.is_empty() {
+                of_state.irradiance(&coefficients, |receiver, bin, v| skies[receiver * self.bins + bin] += v);
+            }
         }
         (suns, skies)
     }

@@ -1,23 +1,35 @@
 //! The sun's disc in a sky texture. In: a sun direction. Out: which fine texels it covers and by how much. Shared by all
 //! receivers: the sky textures are in the world frame.
 
+use std::f32::consts::FRAC_PI_4;
 use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3};
+use pulp::Arch;
 
-use crate::hemisphere::{Frame, texel_of};
+use crate::hemisphere::Frame;
 use crate::units::SUN_RADIUS_RAD;
 
 /// Points of the disc.
 const DISC_POINTS: usize = 64;
 
-/// Sunflower points: equal areas of the disc (Vogel 1979), on the plane that touches the sphere at its centre.
-static OFFSETS: LazyLock<[DVec2; DISC_POINTS]> = LazyLock::new(|| {
-    std::array::from_fn(|i| {
+/// Sunflower points: equal areas of the disc (Vogel 1979) on the plane that touches the sphere at its centre, drawn back to the sphere.
+static POINTS: LazyLock<DiscPoints> = LazyLock::new(|| {
+    let offset = |i: usize| {
         let radius = SUN_RADIUS_RAD * ((i as f64 + 0.5) / DISC_POINTS as f64).sqrt();
-        DVec2::from_angle(i as f64 * 2.399_963_229_728_653) * radius
-    })
+        let offset = DVec2::from_angle(i as f64 * 2.399_963_229_728_653) * radius;
+        offset.extend(1.0) / (1.0 + offset.length_squared()).sqrt()
+    };
+    let axis = |axis: usize| std::array::from_fn(|i| offset(i)[axis] as f32);
+    DiscPoints { u: axis(0), v: axis(1), n: axis(2) }
 });
+
+/// Components of the points' directions in the frame of the disc's centre.
+struct DiscPoints {
+    u: [f32; DISC_POINTS],
+    v: [f32; DISC_POINTS],
+    n: [f32; DISC_POINTS],
+}
 
 /// Texels (column, row) of a square of `side` texels under the disc, sorted, and their shares of its part above the horizon (sum 1);
 /// none for a sun whose centre is at or below the horizon.
@@ -26,23 +38,71 @@ pub fn disc_texels(direction: DVec3, side: usize) -> Vec<(u32, u32, f32)> {
         return Vec::new();
     }
     let frame = Frame::of(direction);
-    let mut texels: Vec<(u32, u32)> = Vec::with_capacity(DISC_POINTS);
-    for offset in OFFSETS.iter() {
-        let d = (frame.n + frame.u * offset.x + frame.v * offset.y).normalize();
-        // The part of the disc below the horizon sends nothing, and DNI is measured without it.
-        if d.z > 0.0 {
-            let (column, row) = texel_of(d, side);
-            texels.push((column as u32, row as u32));
-        }
+    let mut texels = [None; DISC_POINTS];
+    Arch::new().dispatch(|| place(&POINTS, &frame, side, &mut texels));
+    let seen = || texels.iter().flatten();
+    let Some(&first) = seen().next() else { return Vec::new() };
+    let (low, high) = seen()
+        .fold((first, first), |(low, high), t| ((low.0.min(t.0), low.1.min(t.1)), (high.0.max(t.0), high.1.max(t.1))));
+    // Few texels lie under a disc: points are counted on the box about them.
+    let rows = (high.1 - low.1 + 1) as usize;
+    let mut counts = vec![0_u8; (high.0 - low.0 + 1) as usize * rows];
+    seen().for_each(|t| counts[(t.0 - low.0) as usize * rows + (t.1 - low.1) as usize] += 1);
+    let share = 1.0 / seen().count() as f32;
+    let found = counts.iter().enumerate().filter(|(_, count)| **count > 0);
+    found.map(|(i, count)| (low.0 + (i / rows) as u32, low.1 + (i % rows) as u32, f32::from(*count) * share)).collect()
+}
+
+/// [`crate::hemisphere::texel_of`] for all points at once, in f32, an error of 1e-4 texels of 1024; `None` for those below the horizon:
+/// that part of the disc sends nothing, and DNI is measured without it.
+#[inline(always)]
+fn place(points: &DiscPoints, frame: &Frame, side: usize, texels: &mut [Option<(u32, u32)>; DISC_POINTS]) {
+    let [u, v, n] = [frame.u, frame.v, frame.n].map(|axis| axis.as_vec3());
+    let (mut columns, mut rows, mut heights) = ([0.0_f32; DISC_POINTS], [0.0_f32; DISC_POINTS], [0.0_f32; DISC_POINTS]);
+    for i in 0..DISC_POINTS {
+        let [of_u, of_v, of_n] = [points.u[i], points.v[i], points.n[i]];
+        let x = n.x * of_n + u.x * of_u + v.x * of_v;
+        let y = n.y * of_n + u.y * of_u + v.y * of_v;
+        let z = n.z * of_n + u.z * of_u + v.z * of_v;
+        // 1 - z without its error near the zenith.
+        let r = ((x * x + y * y) / (1.0 + z.max(0.0))).sqrt();
+        let wide = x.abs() >= y.abs();
+        let (major, minor) = if wide { (x, y) } else { (y, x) };
+        let along = r.copysign(major);
+        let across = along * arctangent(if major == 0.0 { 0.0 } else { minor / major }) / FRAC_PI_4;
+        let (a, b) = if wide { (along, across) } else { (across, along) };
+        columns[i] = (a + 1.0) * 0.5 * side as f32;
+        rows[i] = (b + 1.0) * 0.5 * side as f32;
+        heights[i] = z;
     }
-    texels.sort_unstable();
-    let share = 1.0 / texels.len().max(1) as f32;
-    texels.chunk_by(|a, b| a == b).map(|g| (g[0].0, g[0].1, g.len() as f32 * share)).collect()
+    let last = side.saturating_sub(1) as u32;
+    for (texel, ((column, row), z)) in texels.iter_mut().zip(columns.into_iter().zip(rows).zip(heights)) {
+        // Casts of what is below 0 give 0.
+        *texel = (z > 0.0).then_some(((column as u32).min(last), (row as u32).min(last)));
+    }
+}
+
+/// For |x| <= 1, error 2e-8: Abramowitz and Stegun, "Handbook of mathematical functions", 1964, 4.4.49.
+#[inline(always)]
+fn arctangent(x: f32) -> f32 {
+    const SERIES: [f32; 8] = [
+        -0.333_331_45,
+        0.199_935_51,
+        -0.142_089,
+        0.106_562_64,
+        -0.075_289_64,
+        0.042_909_614,
+        -0.016_165_737,
+        0.002_866_225_7,
+    ];
+    let square = x * x;
+    x * (1.0 + square * SERIES.iter().rev().fold(0.0, |sum, term| sum * square + term))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hemisphere::texel_of;
     use crate::units::direction_from_degrees;
 
     /// The disc's shares sum to 1 and it covers 8 to 24 texels of a 1024 texture at 2 to 90 degrees of altitude; none at or below 0.
@@ -55,5 +115,27 @@ mod tests {
             assert!((8..=24).contains(&disc.len()), "{altitude}: {}", disc.len());
         }
         assert!(disc_texels(direction_from_degrees(200.0, 0.0), 1024).is_empty());
+    }
+
+    /// Points of 3,000 discs, at the zenith, on the creases of the map and on the horizon too, lie in the texels of their directions in f64
+    /// but for 1 in 2,000.
+    #[test]
+    fn points_lie_where_their_directions_do() {
+        let (mut points, mut wrong) = (0, 0);
+        for i in 0..3000_u32 {
+            let altitude = if i % 10 == 0 { 90.0 - f64::from(i) * 1e-4 } else { 0.1 + f64::from(i) * 0.029 };
+            let sun = direction_from_degrees(f64::from(i % 16) * 22.5 + f64::from(i % 3) * 7.0, altitude);
+            let frame = Frame::of(sun);
+            let mut texels = [None; DISC_POINTS];
+            place(&POINTS, &frame, 1024, &mut texels);
+            for (i, texel) in texels.into_iter().enumerate() {
+                let [u, v, n] = [POINTS.u[i], POINTS.v[i], POINTS.n[i]].map(f64::from);
+                let d = (frame.n * n + frame.u * u + frame.v * v).normalize();
+                let (column, row) = texel_of(d, 1024);
+                points += 1;
+                wrong += usize::from(texel != (d.z > 0.0).then_some((column as u32, row as u32)));
+            }
+        }
+        assert!(points == 192_000 && wrong < points / 2000, "{wrong} of {points}");
     }
 }

@@ -10,3 +10,4 @@ pub mod perez;
 pub mod perez1990;
 pub mod projection;
 pub(crate) mod skies;
+pub(crate) mod sky_field;

@@ -88,6 +88,16 @@ impl Skies {
         self.bins.is_empty()
     }
 
+    /// Results with a sky.
+    pub fn bins(&self) -> &[usize] {
+        &self.bins
+    }
+
+    /// Their sources.
+    pub fn radiances(&self) -> impl Iterator<Item = &[f32]> {
+        self.radiances.chunks(self.sources.max(1))
+    }
+
     /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][source]`: (receivers x sources) times (sources x
     /// results).
     pub fn irradiance(&self, coefficients: &[f32], mut each: impl FnMut(usize, usize, f32)) {
@@ -134,6 +144,7 @@ pub fn response_coefficients(projection: &Projection, response: &[[f32; 3]], out
 }
 
 /// Mean of max(x, 0) for x spread evenly over `centre` +- `half`: the cosine of a texel that the surface's plane cuts.
+#[inline(always)]
 pub fn mean_positive(centre: f64, half: f64) -> f64 {
     if centre >= half {
         centre

@@ -64,9 +64,9 @@ impl Tracer {
         self.grid.offset_m(self.grid.absolute(point))
     }
 
-    /// Mesh indices of all triangles whose own box touches the given one, ascending.
-    pub fn triangles_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        self.tree.triangles_near(low, high)
+    /// Mesh indices of all `wanted` triangles whose own box touches the given one, ascending.
+    pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(u32) -> bool) -> Vec<u32> {
+        self.tree.triangles_near(low, high, wanted)
     }
 
     /// Whether each ray meets anything. Fast where neighbours in the list are alike, faster where they share an origin.

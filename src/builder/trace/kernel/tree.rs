@@ -86,21 +86,23 @@ impl Tree {
         }
     }
 
-    /// Mesh indices of all triangles whose own box touches the given one, ascending.
-    pub fn triangles_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let triangle_touches = |t: &&EdgeTriangle| {
+    /// Mesh indices of all `wanted` triangles whose own box touches the given one, ascending.
+    pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(u32) -> bool) -> Vec<u32> {
+        let touches = |t: &EdgeTriangle| {
+            let [a, b, c] = t.corners;
             (0..3).all(|i| {
-                let at = t.corners.map(|corner| f64::from(corner[i]));
-                at.iter().any(|&x| x >= low[i]) && at.iter().any(|&x| x <= high[i])
+                let (least, most) = (a[i].min(b[i]).min(c[i]), a[i].max(b[i]).max(c[i]));
+                f64::from(most) >= low[i] && f64::from(least) <= high[i]
             })
         };
+        let near = |t: &&EdgeTriangle| touches(t) && wanted(t.id);
         let (low, high) = (low.as_vec3().to_array(), high.as_vec3().to_array());
         let mut found = Vec::new();
         let mut stack = vec![Child::default()];
         while let Some(next) = stack.pop() {
             if next.count > 0 {
                 let range = next.first as usize..(next.first + next.count) as usize;
-                found.extend(self.triangles[range].iter().filter(triangle_touches).map(|t| t.id));
+                found.extend(self.triangles[range].iter().filter(near).map(|t| t.id));
                 continue;
             }
             let node = &self.nodes[next.first as usize];
