@@ -283,30 +283,30 @@ class Values:
                     break
             need(len(table) == 512, "frequencies do not add up")
             self.tables.append(table)
-        need(len(raw) >= at + 4 and (len(raw) - at) % 2 == 0, "state or half a word is missing")
-        self.state, *words = struct.unpack(f"<I{(len(raw) - at) // 2 - 2}H", raw[at:])
-        self.words = iter(words)
+        need(len(raw) >= at + 32 and (len(raw) - at) % 2 == 0, "states or half a word is missing")
+        self.states = list(struct.unpack_from("<8I", raw, at))
+        self.words = iter(struct.unpack(f"<{(len(raw) - at) // 2 - 16}H", raw[at + 32:]))
 
-    def refill(self):
-        if self.state < 65536:
+    def move(self, number, state):
+        if state < 65536:
             word = next(self.words, None)
             need(word is not None, "words of the code are missing")
-            self.state = self.state << 16 | word
+            state = state << 16 | word
+        self.states[number] = state
 
-    def bits(self, count):
-        bits, self.state = self.state & (1 << count) - 1, self.state >> count
-        self.refill()
-        return bits
+    def bits(self, number, count):
+        state = self.states[number]
+        self.move(number, state >> count)
+        return state & (1 << count) - 1
 
-    def take(self, context):
-        slot = self.state & 511
+    def take(self, context, number):
+        slot = self.states[number] & 511
         symbol, start, frequency = self.tables[context][slot]
-        self.state = frequency * (self.state >> 9) + slot - start
-        self.refill()
+        self.move(number, frequency * (self.states[number] >> 9) + slot - start)
         if symbol < 16:
             return symbol
         low = min(symbol - 12, 12)
-        return 1 << symbol - 12 | self.bits(low) | self.bits(symbol - 12 - low) << low
+        return 1 << symbol - 12 | self.bits(number, low) | self.bits(number, symbol - 12 - low) << low
 
 
 def cosine_of(sixteenths):
@@ -332,7 +332,7 @@ def parts_of_texels(side):
 
 def coefficients(values, across, base):
     """Coefficients of a block, added to those of the reference: {(row, column): not 0}."""
-    extent, block = values.take(1 + across), dict(base)
+    extent, block = values.take(1 + across, 0), dict(base)
     need(extent <= 15, f"extent {extent}")
     above, above2 = [0] * 10, [0] * 10
     for j in range(min(extent, 8)):
@@ -340,7 +340,7 @@ def coefficients(values, across, base):
         for k in range(min(extent - j, 8)):
             z = 3 * above[k] + 2 * above[k - 1] + above[k + 1] + above2[k] if j else 6 * (extent - 1 - k)
             place = 1 + sum(t <= z for t in (1, 3, 7, 13, 23, 39, 63, 103)) if j + k else 0
-            w = values.take((13 if across else 3) + place)
+            w = values.take((13 if across else 3) + place, k)
             line[k] = min(w, 31)
             if w:
                 block[j, k] = block.get((j, k), 0) + ((w + 1) // 2 if w % 2 else -(w // 2))
@@ -356,8 +356,8 @@ def response(raw, rows, side):
     cosine = [[cosine_of(k * (2 * i + 1) if k else 4) / 2 for i in range(8)] for k in range(8)]
     known, out = [], []
     for row in range(rows):
-        before = values.take(0)
-        need(before <= row, f"reference {before} of receiver {row}")
+        before = values.take(0, 0)
+        need(before <= min(row, 63), f"reference {before} of receiver {row}")
         base = known[row - before] if before else [{}] * (6 * wide * wide)
         own, planes = [], []
         for plane in range(6):
@@ -383,7 +383,7 @@ def response(raw, rows, side):
                 t = p * u + q * v
                 found.append(((r - t) * sx + p, (r - t) * sy + q, r * sz - (p * sx + q * sy)))
             out += [g[axis] for axis in range(3) for g in found]
-    need(values.state == 65536 and next(values.words, None) is None, "the code does not end with the values")
+    need(set(values.states) == {65536} and next(values.words, None) is None, "the code does not end with the values")
     return {"g": struct.pack(f"<{len(out)}f", *out)}
 
 

@@ -1,14 +1,14 @@
 //! A tile's coefficients as bytes. In: whole numbers of each receiver. Out: bytes, and back. Each receiver is told as what it adds to
 //! one before it, or to nothing, and each coefficient in a context: how large those of lower frequencies above it are.
 
-use crate::layers::rans::{self, Encoder, State, SymbolTables};
+use crate::layers::rans::{self, Encoder, Reader, SymbolTables};
 use crate::layers::response::transform::{BLOCK, LARGEST, PLANES};
 
 /// Receivers that one may be told by are at most so many before it.
 const FARTHEST: usize = 63;
 
 /// Values around one, weighed, from which on it is in the next context.
-const THRESHOLDS: [u32; 8] = [1, 3, 7, 13, 23, 39, 63, 103];
+const THRESHOLDS: [u8; 8] = [1, 3, 7, 13, 23, 39, 63, 103];
 
 /// Larger values around one count as this.
 const LARGE: u32 = 31;
@@ -27,47 +27,49 @@ const PLACE: [usize; 2] = [3, 3 + PLACES];
 
 const CONTEXTS: usize = 3 + 2 * PLACES;
 
-/// What is said to be around the mean value.
-const MEAN: u8 = u8::MAX;
+/// The rows of folded values above one: values of 8 bits, at most [`LARGE`], column 0 the lowest.
+#[derive(Default)]
+struct Above {
+    row: u64,
+    twice: u64,
+}
 
-/// `[values around, weighed]`: context of a place; none but [`MEAN`] is above 7 x 31.
-const AROUND: [u8; 256] = {
-    let mut contexts = [0; 256];
-    let mut around = 0;
-    while around < MEAN as usize {
-        let mut next = 0;
-        while next < THRESHOLDS.len() && THRESHOLDS[next] as usize <= around {
-            next += 1;
-        }
-        contexts[around] = 1 + next as u8;
-        around += 1;
-    }
-    contexts
-};
-
-/// Calls for each place of a block up to an extent with its context, and takes its folded value from the answer, until there is none.
-/// Contexts follow from the rows above alone, so that a row's are known before its values are.
-#[inline(always)]
-fn places(extent: usize, mut value: impl FnMut(usize, usize, usize) -> Option<u32>) -> Option<()> {
-    // The rows above, between columns of zeros.
-    let (mut above, mut twice_above) = ([0_u8; BLOCK + 2], [0_u8; BLOCK]);
-    for row in 0..extent.min(BLOCK) {
-        let end = (extent - row).min(BLOCK);
-        let around: [u8; BLOCK] = if row > 0 {
-            std::array::from_fn(|i| 3 * above[i + 1] + 2 * above[i] + above[i + 2] + twice_above[i])
+impl Above {
+    /// Contexts of a row's places in a block of some extent. They follow from the rows above alone, so that no value of a row waits for
+    /// another.
+    #[inline(always)]
+    fn contexts(&self, row: usize, extent: usize) -> [u8; BLOCK] {
+        // No sum exceeds 7 x 31.
+        let around = if row > 0 {
+            (3 * self.row + 2 * (self.row << 8) + (self.row >> 8) + self.twice).to_le_bytes()
         } else {
             // Nothing is above: the nearer to the extent, the smaller.
-            std::array::from_fn(|i| if i > 0 { 6 * extent.saturating_sub(1 + i) as u8 } else { MEAN })
+            std::array::from_fn(|column| 6 * extent.saturating_sub(1 + column) as u8)
         };
-        let contexts = around.map(|around| AROUND[usize::from(around)]);
-        twice_above.copy_from_slice(&above[1..=BLOCK]);
-        above = [0; BLOCK + 2];
-        for column in 0..end {
-            let folded = value(row, column, usize::from(contexts[column]))?;
-            above[column + 1] = folded.min(LARGE) as u8;
+        let mut contexts = [1; BLOCK];
+        for threshold in THRESHOLDS {
+            for column in 0..BLOCK {
+                contexts[column] += u8::from(around[column] >= threshold);
+            }
         }
+        if row == 0 {
+            // The mean value.
+            contexts[0] = 0;
+        }
+        contexts
     }
-    Some(())
+
+    /// Goes on behind a row of such values.
+    #[inline(always)]
+    fn push(&mut self, row: u64) {
+        *self = Above { row, twice: self.row };
+    }
+}
+
+/// A folded value of a row among its others.
+#[inline(always)]
+fn in_row(column: usize, folded: u32) -> u64 {
+    u64::from(folded.min(LARGE)) << (8 * column)
 }
 
 /// Bytes of the coefficients of a tile's receivers, each `[plane][block][row][column]`.
@@ -78,7 +80,7 @@ pub fn encode(receivers: &[Vec<i32>]) -> Vec<u8> {
     let nothing: Vec<i32> = vec![0; receivers.first().map_or(0, Vec::len)];
     for (i, coefficients) in receivers.iter().enumerate() {
         let before = best_before(&small, i);
-        encoder.put(REFERENCE, before as u32);
+        encoder.put(REFERENCE, 0, before as u32);
         let base = if before == 0 { &nothing } else { &receivers[i - before] };
         let rest: Vec<i32> = coefficients.iter().zip(base).map(|(c, base)| c - base).collect();
         let blocks = rest.as_chunks::<BLOCK>().0.as_chunks::<BLOCK>().0;
@@ -86,13 +88,17 @@ pub fn encode(receivers: &[Vec<i32>]) -> Vec<u8> {
         for (number, block) in blocks.iter().enumerate() {
             let across = usize::from(number / of_plane % 3 != 0);
             let extent = extent_of(block);
-            encoder.put(EXTENT[across], extent as u32);
-            // It answers always.
-            let _ = places(extent, |row, column, context| {
-                let folded = fold(block[row][column]);
-                encoder.put(PLACE[across] + context, folded);
-                Some(folded)
-            });
+            encoder.put(EXTENT[across], 0, extent as u32);
+            let mut above = Above::default();
+            for row in 0..extent.min(BLOCK) {
+                let (contexts, mut values) = (above.contexts(row, extent), 0);
+                for column in 0..(extent - row).min(BLOCK) {
+                    let folded = fold(block[row][column]);
+                    encoder.put(PLACE[across] + usize::from(contexts[column]), column, folded);
+                    values |= in_row(column, folded);
+                }
+                above.push(values);
+            }
         }
     }
     encoder.finish()
@@ -104,7 +110,7 @@ fn fold(value: i32) -> u32 {
 }
 
 /// Inverse of [`fold`] below 2^31.
-#[inline]
+#[inline(always)]
 fn unfold(folded: u32) -> i32 {
     let half = (folded / 2) as i32;
     if folded % 2 == 1 { half + 1 } else { -half }
@@ -140,66 +146,83 @@ fn extent_of(block: &[[i32; BLOCK]; BLOCK]) -> usize {
 /// Reads the coefficients of one receiver after the other.
 pub struct TileDecoder<'a> {
     tables: SymbolTables,
-    state: State<'a>,
+    reader: Reader<'a>,
+    /// Blocks of a plane.
     blocks: usize,
-    /// `[receiver][plane][block][row][column]` of those before.
+    /// `[receiver modulo those that are kept][plane][block][row][column]`.
     known: Vec<i32>,
+    /// Receivers that were read.
+    count: usize,
 }
 
 impl<'a> TileDecoder<'a> {
-    /// Of receivers with so many blocks a plane; `None` if the bytes do not start as they must.
-    pub fn new(bytes: &'a [u8], blocks: usize) -> Option<Self> {
-        let (tables, state) = rans::open(CONTEXTS, bytes)?;
-        Some(TileDecoder { tables, state, blocks, known: Vec::new() })
+    /// Of so many receivers with so many blocks a plane; `None` if the bytes do not start as they must.
+    pub fn new(bytes: &'a [u8], receivers: usize, blocks: usize) -> Option<Self> {
+        let (tables, reader) = rans::open(CONTEXTS, bytes)?;
+        let known = vec![0; receivers.min(FARTHEST + 1) * PLANES * blocks * BLOCK * BLOCK];
+        Some(TileDecoder { tables, reader, blocks, known, count: 0 })
     }
 
-    /// The next receiver's coefficients; `None` if there are none, or wrong ones.
+    /// The next receiver's coefficients, of at most as many as were said; `None` if there are none, or wrong ones.
     #[inline(always)]
     pub fn receiver(&mut self) -> Option<&[i32]> {
-        let (tables, mut state) = (&self.tables, self.state);
-        let before = state.take(tables, REFERENCE)? as usize;
+        let before = self.reader.take(&self.tables, REFERENCE, 0) as usize;
         let of_plane = self.blocks * BLOCK * BLOCK;
-        let start = self.known.len();
-        if before == 0 {
-            self.known.resize(start + PLANES * of_plane, 0);
-        } else {
-            let base = start.checked_sub(before.checked_mul(PLANES * of_plane)?)?;
-            self.known.extend_from_within(base..base + PLANES * of_plane);
+        let at = |receiver: usize| {
+            let start = receiver % (FARTHEST + 1) * PLANES * of_plane;
+            start..start + PLANES * of_plane
+        };
+        if before > self.count.min(FARTHEST) {
+            return None;
         }
-        for (plane, coefficients) in self.known[start..].chunks_exact_mut(of_plane).enumerate() {
+        let own = at(self.count);
+        if before == 0 {
+            self.known[own.clone()].fill(0);
+        } else {
+            self.known.copy_within(at(self.count - before), own.start);
+        }
+        let coefficients = &mut self.known[own];
+        for (plane, coefficients) in coefficients.chunks_exact_mut(of_plane).enumerate() {
             let across = usize::from(plane % 3 != 0);
             for block in coefficients.as_chunks_mut::<BLOCK>().0.as_chunks_mut::<BLOCK>().0 {
-                let extent = state.take(tables, EXTENT[across])? as usize;
+                let extent = self.reader.take(&self.tables, EXTENT[across], 0) as usize;
                 if extent >= 2 * BLOCK {
                     return None;
                 }
-                state = add_block(tables, state, (PLACE[across], extent), block)?;
+                if extent > 0 {
+                    add_block(&self.tables, &mut self.reader, (PLACE[across], extent), block)?;
+                }
             }
         }
-        self.state = state;
-        Some(&self.known[start..])
+        self.count += 1;
+        (!self.reader.is_beyond()).then_some(coefficients)
     }
 
     /// Whether the bytes end with the last receiver.
     pub fn is_done(&self) -> bool {
-        self.state.is_done()
+        self.reader.is_done()
     }
 }
 
-/// Adds the next coefficients, of contexts from one on and up to an extent, to those of a block; where they end.
-#[inline(never)]
-fn add_block<'a>(
+/// Adds the next coefficients, of contexts from one on and up to an extent, to those of a block; `None` if one gets too large.
+#[inline(always)]
+fn add_block(
     tables: &SymbolTables,
-    mut state: State<'a>,
+    reader: &mut Reader,
     (place, extent): (usize, usize),
     block: &mut [[i32; BLOCK]; BLOCK],
-) -> Option<State<'a>> {
-    places(extent, |row, column, context| {
-        let folded = state.take(tables, place + context)?;
-        // Neither can overflow: 2^22 and 2^23.
-        block[row][column] += unfold(folded);
-        Some(folded)
-    })?;
+) -> Option<()> {
+    let mut above = Above::default();
+    for row in 0..extent.min(BLOCK) {
+        let (contexts, mut values) = (above.contexts(row, extent), 0);
+        for column in 0..(extent - row).min(BLOCK) {
+            let folded = reader.take(tables, place + usize::from(contexts[column]), column);
+            // Neither can overflow: 2^22 and 2^23.
+            block[row][column] += unfold(folded);
+            values |= in_row(column, folded);
+        }
+        above.push(values);
+    }
     let large = block.as_flattened().iter().any(|c| c.unsigned_abs() > LARGEST as u32);
-    (!large).then_some(state)
+    (!large).then_some(())
 }

@@ -88,7 +88,7 @@ pub fn unpack(raw: &[u8], schema: u16, count: usize, n: usize) -> Option<Vec<Res
         return None;
     }
     let transform = Transform::new(n, exponent)?;
-    let decoder = TileDecoder::new(bytes, transform.blocks())?;
+    let decoder = TileDecoder::new(bytes, count, transform.blocks())?;
     Arch::new().dispatch(Unpacking { transform: &transform, decoder, count })
 }
 
@@ -104,9 +104,9 @@ impl NullaryFnOnce for Unpacking<'_> {
 
     #[inline(always)]
     fn call(mut self) -> Self::Output {
-        let mut tile = Vec::new();
+        let (mut tile, mut planes) = (Vec::new(), Vec::new());
         for _ in 0..self.count {
-            tile.push(self.transform.inverse(self.decoder.receiver()?));
+            tile.push(self.transform.inverse(self.decoder.receiver()?, &mut planes));
         }
         self.decoder.is_done().then_some(tile)
     }

@@ -141,11 +141,11 @@ impl Transform {
         std::array::from_fn(of_rows)
     }
 
-    /// The response that such coefficients stand for.
+    /// The response that such coefficients stand for; the values of its planes come to stand in a buffer, whatever it held.
     #[inline(always)]
-    pub fn inverse(&self, coefficients: &[i32]) -> Response {
+    pub fn inverse(&self, coefficients: &[i32], planes: &mut Vec<f64>) -> Response {
         let count = self.n * self.n;
-        let mut planes = vec![0.0; PLANES * count];
+        planes.resize(PLANES * count, 0.0);
         let blocks = coefficients.as_chunks::<BLOCK>().0.as_chunks::<BLOCK>().0;
         for (plane, (values, blocks)) in
             planes.chunks_exact_mut(count).zip(blocks.chunks_exact(self.blocks())).enumerate()
@@ -177,27 +177,23 @@ impl Transform {
         response
     }
 
-    /// Values of a block: sums over the frequencies of a row, then over the rows, from the lowest. Those that are 0 add nothing.
+    /// Values of a block: sums over the frequencies of a row, then over the rows, from the lowest to the last one that is not 0.
     #[inline(always)]
     fn values(&self, coefficients: &[[i32; BLOCK]; BLOCK], step: f64) -> Square {
-        // Sums of the rows that are not 0, and their frequencies.
-        let mut rows = [([0.0; BLOCK], 0); BLOCK];
-        let mut count = 0;
-        for (frequency, line) in coefficients.iter().enumerate().filter(|(_, line)| **line != [0; BLOCK]) {
+        let any = coefficients.iter().fold([0; BLOCK], |any, line| std::array::from_fn(|k| any[k] | line[k]));
+        let mut out = [[0.0; BLOCK]; BLOCK];
+        let Some(last) = any.iter().rposition(|any| *any != 0) else {
+            return out;
+        };
+        let height = coefficients.iter().rposition(|line| *line != [0; BLOCK]).map_or(0, |row| row + 1);
+        for (line, with) in coefficients.iter().zip(&self.basis).take(height) {
             let mut sums = [0.0; BLOCK];
-            for (&coefficient, with) in line.iter().zip(&self.basis).filter(|(c, _)| **c != 0) {
+            for (&coefficient, with) in line.iter().zip(&self.basis).take(last + 1) {
                 sums = plus(sums, with, f64::from(coefficient) * step);
             }
-            rows[count] = (sums, frequency);
-            count += 1;
-        }
-        let mut out = [[0.0; BLOCK]; BLOCK];
-        for (place, out) in out.iter_mut().enumerate() {
-            let mut values = [0.0; BLOCK];
-            for (sums, frequency) in &rows[..count] {
-                values = plus(values, sums, self.basis[*frequency][place]);
+            for (out, &factor) in out.iter_mut().zip(with) {
+                *out = plus(*out, &sums, factor);
             }
-            *out = values;
         }
         out
     }
