@@ -26,7 +26,7 @@ use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
 use crate::memory::MemoryBudget;
 use crate::opened::OpenSite;
-use crate::replay::canopy_transmittance::CanopyTransmittance;
+use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::receiver_view::ReceiverView;
 use crate::site::cells::CellKey;
 use crate::sky::disc::disc_texels;

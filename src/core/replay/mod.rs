@@ -2,8 +2,8 @@
 //! components and their total for every receiver and condition, and longwave irradiance where it is asked for. It never casts a ray:
 //! the crate has no code that could.
 
-mod canopy_transmittance;
 pub mod components;
+mod direct;
 pub mod factors;
 mod longwave;
 pub mod maps;
@@ -11,12 +11,7 @@ pub mod receiver_view;
 pub mod reflectances;
 mod response_sums;
 pub mod run;
-mod sky_masks;
 mod sources;
-mod specular;
-mod sun_map;
-mod suns;
-mod through_canopy;
 pub mod tile;
 mod tile_layers;
 pub mod values;

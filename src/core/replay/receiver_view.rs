@@ -14,7 +14,7 @@ use crate::light::mirrors::MirrorTable;
 use crate::light::response::Viewer;
 use crate::light::tile_view::TileView;
 use crate::opened::OpenSite;
-use crate::replay::specular::MirrorView;
+use crate::replay::direct::specular::MirrorView;
 use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::site::cells::CellKey;
 use crate::site::material::{Class, Material};

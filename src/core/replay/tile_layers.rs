@@ -15,7 +15,7 @@ use crate::light::mirrors::MirrorTable;
 use crate::light::tile_view::TileView;
 use crate::opened::OpenSite;
 use crate::opened::receiver_layers::MAX_SKY;
-use crate::replay::specular::MirrorView;
+use crate::replay::direct::specular::MirrorView;
 
 /// Decoded layers of one tile.
 pub struct TileLayers {

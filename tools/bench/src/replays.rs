@@ -1,30 +1,34 @@
-//! What replay costs on one core: receiver-years a second by component, with responses stored and derived anew, beside what the machine
-//! can do: a product of matrices and a copy.
+//! What replay costs on one core: receiver-years a second by length of the sums, sun positions an hour and component, with responses stored
+//! and derived anew, beside what the machine can do: a product of matrices and a copy.
 
 use std::path::Path;
-use std::time::Instant;
 
-use heliotile_core::opened::OpenSite;
-use heliotile_core::archive::Archive;
-use heliotile_core::weather::time::bins::Bins;
-use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::weather::conditions::Condition;
+use cpu_time::ProcessTime;
 use heliotile::files::read_weather;
-use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::archive::Archive;
 use heliotile_core::light::states::Schedule;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::time::bins::Bins;
 use ndarray::Array2;
 
 /// Runs of each measurement; the median counts.
 const RUNS: usize = 5;
 
+/// Sun positions an hour, as the program has it.
+const STEPS: usize = 12;
+
+/// Seconds of the processor: other work of the machine does not count.
+fn once_s(run: impl FnOnce()) -> f64 {
+    let start = ProcessTime::now();
+    run();
+    start.elapsed().as_secs_f64()
+}
+
 fn median_s(mut run: impl FnMut()) -> f64 {
-    let mut times: Vec<f64> = (0..RUNS)
-        .map(|_| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
+    let mut times: Vec<f64> = (0..RUNS).map(|_| once_s(&mut run)).collect();
     times.sort_by(f64::total_cmp);
     times[RUNS / 2]
 }
@@ -40,57 +44,68 @@ fn machine() -> (f64, f64) {
     (2.0 * 1024_f64.powi(3) / product / 1e9, 2.0 * from.len() as f64 / copy / 1e9)
 }
 
+/// Sums in kWh/m2 of the conditions of each month, or of all.
+fn sums(conditions: &[Condition], monthly: bool) -> Bins {
+    let month = |c: &Condition| c.stamp.filter(|_| monthly).map_or(0, |stamp| stamp.date.month as usize - 1);
+    let of_condition = conditions.iter().map(|c| (month(c), 1e-3)).collect();
+    Bins { count: if monthly { 12 } else { 1 }, of_condition }
+}
+
 /// Prints the table for one archive.
 pub fn run(path: &Path, weather: &Path) {
     let (peak, copy) = machine();
     println!("one core: product of matrices {peak:.1} GFLOP/s, copy {copy:.1} GB/s");
     let archive = Archive::open(path).expect("an archive");
-    let conditions = read_weather(weather).expect("weather").conditions(1);
+    let series = read_weather(weather).expect("weather");
+    let conditions = series.conditions(STEPS);
     let receivers = archive.manifest().receivers.count as f64;
     println!("{}: {receivers} receivers, {} hours", path.display(), conditions.len());
-    let year = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
+    let (year, months) = (sums(&conditions, false), sums(&conditions, true));
     let hours = Bins::each(conditions.len());
     let anew = [Schedule { materials: vec![0], values: vec![0.31; conditions.len()] }];
     use Component::*;
     let all = ComponentSet::ALL;
     let of = |components: &[Component]| ComponentSet::of(components);
     println!("{:34} {:>10} {:>14} {:>12} {:>9}", "", "set-up, s", "receivers/s", "us/receiver", "GFLOP/s");
-    for (name, bins, components, schedules) in [
-        ("yearly sums", &year, all, &[][..]),
-        ("  sun_direct", &year, of(&[SunDirect]), &[]),
-        ("  sky_direct", &year, of(&[SkyDirect]), &[]),
-        ("  sun_diffuse", &year, of(&[SunDiffuse]), &[]),
-        ("  sky_diffuse", &year, of(&[SkyDiffuse]), &[]),
-        ("hours", &hours, all, &[]),
-        ("  sun_direct", &hours, of(&[SunDirect]), &[]),
-        ("  sky_direct", &hours, of(&[SkyDirect]), &[]),
-        ("  sun_diffuse", &hours, of(&[SunDiffuse]), &[]),
-        ("  sky_diffuse", &hours, of(&[SkyDiffuse]), &[]),
-        ("yearly sums, responses anew", &year, all, &anew),
+    let (few, many) = (series.conditions(4), series.conditions(60));
+    for (name, conditions, bins, components, schedules) in [
+        ("yearly sums, 4 suns an hour", &few, &year, all, &[][..]),
+        ("yearly sums, 12", &conditions, &year, all, &[]),
+        ("yearly sums, 60", &many, &year, all, &[]),
+        ("  12: sun_direct", &conditions, &year, of(&[SunDirect]), &[]),
+        ("  sky_direct", &conditions, &year, of(&[SkyDirect]), &[]),
+        ("  sun_diffuse", &conditions, &year, of(&[SunDiffuse]), &[]),
+        ("  sky_diffuse", &conditions, &year, of(&[SkyDiffuse]), &[]),
+        ("monthly sums", &conditions, &months, all, &[]),
+        ("hours", &conditions, &hours, all, &[]),
+        ("  sun_direct", &conditions, &hours, of(&[SunDirect]), &[]),
+        ("  sky_direct", &conditions, &hours, of(&[SkyDirect]), &[]),
+        ("  sun_diffuse", &conditions, &hours, of(&[SunDiffuse]), &[]),
+        ("  sky_diffuse", &conditions, &hours, of(&[SkyDiffuse]), &[]),
+        ("yearly sums, responses anew", &conditions, &year, all, &anew),
     ] {
         let settings = ReplaySettings { components, ..ReplaySettings::default() };
-        let make = || Replay::scheduled(&OpenSite::of(&archive).expect("a site"), &conditions, settings, bins, schedules).expect("a replay");
+        let site = OpenSite::of(&archive).expect("a site");
+        let make = || Replay::scheduled(&site, conditions, settings, bins, schedules).expect("a replay");
         // Deriving takes long: once is enough.
-        let start = Instant::now();
-        let mut replay = make();
-        let mut setup = start.elapsed().as_secs_f64();
+        let mut made = None;
+        let mut setup = once_s(|| made = Some(make()));
         if schedules.is_empty() {
-            setup = median_s(|| replay = make());
+            setup = median_s(|| made = Some(make()));
         }
+        let replay = made.expect("a replay");
         let all_tiles = || {
             for tiles in (0..replay.tiles()).collect::<Vec<_>>().chunks(16) {
                 std::hint::black_box(replay.run(tiles.iter().copied()).expect("results"));
             }
         };
-        let start = Instant::now();
-        all_tiles();
-        let mut seconds = start.elapsed().as_secs_f64();
+        let mut seconds = once_s(all_tiles);
         if seconds < 2.0 {
             seconds = median_s(all_tiles);
         }
         // Patches times results with a sky, for the direct and the reflected part.
         let parts = [SkyDirect, SkyDiffuse].iter().filter(|c| components.needs(**c)).count() as f64;
-        let skies = if bins.count == 1 { 1.0 } else { lit(&conditions) };
+        let skies = if bins.count == conditions.len() { lit(conditions) } else { bins.count as f64 };
         let flop = 2.0 * parts * receivers * 577.0 * skies;
         println!(
             "{name:34} {setup:10.3} {:14.0} {:12.1} {:9.1}",

@@ -12,21 +12,11 @@ use rayon::prelude::*;
 
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
-use crate::replay::canopy_transmittance::CanopyTransmittance;
-use crate::replay::sky_masks::{LANES, SkyMasks};
-use crate::replay::specular::MirrorView;
+use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
+use crate::replay::direct::shine::Shine;
+use crate::replay::direct::sky_masks::{LANES, SkyMasks};
+use crate::replay::direct::specular::MirrorView;
 use crate::sky::disc::disc_texels;
-
-/// A sun that shines on a result.
-#[derive(Clone, Copy, Debug)]
-pub struct Shine {
-    /// Result.
-    pub bin: usize,
-    /// Irradiance normal to it x share of the time x weight in the result.
-    pub strength: f64,
-    /// Of its middle.
-    pub direction: DVec3,
-}
 
 /// Places in a base texel's bits that are taken at a time: a byte of them.
 const STRIP: usize = 8;

@@ -1,5 +1,5 @@
-//! The suns of a series of conditions, looked up once for all receivers. In: conditions and where they add to. Out: direct
-//! irradiance of a receiver whose sky is at hand.
+//! The suns of hours, one by one. In: where the discs of suns lie, and how strong they are. Out: direct irradiance of receivers whose skies are
+//! at hand, for as many results as there are.
 
 use std::ops::Range;
 
@@ -8,14 +8,11 @@ use rayon::prelude::*;
 
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
-use crate::replay::canopy_transmittance::CanopyTransmittance;
-use crate::replay::sky_masks::{LANES, SkyMasks};
-use crate::replay::specular::MirrorView;
-use crate::replay::sun_map::{Shine, SunMap};
+use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
+use crate::replay::direct::shine::Shine;
+use crate::replay::direct::sky_masks::{LANES, SkyMasks};
+use crate::replay::direct::specular::MirrorView;
 use crate::sky::disc::disc_texels;
-use crate::sky::model::SkyModel;
-use crate::weather::conditions::Condition;
-use crate::weather::time::bins::Bins;
 
 /// One position of the sun.
 #[derive(Clone, Debug)]
@@ -51,17 +48,6 @@ struct Passage {
     passing: Range<usize>,
 }
 
-/// Suns made ready for receivers' textures: one by one where each has a result, added up where many share one.
-pub enum SunLookups {
-    /// Suns of hours.
-    Each(EachSun),
-    /// Suns of sums.
-    Summed(SunMap),
-}
-
-/// From so many suns a result on they are added up.
-const SUMMED_FROM: usize = 100;
-
 /// Suns one by one.
 #[derive(Default)]
 pub struct EachSun {
@@ -75,37 +61,9 @@ pub struct EachSun {
     passing: Vec<(u32, u32)>,
 }
 
-impl SunLookups {
-    /// Looks up all suns of all conditions with DNI.
-    pub fn new(conditions: &[Condition], bins: &Bins, sides: TextureSides) -> Self {
-        SunLookups::of(conditions, bins, sides, |c| c.dni_w_m2)
-    }
-
-    /// The same for the light that a model's skies send from where the suns are; most have none.
-    pub fn circumsolar(conditions: &[Condition], bins: &Bins, sides: TextureSides, model: SkyModel) -> Self {
-        let conditions = if model.brightens() { conditions } else { &[] };
-        SunLookups::of(conditions, bins, sides, |c| model.parts(c).circumsolar_w_m2)
-    }
-
-    fn of(
-        conditions: &[Condition],
-        bins: &Bins,
-        sides: TextureSides,
-        normal_w_m2: impl Fn(&Condition) -> f64 + Sync,
-    ) -> Self {
-        let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
-        let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
-        let suns: Vec<Shine> = lit
-            .flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
-                c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
-                    let strength = normal_w_m2 * instant.weight * weight;
-                    Shine { bin, strength, direction: instant.sun }
-                })
-            })
-            .collect();
-        if suns.len() >= SUMMED_FROM * bins.count.max(1) {
-            return SunLookups::Summed(SunMap::new(suns, sides));
-        }
+impl EachSun {
+    /// Looks up the discs of suns, in the order of their results.
+    pub fn new(suns: Vec<Shine>, sides: TextureSides) -> Self {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let discs: Vec<_> = suns.par_iter().map(|sun| disc_texels(sun.direction, sides.sky_fine)).collect();
         let mut found = EachSun::default();
@@ -130,40 +88,14 @@ impl SunLookups {
             });
         }
         found.add_passages(sides.sky_base);
-        SunLookups::Each(found)
+        found
     }
 
     /// Whether there is no sun.
     pub fn is_empty(&self) -> bool {
-        matches!(self, SunLookups::Each(each) if each.suns.is_empty())
+        self.suns.is_empty()
     }
 
-    /// Calls `each(receiver, result, irradiance)` for direct irradiances, which may add up: those of one result may come in parts.
-    pub fn direct(&self, skies: &SkyMasks, each: impl FnMut(usize, usize, f64)) {
-        match self {
-            SunLookups::Each(suns) => suns.direct(skies, each),
-            SunLookups::Summed(map) => map.direct(skies, each),
-        }
-    }
-
-    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
-    pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
-        match self {
-            SunLookups::Each(each) => each.by_mirrors(normal, view, out),
-            SunLookups::Summed(map) => map.by_mirrors(normal, view, out),
-        }
-    }
-
-    /// The first of them behind a veil.
-    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
-        match self {
-            SunLookups::Each(each) => each.direct_behind(normal, sky, veil, out),
-            SunLookups::Summed(map) => map.direct_behind(normal, sky, veil, out),
-        }
-    }
-}
-
-impl EachSun {
     /// Adds up the suns that pass a base texel, of `side` to a side, on their way through a result.
     fn add_passages(&mut self, side: usize) {
         let mut first = 0;
@@ -190,7 +122,7 @@ impl EachSun {
     }
 
     /// Calls `each(receiver, result, irradiance)` for each run of suns of one result.
-    fn direct(&self, skies: &SkyMasks, mut each: impl FnMut(usize, usize, f64)) {
+    pub fn direct(&self, skies: &SkyMasks, mut each: impl FnMut(usize, usize, f64)) {
         for of_bin in self.passages.chunk_by(|a, b| a.bin == b.bin) {
             let (mut wholes, mut partials) = ([DVec3::ZERO; LANES], [0.0_f64; LANES]);
             for passage in of_bin {
@@ -214,7 +146,7 @@ impl EachSun {
     }
 
     /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
-    fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
+    pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
         let image = view.reflection.image(normal);
         for sun in &self.suns {
             let cos = image.dot(sun.direction);
@@ -230,7 +162,7 @@ impl EachSun {
     }
 
     /// The same behind a veil.
-    fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
+    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
             if cos > 0.0 {

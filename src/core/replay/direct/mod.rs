@@ -1,0 +1,10 @@
+//! Direct light: what receivers get of suns that they see in their sky textures, in the open, in mirrors and behind canopies.
+
+pub mod canopy_transmittance;
+mod each_sun;
+mod shine;
+pub mod sky_masks;
+pub mod specular;
+mod sun_map;
+pub mod suns;
+pub mod through_canopy;

@@ -1,0 +1,92 @@
+//! The suns of a series of conditions, looked up once for all receivers. In: conditions and where they add to. Out: direct
+//! irradiance of a receiver whose sky is at hand.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::layers::mosaic::Mosaic;
+use crate::layers::sides::TextureSides;
+use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
+use crate::replay::direct::each_sun::EachSun;
+use crate::replay::direct::shine::Shine;
+use crate::replay::direct::sky_masks::SkyMasks;
+use crate::replay::direct::specular::MirrorView;
+use crate::replay::direct::sun_map::SunMap;
+use crate::sky::model::SkyModel;
+use crate::weather::conditions::Condition;
+use crate::weather::time::bins::Bins;
+
+/// Suns made ready for receivers' textures: one by one where each has a result, added up where many share one.
+pub enum SunLookups {
+    /// Suns of hours.
+    Each(EachSun),
+    /// Suns of sums.
+    Summed(SunMap),
+}
+
+/// From so many suns a result on they are added up.
+const SUMMED_FROM: usize = 100;
+
+impl SunLookups {
+    /// Looks up all suns of all conditions with DNI.
+    pub fn new(conditions: &[Condition], bins: &Bins, sides: TextureSides) -> Self {
+        SunLookups::of(conditions, bins, sides, |c| c.dni_w_m2)
+    }
+
+    /// The same for the light that a model's skies send from where the suns are; most have none.
+    pub fn circumsolar(conditions: &[Condition], bins: &Bins, sides: TextureSides, model: SkyModel) -> Self {
+        let conditions = if model.brightens() { conditions } else { &[] };
+        SunLookups::of(conditions, bins, sides, |c| model.parts(c).circumsolar_w_m2)
+    }
+
+    fn of(
+        conditions: &[Condition],
+        bins: &Bins,
+        sides: TextureSides,
+        normal_w_m2: impl Fn(&Condition) -> f64 + Sync,
+    ) -> Self {
+        let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
+        let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
+        let suns: Vec<Shine> = lit
+            .flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
+                c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
+                    let strength = normal_w_m2 * instant.weight * weight;
+                    Shine { bin, strength, direction: instant.sun }
+                })
+            })
+            .collect();
+        if suns.len() >= SUMMED_FROM * bins.count.max(1) {
+            return SunLookups::Summed(SunMap::new(suns, sides));
+        }
+        SunLookups::Each(EachSun::new(suns, sides))
+    }
+
+    /// Whether there is no sun.
+    pub fn is_empty(&self) -> bool {
+        matches!(self, SunLookups::Each(each) if each.is_empty())
+    }
+
+    /// Calls `each(receiver, result, irradiance)` for direct irradiances, which may add up: those of one result may come in parts.
+    pub fn direct(&self, skies: &SkyMasks, each: impl FnMut(usize, usize, f64)) {
+        match self {
+            SunLookups::Each(suns) => suns.direct(skies, each),
+            SunLookups::Summed(map) => map.direct(skies, each),
+        }
+    }
+
+    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
+    pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
+        match self {
+            SunLookups::Each(each) => each.by_mirrors(normal, view, out),
+            SunLookups::Summed(map) => map.by_mirrors(normal, view, out),
+        }
+    }
+
+    /// The first of them behind a veil.
+    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
+        match self {
+            SunLookups::Each(each) => each.direct_behind(normal, sky, veil, out),
+            SunLookups::Summed(map) => map.direct_behind(normal, sky, veil, out),
+        }
+    }
+}
