@@ -169,7 +169,10 @@ fn maps_of_mirrors_sum_to_results() {
                         worst[column] = worst[column].max((sum / expected - 1.0).abs());
                     }
                     let off = (sum - expected).abs();
-                    assert!(off < most * expected.max(1.0) + coded(map, depth, light), "{id} {map}.{name}: {sum}, not {expected}");
+                    assert!(
+                        off < most * expected.max(1.0) + coded(map, depth, light),
+                        "{id} {map}.{name}: {sum}, not {expected}"
+                    );
                 }
             }
         }
