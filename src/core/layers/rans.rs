@@ -106,7 +106,7 @@ fn push(state: &mut u32, words: &mut Vec<u16>, start: u32, frequency: u32, scale
         words.push(*state as u16);
         *state >>= 16;
     }
-    *state = (*state / frequency << scale) + start + *state % frequency;
+    *state = ((*state / frequency) << scale) + start + *state % frequency;
 }
 
 /// What the states of a stream mean.
@@ -212,7 +212,7 @@ mod tests {
         let mut encoder = Encoder::new(3);
         values.iter().enumerate().for_each(|(i, &(context, value))| encoder.put(context, i % STATES, value));
         let bytes = encoder.finish();
-        let (tables, mut reader) = open(3, &bytes).unwrap();
+        let (tables, mut reader) = open(3, &bytes).expect("a stream");
         let read = |(i, v): (usize, &(usize, u32))| (v.0, reader.take(&tables, v.0, i % STATES));
         let back: Vec<(usize, u32)> = values.iter().enumerate().map(read).collect();
         assert!(back == values);
@@ -244,7 +244,7 @@ mod tests {
             (0..2_000).for_each(|i| assert!(reader.take(&tables, i % 2, i % STATES) < LIMIT));
         }
         assert!(refused > 100, "{refused}");
-        let (tables, mut reader) = open(2, &bytes[..bytes.len() - 2]).unwrap();
+        let (tables, mut reader) = open(2, &bytes[..bytes.len() - 2]).expect("a stream");
         (0..2_000).for_each(|i| assert!(reader.take(&tables, i % 2, i % STATES) < LIMIT));
         assert!(reader.is_beyond() && !reader.is_done());
     }

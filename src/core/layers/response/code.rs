@@ -2,7 +2,7 @@
 //! one before it, or to nothing, and each coefficient in a context: how large those of lower frequencies above it are.
 
 use crate::layers::rans::{self, Encoder, Reader, SymbolTables};
-use crate::layers::response::transform::{BLOCK, LARGEST, PLANES};
+use crate::layers::response::transform::{BLOCK, LARGEST, PLANES, is_across};
 
 /// Receivers that one may be told by are at most so many before it.
 const FARTHEST: usize = 63;
@@ -86,14 +86,14 @@ pub fn encode(receivers: &[Vec<i32>]) -> Vec<u8> {
         let blocks = rest.as_chunks::<BLOCK>().0.as_chunks::<BLOCK>().0;
         let of_plane = (blocks.len() / PLANES).max(1);
         for (number, block) in blocks.iter().enumerate() {
-            let across = usize::from(number / of_plane % 3 != 0);
+            let across = usize::from(is_across(number / of_plane));
             let extent = extent_of(block);
             encoder.put(EXTENT[across], 0, extent as u32);
             let mut above = Above::default();
-            for row in 0..extent.min(BLOCK) {
+            for (row, line) in block.iter().enumerate().take(extent) {
                 let (contexts, mut values) = (above.contexts(row, extent), 0);
                 for column in 0..(extent - row).min(BLOCK) {
-                    let folded = fold(block[row][column]);
+                    let folded = fold(line[column]);
                     encoder.put(PLACE[across] + usize::from(contexts[column]), column, folded);
                     values |= in_row(column, folded);
                 }
@@ -183,7 +183,7 @@ impl<'a> TileDecoder<'a> {
         }
         let coefficients = &mut self.known[own];
         for (plane, coefficients) in coefficients.chunks_exact_mut(of_plane).enumerate() {
-            let across = usize::from(plane % 3 != 0);
+            let across = usize::from(is_across(plane));
             for block in coefficients.as_chunks_mut::<BLOCK>().0.as_chunks_mut::<BLOCK>().0 {
                 let extent = self.reader.take(&self.tables, EXTENT[across], 0) as usize;
                 if extent >= 2 * BLOCK {
@@ -213,12 +213,12 @@ fn add_block(
     block: &mut [[i32; BLOCK]; BLOCK],
 ) -> Option<()> {
     let mut above = Above::default();
-    for row in 0..extent.min(BLOCK) {
+    for (row, line) in block.iter_mut().enumerate().take(extent) {
         let (contexts, mut values) = (above.contexts(row, extent), 0);
         for column in 0..(extent - row).min(BLOCK) {
             let folded = reader.take(tables, place + usize::from(contexts[column]), column);
             // Neither can overflow: 2^22 and 2^23.
-            block[row][column] += unfold(folded);
+            line[column] += unfold(folded);
             values |= in_row(column, folded);
         }
         above.push(values);

@@ -45,15 +45,15 @@ fn difference(a: &[Response], b: &[Response], n: usize) -> [f64; 2] {
 fn round_trip() {
     for n in [8, 16, 32] {
         let tile = tile(20, n, 0.02);
-        let raw = pack(&tile).unwrap();
-        let back = unpack(&raw, 2, 20, n).unwrap();
+        let raw = pack(&tile).expect("bytes");
+        let back = unpack(&raw, 2, 20, n).expect("responses");
         let step = 0.5_f64.powi(i32::from(exponent(n)));
         let [largest, rms] = difference(&tile, &back, n);
         assert!(rms < 0.41 * 1.5 * step && largest < 4.0 * step, "{n}: {rms} {largest}");
         assert!(back.iter().step_by(3).all(|r| r.values.iter().all(|v| *v == 0.0)));
-        assert!(pack(&back).unwrap() == raw, "{n}");
+        assert!(pack(&back).expect("bytes") == raw, "{n}");
         let turned: Vec<Response> = back.iter().rev().take(7).cloned().collect();
-        assert!(unpack(&pack(&turned).unwrap(), 2, 7, n).unwrap() == turned, "{n}");
+        assert!(unpack(&pack(&turned).expect("bytes"), 2, 7, n).expect("responses") == turned, "{n}");
     }
 }
 
@@ -62,13 +62,13 @@ fn round_trip() {
 fn extremes() {
     for scale in [100.0, 1e-7] {
         let tile = tile(3, 16, scale);
-        let back = unpack(&pack(&tile).unwrap(), 2, 3, 16).unwrap();
+        let back = unpack(&pack(&tile).expect("bytes"), 2, 3, 16).expect("responses");
         let [largest, _] = difference(&tile, &back, 16);
         assert!(largest < 1e-3 * scale + 2e-3, "{scale}: {largest}");
     }
     for value in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MAX] {
-        let raw = pack(&[Response { values: vec![value; Response::len(8)] }]).unwrap();
-        assert!(unpack(&raw, 2, 1, 8).unwrap()[0].values.iter().all(|v| v.is_finite()));
+        let raw = pack(&[Response { values: vec![value; Response::len(8)] }]).expect("responses");
+        assert!(unpack(&raw, 2, 1, 8).expect("responses")[0].values.iter().all(|v| v.is_finite()));
     }
 }
 
@@ -77,7 +77,7 @@ fn extremes() {
 #[test]
 fn any_bytes_are_read() {
     let tile = tile(6, 16, 0.02);
-    let raw = pack(&tile).unwrap();
+    let raw = pack(&tile).expect("bytes");
     let mut read = 0;
     for i in 0..3_000 {
         let mut bad = raw.clone();

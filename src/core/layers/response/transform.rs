@@ -16,6 +16,11 @@ pub const BLOCK: usize = 8;
 /// Planes of a receiver: for each class the part along the direction, then the two across.
 pub const PLANES: usize = CLASSES * 3;
 
+/// Whether a plane holds a part across.
+pub fn is_across(plane: usize) -> bool {
+    !plane.is_multiple_of(3)
+}
+
 /// Coefficients stay within this, on both sides of 0.
 pub const LARGEST: i32 = (1 << 22) - 1;
 
@@ -28,7 +33,7 @@ const COSINES: [f64; 9] = [
     0.980_785_280_403_230_4,
     0.923_879_532_511_286_7,
     0.831_469_612_302_545_2,
-    0.707_106_781_186_547_6,
+    std::f64::consts::FRAC_1_SQRT_2,
     0.555_570_233_019_602_2,
     0.382_683_432_365_089_8,
     0.195_090_322_016_128_28,
@@ -97,7 +102,7 @@ impl Transform {
     }
 
     fn step(&self, plane: usize) -> f64 {
-        self.steps[usize::from(plane % 3 != 0)]
+        self.steps[usize::from(is_across(plane))]
     }
 
     /// Index in a plane of the first texel in a row of a block.
