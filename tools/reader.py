@@ -62,13 +62,13 @@ PARTS = [(name, "s", text(0)) for name in ("object", "building", "kind", "object
 # kind: name, schema, columns of a table.
 OPTICS = [("panes", "1B", lambda p: p <= 2), ("canopy", "1B", share), ("transmittance", "1d", share)]
 MIRRORS = [("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("material", "1H", None)]
-KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 1, None),
+KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
          5: ("probes", 3, CELLS), 6: ("bounce", 3, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS)}
-# Kinds of which the schema before is that of format 1.0, with the same layout (3.10).
-SINCE_1_1 = {3, 5, 6, 7, 8, 10, 12, 13}
+# Kinds of which the schema before is read too: that of format 1.0, with the same layout (3.10), and responses up to 1.2.
+SCHEMA_BEFORE = {3, 4, 5, 6, 7, 8, 10, 12, 13}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
 # Which cells are seen in mirrors.
 MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}
@@ -254,7 +254,8 @@ def hit(raw, rows, side):
     return found, palette
 
 
-def response(raw, rows, side):
+def halves(raw, rows, side):
+    """Responses of schema 1."""
     count = rows * 2 * 3 * side * side
     need(len(raw) == 2 * count, f"response of {len(raw)} bytes, not {2 * count}")
     halves = bytearray(2 * count)
@@ -262,6 +263,128 @@ def response(raw, rows, side):
     values = struct.unpack(f"<{count}e", halves)
     need(all(map(math.isfinite, values)), "a response that is not finite")
     return {"g": struct.pack(f"<{count}f", *values)}
+
+
+class Values:
+    """Values coded by rANS, with the frequencies of some contexts."""
+
+    def __init__(self, raw, contexts):
+        at, self.tables = 0, []
+        for _ in range(contexts):
+            table = []
+            for symbol in range(36):
+                need(at + 1 < len(raw), "frequencies are missing")
+                frequency, at = raw[at], at + 1
+                if frequency >= 128:
+                    frequency, at = frequency - 128 + 128 * raw[at], at + 1
+                start = len(table)
+                table += [(symbol, start, frequency)] * min(frequency, 513)
+                if len(table) >= 512:
+                    break
+            need(len(table) == 512, "frequencies do not add up")
+            self.tables.append(table)
+        need(len(raw) >= at + 32 and (len(raw) - at) % 2 == 0, "states or half a word is missing")
+        self.states = list(struct.unpack_from("<8I", raw, at))
+        self.words = iter(struct.unpack(f"<{(len(raw) - at) // 2 - 16}H", raw[at + 32:]))
+
+    def move(self, number, state):
+        if state < 65536:
+            word = next(self.words, None)
+            need(word is not None, "words of the code are missing")
+            state = state << 16 | word
+        self.states[number] = state
+
+    def bits(self, number, count):
+        state = self.states[number]
+        self.move(number, state >> count)
+        return state & (1 << count) - 1
+
+    def take(self, context, number):
+        slot = self.states[number] & 511
+        symbol, start, frequency = self.tables[context][slot]
+        self.move(number, frequency * (self.states[number] >> 9) + slot - start)
+        if symbol < 16:
+            return symbol
+        low = min(symbol - 12, 12)
+        return 1 << symbol - 12 | self.bits(number, low) | self.bits(number, symbol - 12 - low) << low
+
+
+def cosine_of(sixteenths):
+    """Of so many sixteenths of half a turn."""
+    j = min(sixteenths % 32, 32 - sixteenths % 32)
+    c = (1.0, 0.9807852804032304, 0.9238795325112867, 0.8314696123025452, 0.7071067811865476, 0.5555702330196022,
+         0.3826834323650898, 0.19509032201612828, 0.0)
+    return c[j] if j <= 8 else -c[16 - j]
+
+
+def parts_of_texels(side):
+    """sx, sy, sz, u, v of each texel's centre."""
+    found = []
+    for t in range(side * side):
+        a, b = (2 * (i + 0.5) / side - 1 for i in (t % side, t // side))
+        r, other = (a, b) if abs(a) >= abs(b) else (b, a)
+        angle, h = math.pi / 4 * other / r, r * math.sqrt(2 - r * r)
+        x, y = h * math.cos(angle), h * math.sin(angle)
+        s = [round(c * 2**24) / 2**24 for c in ((x, y) if abs(a) >= abs(b) else (y, x)) + (1 - r * r,)]
+        found.append((*s, s[0] / (1 + s[2]), s[1] / (1 + s[2])))
+    return found
+
+
+def coefficients(values, across, base):
+    """Coefficients of a block, added to those of the reference: {(row, column): not 0}."""
+    extent, block = values.take(1 + across, 0), dict(base)
+    need(extent <= 15, f"extent {extent}")
+    above, above2 = [0] * 10, [0] * 10
+    for j in range(min(extent, 8)):
+        line = [0] * 10
+        for k in range(min(extent - j, 8)):
+            z = 3 * above[k] + 2 * above[k - 1] + above[k + 1] + above2[k] if j else 6 * (extent - 1 - k)
+            place = 1 + sum(t <= z for t in (1, 3, 7, 13, 23, 39, 63, 103)) if j + k else 0
+            w = values.take((13 if across else 3) + place, k)
+            line[k] = min(w, 31)
+            if w:
+                block[j, k] = block.get((j, k), 0) + ((w + 1) // 2 if w % 2 else -(w // 2))
+                need(abs(block[j, k]) < 2**22, "a coefficient is too large")
+        above, above2 = line, above
+    return {at: c for at, c in block.items() if c}
+
+
+def response(raw, rows, side):
+    need(side and side % 8 == 0 and rows * 6 * side * side <= 2**23, f"responses of {rows} receivers, {side} texels a side")
+    need(raw[0] <= 40, f"exponent {raw[0]}")
+    values, wide, texels = Values(raw[1:], 23), side // 8, parts_of_texels(side)
+    cosine = [[cosine_of(k * (2 * i + 1) if k else 4) / 2 for i in range(8)] for k in range(8)]
+    known, out = [], []
+    for row in range(rows):
+        before = values.take(0, 0)
+        need(before <= min(row, 63), f"reference {before} of receiver {row}")
+        base = known[row - before] if before else [{}] * (6 * wide * wide)
+        own, planes = [], []
+        for plane in range(6):
+            step, square = 2.0**-raw[0] * (side if plane % 3 else 1), [0.0] * (side * side)
+            for number in range(wide * wide):
+                block = coefficients(values, int(plane % 3 != 0), base[len(own)])
+                own.append(block)
+                lines = {}
+                for (j, k), c in sorted(block.items()):
+                    line = lines.get(j, [0.0] * 8)
+                    lines[j] = [v + c * step * b for v, b in zip(line, cosine[k])]
+                for y in range(8 if lines else 0):
+                    line = [0.0] * 8
+                    for j, of_row in lines.items():
+                        line = [v + w * cosine[j][y] for v, w in zip(line, of_row)]
+                    at = (number // wide * 8 + y) * side + number % wide * 8
+                    square[at:at + 8] = line
+            planes.append(square)
+        known.append(own)
+        for rs, ps, qs in (planes[:3], planes[3:]):
+            found = []
+            for r, p, q, (sx, sy, sz, u, v) in zip(rs, ps, qs, texels):
+                t = p * u + q * v
+                found.append(((r - t) * sx + p, (r - t) * sy + q, r * sz - (p * sx + q * sy)))
+            out += [g[axis] for axis in range(3) for g in found]
+    need(set(values.states) == {65536} and next(values.words, None) is None, "the code does not end with the values")
+    return {"g": struct.pack(f"<{len(out)}f", *out)}
 
 
 def rows_of_bytes(raw, rows):
@@ -414,7 +537,7 @@ class Archive:
 
     def block(self, e):
         """Raw bytes of a block, section 4, last paragraphs."""
-        need(e.kind not in KINDS or e.schema in (KINDS[e.kind][1], KINDS[e.kind][1] - (e.kind in SINCE_1_1)),
+        need(e.kind not in KINDS or e.schema in (KINDS[e.kind][1], KINDS[e.kind][1] - (e.kind in SCHEMA_BEFORE)),
              f"unknown schema {e.schema}")
         stored = self.bytes[e.offset:end_of(e)]
         need(blake3(stored).digest(8) == e.checksum, "checksum of the stored bytes differs")
@@ -490,7 +613,7 @@ class Checker:
             self.seen.append((name_of(e), "probes", palette))
             return found
         if kind == "response":
-            return response(raw, e.items, s["probe"])
+            return (halves if e.schema == 1 else response)(raw, e.items, s["probe"])
         found = table(raw, columns)
         values = {name: v for name, (_, v) in found.items()}
         per_row = {"bits": 1, "hits": 1}

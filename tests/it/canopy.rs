@@ -114,7 +114,11 @@ fn beer_lambert() {
 }
 
 fn assert_near(name: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!((got - expected).abs() <= tolerance * expected, "{name}: {got}, expected {expected}");
+    assert_within(name, got, expected, tolerance * expected);
+}
+
+fn assert_within(name: &str, got: f64, expected: f64, tolerance: f64) {
+    assert!((got - expected).abs() <= tolerance, "{name}: {got}, expected {expected}");
 }
 
 /// The town with three trees of 150 leaves each between its blocks, materials ground, wall, leaf and hedge.
@@ -149,7 +153,7 @@ fn conditions() -> Vec<Condition> {
 
 /// Trees in leaf in every second of 20 conditions (0.2 a crossing) and bare in the others (0.8), by schedule on either of two archives:
 /// each column is that of the archive built so, within 1e-6 of the largest where that one's response is derived anew too and within
-/// 3e-4 with the stored one; the leaves themselves change it by more than 10 %.
+/// 5e-3, what coding may add under any one sun, with the stored one; the leaves themselves change it by more than 10 %.
 #[test]
 fn seasons_equal_builds() {
     let receivers = &many()[..60];
@@ -172,7 +176,7 @@ fn seasons_equal_builds() {
         let (of_anew, of_stored, moved) =
             (largest(&anew, &seasons), largest(&stored, &seasons), largest(&stored, &replay(site, &[])));
         println!("anew {of_anew:.1e}, stored {of_stored:.1e}, moved by {moved:.2}");
-        assert!(of_anew < 1e-6 && of_stored < 3e-4 && moved > 0.1, "{of_anew:.1e} {of_stored:.1e} {moved:.2}");
+        assert!(of_anew < 1e-6 && of_stored < 5e-3 && moved > 0.1, "{of_anew:.1e} {of_stored:.1e} {moved:.2}");
     }
 }
 
@@ -198,7 +202,7 @@ fn many_transmittances() {
 }
 
 /// What `export` draws of 6 receivers under trees adds up to the columns of a query within 0.2 %: sun and sky, direct and diffuse, for two
-/// skies.
+/// skies; diffuse ones, which come of stored responses, and what is drawn does not, within what their coding may add too.
 #[test]
 fn maps_add_up() {
     let under = |i: i32| {
@@ -230,7 +234,8 @@ fn maps_add_up() {
                 };
                 let sum: f64 = values.iter().zip(weights).map(|(v, w)| f64::from(*v) * f64::from(*w)).sum();
                 let off = (sum - column[0]).abs();
-                assert!(off < 2e-3 * column[0].max(row[6][0] / 10.0), "{id} {name}: {sum} {}", column[0]);
+                let rounded = if part == "hit" { coded_w_m2(16, 800.0) } else { 0.0 };
+                assert!(off < 2e-3 * column[0].max(row[6][0] / 10.0) + rounded, "{id} {name}: {sum} {}", column[0]);
             }
         }
     }
@@ -239,7 +244,7 @@ fn maps_add_up() {
 
 /// A wall seen out of a small box of screen, in a large box of gauze: the sun goes through the gauze, its light from the wall through the
 /// screen. sun_diffuse and sky_diffuse are the open ones x 0.3 x 0.6, and sun_direct and sky_direct too, within 1e-5 when all are
-/// derived and 1e-3 with the stored response.
+/// derived; with the stored response what is reflected is within three times the RMS that its coding may add to a sun of 700 or 800 W/m2.
 #[test]
 fn both_legs() {
     let mut triangles = quad(v(-50.0, 5.0, 0.0), v(100.0, 0.0, 0.0), v(0.0, 0.0, 60.0), 0);
@@ -263,7 +268,8 @@ fn both_legs() {
     for component in 0..4 {
         for (condition, light) in open[component].iter().enumerate() {
             assert_near("derived", behind[component][condition], light * 0.18, 1e-5);
-            assert_near("stored", stored[component][condition], light * 0.18, 1e-3);
+            let coded = if component < 2 { 1e-5 * light } else { coded_w_m2(16, suns[condition].dni_w_m2) };
+            assert_within("stored", stored[component][condition], light * 0.18, coded);
         }
     }
 }

@@ -9,6 +9,7 @@ use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::settings::{BuildSettings, Effect, Effects};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, unit};
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component::Total;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
@@ -46,9 +47,11 @@ fn built(scene: &Scene, receivers: &[Receiver], left_out: Effects) -> (tempfile:
     (folder, archive, report)
 }
 
-/// Totals of all receivers and conditions, under the light that bounds are stated for.
+/// Totals of all receivers and conditions, under the light that bounds are stated for, with responses derived anew: what coding adds to
+/// stored ones is no effect.
 fn totals(archive: &Archive, suns: &[Condition]) -> Vec<f64> {
-    let settings = ReplaySettings { sky: SkyModel::Uniform, patches: 145, ..ReplaySettings::default() };
+    let paths = MaxBounces::Count(100).into();
+    let settings = ReplaySettings { sky: SkyModel::Uniform, patches: 145, paths, ..ReplaySettings::default() };
     let replay = Replay::new(&OpenSite::of(archive).expect("a site"), suns, settings).expect("a replay");
     let mut found = Vec::new();
     for tile in replay.results(0..replay.tiles()) {

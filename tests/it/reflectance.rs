@@ -63,8 +63,8 @@ fn hall(floor: f64) -> (Scene, Vec<Receiver>) {
 }
 
 /// A town whose ground is made 0.55 in place of 0.2 at replay, and a hall whose floor is made 0.8 in place of 0.1, are those that
-/// were built so: all totals within 1e-6 of the mean where the other archive's responses are derived anew too, within 2e-4 with
-/// those that it stores in 16 bits. The change itself moves them by more than 3 %.
+/// were built so: all totals within 1e-6 of the mean where the other archive's responses are derived anew too, within 3e-3 with
+/// those that it stores, coded for any one sun. The change itself moves them by more than 3 %.
 #[test]
 fn changed_equals_rebuilt() {
     let coarse = BuildSettings { sky_base: 64, sky_fine: 256, ..BuildSettings::default() };
@@ -81,7 +81,7 @@ fn changed_equals_rebuilt() {
         let (anew, stored) = (largest(&totals(&bright, &schedule), &changed), largest(&totals(&bright, &[]), &changed));
         let moved = largest(&changed, &totals(&dark, &[]));
         println!("{name}: off by {anew:.1e}, stored {stored:.1e}, moved by {moved:.2}");
-        assert!(anew < 1e-6 && stored < 2e-4 && moved > 0.03, "{name}: {anew:.1e} {stored:.1e} {moved:.2}");
+        assert!(anew < 1e-6 && stored < 3e-3 && moved > 0.03, "{name}: {anew:.1e} {stored:.1e} {moved:.2}");
     }
 }
 

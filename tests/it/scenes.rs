@@ -166,6 +166,12 @@ pub fn fine() -> BuildSettings {
     Rungs::of(Quality::Fine).settings()
 }
 
+/// Three times what the coding of responses of n x n texels may add to the light of a source of so many W/m2 at normal incidence, W/m2:
+/// its bound is an RMS over directions (`layers::response`).
+pub fn coded_w_m2(n: usize, source_w_m2: f64) -> f64 {
+    3.0 * 0.0032 / n as f64 * source_w_m2
+}
+
 /// Receivers in tiles, as a build takes them.
 pub fn tiles(receivers: &[Receiver], scene: &Scene) -> ReceiverTiles {
     ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &std::env::temp_dir(), 1 << 20).expect("receivers")

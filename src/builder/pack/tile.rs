@@ -38,7 +38,12 @@ pub fn extra(kind: u32, number: u32, rows: Vec<Vec<u8>>) -> Result<Option<Encode
 
 /// The responses of a tile.
 pub fn responses(number: u32, responses: &[Response]) -> Result<EncodedBlock> {
-    layer(format::RESPONSE, number, responses.len(), &response::pack(responses))
+    let raw = response::pack(responses).ok_or_else(|| Error::Unsupported {
+        what: "writing responses".into(),
+        found: "textures whose side is no multiple of 8".into(),
+        supported: "sides of 8, 16, ... texels: `--set probe=16`".into(),
+    })?;
+    layer(format::RESPONSE, number, responses.len(), &raw)
 }
 
 fn layer(kind: u32, number: u32, items: usize, raw: &[u8]) -> Result<EncodedBlock> {

@@ -2,7 +2,6 @@
 
 use crate::transfer::rows::{LayeredReceiver, TracedLayers};
 use heliotile_core::layers::cells::Cell;
-use heliotile_core::layers::response;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::site::cells::CellKey;
@@ -28,7 +27,7 @@ impl Digests {
         let key = |key: &Option<CellKey>| key.map_or([u8::MAX; CellKey::BYTES], CellKey::to_bytes);
         let hits: Vec<u8> = traced.hits.iter().flat_map(key).collect();
         let sky = SkyTexture::pack(std::slice::from_ref(&traced.sky));
-        let response = response::pack(std::slice::from_ref(response));
+        let response: Vec<u8> = response.values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let (mirror, canopy) = (traced.extras.mirrors.to_bytes(), traced.extras.canopy.to_bytes());
         Digests([place, columns, sky, hits, response, mirror, canopy].map(|bytes| *blake3::hash(&bytes).as_bytes()))
     }

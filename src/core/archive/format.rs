@@ -6,7 +6,7 @@ pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Format version that this release reads and writes.
 pub const MAJOR: u16 = 1;
 /// Minor format version that this release writes; readers take larger ones, and read what they know.
-pub const MINOR: u16 = 2;
+pub const MINOR: u16 = 3;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 /// Bytes of a slot, its checksum included.
@@ -93,7 +93,7 @@ pub const KINDS: [(u32, &str, u16); 17] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
-    (RESPONSE, "response", 1),
+    (RESPONSE, "response", 2),
     (PROBES, "probes", 3),
     (BOUNCE, "bounce", 3),
     (INDEX, "index", 2),
@@ -122,6 +122,9 @@ const OLDER: [(u32, u16); 8] = [
     (BOUNCE_MIRROR, 1),
 ];
 
+/// Schema ids of formats up to 1.2, which are still read: responses as 16-bit floats.
+const OTHER_LAYOUTS: [(u32, u16); 1] = [(RESPONSE, 1)];
+
 /// Name of a kind; a kind of a later release gets its number.
 pub fn kind_name(kind: u32) -> String {
     match KINDS.iter().find(|known| known.0 == kind) {
@@ -137,7 +140,7 @@ pub fn schema_of(kind: u32) -> Option<u16> {
 
 /// Schema ids that this release reads for a kind, the current one last; none for an unknown kind.
 pub fn schemas_read(kind: u32) -> Vec<u16> {
-    let older = OLDER.iter().filter(|known| known.0 == kind).map(|known| known.1);
+    let older = OLDER.iter().chain(&OTHER_LAYOUTS).filter(|known| known.0 == kind).map(|known| known.1);
     older.chain(schema_of(kind)).collect()
 }
 

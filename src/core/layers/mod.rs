@@ -8,6 +8,7 @@ pub mod extras;
 pub mod hit;
 pub mod mirror;
 pub mod mosaic;
+pub mod rans;
 pub mod response;
 pub mod sides;
 pub mod sky;

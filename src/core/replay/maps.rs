@@ -2,7 +2,8 @@
 //! with named channels.
 //!
 //! One rule holds for all of them: the sum over the texels of a channel named like a column of results, times the channel
-//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth.
+//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth. The light of hits is
+//! derived anew, and stored responses are rounded: there both differ by what `layers::response` says.
 
 use std::collections::HashSet;
 

@@ -149,7 +149,7 @@ pub fn write() {
         sky_fine: 16,
         hit: 4,
         cell_floor_m: 8.0,
-        probe: 4,
+        probe: 8,
         probe_hits: 4,
         closed_m: 16.0,
         bounce_sky: 4,
@@ -179,7 +179,7 @@ pub fn write() {
     }
     let count = receivers.len() as u8;
     for (target, kind, sides) in
-        [("sky", format::SKY, 8 | 1 << 6), ("hit", format::HIT, 4), ("response", format::RESPONSE, 4)]
+        [("sky", format::SKY, 8 | 1 << 6), ("hit", format::HIT, 4), ("response", format::RESPONSE, 8 | 1 << 6)]
     {
         seed(target, &[&[count, sides], raw(kind).bytes()].concat());
     }
