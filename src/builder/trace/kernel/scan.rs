@@ -25,12 +25,16 @@ enum Known {
     Covered,
     /// All triangles that its rays can meet.
     Listed(Listed),
-    /// They are more than are worth a list.
+    /// They are more than are worth a list, or too far apart.
     Unlisted,
 }
 
 /// Candidates of a part at most: some ten times those of a city's skyline.
 const MOST: u32 = 512;
+
+/// Nodes of the tree that a walk enters at most: a beam that is broad or flat over a large map finds what its rays, which end at what is near,
+/// never come to.
+const ENTERED: usize = 64;
 
 /// Questions that are looked ahead.
 const SOON: usize = 4;
@@ -158,7 +162,7 @@ impl ScanSpace {
     ) -> (Known, u16) {
         let beam = Beam::of_cone(l, origin, whole);
         let begin = self.candidates.next();
-        let (mut met, mut count) = (0, 0);
+        let (mut met, mut count, mut entered) = (0, 0, 0);
         self.walks += 1;
         self.pending.clear();
         self.stack.clear();
@@ -168,6 +172,7 @@ impl ScanSpace {
             if let Some(child) = next.filter(|child| child.count > 0) {
                 self.leaf(tree, child);
             } else if let Some(child) = next {
+                entered += 1;
                 self.enter(l, tree, child, &beam);
             }
             while self.pending.len() >= LANES || next.is_none() && !self.pending.is_empty() {
@@ -178,7 +183,7 @@ impl ScanSpace {
                 count += kept;
                 let done = if covered {
                     Some((Known::Covered, first.map_or(0, |rays| rays.wanted)))
-                } else if count > MOST {
+                } else if count > MOST || entered > ENTERED {
                     Some((Known::Unlisted, 0))
                 } else if let Some(rays) = first {
                     met = sixteen.met(l, tree, rays, met);
