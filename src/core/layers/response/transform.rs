@@ -24,8 +24,10 @@ pub fn is_across(plane: usize) -> bool {
 /// Coefficients stay within this, on both sides of 0.
 pub const LARGEST: i32 = (1 << 22) - 1;
 
-/// What a coefficient is rounded up from: less than a half, since what rounds to 0 costs next to nothing.
+/// What a coefficient is rounded up from: more than a half, since what rounds to 0 costs next to nothing. Means are rounded from a half:
+/// they are hardly ever below 0, and light would be lost.
 const ROUNDED_UP: f64 = 0.6;
+const MEAN_ROUNDED_UP: f64 = 0.5;
 
 /// cos(k pi / 16) for k from 0 to 8.
 const COSINES: [f64; 9] = [
@@ -132,7 +134,10 @@ impl Transform {
             for block in 0..self.blocks() {
                 let square: Square =
                     std::array::from_fn(|row| std::array::from_fn(|column| values[self.start(block, row) + column]));
-                out.extend(self.cosines(&square).as_flattened().iter().map(|c| rounded(c / self.step(plane))));
+                let from = |place: usize| if place == 0 { MEAN_ROUNDED_UP } else { ROUNDED_UP };
+                let cosines = self.cosines(&square);
+                let steps = cosines.as_flattened().iter().map(|c| c / self.step(plane));
+                out.extend(steps.enumerate().map(|(place, value)| rounded(value, from(place))));
             }
         }
         out
@@ -209,9 +214,9 @@ fn plus(sums: [f64; BLOCK], line: &[f64; BLOCK], factor: f64) -> [f64; BLOCK] {
     std::array::from_fn(|i| sums[i] + line[i] * factor)
 }
 
-/// Nearest whole number, the lower one a little longer; what is one within 0.4 stays it, so that coefficients come back.
-fn rounded(value: f64) -> i32 {
-    let size = (value.abs() + (1.0 - ROUNDED_UP)).floor() as i32;
+/// Nearest whole number, the lower one as far as `from`; what is one within 0.4 stays it, so that coefficients come back.
+fn rounded(value: f64, from: f64) -> i32 {
+    let size = (value.abs() + (1.0 - from)).floor() as i32;
     let size = size.min(LARGEST);
     if value < 0.0 { -size } else { size }
 }
