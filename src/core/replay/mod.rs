@@ -11,6 +11,7 @@ pub mod receiver_view;
 pub mod reflectances;
 mod response_sums;
 pub mod run;
+mod shine;
 mod sources;
 pub mod tile;
 mod tile_layers;

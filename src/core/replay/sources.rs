@@ -1,12 +1,10 @@
-//! The suns of a series of conditions on the response texture. In: conditions and where they add to. Out: reflected irradiance of a
+//! The suns of a series of conditions on the response texture. In: suns and their results. Out: reflected irradiance of a
 //! receiver whose response is at hand.
 
 use glam::DVec3;
 
 use crate::hemisphere::bilinear;
-use crate::sky::model::SkyModel;
-use crate::weather::conditions::Condition;
-use crate::weather::time::bins::Bins;
+use crate::replay::shine::Shine;
 
 /// Suns made ready for receivers' responses. Light is linear in its sources, so those of a sum are added before any receiver is asked.
 pub struct Sources {
@@ -22,30 +20,14 @@ struct Source {
 }
 
 impl Sources {
-    /// Looks up all suns of all conditions with DNI on an n x n response texture.
-    pub fn new(conditions: &[Condition], bins: &Bins, n: usize) -> Self {
-        Sources::of(conditions, bins, n, |c| c.dni_w_m2)
-    }
-
-    /// The same for the light that a model's skies send from where the suns are; most have none.
-    pub fn circumsolar(conditions: &[Condition], bins: &Bins, n: usize, model: SkyModel) -> Self {
-        let conditions = if model.brightens() { conditions } else { &[] };
-        Sources::of(conditions, bins, n, |c| model.parts(c).circumsolar_w_m2)
-    }
-
-    fn of(conditions: &[Condition], bins: &Bins, n: usize, normal_w_m2: impl Fn(&Condition) -> f64) -> Self {
-        let mut terms: Vec<(usize, u32, DVec3)> = Vec::new();
-        for (condition, &(bin, weight)) in conditions.iter().zip(&bins.of_condition) {
-            let strength = normal_w_m2(condition) * weight;
-            if strength != 0.0 {
-                for instant in condition.suns.iter().filter(|instant| instant.sun.z > 0.0) {
-                    let corners = bilinear(instant.sun, n);
-                    let term = |(t, w)| (bin, t as u32, instant.sun * (strength * instant.weight * w));
-                    terms.extend(corners.map(term));
-                }
-            }
-        }
-        // Stable: terms of one texel are added in the order of the conditions.
+    /// Looks up suns on an n x n response texture.
+    pub fn new(suns: &[Shine], n: usize) -> Self {
+        let terms = |sun: &Shine| {
+            let Shine { bin, strength, direction } = *sun;
+            bilinear(direction, n).map(|(t, w)| (bin, t as u32, direction * (strength * w)))
+        };
+        let mut terms: Vec<(usize, u32, DVec3)> = suns.iter().flat_map(terms).collect();
+        // Stable: terms of one texel are added in the order of the suns.
         terms.sort_by_key(|term| (term.0, term.1));
         let texel = |terms: &[(usize, u32, DVec3)]| {
             (terms[0].1, terms.iter().map(|term| term.2).sum::<DVec3>().as_vec3().to_array())
@@ -70,13 +52,13 @@ impl Sources {
     }
 
     /// Adds the reflected irradiance of a receiver with this response, `[texel][axis]`, to `out[result]`.
-    pub fn irradiance(&self, response: &[[f32; 3]], out: &mut [f64]) {
+    pub fn irradiance(&self, response: &[[f32; 3]], out: &mut [f32]) {
         for Source { bin, texels } in &self.results {
             let term = |&(t, s): &(u32, [f32; 3])| {
                 let g = response[t as usize];
                 f64::from(s[0] * g[0] + s[1] * g[1] + s[2] * g[2])
             };
-            out[*bin] += texels.iter().map(term).sum::<f64>();
+            out[*bin] += texels.iter().map(term).sum::<f64>() as f32;
         }
     }
 }

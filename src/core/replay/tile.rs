@@ -1,6 +1,8 @@
 //! One tile of receivers under a series of conditions. In: the tile's decoded layers and the weather prepared once. Out: six
 //! components and their total for every receiver and condition, and longwave irradiance where it is asked for.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::layers::bits::BitSquare;
@@ -18,9 +20,10 @@ use crate::replay::direct::suns::SunLookups;
 use crate::replay::direct::through_canopy::DirectThroughCanopy;
 use crate::replay::longwave::Longwave;
 use crate::replay::response_sums::ResponseSums;
+use crate::replay::shine::Shine;
 use crate::replay::sources::Sources;
 use crate::replay::tile_layers::TileLayers;
-use crate::replay::values::{TileValues, put};
+use crate::replay::values::{Spares, TileValues, put};
 use crate::site::material::Class;
 use crate::site::receiver::TILE;
 use crate::sky::model::SkyModel;
@@ -56,6 +59,7 @@ pub(super) struct Forcing {
     longwave: Option<Longwave>,
     /// Direct light where canopies stand before the sky.
     shaded: Option<DirectThroughCanopy>,
+    spares: Arc<Spares>,
 }
 
 /// The weather of one state of the reflectances.
@@ -99,8 +103,11 @@ impl Forcing {
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
         let all = skies.next().unwrap_or_default();
         let state = |bins, skies| Reflected {
-            sources: Sources::new(when(components.needs(SunDiffuse)), bins, sides.response),
-            circumsolar: Sources::circumsolar(when(components.needs(SkyDiffuse)), bins, sides.response, model),
+            sources: Sources::new(&Shine::of_suns(when(components.needs(SunDiffuse)), bins), sides.response),
+            circumsolar: Sources::new(
+                &Shine::of_circumsolar(when(components.needs(SkyDiffuse)), bins, model),
+                sides.response,
+            ),
             skies,
             sums: None,
         };
@@ -111,14 +118,15 @@ impl Forcing {
         let response_projection = projection(sides.response);
         let summed = |state: Reflected| state.summed(bins.count, &all, &response_projection);
         let reflected = reflected.into_iter().map(summed).collect();
+        let suns = when(components.needs(SunDirect) || components.needs(SunSpecular));
         let glows = when(components.needs(SkyDirect) || components.needs(SkySpecular));
         Forcing {
             bins: bins.count,
             sides,
-            suns: SunLookups::new(when(components.needs(SunDirect) || components.needs(SunSpecular)), bins, sides),
+            suns: SunLookups::new(Shine::of_suns(suns, bins), bins.count, sides),
             sky_field: SkyField::of(&all, &sky_projection),
             skies: all,
-            circumsolar: SunLookups::circumsolar(glows, bins, sides, model),
+            circumsolar: SunLookups::new(Shine::of_circumsolar(glows, bins, model), bins.count, sides),
             reflected,
             response_projection,
             planes: TexelPlanes::new(&sky_projection),
@@ -127,6 +135,7 @@ impl Forcing {
             mirror_sky: true,
             longwave: None,
             shaded: None,
+            spares: Arc::default(),
         }
     }
 
@@ -158,9 +167,9 @@ impl Forcing {
         Forcing { shaded: Some(shaded), ..self }
     }
 
-    /// Bytes that a full tile takes while it is made: its results, and the sums of reflected light beside them.
+    /// Bytes that a full tile takes while it is made: its results, and beside them those of a product and of a class of first hits.
     pub fn working_bytes(&self) -> usize {
-        self.tile_bytes() + TILE * self.bins * (size_of::<f64>() + size_of::<f32>())
+        self.tile_bytes() + 2 * TILE * self.bins * size_of::<f32>()
     }
 
     /// Bytes of the results of a full tile, and of the responses that they are made of.
@@ -188,7 +197,7 @@ impl Forcing {
 
     /// Irradiance of every receiver of a tile.
     pub fn replay(&self, tile: &TileLayers) -> TileValues {
-        let mut out = TileValues::new(tile.normals.len(), self.bins);
+        let mut out = TileValues::from_spares(&self.spares, tile.normals.len(), self.bins);
         self.add_direct(tile, &mut out);
         self.add_specular(tile, &mut out);
         self.add_diffuse(tile, &mut out);
@@ -226,7 +235,8 @@ impl Forcing {
             for (&normal, sky) in tile.normals.iter().zip(&tile.sky) {
                 sky_coefficients(&self.sky_projection, normal, sky, &mut coefficients);
             }
-            self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SkyDirect, receiver)[bin] = v);
+            let column = out.component_mut(SkyDirect);
+            self.skies.irradiance(&coefficients, |receiver, bin, v| column[receiver * self.bins + bin] = v);
         }
         if sky_direct {
             self.add_suns(SkyDirect, &self.circumsolar, tile, out);
@@ -252,6 +262,9 @@ impl Forcing {
     }
 
     fn add_specular(&self, tile: &TileLayers, out: &mut TileValues) {
+        if tile.mirrors.is_empty() {
+            return;
+        }
         let projection = &self.sky_projection;
         let (sky, sun) = (self.mirrors_sky(), self.components.needs(SunSpecular));
         let mut sums = vec![0.0_f64; self.bins];
@@ -271,7 +284,8 @@ impl Forcing {
                 coefficients.extend(projection.horizon().map(|band| horizon(band) as f32));
             }
         }
-        self.skies.irradiance(&coefficients, |receiver, bin, v| out.row_mut(SkySpecular, receiver)[bin] = v);
+        let column = out.component_mut(SkySpecular);
+        self.skies.irradiance(&coefficients, |receiver, bin, v| column[receiver * self.bins + bin] = v);
         let glow = |receiver: usize, sums: &mut [f64]| {
             let views = tile.mirrors.get(receiver).into_iter().flatten();
             views.for_each(|view| self.circumsolar.by_mirrors(tile.normals[receiver], view, sums));
@@ -296,22 +310,21 @@ impl Forcing {
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
-        let (suns, skies) = self.reflected(tile, None);
-        let receivers = tile.normals.len();
-        for receiver in 0..receivers {
-            let range = receiver * self.bins..(receiver + 1) * self.bins;
-            put(&suns[range.clone()], out.row_mut(SunDiffuse, receiver));
-            let row = out.row_mut(SkyDiffuse, receiver);
-            row.iter_mut().zip(&skies[range]).for_each(|(out, v)| *out = v.max(0.0));
+        if self.components.needs(SunDiffuse) {
+            self.reflected_suns(tile, None, out.component_mut(SunDiffuse));
         }
-        let split = [SunDiffuse, SkyDiffuse].map(|whole| whole.parts().filter(|_| self.components.needs_parts(whole)));
-        if split == [None, None] {
-            return;
+        if self.components.needs(SkyDiffuse) {
+            self.reflected_skies(tile, None, out.component_mut(SkyDiffuse));
         }
-        let (suns, skies) = self.reflected(tile, Some(Class::Ground));
-        let suns: Vec<f32> = suns.into_iter().map(|v| v as f32).collect();
-        for ((whole, parts), grounds) in [SunDiffuse, SkyDiffuse].into_iter().zip(split).zip([suns, skies]) {
-            let Some([ground, obstruction]) = parts else { continue };
+        for whole in [SunDiffuse, SkyDiffuse] {
+            let Some([ground, obstruction]) = whole.parts().filter(|_| self.components.needs_parts(whole)) else {
+                continue;
+            };
+            let mut grounds = vec![0.0; out.component(whole).len()];
+            match whole {
+                SunDiffuse => self.reflected_suns(tile, Some(Class::Ground), &mut grounds),
+                _ => self.reflected_skies(tile, Some(Class::Ground), &mut grounds),
+            }
             for (place, value) in grounds.into_iter().enumerate() {
                 // Neither is below 0 by the error of a texture, and they add up to the whole.
                 let all = out.component(whole)[place];
@@ -322,39 +335,55 @@ impl Forcing {
         }
     }
 
-    /// `[receiver][result]`: reflected sun and sky by responses, or by what is of one class in them.
-    fn reflected(&self, tile: &TileLayers, class: Option<Class>) -> (Vec<f64>, Vec<f32>) {
-        let receivers = tile.normals.len();
-        let mut suns = vec![0.0_f64; receivers * self.bins];
-        let mut skies = vec![0.0_f32; receivers * self.bins];
+    /// `[receiver][result]`: the sun by responses, or by what is of one class in them.
+    fn reflected_suns(&self, tile: &TileLayers, class: Option<Class>, out: &mut [f32]) {
         for (state, responses) in self.reflected.iter().zip(&tile.responses) {
-            let of_state = state.skies.as_ref().unwrap_or(&self.skies);
-            let sky_diffuse = self.components.needs(SkyDiffuse) && !of_state.is_empty();
-            let mut coefficients = Vec::new();
-            let mut glow = vec![0.0_f64; self.bins];
-            for (receiver, (response, sums)) in responses.iter().zip(suns.chunks_mut(self.bins.max(1))).enumerate() {
-                if let Some([of_suns, of_skies]) = &state.sums {
-                    of_suns.irradiance(response, class, sums);
-                    glow.fill(0.0);
-                    of_skies.irradiance(response, class, &mut glow);
-                } else {
-                    let response = class.map_or_else(|| response.vectors(), |class| response.vectors_of(class));
-                    state.sources.irradiance(&response, sums);
-                    if sky_diffuse {
-                        response_coefficients(&self.response_projection, &response, &mut coefficients);
-                    }
-                    glow.fill(0.0);
-                    state.circumsolar.irradiance(&response, &mut glow);
-                }
-                let of_receiver = skies[receiver * self.bins..].iter_mut();
-                of_receiver.zip(&glow).for_each(|(out, glow)| *out += *glow as f32);
-            }
-            if !coefficients.is_empty() {
-                of_state.irradiance(&coefficients, |receiver, bin, v| skies[receiver * self.bins + bin] += v);
+            match &state.sums {
+                Some([suns, _]) => self.add_sums(suns, responses, class, out),
+                None => self.add_sources(&state.sources, responses, class, out),
             }
         }
-        (suns, skies)
+        out.iter_mut().for_each(|v| *v = v.max(0.0));
     }
+
+    /// The same of the sky.
+    fn reflected_skies(&self, tile: &TileLayers, class: Option<Class>, out: &mut [f32]) {
+        for (state, responses) in self.reflected.iter().zip(&tile.responses) {
+            if let Some([_, skies]) = &state.sums {
+                self.add_sums(skies, responses, class, out);
+                continue;
+            }
+            self.add_sources(&state.circumsolar, responses, class, out);
+            let of_state = state.skies.as_ref().unwrap_or(&self.skies);
+            let mut coefficients = Vec::new();
+            for response in responses.iter().filter(|_| !of_state.is_empty()) {
+                response_coefficients(&self.response_projection, &vectors(response, class), &mut coefficients);
+            }
+            of_state.irradiance(&coefficients, |receiver, bin, v| out[receiver * self.bins + bin] += v);
+        }
+        // A texture may be below 0 by its error.
+        out.iter_mut().for_each(|v| *v = v.max(0.0));
+    }
+
+    fn add_sums(&self, sources: &ResponseSums, responses: &[Response], class: Option<Class>, out: &mut [f32]) {
+        let mut sums = vec![0.0_f64; self.bins];
+        for (response, out) in responses.iter().zip(out.chunks_mut(self.bins.max(1))) {
+            sums.fill(0.0);
+            sources.irradiance(response, class, &mut sums);
+            out.iter_mut().zip(&sums).for_each(|(out, sum)| *out += *sum as f32);
+        }
+    }
+
+    fn add_sources(&self, sources: &Sources, responses: &[Response], class: Option<Class>, out: &mut [f32]) {
+        for (response, out) in responses.iter().zip(out.chunks_mut(self.bins.max(1))).filter(|_| !sources.is_empty()) {
+            sources.irradiance(&vectors(response, class), out);
+        }
+    }
+}
+
+/// `[texel][axis]` of a response, or of what is of one class in it.
+fn vectors(response: &Response, class: Option<Class>) -> Vec<[f32; 3]> {
+    class.map_or_else(|| response.vectors(), |class| response.vectors_of(class))
 }
 
 /// Per base texel: visible share x mean cosine of the part in front of the surface. `directions` of the base texels.

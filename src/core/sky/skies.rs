@@ -109,8 +109,11 @@ impl Skies {
         ) else {
             return;
         };
-        for (receiver, values) in a.dot(&b.t()).rows().into_iter().enumerate() {
-            self.bins.iter().zip(values.iter()).for_each(|(&bin, &v)| each(receiver, bin, v));
+        let product = a.dot(&b.t());
+        // Row-major, as both factors' rows are.
+        let rows = product.as_slice().into_iter().flat_map(|values| values.chunks_exact(self.bins.len().max(1)));
+        for (receiver, values) in rows.enumerate() {
+            self.bins.iter().zip(values).for_each(|(&bin, &v)| each(receiver, bin, v));
         }
     }
 }

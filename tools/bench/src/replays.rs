@@ -60,6 +60,7 @@ pub fn run(path: &Path, weather: &Path) {
     let conditions = series.conditions(STEPS);
     let receivers = archive.manifest().receivers.count as f64;
     println!("{}: {receivers} receivers, {} hours", path.display(), conditions.len());
+    decoding(&archive);
     let (year, months) = (sums(&conditions, false), sums(&conditions, true));
     let hours = Bins::each(conditions.len());
     let anew = [Schedule { materials: vec![0], values: vec![0.31; conditions.len()] }];
@@ -114,6 +115,20 @@ pub fn run(path: &Path, weather: &Path) {
             flop / seconds / 1e9
         );
     }
+}
+
+/// What layers take from the bytes of their blocks to what a replay looks up, checksums, zstd and memory included.
+fn decoding(archive: &Archive) {
+    let site = OpenSite::of(archive).expect("a site");
+    let rows: Vec<usize> =
+        (0..site.tiles()).map(|tile| site.tile_receivers(tile).expect("receivers").rows()).collect();
+    let time = |name: &str, decode: &dyn Fn(u32, usize)| {
+        let all = || rows.iter().enumerate().for_each(|(tile, rows)| decode(tile as u32, *rows));
+        println!("decoding {name:10} {:6.2} us/receiver", median_s(all) / rows.iter().sum::<usize>() as f64 * 1e6);
+    };
+    time("sky", &|tile, rows| drop(std::hint::black_box(site.tile_sky(tile, rows).expect("skies"))));
+    time("hit", &|tile, rows| drop(std::hint::black_box(site.tile_hits(tile, rows).expect("hits"))));
+    time("response", &|tile, _| drop(std::hint::black_box(site.tile_responses(tile).expect("responses"))));
 }
 
 /// Conditions with a sky.

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
-use crate::replay::direct::shine::Shine;
 use crate::replay::direct::sky_masks::{LANES, SkyMasks};
 use crate::replay::direct::specular::MirrorView;
+use crate::replay::shine::Shine;
 use crate::sky::disc::disc_texels;
 
 /// One position of the sun.

@@ -2,7 +2,6 @@
 
 pub mod canopy_transmittance;
 mod each_sun;
-mod shine;
 pub mod sky_masks;
 pub mod specular;
 mod sun_map;

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
-use crate::replay::direct::shine::Shine;
 use crate::replay::direct::sky_masks::{LANES, SkyMasks};
 use crate::replay::direct::specular::MirrorView;
+use crate::replay::shine::Shine;
 use crate::sky::disc::disc_texels;
 
 /// Places in a base texel's bits that are taken at a time: a byte of them.

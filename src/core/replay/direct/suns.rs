@@ -1,20 +1,16 @@
-//! The suns of a series of conditions, looked up once for all receivers. In: conditions and where they add to. Out: direct
+//! The suns of a series of conditions, looked up once for all receivers. In: suns and their results. Out: direct
 //! irradiance of a receiver whose sky is at hand.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::layers::mosaic::Mosaic;
 use crate::layers::sides::TextureSides;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::each_sun::EachSun;
-use crate::replay::direct::shine::Shine;
 use crate::replay::direct::sky_masks::SkyMasks;
 use crate::replay::direct::specular::MirrorView;
 use crate::replay::direct::sun_map::SunMap;
-use crate::sky::model::SkyModel;
-use crate::weather::conditions::Condition;
-use crate::weather::time::bins::Bins;
+use crate::replay::shine::Shine;
 
 /// Suns made ready for receivers' textures: one by one where each has a result, added up where many share one.
 pub enum SunLookups {
@@ -28,34 +24,9 @@ pub enum SunLookups {
 const SUMMED_FROM: usize = 100;
 
 impl SunLookups {
-    /// Looks up all suns of all conditions with DNI.
-    pub fn new(conditions: &[Condition], bins: &Bins, sides: TextureSides) -> Self {
-        SunLookups::of(conditions, bins, sides, |c| c.dni_w_m2)
-    }
-
-    /// The same for the light that a model's skies send from where the suns are; most have none.
-    pub fn circumsolar(conditions: &[Condition], bins: &Bins, sides: TextureSides, model: SkyModel) -> Self {
-        let conditions = if model.brightens() { conditions } else { &[] };
-        SunLookups::of(conditions, bins, sides, |c| model.parts(c).circumsolar_w_m2)
-    }
-
-    fn of(
-        conditions: &[Condition],
-        bins: &Bins,
-        sides: TextureSides,
-        normal_w_m2: impl Fn(&Condition) -> f64 + Sync,
-    ) -> Self {
-        let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
-        let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
-        let suns: Vec<Shine> = lit
-            .flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
-                c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
-                    let strength = normal_w_m2 * instant.weight * weight;
-                    Shine { bin, strength, direction: instant.sun }
-                })
-            })
-            .collect();
-        if suns.len() >= SUMMED_FROM * bins.count.max(1) {
+    /// Looks up suns, in the order of their results, of so many results.
+    pub fn new(suns: Vec<Shine>, results: usize, sides: TextureSides) -> Self {
+        if suns.len() >= SUMMED_FROM * results.max(1) {
             return SunLookups::Summed(SunMap::new(suns, sides));
         }
         SunLookups::Each(EachSun::new(suns, sides))

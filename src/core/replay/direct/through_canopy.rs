@@ -11,6 +11,7 @@ use crate::replay::components::Component::{SkyDirect, SunDirect};
 use crate::replay::components::ComponentSet;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::suns::SunLookups;
+use crate::replay::shine::Shine;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{TileValues, put};
 use crate::sky::model::SkyModel;
@@ -46,16 +47,18 @@ impl DirectThroughCanopy {
         sides: TextureSides,
     ) -> Self {
         let when = |needed: bool| -> &[Condition] { if needed { conditions } else { &[] } };
+        let (of_sun, of_sky) = (when(components.needs(SunDirect)), when(components.needs(SkyDirect)));
         let ways: Vec<&Bins> = leafages.iter().map(|(_, bins)| bins).collect();
         let open_sr = &projection.open_horizontal_sr;
-        let skies = Skies::new(when(components.needs(SkyDirect)), &ways, model, patches, open_sr);
-        let suns: Vec<SunLookups> =
-            ways.iter().map(|bins| SunLookups::new(when(components.needs(SunDirect)), bins, sides)).collect();
-        let of_sky = when(components.needs(SkyDirect));
-        let circumsolar: Vec<SunLookups> =
-            ways.iter().map(|bins| SunLookups::circumsolar(of_sky, bins, sides, model)).collect();
-        let way = |((((powers, _), suns), skies), circumsolar)| Way { powers, suns, skies, circumsolar };
-        let ways = leafages.into_iter().zip(suns).zip(skies).zip(circumsolar).map(way);
+        let skies = Skies::new(of_sky, &ways, model, patches, open_sr);
+        let looked_up = |suns, bins: &Bins| SunLookups::new(suns, bins.count, sides);
+        let way = |((powers, bins), skies): ((Powers, Bins), Skies)| Way {
+            powers,
+            suns: looked_up(Shine::of_suns(of_sun, &bins), &bins),
+            skies,
+            circumsolar: looked_up(Shine::of_circumsolar(of_sky, &bins, model), &bins),
+        };
+        let ways = leafages.into_iter().zip(skies).map(way);
         DirectThroughCanopy { ways: ways.collect(), sides }
     }
 
