@@ -14,9 +14,9 @@ pub struct PreparedScene<'a> {
     /// The scene as it was loaded.
     pub scene: &'a Scene,
     /// Of all that stops rays.
-    pub(super) tracer: Tracer,
-    pub(super) canopies: Option<Canopies<'a>>,
-    pub(super) mirrors: Mirrors,
+    pub(crate) tracer: Tracer,
+    pub(crate) canopies: Option<Canopies<'a>>,
+    pub(crate) mirrors: Mirrors,
     pub(super) seconds: f64,
 }
 

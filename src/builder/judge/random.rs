@@ -1,0 +1,38 @@
+//! Numbers that paths are drawn by. In: a seed. Out: numbers in [0, 1).
+
+use heliotile_core::hemisphere::{mix, unit};
+
+/// Numbers of a path that are spread evenly over all paths of a batch: two of its first direction, three of the sun that its receiver sees.
+pub(super) const EVEN: usize = 5;
+
+/// A sequence of independent numbers.
+pub(super) struct Random {
+    seed: u64,
+    drawn: u64,
+}
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Random { seed, drawn: 0 }
+    }
+
+    pub fn next(&mut self) -> f64 {
+        self.drawn += 1;
+        unit(mix(self.seed, self.drawn))
+    }
+
+    pub fn many<const N: usize>(&mut self) -> [f64; N] {
+        std::array::from_fn(|_| self.next())
+    }
+}
+
+/// Point i of the sequence of Roberts (2018, "The unreasonable effectiveness of quasirandom sequences"), shifted.
+pub(super) fn even(i: usize, shift: &[f64; EVEN]) -> [f64; EVEN] {
+    // The real root of x^6 = x + 1.
+    const ROOT: f64 = 1.134_724_138_401_519_4;
+    let mut step = 1.0;
+    shift.map(|shift| {
+        step /= ROOT;
+        (shift + i as f64 * step).fract()
+    })
+}

@@ -1,0 +1,151 @@
+//! The sun at places on surfaces, seen straight or by chains of mirrors. In: places, points of suns. Out: what is added to a receiver's
+//! components.
+
+use glam::DVec3;
+
+use super::random::Random;
+use super::sky::JudgedSky;
+use super::walk::{Judge, Place, Sums, ray};
+use crate::trace::Ray;
+use crate::trace::kernel::rays::Hit;
+use heliotile_core::hemisphere::mix;
+use heliotile_core::light::fresnel::specular;
+use heliotile_core::replay::components::Component;
+use heliotile_core::site::chain::MOST_MIRRORS;
+
+/// A place that looks for a point of the sun.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SunLook {
+    place: Place,
+    /// Towards the point.
+    sun: DVec3,
+    /// Irradiance of the receiver for a cosine of 1, W/m2.
+    weight: f64,
+    sky: usize,
+    batch: usize,
+    /// Whether the light comes by a matt surface.
+    matt: bool,
+    /// Draws chains of mirrors, if not all are followed.
+    seed: u64,
+}
+
+/// Chains that a place looks along at most; if there are more, so many are drawn of each length.
+const ALL_CHAINS: usize = 96;
+const DRAWN: usize = 16;
+
+/// A look along a chain of mirrors.
+struct Way<'l> {
+    look: &'l SunLook,
+    chain: Vec<u16>,
+    from: DVec3,
+    direction: DVec3,
+    weight: f64,
+}
+
+impl SunLook {
+    /// A look for a point of the sun of each sky, at the same place of its disc; `weight` for a DNI of 1 W/m2.
+    pub fn at_all(
+        place: Place,
+        batch: usize,
+        weight: f64,
+        matt: bool,
+        skies: &[JudgedSky],
+        which: [f64; 3],
+        random: &mut Random,
+    ) -> Vec<SunLook> {
+        let look = |(sky, of): (usize, &JudgedSky)| {
+            let sun = of.sun(which, random)?;
+            let seed = (random.next() * 2.0_f64.powi(53)) as u64;
+            Some(SunLook { place, sun, weight: weight * of.dni_w_m2, sky, batch, matt, seed })
+        };
+        skies.iter().enumerate().filter_map(look).collect()
+    }
+
+    fn add(&self, mirrored: bool, irradiance: f64, sums: &mut Sums) {
+        let component = match (self.matt, mirrored) {
+            (true, _) => Component::SunDiffuse,
+            (false, true) => Component::SunSpecular,
+            (false, false) => Component::SunDirect,
+        };
+        sums[self.sky][self.batch][component as usize] += irradiance;
+    }
+}
+
+impl Judge<'_> {
+    /// Adds what comes of the sun, straight and by mirrors.
+    pub(super) fn add_suns(&self, looks: &[SunLook], sums: &mut Sums) {
+        let straight: Vec<(&SunLook, f64)> =
+            looks.iter().map(|look| (look, look.place.normal.dot(look.sun))).filter(|(_, cos)| *cos > 0.0).collect();
+        let rays: Vec<Ray> = straight.iter().map(|(look, _)| ray(look.place.from, look.sun)).collect();
+        for (place, through) in self.open(&rays) {
+            let (look, cos) = straight[place];
+            look.add(false, look.weight * cos * through, sums);
+        }
+        if !self.mirrors.is_empty() {
+            self.add_mirrored(looks, sums);
+        }
+    }
+
+    /// Which of some rays meet nothing, and what canopies let through of them.
+    fn open(&self, rays: &[Ray]) -> Vec<(usize, f64)> {
+        let met = self.tracer.occluded_many(rays);
+        let open: Vec<usize> = met.into_iter().enumerate().filter(|(_, met)| !met).map(|(place, _)| place).collect();
+        let through = self.through(open.iter().map(|&place| (rays[place], f32::INFINITY)));
+        open.into_iter().zip(through).collect()
+    }
+
+    fn add_mirrored(&self, looks: &[SunLook], sums: &mut Sums) {
+        let mut ways: Vec<Way> = looks.iter().flat_map(|look| self.ways(look)).collect();
+        for passed in 0..=MOST_MIRRORS {
+            let (on, out): (Vec<Way>, Vec<Way>) = ways.into_iter().partition(|way| way.chain.len() > passed);
+            let rays = |ways: &[Way]| -> Vec<Ray> { ways.iter().map(|way| ray(way.from, way.direction)).collect() };
+            for (place, through) in
+                self.open(&rays(&out)).into_iter().filter(|(place, _)| out[*place].direction.z > 0.0)
+            {
+                out[place].look.add(true, out[place].weight * through, sums);
+            }
+            let cast = rays(&on);
+            let hits = self.tracer.closest_many(&cast);
+            let reaches = hits.iter().map(|hit| hit.map_or(0.0, |hit| hit.t));
+            let through = self.through(cast.into_iter().zip(reaches));
+            let next = on.into_iter().zip(hits).zip(through);
+            ways = next.filter_map(|((way, hit), through)| self.follow(way, hit?, passed, through)).collect();
+        }
+    }
+
+    /// A way behind its next mirror, if that is what its ray meets.
+    fn follow<'l>(&self, mut way: Way<'l>, hit: Hit, passed: usize, through: f64) -> Option<Way<'l>> {
+        let number = self.mirrors.of_triangle(hit.triangle).filter(|number| way.chain.get(passed) == Some(number))?;
+        let orientation = self.mirrors.orientations[usize::from(number)];
+        let (place, _) = self.place(way.from, way.direction, hit);
+        let cos = orientation.normal.dot(way.direction).abs();
+        way.weight *= through * specular(&self.reflectors[usize::from(orientation.material)], cos);
+        (way.from, way.direction) = (place.from, orientation.reflect(way.direction).normalize());
+        Some(way)
+    }
+
+    /// Looks along chains of mirrors, in the directions in which the sun would appear in them.
+    fn ways<'l>(&self, look: &'l SunLook) -> Vec<Way<'l>> {
+        let count = self.mirrors.orientations.len();
+        let of_length = |length: usize| count.saturating_pow(length as u32);
+        let all = (1..=MOST_MIRRORS).map(of_length).fold(0, usize::saturating_add) <= ALL_CHAINS;
+        let way = move |(chain, weight): (Vec<u16>, f64)| {
+            let reflect = |d: DVec3, number: &u16| self.mirrors.orientations[usize::from(*number)].reflect(d);
+            let direction = chain.iter().rev().fold(look.sun, reflect);
+            let cos = look.place.normal.dot(direction);
+            let weight = look.weight * cos * weight;
+            (cos > 0.0).then_some(Way { look, chain, from: look.place.from, direction, weight })
+        };
+        let chains = (1..=MOST_MIRRORS).flat_map(move |length| {
+            let there = of_length(length);
+            let drawn = if all { there } else { there.min(DRAWN) };
+            let chain = move |i: usize| {
+                let number = if drawn == there { i as u64 } else { mix(look.seed, (length * DRAWN + i) as u64) };
+                let digit = |place: usize| (number / (count as u64).pow(place as u32) % count as u64) as u16;
+                ((0..length).map(digit).collect(), there as f64 / drawn as f64)
+            };
+            (0..drawn).map(chain)
+        });
+        chains.filter_map(way).collect()
+    }
+}

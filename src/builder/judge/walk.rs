@@ -1,0 +1,223 @@
+//! Paths of light from a receiver. In: a receiver, suns and skies. Out: what it gets of each.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::estimate::{BATCHES, Judged};
+use super::random::{EVEN, Random, even};
+use super::sky::{JudgedSky, cosine};
+use super::sun::SunLook;
+use crate::build::PreparedScene;
+use crate::trace::canopy::{Canopies, Path};
+use crate::trace::kernel::rays::Hit;
+use crate::trace::{Ray, Tracer};
+use heliotile_core::hemisphere::{Frame, mix};
+use heliotile_core::light::fresnel::specular;
+use heliotile_core::light::reflector::Reflector;
+use heliotile_core::replay::components::Component;
+use heliotile_core::site::chain::Orientation;
+use heliotile_scene::mesh::Mesh;
+use heliotile_scene::mirrors::Mirrors;
+
+/// Surfaces that a path meets before chance decides whether it goes on.
+const SURE: u32 = 2;
+
+/// Chance of going on at most: a path between white walls ends, too.
+const LIKELIEST: f64 = 0.95;
+
+/// A scene, ready to be asked.
+pub struct Judge<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) tracer: &'a Tracer,
+    canopies: Option<&'a Canopies<'a>>,
+    pub(super) mirrors: &'a Mirrors,
+    pub(super) reflectors: Vec<Reflector>,
+}
+
+/// A place on a surface, where rays start.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Relative to the scene origin, off the surface.
+    pub from: DVec3,
+    /// On the side that is looked at.
+    pub normal: DVec3,
+}
+
+/// What a path has met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Behind {
+    Nothing,
+    Mirrors,
+    /// A matt surface, at least.
+    Matt,
+}
+
+/// The end of a path.
+struct Walker {
+    batch: usize,
+    from: DVec3,
+    direction: DVec3,
+    /// Irradiance of the receiver for a radiance of 1 / pi from here.
+    weight: f64,
+    behind: Behind,
+    met: u32,
+    random: Random,
+}
+
+/// W/m2 by sky and batch.
+pub(super) type Sums = Vec<[[f64; 6]; BATCHES]>;
+
+impl<'a> Judge<'a> {
+    /// Of a scene with all that it has: no light is left out.
+    pub fn new(prepared: &'a PreparedScene<'a>) -> Self {
+        Judge {
+            mesh: &prepared.scene.mesh,
+            tracer: &prepared.tracer,
+            canopies: prepared.canopies.as_ref(),
+            mirrors: &prepared.mirrors,
+            reflectors: prepared.scene.materials.iter().map(Reflector::of).collect(),
+        }
+    }
+
+    /// What a receiver (input coordinates, unit normal) gets of each sky, by so many paths, the same for all skies.
+    pub fn irradiance(
+        &self,
+        position: DVec3,
+        normal: DVec3,
+        skies: &[JudgedSky],
+        paths: usize,
+        seed: u64,
+    ) -> Vec<Judged> {
+        let each = paths.div_ceil(BATCHES).max(1);
+        let mut sums: Sums = vec![[[0.0; 6]; BATCHES]; skies.len()];
+        let here = Place { from: vector(self.mesh.grid().lifted(position, normal)), normal };
+        let frame = Frame::of(normal);
+        let (mut walkers, mut looks) = (Vec::with_capacity(each * BATCHES), Vec::new());
+        for batch in 0..BATCHES {
+            // Twice: seeds and batches are small numbers, and a mix takes them as one.
+            let of_batch = mix(mix(seed, 0), batch as u64);
+            let shift: [f64; EVEN] = Random::new(mix(of_batch, 0)).many();
+            for i in 0..each {
+                let mut random = Random::new(mix(of_batch, i as u64 + 1));
+                let [a, b, which, radius, angle] = even(i, &shift);
+                looks.extend(SunLook::at_all(here, batch, 1.0, false, skies, [which, radius, angle], &mut random));
+                let direction = cosine(&frame, [a, b]);
+                walkers.push(Walker {
+                    batch,
+                    from: here.from,
+                    direction,
+                    weight: 1.0,
+                    behind: Behind::Nothing,
+                    met: 0,
+                    random,
+                });
+            }
+        }
+        self.add_suns(&looks, &mut sums);
+        while !walkers.is_empty() {
+            let rays: Vec<Ray> = walkers.iter().map(|walker| ray(walker.from, walker.direction)).collect();
+            let hits = self.tracer.closest_many(&rays);
+            let reaches = hits.iter().map(|hit| hit.map_or(f32::INFINITY, |hit| hit.t));
+            let through = self.through(rays.into_iter().zip(reaches));
+            looks.clear();
+            let mut next = Vec::with_capacity(walkers.len());
+            for ((mut walker, hit), through) in walkers.into_iter().zip(hits).zip(through) {
+                walker.weight *= through;
+                match hit {
+                    Some(hit) => next.extend(self.meet(walker, hit, skies, &mut looks)),
+                    None => see(&walker, skies, &mut sums),
+                }
+            }
+            self.add_suns(&looks, &mut sums);
+            walkers = next;
+        }
+        let mean = |batches: &[[f64; 6]; BATCHES]| Judged::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)));
+        sums.iter().map(mean).collect()
+    }
+
+    /// A path at a surface: asks for the sun, and goes on unless it ends there.
+    fn meet(&self, mut walker: Walker, hit: Hit, skies: &[JudgedSky], looks: &mut Vec<SunLook>) -> Option<Walker> {
+        let (place, orientation) = self.place(walker.from, walker.direction, hit);
+        let material = self.mesh.triangle_material[hit.triangle as usize];
+        let reflector = &self.reflectors[usize::from(material)];
+        let cos = place.normal.dot(walker.direction).abs();
+        let mirrored = orientation.map_or(0.0, |_| specular(reflector, cos));
+        let reflected = mirrored + reflector.diffuse;
+        if reflector.diffuse > 0.0 {
+            let (which, weight) = (walker.random.many(), walker.weight * reflector.diffuse);
+            looks.extend(SunLook::at_all(place, walker.batch, weight, true, skies, which, &mut walker.random));
+        }
+        let [on, kind, a, b] = walker.random.many();
+        let likely = if walker.met < SURE { 1.0 } else { reflected.min(LIKELIEST) };
+        if reflected <= 0.0 || on >= likely {
+            return None;
+        }
+        walker.weight *= reflected / likely;
+        walker.met += 1;
+        walker.from = place.from;
+        match orientation.filter(|_| kind * reflected < mirrored) {
+            Some(orientation) => {
+                walker.direction = orientation.reflect(walker.direction).normalize();
+                walker.behind = if walker.behind == Behind::Matt { Behind::Matt } else { Behind::Mirrors };
+            }
+            None => {
+                walker.direction = cosine(&Frame::of(place.normal), [a, b]);
+                walker.behind = Behind::Matt;
+            }
+        }
+        Some(walker)
+    }
+
+    /// Where a ray meets a surface, and the orientation of the mirror if it is one.
+    pub(super) fn place(&self, from: DVec3, direction: DVec3, hit: Hit) -> (Place, Option<Orientation>) {
+        let triangle = hit.triangle as usize;
+        let outward = self.mesh.normal(triangle);
+        let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
+        // Distances are single numbers: the place is put on the surface's plane.
+        let way = direction * f64::from(hit.t);
+        let [corner, ..] = self.mesh.triangle_points(triangle);
+        let way = way - outward * (way - (corner - from)).dot(outward);
+        let grid = self.mesh.grid();
+        let from = vector(grid.lifted(grid.absolute(from) + way, normal));
+        let number = self.mirrors.of_triangle(hit.triangle);
+        (Place { from, normal }, number.map(|number| self.mirrors.orientations[usize::from(number)]))
+    }
+
+    /// What canopies let through of rays that go so far, metres.
+    pub(super) fn through(&self, rays: impl ExactSizeIterator<Item = (Ray, f32)>) -> Vec<f64> {
+        let mut through = vec![1.0; rays.len()];
+        if let Some(canopies) = self.canopies {
+            let paths: Vec<Path> =
+                (0..).zip(rays).map(|(place, (ray, reach_m))| Path { place, ray, reach_m }).collect();
+            for crossing in canopies.crossings(&paths) {
+                let transmittance = self.reflectors[usize::from(crossing.material)].transmittance.unwrap_or(1.0);
+                through[crossing.ray as usize] *= transmittance.powi(i32::from(crossing.count));
+            }
+        }
+        through
+    }
+}
+
+/// The sky at the end of a path.
+fn see(walker: &Walker, skies: &[JudgedSky], sums: &mut Sums) {
+    if walker.direction.z <= 0.0 {
+        return;
+    }
+    let component = match walker.behind {
+        Behind::Nothing => Component::SkyDirect,
+        Behind::Mirrors => Component::SkySpecular,
+        Behind::Matt => Component::SkyDiffuse,
+    };
+    for (sky, sums) in skies.iter().zip(sums) {
+        sums[walker.batch][component as usize] += PI * walker.weight * sky.radiance(walker.direction);
+    }
+}
+
+pub(super) fn ray(from: DVec3, direction: DVec3) -> Ray {
+    Ray { origin: from.as_vec3().to_array(), direction: direction.as_vec3().to_array() }
+}
+
+fn vector(point: [f32; 3]) -> DVec3 {
+    DVec3::from(point.map(f64::from))
+}
