@@ -1,5 +1,6 @@
 //! The command line: clap types of every subcommand, nothing else.
 
+mod audit;
 mod build;
 mod choice;
 mod cover;
@@ -27,6 +28,7 @@ use heliotile_core::archive::Access;
 
 use self::choice::choice;
 
+pub use self::audit::AuditArgs;
 pub use self::build::{BuildArgs, PlanArgs};
 pub use self::choice::name_of;
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
@@ -77,6 +79,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Check every block of an archive; exit code 1 if one is damaged
     Verify(VerifyArgs),
+    /// Compare an archive with what an independent judge finds for random receivers and hours; exit code 1 if its stated error is refuted
+    Audit(AuditArgs),
     /// Trace the damaged parts of an archive again
     Repair(RepairArgs),
     /// The trace cache that `build --store` fills

@@ -1,5 +1,6 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
+pub mod audit;
 pub mod build;
 mod chosen;
 mod console;
@@ -9,6 +10,7 @@ pub mod factors;
 mod horizon;
 pub mod inspect;
 mod invocation;
+mod original;
 mod preflight;
 pub mod receivers;
 pub mod repair;
@@ -71,6 +73,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),
+        Command::Audit(args) => audit::run(args),
         Command::Store(args) => store::run(args),
         Command::Extract(args) => transfer::extract(args),
         Command::Merge(args) => transfer::merge(args),

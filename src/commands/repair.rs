@@ -3,27 +3,24 @@
 use std::path::{Path, PathBuf};
 
 use super::terminal::Terminal;
-use super::{Outcome, guard_archive, guard_site, interrupt, read_receivers, remark, say_report, workspace_beside};
+use super::{Outcome, guard_archive, guard_site, interrupt, original, read_receivers, remark, workspace_beside};
 use crate::cli::RepairArgs;
 use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Start};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::copy::copy_whole;
 use heliotile_core::archive;
-use heliotile_core::archive::{Access, Archive, format, tables};
+use heliotile_core::archive::{Access, Archive, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
-use heliotile_scene::Scene;
-use heliotile_scene::placing::frame::SiteFrame;
-use heliotile_scene::site::{MissingGround, Site};
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let output = args.output.as_ref().unwrap_or(&args.archive);
-    let site = site_of(args)?;
+    let site = original::site_of(&args.archive, &args.scene)?;
     guard_site(output, &site, &[args.receivers.as_deref()])?;
     if output != &args.archive {
         guard_archive(output)?;
@@ -46,27 +43,7 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
         let what = "is of format 1.0, whose cells hang on the middle of its scene and cannot be traced again";
         return Err(Error::input(&args.archive, None, what, "build it again from its scene and receivers"));
     }
-    let expected = &archive.manifest().scene.content_hash;
-    let hash = |scene: &Scene| format::hex(&scene.content_hash());
-    let mut scene = load(&site)?;
-    if hash(&scene) != *expected {
-        // It may have been built with --no-ground, or before ground was assumed.
-        let site = Site { missing_ground: MissingGround::LeaveOut, ..site };
-        scene = Some(Scene::load_site(&site)?).filter(|plain| hash(plain) == *expected).unwrap_or(scene);
-    }
-    let found = hash(&scene);
-    if found != *expected {
-        let what = format!("is not the scene of the archive: its hash is {found}, that of the archive {expected}");
-        return Err(Error::input(
-            args.scene.first(),
-            None,
-            what,
-            "give the scene and the materials that the archive was built from",
-        ));
-    }
-    // No part of the scene's content: the place may have been stated by options, the ground of months in another file.
-    scene.place = archive.manifest().place;
-    scene.ground.clone_from(&archive.manifest().ground);
+    let scene = original::scene_of(&archive, &site, args.scene.first())?;
     let workspace = workspace_beside(output, args.memory);
     let mut receivers = match &args.receivers {
         Some(path) => {
@@ -106,28 +83,6 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let bad = counted(report.problems.len() as u64, "problem");
     remark(&format!("{}: {bad} repaired with {}, root as before\n", output.display(), counted(rays, "ray")))?;
     Ok(Outcome::Fine)
-}
-
-/// The files of the scene; where they lie the archive says.
-fn site_of(args: &RepairArgs) -> Result<Site> {
-    let stated = SiteFrame { elevation_m: None, scale: None, ..args.scene.place.frame() };
-    if stated != SiteFrame::default() {
-        let hint = "leave --crs, --latitude, --longitude and --rotate-deg out";
-        return Err(Error::input(&args.archive, None, "keeps the place that was stated when it was built", hint));
-    }
-    let mut site = args.scene.site()?;
-    // A turn that a list of files states needs a place, which an option may have stated.
-    site.frame.rotate_deg = None;
-    Ok(site)
-}
-
-/// The scene, without a word on where north is: no suns are turned here.
-fn load(site: &Site) -> Result<Scene> {
-    let mut scene = Scene::load_site(site)?;
-    let north = scene.place.and_then(|place| place.note());
-    scene.report.notes.retain(|note| Some(note) != north.as_ref());
-    say_report(&scene)?;
-    Ok(scene)
 }
 
 /// A path with something behind its name.

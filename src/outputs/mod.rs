@@ -9,6 +9,7 @@ pub mod energyplus;
 pub mod factors;
 pub mod groups;
 pub mod kinds_and_sides;
+pub mod page;
 pub mod periods;
 pub mod pictures;
 pub mod provenance;

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod archive;
+mod audit;
 mod canopy;
 mod cityjson;
 mod cli;

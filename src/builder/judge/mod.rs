@@ -7,12 +7,15 @@
 //! come from a low-discrepancy sequence, shifted at random for each of [`BATCHES`] batches (Cranley and Patterson 1976), whose spread gives the
 //! standard error.
 
+mod audit;
+pub mod comparison;
 mod estimate;
 mod random;
 mod sky;
 mod sun;
 mod walk;
 
+pub use audit::{AuditRequest, Audited, audit};
 pub use estimate::{BATCHES, Judged, PARTS};
 pub use sky::JudgedSky;
 pub use walk::Judge;

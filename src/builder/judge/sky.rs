@@ -1,4 +1,4 @@
-//! A sky as the judge sees it: its radiance in any direction, and its suns. In: a condition, a model. Out: W/m2/sr, points of the sun.
+//! A sky as the judge sees it: its continuous radiance, tabled far finer than it bends, and its suns. In: a condition, a model. Out: W/m2/sr, points of the sun.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,8 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::random::Random;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::hemisphere::Frame;
-use heliotile_core::sky::distribution::Distribution;
+use heliotile_core::hemisphere::{Frame, texel_direction, texel_of};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::SUN_RADIUS_RAD;
 use heliotile_core::weather::conditions::Condition;
@@ -15,12 +14,13 @@ use heliotile_core::weather::conditions::Condition;
 /// Steps by height and around of the integral that sets a sky's level: 1e-5 of it.
 const STEPS: [usize; 2] = [96, 192];
 
+/// Cells to a side of the square that radiances are tabled on: 1.2 degrees, over which no sky bends by more than 1e-3.
+const SIDE: usize = 128;
+
 /// One condition.
 pub struct JudgedSky {
-    distribution: Distribution,
-    sun: DVec3,
-    /// W/m2/sr at relative radiance 1.
-    level: f64,
+    /// Radiance in the middle of each cell of the sky, W/m2/sr.
+    radiances: Vec<f32>,
     /// Normal to the sun, W/m2.
     pub(super) dni_w_m2: f64,
     /// Running sums of the weights of the suns, and frames about them.
@@ -44,17 +44,20 @@ impl JudgedSky {
         };
         let mean = (0..rows * columns).map(at).sum::<f64>() / (rows * columns) as f64;
         let level = if mean > 0.0 { condition.dhi_w_m2 / (PI * mean) } else { 0.0 };
+        let middle = |cell: usize| texel_direction(cell % SIDE, cell / SIDE, SIDE, DVec2::splat(0.5));
+        let radiance = |cell: usize| (level * distribution.relative_radiance(middle(cell), sun)) as f32;
+        let radiances = (0..SIDE * SIDE).map(radiance).collect();
         let mut sum = 0.0;
         let suns = condition.suns.iter().map(|instant| {
             sum += instant.weight;
             (sum, Frame::of(instant.sun))
         });
-        Ok(JudgedSky { distribution, sun, level, dni_w_m2: condition.dni_w_m2, suns: suns.collect() })
+        Ok(JudgedSky { radiances, dni_w_m2: condition.dni_w_m2, suns: suns.collect() })
     }
 
-    /// Radiance in a direction above the horizon, W/m2/sr.
-    pub(super) fn radiance(&self, direction: DVec3) -> f64 {
-        self.level * self.distribution.relative_radiance(direction, self.sun)
+    /// Radiance at a place of the sky, W/m2/sr.
+    pub(super) fn radiance(&self, place: SkyPlace) -> f64 {
+        f64::from(self.radiances[place.0])
     }
 
     /// A point of the sun's disc above the horizon, by numbers for which of the suns and where, and others should that lie below; `None`
@@ -72,6 +75,20 @@ impl JudgedSky {
             }
             [radius, angle] = others.many();
         }
+    }
+}
+
+/// A place of the sky.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SkyPlace(usize);
+
+impl SkyPlace {
+    /// In a direction; `None` below the horizon.
+    pub fn of(direction: DVec3) -> Option<Self> {
+        (direction.z > 0.0).then(|| {
+            let (column, row) = texel_of(direction, SIDE);
+            SkyPlace(row * SIDE + column)
+        })
     }
 }
 

@@ -49,11 +49,11 @@ impl SunLook {
         batch: usize,
         weight: f64,
         matt: bool,
-        skies: &[JudgedSky],
+        skies: &[&JudgedSky],
         which: [f64; 3],
         random: &mut Random,
     ) -> Vec<SunLook> {
-        let look = |(sky, of): (usize, &JudgedSky)| {
+        let look = |(sky, of): (usize, &&JudgedSky)| {
             let sun = of.sun(which, random)?;
             let seed = (random.next() * 2.0_f64.powi(53)) as u64;
             Some(SunLook { place, sun, weight: weight * of.dni_w_m2, sky, batch, matt, seed })
@@ -84,14 +84,6 @@ impl Judge<'_> {
         if !self.mirrors.is_empty() {
             self.add_mirrored(looks, sums);
         }
-    }
-
-    /// Which of some rays meet nothing, and what canopies let through of them.
-    fn open(&self, rays: &[Ray]) -> Vec<(usize, f64)> {
-        let met = self.tracer.occluded_many(rays);
-        let open: Vec<usize> = met.into_iter().enumerate().filter(|(_, met)| !met).map(|(place, _)| place).collect();
-        let through = self.through(open.iter().map(|&place| (rays[place], f32::INFINITY)));
-        open.into_iter().zip(through).collect()
     }
 
     fn add_mirrored(&self, looks: &[SunLook], sums: &mut Sums) {

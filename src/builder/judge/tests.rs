@@ -53,11 +53,11 @@ impl Count {
         let scene = Scene::from_triangles(triangles, materials).expect("a scene");
         let prepared = PreparedScene::new(&scene).expect("a tree");
         let judge = Judge::new(&prepared);
-        let sky = [JudgedSky::new(condition, SkyModel::Uniform).expect("a sky")];
+        let sky = JudgedSky::new(condition, SkyModel::Uniform).expect("a sky");
         for (place, (position, normal, expected)) in known.iter().enumerate() {
             let total: f64 = expected.iter().sum();
             for seed in 0..seeds {
-                let judged = judge.irradiance(*position, *normal, &sky, 2048, mix(seed, place as u64))[0];
+                let judged = judge.irradiance(*position, *normal, &[&sky], 2048, mix(seed, place as u64))[0];
                 for (part, expected) in expected.iter().chain([&total]).enumerate() {
                     // Parts that are known exactly have no error but rounding.
                     let error = judged.error[part].max(1e-4 * total);
@@ -154,7 +154,7 @@ fn furnace() {
         let white = Material { specular, ..matt(1.0 - specular) };
         let scene = Scene::from_triangles(&triangles, vec![white]).expect("a scene");
         let prepared = PreparedScene::new(&scene).expect("a tree");
-        let sky = [JudgedSky::new(&condition(90.0, 45.0, 0.0, 200.0), SkyModel::Uniform).expect("a sky")];
+        let sky = JudgedSky::new(&condition(90.0, 45.0, 0.0, 200.0), SkyModel::Uniform).expect("a sky");
         let (mut beyond, mut sum) = (0, 0.0);
         for (position, normal) in [
             (DVec3::new(2.0, 2.0, 0.0), DVec3::Z),
@@ -162,7 +162,7 @@ fn furnace() {
             (DVec3::new(4.0, 5.0, 9.0), DVec3::NEG_Y),
         ] {
             for seed in 0..50 {
-                let judged = Judge::new(&prepared).irradiance(position, normal, &sky, 2048, seed)[0];
+                let judged = Judge::new(&prepared).irradiance(position, normal, &[&sky], 2048, seed)[0];
                 sum += judged.mean[6] / 150.0;
                 beyond += usize::from((judged.mean[6] - 200.0).abs() > 3.0 * judged.error[6]);
             }
@@ -233,8 +233,8 @@ fn skies_are_level() {
     let models = (1..=15).filter_map(CieType::new).map(SkyModel::Cie).chain([SkyModel::Perez]);
     let mut seen = 0;
     for model in models {
-        let sky = [JudgedSky::new(&condition(200.0, 50.0, 600.0, 180.0), model).expect("a sky")];
-        let judged = Judge::new(&prepared).irradiance(DVec3::new(9.0, 9.0, 1.0), DVec3::Z, &sky, 1 << 14, 3)[0];
+        let sky = JudgedSky::new(&condition(200.0, 50.0, 600.0, 180.0), model).expect("a sky");
+        let judged = Judge::new(&prepared).irradiance(DVec3::new(9.0, 9.0, 1.0), DVec3::Z, &[&sky], 1 << 14, 3)[0];
         let off = (judged.mean[Component::SkyDirect as usize] - 180.0).abs();
         assert!(
             off < (3.0 * judged.error[Component::SkyDirect as usize]).max(0.05) && off < 0.9,

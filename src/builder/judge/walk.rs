@@ -6,13 +6,13 @@ use glam::DVec3;
 
 use super::estimate::{BATCHES, Judged};
 use super::random::{EVEN, Random, even};
-use super::sky::{JudgedSky, cosine};
+use super::sky::{JudgedSky, SkyPlace, cosine};
 use super::sun::SunLook;
 use crate::build::PreparedScene;
 use crate::trace::canopy::{Canopies, Path};
 use crate::trace::kernel::rays::Hit;
 use crate::trace::{Ray, Tracer};
-use heliotile_core::hemisphere::{Frame, mix};
+use heliotile_core::hemisphere::{Frame, mix, texels_in_blocks};
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
 use heliotile_core::replay::components::Component;
@@ -25,6 +25,9 @@ const SURE: u32 = 2;
 
 /// Chance of going on at most: a path between white walls ends, too.
 const LIKELIEST: f64 = 0.95;
+
+/// Rays for the sky that is seen straight, to each path.
+const SKY_RAYS: usize = 16;
 
 /// A scene, ready to be asked.
 pub struct Judge<'a> {
@@ -85,7 +88,7 @@ impl<'a> Judge<'a> {
         &self,
         position: DVec3,
         normal: DVec3,
-        skies: &[JudgedSky],
+        skies: &[&JudgedSky],
         paths: usize,
         seed: u64,
     ) -> Vec<Judged> {
@@ -115,6 +118,7 @@ impl<'a> Judge<'a> {
             }
         }
         self.add_suns(&looks, &mut sums);
+        self.add_open_sky(here, skies, each, mix(seed, 1 << 32), &mut sums);
         while !walkers.is_empty() {
             let rays: Vec<Ray> = walkers.iter().map(|walker| ray(walker.from, walker.direction)).collect();
             let hits = self.tracer.closest_many(&rays);
@@ -136,8 +140,39 @@ impl<'a> Judge<'a> {
         sums.iter().map(mean).collect()
     }
 
+    /// The sky that is seen straight: rays that cost little and go through a cell each of the square that cosine-distributed directions come
+    /// from. Sums are those of `each` paths.
+    fn add_open_sky(&self, here: Place, skies: &[&JudgedSky], each: usize, seed: u64, sums: &mut Sums) {
+        let frame = Frame::of(here.normal);
+        let side = (SKY_RAYS * each).isqrt().max(1);
+        let mut random = Random::new(seed);
+        for batch in 0..BATCHES {
+            let mut direction = |(column, row): (usize, usize)| {
+                let [a, b]: [f64; 2] = random.many();
+                cosine(&frame, [(column as f64 + a) / side as f64, (row as f64 + b) / side as f64])
+            };
+            let directions: Vec<DVec3> = texels_in_blocks(side).map(&mut direction).filter(|d| d.z > 0.0).collect();
+            let rays: Vec<Ray> = directions.iter().map(|d| ray(here.from, *d)).collect();
+            let weight = PI * each as f64 / (side * side) as f64;
+            for (number, through) in self.open(&rays) {
+                let Some(place) = SkyPlace::of(directions[number]) else { continue };
+                for (sky, sums) in skies.iter().zip(sums.iter_mut()) {
+                    sums[batch][Component::SkyDirect as usize] += weight * through * sky.radiance(place);
+                }
+            }
+        }
+    }
+
+    /// Which of some rays meet nothing, and what canopies let through of them.
+    pub(super) fn open(&self, rays: &[Ray]) -> Vec<(usize, f64)> {
+        let met = self.tracer.occluded_many(rays);
+        let open: Vec<usize> = met.into_iter().enumerate().filter(|(_, met)| !met).map(|(place, _)| place).collect();
+        let through = self.through(open.iter().map(|&place| (rays[place], f32::INFINITY)));
+        open.into_iter().zip(through).collect()
+    }
+
     /// A path at a surface: asks for the sun, and goes on unless it ends there.
-    fn meet(&self, mut walker: Walker, hit: Hit, skies: &[JudgedSky], looks: &mut Vec<SunLook>) -> Option<Walker> {
+    fn meet(&self, mut walker: Walker, hit: Hit, skies: &[&JudgedSky], looks: &mut Vec<SunLook>) -> Option<Walker> {
         let (place, orientation) = self.place(walker.from, walker.direction, hit);
         let material = self.mesh.triangle_material[hit.triangle as usize];
         let reflector = &self.reflectors[usize::from(material)];
@@ -199,18 +234,16 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The sky at the end of a path.
-fn see(walker: &Walker, skies: &[JudgedSky], sums: &mut Sums) {
-    if walker.direction.z <= 0.0 {
-        return;
-    }
+/// The sky at the end of a path; what is seen straight has rays of its own.
+fn see(walker: &Walker, skies: &[&JudgedSky], sums: &mut Sums) {
     let component = match walker.behind {
-        Behind::Nothing => Component::SkyDirect,
+        Behind::Nothing => return,
         Behind::Mirrors => Component::SkySpecular,
         Behind::Matt => Component::SkyDiffuse,
     };
+    let Some(place) = SkyPlace::of(walker.direction) else { return };
     for (sky, sums) in skies.iter().zip(sums) {
-        sums[walker.batch][component as usize] += PI * walker.weight * sky.radiance(walker.direction);
+        sums[walker.batch][component as usize] += PI * walker.weight * sky.radiance(place);
     }
 }
 

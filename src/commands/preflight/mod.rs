@@ -107,6 +107,12 @@ impl<'a> Files<'a> {
                 self.read_if(&args.receivers, Wanted::Receivers);
                 self.write_if(&args.output, Written::Archive);
             }
+            Command::Audit(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.scene(&args.scene);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.write_if(&args.output, Written::Folder);
+            }
             Command::Extract(args) => {
                 self.read(&args.archive, Wanted::Archive);
                 self.read_if(&args.receivers, Wanted::Other);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::ladder::{LadderTable, Step};
 use super::sources::Point;
+use crate::outputs::page::{escaped, page};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::csvw::{self, CsvColumn};
@@ -48,7 +49,8 @@ pub fn files(
         files.push(("sources.csv", table));
     }
     pictures.iter_mut().for_each(|(_, svg)| *svg = about.in_svg(svg));
-    files.push((PAGE, page(site, ladder, &pictures)));
+    let title = format!("What accuracy costs: {}", site.scene.display());
+    files.push((PAGE, page(&title, &words(site, ladder), &pictures, &ladder.table())));
     files.extend(pictures);
     Ok(files)
 }
@@ -200,21 +202,4 @@ fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
     text +=
         "To ask for an error instead of a setting, build with <code>--error 2%</code>, or the number that you need.";
     text
-}
-
-fn page(site: &SiteSummary, ladder: &LadderTable, pictures: &[(&str, String)]) -> String {
-    let scene = escaped(&site.scene.display().to_string());
-    let drawn: String = pictures.iter().map(|(_, svg)| format!("<figure>{svg}</figure>\n")).collect();
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>What accuracy costs: {scene}</title>\n<style>\n\
-         body {{ font-family: sans-serif; max-width: 52em; margin: 2em auto; padding: 0 1em; line-height: 1.5 }}\n\
-         pre {{ font-size: 85%; overflow-x: auto }} figure {{ margin: 1.5em 0 }} svg {{ max-width: 100%; height: auto }}\n\
-         </style>\n</head>\n<body>\n<h1>What accuracy costs: {scene}</h1>\n<p>{}</p>\n{drawn}<pre>{}</pre>\n</body>\n</html>\n",
-        words(site, ladder),
-        escaped(&ladder.table())
-    )
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

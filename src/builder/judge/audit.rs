@@ -1,0 +1,168 @@
+//! An audit: results of an archive beside what the judge finds. In: an archive, its scene, conditions. Out: pairs, of random receivers under
+//! random conditions.
+
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use super::comparison::Pair;
+use super::estimate::PARTS;
+use super::random::Random;
+use super::sky::JudgedSky;
+use super::walk::Judge;
+use crate::build::PreparedScene;
+use crate::observer::{Observer, Stage};
+use crate::spill::TempFiles;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::hemisphere::mix;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::conditions::{Condition, in_axes};
+
+/// Conditions that each receiver is judged under.
+const HOURS: usize = 8;
+
+/// Receivers that are judged before the clock is looked at.
+const AT_ONCE: usize = 64;
+
+/// What is to be audited, and how long.
+pub struct AuditRequest<'a> {
+    /// The archive.
+    pub archive: &'a Archive,
+    /// The scene that it was built from.
+    pub scene: &'a PreparedScene<'a>,
+    /// Suns and skies to choose from, their suns by true north.
+    pub conditions: &'a [Condition],
+    /// How the radiance of the sky is spread.
+    pub sky: SkyModel,
+    /// Receivers at most.
+    pub samples: usize,
+    /// Time at most; what is under way is finished.
+    pub time: Option<Duration>,
+    /// Paths of a receiver.
+    pub paths: usize,
+    /// Another one asks other receivers, hours and paths.
+    pub seed: u64,
+    /// For replay.
+    pub memory: MemoryBudget,
+    /// Its files.
+    pub storage: &'a TempFiles,
+    /// Told how far it is, and asked whether to stop.
+    pub observer: &'a dyn Observer,
+}
+
+/// What was found.
+pub struct Audited {
+    /// The receivers that were looked at, with the share of their hemispheres that is sky.
+    pub receivers: Vec<(Receiver, f64)>,
+    /// In the order of the receivers.
+    pub pairs: Vec<Pair>,
+}
+
+/// Compares results of an archive with the judge's. An error: blocks that cannot be read, a sky that the judge does not know.
+pub fn audit(request: &AuditRequest) -> Result<Audited> {
+    let started = Instant::now();
+    let site = OpenSite::of(request.archive)?;
+    let all: Vec<(u32, usize)> = request
+        .archive
+        .entries_of(format::RECEIVERS)
+        .iter()
+        .flat_map(|entry| (0..entry.items as usize).map(move |row| (entry.tile, row)))
+        .collect();
+    let turned = in_axes(request.conditions, site.north());
+    let skies: Vec<JudgedSky> =
+        turned.iter().map(|condition| JudgedSky::new(condition, request.sky)).collect::<Result<_>>()?;
+    let settings = ReplaySettings {
+        sky: request.sky,
+        patches: request.archive.manifest().settings.patches as usize,
+        memory: request.memory,
+        storage: request.storage,
+        ..ReplaySettings::default()
+    };
+    let replay = Replay::new(&site, request.conditions, settings)?;
+    let judge = Judge::new(request.scene);
+    let progress = Stage::begin(request.observer, "audit", Some(request.samples.min(all.len()) as u64));
+    let mut audited = Audited { receivers: Vec::new(), pairs: Vec::new() };
+    let mut chosen = spread(all.len(), request.samples, request.seed);
+    // Whenever the time is up, those that were looked at lie everywhere.
+    shuffle(&mut chosen, request.seed);
+    for some in chosen.chunks(AT_ONCE) {
+        if request.observer.cancelled() {
+            return Err(Error::Stopped { what: format!("after {} receivers", audited.receivers.len()) });
+        }
+        if request.time.is_some_and(|time| started.elapsed() > time) {
+            break;
+        }
+        let mut some: Vec<(u32, usize)> = some.iter().map(|&i| all[i]).collect();
+        some.sort_unstable();
+        let first = audited.receivers.len();
+        for of_tile in some.chunk_by(|a, b| a.0 == b.0) {
+            let tile = of_tile[0].0;
+            let table = site.tile_receivers(tile)?;
+            let (receivers, views) = (site.tile_parts(tile, &table)?, table.views().collect::<Vec<_>>());
+            let values = replay.run([tile])?.remove(0).1;
+            for &(_, row) in of_tile {
+                let receiver = audited.receivers.len();
+                audited.receivers.push((receivers[row].clone(), f64::from(views[row][0])));
+                for condition in spread(skies.len(), HOURS, mix(request.seed, receiver as u64)) {
+                    let of = |part: usize| f64::from(values.row(Component::ALL[part], row)[condition]);
+                    let result: [f64; PARTS] = std::array::from_fn(of);
+                    audited.pairs.push(Pair { receiver, condition, result, judged: Default::default() });
+                }
+            }
+        }
+        let (receivers, seed) = (&audited.receivers, mix(request.seed, 0x0061_7564_6974));
+        let start = audited.pairs.partition_point(|pair| pair.receiver < first);
+        let mut of_receivers: Vec<&mut [Pair]> =
+            audited.pairs[start..].chunk_by_mut(|a, b| a.receiver == b.receiver).collect();
+        of_receivers.par_iter_mut().for_each(|pairs| {
+            let Some(number) = pairs.first().map(|pair| pair.receiver) else { return };
+            let under: Vec<&JudgedSky> = pairs.iter().map(|pair| &skies[pair.condition]).collect();
+            let receiver = &receivers[number].0;
+            let seed = mix(seed, number as u64);
+            let found = judge.irradiance(receiver.position, receiver.normal, &under, request.paths, seed);
+            pairs.iter_mut().zip(found).for_each(|(pair, judged)| pair.judged = judged);
+            progress.advance(1);
+        });
+    }
+    Ok(audited)
+}
+
+/// So many numbers below a limit, one at random of each part of it.
+fn spread(limit: usize, count: usize, seed: u64) -> Vec<usize> {
+    let count = count.min(limit);
+    let mut random = Random::new(mix(seed, 0));
+    let number = |i: usize| ((i as f64 + random.next()) * limit as f64 / count as f64) as usize;
+    (0..count).map(number).map(|number| number.min(limit - 1)).collect()
+}
+
+/// Fisher and Yates 1938, as by Durstenfeld 1964.
+fn shuffle(numbers: &mut [usize], seed: u64) {
+    let mut random = Random::new(mix(seed, 1));
+    for i in (1..numbers.len()).rev() {
+        numbers.swap(i, ((random.next() * (i + 1) as f64) as usize).min(i));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 10 of 1,000 numbers are one of each hundred, all of 5 are each once, and shuffling keeps them: 15 of 15.
+    #[test]
+    fn chosen_are_spread() {
+        let mut some = spread(1000, 10, 3);
+        assert!(some.iter().enumerate().all(|(i, number)| number / 100 == i), "{some:?}");
+        assert_eq!(spread(5, 10, 3), [0, 1, 2, 3, 4]);
+        let before = some.clone();
+        shuffle(&mut some, 3);
+        assert_ne!(some, before);
+        some.sort_unstable();
+        assert_eq!(some, before);
+    }
+}

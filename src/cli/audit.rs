@@ -1,0 +1,48 @@
+//! Arguments of `audit`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::{Bytes, ClockArgs, SceneArgs, clock_of, parse_memory};
+use heliotile_core::sky::model::SkyModel;
+
+#[derive(Args, Debug)]
+#[command(group(clock_of("weather")))]
+pub struct AuditArgs {
+    /// Archive to audit
+    pub archive: PathBuf,
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Weather file whose hours count, 12 positions of the sun in each [default: suns from all sides]
+    #[arg(long, short)]
+    pub weather: Option<PathBuf>,
+    /// Receivers to ask the judge about, under 8 hours each [default: 256, or as many as --seconds allow]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: Option<u32>,
+    /// Stop asking after this time
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    pub seconds: Option<f64>,
+    /// Paths of light that the judge follows from each receiver
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(16..=1 << 24))]
+    pub paths: u32,
+    /// Another number asks about other receivers and hours, along other paths
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    #[arg(long, default_value = "perez")]
+    pub sky: SkyModel,
+    /// Folder to write audit.csv, pictures and index.html into
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0 && *s < 1e9);
+    seconds.ok_or_else(|| "give a number of seconds above 0".into())
+}

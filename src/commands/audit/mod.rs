@@ -1,0 +1,70 @@
+//! `heliotile audit`: whether an archive is as exact as it says. In: an archive, its scene, weather. Out: what an independent judge finds,
+//! and the verdict.
+
+mod report;
+
+use std::time::Duration;
+
+use super::terminal::Terminal;
+use super::{Outcome, invocation, original, read_suns, say, temporary_files, warn};
+use crate::cli::AuditArgs;
+use crate::outputs::sink::write_texts;
+use heliotile_builder::accuracy::conditions::is_lit;
+use heliotile_builder::build::PreparedScene;
+use heliotile_builder::judge::{AuditRequest, audit};
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::weather::conditions::Condition;
+use report::{AuditReport, Verdict};
+
+/// Receivers that are asked about, if nothing is said.
+const SAMPLES: u32 = 256;
+
+/// Hours to choose from.
+const HOURS: usize = 256;
+
+/// Positions of the sun in an hour, as `replay` has it.
+const STEPS: usize = 12;
+
+/// `heliotile audit`.
+pub fn run(args: &AuditArgs) -> Result<Outcome> {
+    let archive = Archive::open_with(&args.archive, Access::Read)?;
+    let site = original::site_of(&args.archive, &args.scene)?;
+    let scene = original::scene_of(&archive, &site, args.scene.first())?;
+    let suns = read_suns(args.weather.as_deref(), Some(&args.about_weather), &scene)?;
+    let lit: Vec<Condition> = suns.year(STEPS).into_iter().filter(is_lit).collect();
+    let count = HOURS.min(lit.len());
+    let conditions: Vec<Condition> = (0..count).map(|i| lit[i * lit.len() / count].clone()).collect();
+    let left_out = &archive.manifest().settings.left_out;
+    if !left_out.is_empty() {
+        warn(&format!("{} leaves out {}: the judge does not", args.archive.display(), left_out.join(", ")));
+    }
+    let (prepared, terminal, storage) = (PreparedScene::new(&scene)?, Terminal::default(), temporary_files());
+    let samples = args.samples.unwrap_or(if args.seconds.is_some() { u32::MAX } else { SAMPLES });
+    let audited = audit(&AuditRequest {
+        archive: &archive,
+        scene: &prepared,
+        conditions: &conditions,
+        sky: args.sky,
+        samples: samples as usize,
+        time: args.seconds.map(Duration::from_secs_f64),
+        paths: args.paths as usize,
+        seed: args.seed,
+        memory: MemoryBudget::new(args.memory.0),
+        storage: &storage,
+        observer: &terminal,
+    })?;
+    let stated = archive.manifest().accuracy.as_ref();
+    let report = AuditReport::new(&args.archive, &audited, &conditions, suns.name(), stated);
+    say(&report.text())?;
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
+        write_texts(folder, &report.files(&invocation::provenance().with("weather", suns.name()))?)?;
+        say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;
+    }
+    Ok(match report.verdict() {
+        Verdict::Refuted => Outcome::ProblemFound,
+        Verdict::Holds | Verdict::NothingStated => Outcome::Fine,
+    })
+}
