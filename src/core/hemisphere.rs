@@ -78,6 +78,15 @@ pub fn direction_of(square: DVec2) -> DVec3 {
     }
 }
 
+/// Cosine-distributed direction about z for a point of the unit square: Malley's method over Shirley and Chiu's disc.
+pub fn cosine_direction_of(square: DVec2) -> DVec3 {
+    // The equal-solid-angle lift has z = 1 - r^2; the cosine lift of the same disc point has z = sqrt(1 - r^2).
+    let d = direction_of(square);
+    let r2 = (1.0 - d.z).clamp(0.0, 1.0);
+    let stretch = 1.0 / (2.0 - r2).sqrt();
+    DVec3::new(d.x * stretch, d.y * stretch, (1.0 - r2).sqrt())
+}
+
 /// Azimuth, turns clockwise from north in 0..=1, and z of the direction of a point of the unit square, without trigonometry: the
 /// map is linear in the azimuth within each quarter.
 pub fn azimuth_and_z(square: DVec2) -> (f64, f64) {

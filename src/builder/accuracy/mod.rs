@@ -1,13 +1,14 @@
 //! Accuracy as one number. In: a scene, its receivers and a target in percent. Out: the cheapest settings that keep within it, what
 //! they are expected to be off by, and what they were found to be off by.
 //!
-//! Half of a spread sample of the receivers is the pilot: it is built with a few settings, and the distances between them give the error of
-//! every rung of each ladder ([`estimate`]). The other half is the check: built with the settings that were chosen and with finer ones; where that
-//! finds more than was wanted, finer settings are chosen by what it found.
+//! Some of a spread sample of the receivers are the pilot: it is built with a few settings, and the distances between them give the error of
+//! every rung of each ladder ([`estimate`]). The others are the check: built with the settings that were chosen and compared with an independent
+//! [judge](crate::judge); where that finds more than was wanted, finer settings are chosen by what it found.
 //! Nothing here depends on the machine, so the same site and target give the same settings, and the same archive.
 
 pub mod conditions;
 pub mod estimate;
+mod judged;
 pub mod trial;
 
 use std::time::Instant;
@@ -15,20 +16,22 @@ use std::time::Instant;
 use crate::build::{Build, Workspace};
 use crate::observer::Stage;
 use crate::receiver_tiles::ReceiverTiles;
-use crate::settings::ladder::{self, BOUNCED_RUNGS, PATCH_RUNGS, SEEN_RUNGS, SKY_RUNGS};
+use crate::settings::ladder::{self, BOUNCED_RUNGS, SEEN_RUNGS, SKY_RUNGS};
 use crate::settings::{BuildSettings, Effects, Rungs};
 use conditions::ErrorConditions;
-use estimate::{Errors, patch_errors, percent, rung};
-use heliotile_core::archive::accuracy::{Accuracy, TileError};
+use estimate::{Errors, patch_errors, rung};
+use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::Component;
 use heliotile_core::site::receiver::{Receiver, TILE};
-use trial::{Bench, ErrorSource, Irradiances, Trial};
+use judged::{JudgedSample, rounded};
+use trial::{Bench, ErrorSource, Trial};
 
-/// Receivers of the pilot, and of the check: so many of all, within limits.
+/// Receivers of the pilot, and of the check, which are built once and show what few of a site have: so many of all, within limits.
 const SHARE: usize = 16;
+const CHECKED_SHARE: usize = 4;
 const LEAST: usize = 20;
 const MOST: usize = 32;
+const MOST_CHECKED: usize = 128;
 
 /// Suns and skies of an estimate.
 pub const CONDITIONS: usize = 256;
@@ -86,26 +89,29 @@ pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, R
 pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> {
     let started = Instant::now();
     let conditions = wish.suns.some(CONDITIONS);
-    let each = (build.receivers.count() / SHARE).clamp(LEAST, MOST).min(build.receivers.count().div_ceil(2));
-    let sample = sample(build.receivers, 2 * each)?;
-    let half = |odd: usize| -> Vec<Receiver> { sample.iter().skip(odd).step_by(2).map(|s| s.1.clone()).collect() };
-    let halves = [half(0), half(1)];
+    let count = build.receivers.count();
+    let pilots = (count / SHARE).clamp(LEAST, MOST).min(count.div_ceil(2));
+    let checked = (count / CHECKED_SHARE).clamp(LEAST, MOST_CHECKED).min(count - pilots);
+    let sample = sample(build.receivers, pilots + checked)?;
+    let is_pilot = |i: usize| (i + 1) * pilots / sample.len() > i * pilots / sample.len();
+    let some = |pilot: bool| sample.iter().enumerate().filter(move |(i, _)| is_pilot(*i) == pilot).map(|(_, s)| s);
+    let parts: [Vec<Receiver>; 2] = [true, false].map(|pilot| some(pilot).map(|s| s.1.clone()).collect());
     let Workspace { folder, memory } = build.workspace;
     let trials = tempfile::Builder::new().prefix("heliotile-pilot").tempdir_in(folder);
     let trials = trials.map_err(Error::io(folder, "make a folder in"))?;
     let workspace = Workspace { folder: trials.path().to_path_buf(), memory: *memory };
-    let bench = |half: usize| Bench {
+    let bench = |part: usize| Bench {
         scene: build.scene,
-        // With a single receiver there is no other half.
-        receivers: if halves[half].is_empty() { &halves[0] } else { &halves[half] },
+        // With a single receiver there is no other part.
+        receivers: if parts[part].is_empty() { &parts[0] } else { &parts[part] },
         conditions: &conditions,
         workspace: &workspace,
         observer: build.observer,
     };
     let settings = |rungs: Rungs| BuildSettings { left_out: wish.left_out, ..rungs.settings() };
     let progress = Stage::begin(build.observer, "pilot", None);
-    let try_out = |half: usize, rungs: Rungs| -> Result<(Rungs, Trial)> {
-        let trial = bench(half).trial(settings(rungs))?;
+    let try_out = |part: usize, rungs: Rungs| -> Result<(Rungs, Trial)> {
+        let trial = bench(part).trial(settings(rungs))?;
         progress.advance(1);
         Ok((rungs, trial))
     };
@@ -135,26 +141,23 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
         finer = next;
     }
 
-    let judge = |finer: Rungs| try_out(1, Rungs { patches: PATCH_RUNGS - 1, ..finer });
-    let tile = |i: usize| sample.get(2 * i + 1).or(sample.first()).map_or(0, |s| s.0);
-    let mut truth = judge(finer)?.1.light;
-    // What the check finds over what the pilot expects.
+    let of_checked: Vec<u32> = some(false).map(|s| s.0).collect();
+    let tile = |i: usize| of_checked.get(i).copied().unwrap_or_default();
+    let judged = JudgedSample::of(&bench(1), wish.left_out, wish.target_percent)?;
+    // What the judge finds over what the pilot expects.
     let (mut scale, mut round) = (1.0, 1);
     let (accuracy, expected) = loop {
         let (_, here) = try_out(1, chosen)?;
-        let left = ErrorSource::ALL.map(|source| scale * errors.at(finer, source).min(errors.at(chosen, source)));
-        let accuracy = found(&here.light, &truth, left, tile);
+        let accuracy = judged.accuracy(&here.light, tile);
         let expected = scale * errors.total(chosen);
+        if accuracy.rmse_percent <= wish.target_percent || round == ROUNDS {
+            break (accuracy, expected);
+        }
         let again = errors.cheapest(wish.target_percent * expected / (scale * accuracy.rmse_percent));
-        if accuracy.rmse_percent <= wish.target_percent || round == ROUNDS || again == chosen {
+        if again == chosen {
             break (accuracy, expected);
         }
         (chosen, scale, round) = (again, scale * accuracy.rmse_percent / expected, round + 1);
-        let next = crate::accuracy::finer(chosen, &errors, wish.target_percent / scale);
-        if ErrorSource::ALL.iter().any(|&source| rung(next, source) > rung(finer, source)) {
-            finer = next;
-            truth = judge(finer)?.1.light;
-        }
     };
     drop(progress);
 
@@ -185,58 +188,6 @@ fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
         bounced: up(ErrorSource::Bounced, BOUNCED_RUNGS).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
         patches: rungs.patches,
     }
-}
-
-/// How far a light lies from a finer one that is itself off by `left` percent, source by source.
-fn found(light: &Irradiances, truth: &Irradiances, left: [f64; 3], tile: impl Fn(usize) -> u32) -> Accuracy {
-    let mean = truth.mean();
-    let [sky, seen, bounced] = left;
-    let in_percent = |difference: f64| rounded(percent(difference, mean));
-    let names = Component::ALL.into_iter().map(|component| component.name().to_string());
-    // What is left is the sun's for the most part.
-    let left_of = |component| match component {
-        Component::SunDirect => sky,
-        Component::SunDiffuse => seen.hypot(bounced),
-        _ => 0.0,
-    };
-    let errors = Component::ALL.into_iter().zip(light.component_errors(truth));
-    let components = errors.map(|(component, error)| rounded(percent(error.rmse, mean).hypot(left_of(component))));
-    let receivers = truth.rows.len() / truth.conditions.max(1);
-    let mut tiles: Vec<TileError> = Vec::new();
-    for receiver in 0..receivers {
-        let (here, right) = (light.some(|r| r == receiver), truth.some(|r| r == receiver));
-        let mut squares = [0.0; 7];
-        for (slot, error) in squares.iter_mut().zip(here.component_errors(&right)) {
-            *slot = error.rmse * error.rmse;
-        }
-        squares[6] = here.total_error(&right).rmse.powi(2);
-        match tiles.last_mut().filter(|last| last.tile == tile(receiver)) {
-            Some(last) => {
-                last.receivers += 1;
-                last.rmse_w_m2.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square);
-            }
-            None => tiles.push(TileError { tile: tile(receiver), receivers: 1, rmse_w_m2: squares }),
-        }
-    }
-    for tile in &mut tiles {
-        let count = f64::from(tile.receivers);
-        tile.rmse_w_m2.iter_mut().for_each(|sum| *sum = rounded((*sum / count).sqrt()));
-    }
-    Accuracy {
-        rmse_percent: rounded(percent(light.total_error(truth).rmse, mean).hypot(sky).hypot(seen).hypot(bounced)),
-        bias_percent: in_percent(light.total_error(truth).bias),
-        yearly_percent: in_percent(light.yearly_error(truth).rmse),
-        components_percent: names.zip(components).collect(),
-        sample: receivers as u64,
-        mean_w_m2: rounded(mean),
-        tiles,
-        ..Accuracy::default()
-    }
-}
-
-/// Four digits are more than an estimate has.
-fn rounded(number: f64) -> f64 {
-    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 #[cfg(test)]

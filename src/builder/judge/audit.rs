@@ -12,6 +12,7 @@ use super::sky::JudgedSky;
 use super::walk::Judge;
 use crate::build::PreparedScene;
 use crate::observer::{Observer, Stage};
+use crate::settings::Effects;
 use crate::spill::TempFiles;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
@@ -85,7 +86,7 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
         ..ReplaySettings::default()
     };
     let replay = Replay::new(&site, request.conditions, settings)?;
-    let judge = Judge::new(request.scene);
+    let judge = Judge::new(request.scene, Effects::of_names(&request.archive.manifest().settings.left_out));
     let progress = Stage::begin(request.observer, "audit", Some(request.samples.min(all.len()) as u64));
     let mut audited = Audited { receivers: Vec::new(), pairs: Vec::new() };
     let mut chosen = spread(all.len(), request.samples, request.seed);

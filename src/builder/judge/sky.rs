@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::random::Random;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::hemisphere::{Frame, texel_direction, texel_of};
+use heliotile_core::hemisphere::{Frame, cosine_direction_of, texel_direction, texel_of};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::SUN_RADIUS_RAD;
 use heliotile_core::weather::conditions::Condition;
@@ -62,19 +62,39 @@ impl JudgedSky {
 
     /// A point of the sun's disc above the horizon, by numbers for which of the suns and where, and others should that lie below; `None`
     /// without sun.
-    pub(super) fn sun(&self, [which, mut radius, mut angle]: [f64; 3], others: &mut Random) -> Option<DVec3> {
+    pub(super) fn sun(&self, [which, mut across, mut along]: [f64; 3], others: &mut Random) -> Option<DVec3> {
         let total = self.suns.last().map(|sun| sun.0).filter(|total| *total > 0.0 && self.dni_w_m2 > 0.0)?;
         let at = self.suns.partition_point(|sun| sun.0 <= which * total).min(self.suns.len() - 1);
         let frame = &self.suns[at].1;
         loop {
-            let offset = DVec2::from_angle(TAU * angle) * (SUN_RADIUS_RAD * radius.sqrt());
-            let point = frame.to_world(offset.extend(1.0)).normalize();
+            // Level parts of cosine-distributed directions are points of a disc, all alike.
+            let point = cosine_direction_of(DVec2::new(across, along)).truncate() * SUN_RADIUS_RAD;
+            let point = frame.to_world(point.extend(1.0)).normalize();
             // Its middle is above, and so is half of it at least.
             if point.z > 0.0 {
                 return Some(point);
             }
-            [radius, angle] = others.many();
+            [across, along] = others.many();
         }
+    }
+
+    /// The mean of skies: their suns, each for its share of the time.
+    pub fn mean(skies: &[JudgedSky]) -> JudgedSky {
+        let share = 1.0 / skies.len().max(1) as f64;
+        let mut mean = JudgedSky { radiances: vec![0.0; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() };
+        let mut sums = vec![0.0_f64; SIDE * SIDE];
+        for sky in skies {
+            sums.iter_mut().zip(&sky.radiances).for_each(|(sum, radiance)| *sum += share * f64::from(*radiance));
+            let whole = sky.suns.last().map_or(0.0, |sun| sun.0);
+            if whole > 0.0 {
+                let before = mean.dni_w_m2;
+                let part = share * sky.dni_w_m2;
+                mean.suns.extend(sky.suns.iter().map(|sun| (before + part * sun.0 / whole, sun.1)));
+                mean.dni_w_m2 += part;
+            }
+        }
+        mean.radiances.iter_mut().zip(sums).for_each(|(radiance, sum)| *radiance = sum as f32);
+        mean
     }
 }
 
@@ -97,7 +117,7 @@ fn around(azimuth: f64, z: f64) -> DVec3 {
     (DVec2::from_angle(azimuth) * (1.0 - z * z).max(0.0).sqrt()).extend(z)
 }
 
-/// A cosine-distributed direction about an axis (Malley 1988).
+/// A cosine-distributed direction about an axis.
 pub(super) fn cosine(frame: &Frame, [a, b]: [f64; 2]) -> DVec3 {
-    frame.to_world((DVec2::from_angle(TAU * b) * a.sqrt()).extend((1.0 - a).max(0.0).sqrt()))
+    frame.to_world(cosine_direction_of(DVec2::new(a, b)))
 }

@@ -11,7 +11,7 @@ use crate::trace::kernel::rays::Hit;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::replay::components::Component;
-use heliotile_core::site::chain::MOST_MIRRORS;
+use heliotile_core::site::chain::{MOST_MIRRORS, Orientation};
 
 /// A place that looks for a point of the sun.
 #[derive(Clone, Copy, Debug)]
@@ -81,13 +81,13 @@ impl Judge<'_> {
             let (look, cos) = straight[place];
             look.add(false, look.weight * cos * through, sums);
         }
-        if !self.mirrors.is_empty() {
-            self.add_mirrored(looks, sums);
+        if let Some(mirrors) = self.mirrors {
+            self.add_mirrored(looks, &mirrors.orientations, sums);
         }
     }
 
-    fn add_mirrored(&self, looks: &[SunLook], sums: &mut Sums) {
-        let mut ways: Vec<Way> = looks.iter().flat_map(|look| self.ways(look)).collect();
+    fn add_mirrored(&self, looks: &[SunLook], orientations: &[Orientation], sums: &mut Sums) {
+        let mut ways: Vec<Way> = looks.iter().flat_map(|look| ways(look, orientations)).collect();
         for passed in 0..=MOST_MIRRORS {
             let (on, out): (Vec<Way>, Vec<Way>) = ways.into_iter().partition(|way| way.chain.len() > passed);
             let rays = |ways: &[Way]| -> Vec<Ray> { ways.iter().map(|way| ray(way.from, way.direction)).collect() };
@@ -107,37 +107,36 @@ impl Judge<'_> {
 
     /// A way behind its next mirror, if that is what its ray meets.
     fn follow<'l>(&self, mut way: Way<'l>, hit: Hit, passed: usize, through: f64) -> Option<Way<'l>> {
-        let number = self.mirrors.of_triangle(hit.triangle).filter(|number| way.chain.get(passed) == Some(number))?;
-        let orientation = self.mirrors.orientations[usize::from(number)];
+        let (_, orientation) = self.orientation(hit).filter(|(number, _)| way.chain.get(passed) == Some(number))?;
         let (place, _) = self.place(way.from, way.direction, hit);
         let cos = orientation.normal.dot(way.direction).abs();
         way.weight *= through * specular(&self.reflectors[usize::from(orientation.material)], cos);
         (way.from, way.direction) = (place.from, orientation.reflect(way.direction).normalize());
         Some(way)
     }
+}
 
-    /// Looks along chains of mirrors, in the directions in which the sun would appear in them.
-    fn ways<'l>(&self, look: &'l SunLook) -> Vec<Way<'l>> {
-        let count = self.mirrors.orientations.len();
-        let of_length = |length: usize| count.saturating_pow(length as u32);
-        let all = (1..=MOST_MIRRORS).map(of_length).fold(0, usize::saturating_add) <= ALL_CHAINS;
-        let way = move |(chain, weight): (Vec<u16>, f64)| {
-            let reflect = |d: DVec3, number: &u16| self.mirrors.orientations[usize::from(*number)].reflect(d);
-            let direction = chain.iter().rev().fold(look.sun, reflect);
-            let cos = look.place.normal.dot(direction);
-            let weight = look.weight * cos * weight;
-            (cos > 0.0).then_some(Way { look, chain, from: look.place.from, direction, weight })
+/// Looks along chains of mirrors, in the directions in which the sun would appear in them.
+fn ways<'l>(look: &'l SunLook, orientations: &[Orientation]) -> Vec<Way<'l>> {
+    let count = orientations.len();
+    let of_length = |length: usize| count.saturating_pow(length as u32);
+    let all = (1..=MOST_MIRRORS).map(of_length).fold(0, usize::saturating_add) <= ALL_CHAINS;
+    let way = move |(chain, weight): (Vec<u16>, f64)| {
+        let reflect = |d: DVec3, number: &u16| orientations[usize::from(*number)].reflect(d);
+        let direction = chain.iter().rev().fold(look.sun, reflect);
+        let cos = look.place.normal.dot(direction);
+        let weight = look.weight * cos * weight;
+        (cos > 0.0).then_some(Way { look, chain, from: look.place.from, direction, weight })
+    };
+    let chains = (1..=MOST_MIRRORS).flat_map(move |length| {
+        let there = of_length(length);
+        let drawn = if all { there } else { there.min(DRAWN) };
+        let chain = move |i: usize| {
+            let number = if drawn == there { i as u64 } else { mix(look.seed, (length * DRAWN + i) as u64) };
+            let digit = |place: usize| (number / (count as u64).pow(place as u32) % count as u64) as u16;
+            ((0..length).map(digit).collect(), there as f64 / drawn as f64)
         };
-        let chains = (1..=MOST_MIRRORS).flat_map(move |length| {
-            let there = of_length(length);
-            let drawn = if all { there } else { there.min(DRAWN) };
-            let chain = move |i: usize| {
-                let number = if drawn == there { i as u64 } else { mix(look.seed, (length * DRAWN + i) as u64) };
-                let digit = |place: usize| (number / (count as u64).pow(place as u32) % count as u64) as u16;
-                ((0..length).map(digit).collect(), there as f64 / drawn as f64)
-            };
-            (0..drawn).map(chain)
-        });
-        chains.filter_map(way).collect()
-    }
+        (0..drawn).map(chain)
+    });
+    chains.filter_map(way).collect()
 }

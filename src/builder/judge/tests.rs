@@ -1,5 +1,6 @@
 use super::*;
 use crate::build::PreparedScene;
+use crate::settings::Effects;
 use glam::DVec3;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::replay::components::Component;
@@ -52,7 +53,7 @@ impl Count {
     ) {
         let scene = Scene::from_triangles(triangles, materials).expect("a scene");
         let prepared = PreparedScene::new(&scene).expect("a tree");
-        let judge = Judge::new(&prepared);
+        let judge = Judge::new(&prepared, Effects::NONE);
         let sky = JudgedSky::new(condition, SkyModel::Uniform).expect("a sky");
         for (place, (position, normal, expected)) in known.iter().enumerate() {
             let total: f64 = expected.iter().sum();
@@ -162,7 +163,7 @@ fn furnace() {
             (DVec3::new(4.0, 5.0, 9.0), DVec3::NEG_Y),
         ] {
             for seed in 0..50 {
-                let judged = Judge::new(&prepared).irradiance(position, normal, &[&sky], 2048, seed)[0];
+                let judged = Judge::new(&prepared, Effects::NONE).irradiance(position, normal, &[&sky], 2048, seed)[0];
                 sum += judged.mean[6] / 150.0;
                 beyond += usize::from((judged.mean[6] - 200.0).abs() > 3.0 * judged.error[6]);
             }
@@ -234,7 +235,9 @@ fn skies_are_level() {
     let mut seen = 0;
     for model in models {
         let sky = JudgedSky::new(&condition(200.0, 50.0, 600.0, 180.0), model).expect("a sky");
-        let judged = Judge::new(&prepared).irradiance(DVec3::new(9.0, 9.0, 1.0), DVec3::Z, &[&sky], 1 << 14, 3)[0];
+        let judged =
+            Judge::new(&prepared, Effects::NONE).irradiance(DVec3::new(9.0, 9.0, 1.0), DVec3::Z, &[&sky], 1 << 14, 3)
+                [0];
         let off = (judged.mean[Component::SkyDirect as usize] - 180.0).abs();
         assert!(
             off < (3.0 * judged.error[Component::SkyDirect as usize]).max(0.05) && off < 0.9,

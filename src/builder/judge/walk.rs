@@ -9,6 +9,7 @@ use super::random::{EVEN, Random, even};
 use super::sky::{JudgedSky, SkyPlace, cosine};
 use super::sun::SunLook;
 use crate::build::PreparedScene;
+use crate::settings::{Effect, Effects};
 use crate::trace::canopy::{Canopies, Path};
 use crate::trace::kernel::rays::Hit;
 use crate::trace::{Ray, Tracer};
@@ -17,6 +18,7 @@ use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::chain::Orientation;
+use heliotile_core::site::material::Material;
 use heliotile_scene::mesh::Mesh;
 use heliotile_scene::mirrors::Mirrors;
 
@@ -34,8 +36,11 @@ pub struct Judge<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) tracer: &'a Tracer,
     canopies: Option<&'a Canopies<'a>>,
-    pub(super) mirrors: &'a Mirrors,
+    /// Where there are some.
+    pub(super) mirrors: Option<&'a Mirrors>,
     pub(super) reflectors: Vec<Reflector>,
+    /// Whether light that was reflected by a matt surface is not reflected by another one.
+    once: bool,
 }
 
 /// A place on a surface, where rays start.
@@ -72,14 +77,19 @@ struct Walker {
 pub(super) type Sums = Vec<[[f64; 6]; BATCHES]>;
 
 impl<'a> Judge<'a> {
-    /// Of a scene with all that it has: no light is left out.
-    pub fn new(prepared: &'a PreparedScene<'a>) -> Self {
+    /// Of a scene, and what is to be left out of it as a build leaves it out.
+    pub fn new(prepared: &'a PreparedScene<'a>, left_out: Effects) -> Self {
+        let reflector = |material: &Material| match left_out.contains(Effect::Diffuse) {
+            true => Reflector { diffuse: 0.0, ..Reflector::of(material) },
+            false => Reflector::of(material),
+        };
         Judge {
             mesh: &prepared.scene.mesh,
             tracer: &prepared.tracer,
-            canopies: prepared.canopies.as_ref(),
-            mirrors: &prepared.mirrors,
-            reflectors: prepared.scene.materials.iter().map(Reflector::of).collect(),
+            canopies: prepared.canopies.as_ref().filter(|_| !left_out.contains(Effect::Canopies)),
+            mirrors: Some(&prepared.mirrors).filter(|all| !all.is_empty() && !left_out.contains(Effect::Mirrors)),
+            reflectors: prepared.scene.materials.iter().map(reflector).collect(),
+            once: left_out.contains(Effect::Bounces),
         }
     }
 
@@ -178,9 +188,10 @@ impl<'a> Judge<'a> {
         let reflector = &self.reflectors[usize::from(material)];
         let cos = place.normal.dot(walker.direction).abs();
         let mirrored = orientation.map_or(0.0, |_| specular(reflector, cos));
-        let reflected = mirrored + reflector.diffuse;
-        if reflector.diffuse > 0.0 {
-            let (which, weight) = (walker.random.many(), walker.weight * reflector.diffuse);
+        let diffuse = if self.once && walker.behind == Behind::Matt { 0.0 } else { reflector.diffuse };
+        let reflected = mirrored + diffuse;
+        if diffuse > 0.0 {
+            let (which, weight) = (walker.random.many(), walker.weight * diffuse);
             looks.extend(SunLook::at_all(place, walker.batch, weight, true, skies, which, &mut walker.random));
         }
         let [on, kind, a, b] = walker.random.many();
@@ -215,8 +226,14 @@ impl<'a> Judge<'a> {
         let way = way - outward * (way - (corner - from)).dot(outward);
         let grid = self.mesh.grid();
         let from = vector(grid.lifted(grid.absolute(from) + way, normal));
-        let number = self.mirrors.of_triangle(hit.triangle);
-        (Place { from, normal }, number.map(|number| self.mirrors.orientations[usize::from(number)]))
+        (Place { from, normal }, self.orientation(hit).map(|(_, orientation)| orientation))
+    }
+
+    /// The orientation of the mirror that is met, and its number.
+    pub(super) fn orientation(&self, hit: Hit) -> Option<(u16, Orientation)> {
+        let mirrors = self.mirrors?;
+        let number = mirrors.of_triangle(hit.triangle)?;
+        Some((number, mirrors.orientations[usize::from(number)]))
     }
 
     /// What canopies let through of rays that go so far, metres.

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
-use heliotile_core::hemisphere::{Frame, bit, direction_of, mix, unit};
+use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, unit};
 use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_scene::mesh::Mesh;
 
@@ -119,7 +119,7 @@ pub fn surroundings(
         let tries = (0..64 * down_count).map(|j| {
             let point = pick(&weights, unit(mix(seed ^ 0x646f_776e, j as u64)));
             let square = j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset;
-            (point, frames[point].to_world(cosine_direction(square.fract())))
+            (point, frames[point].to_world(cosine_direction_of(square.fract())))
         });
         for (point, direction) in tries.filter(|(_, direction)| direction.z <= 0.0).take(down_count) {
             from(point, direction, false);
@@ -176,13 +176,4 @@ pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3
     // The first sum is exact, and the second one that of input coordinates: equal in all scenes.
     let point = mesh.grid().absolute(origin) + direction * f64::from(hit.t);
     CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
-}
-
-/// Cosine-distributed direction about z for a point of the unit square: Malley's method over Shirley and Chiu's disc.
-fn cosine_direction(square: DVec2) -> DVec3 {
-    // The equal-solid-angle lift has z = 1 - r^2; the cosine lift of the same disc point has z = sqrt(1 - r^2).
-    let d = direction_of(square);
-    let r2 = (1.0 - d.z).clamp(0.0, 1.0);
-    let stretch = 1.0 / (2.0 - r2).sqrt();
-    DVec3::new(d.x * stretch, d.y * stretch, (1.0 - r2).sqrt())
 }

@@ -6,7 +6,7 @@ mod report;
 use std::time::Duration;
 
 use super::terminal::Terminal;
-use super::{Outcome, invocation, original, read_suns, say, temporary_files, warn};
+use super::{Outcome, invocation, original, read_suns, remark, say, temporary_files};
 use crate::cli::AuditArgs;
 use crate::outputs::sink::write_texts;
 use heliotile_builder::accuracy::conditions::is_lit;
@@ -38,7 +38,7 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
     let conditions: Vec<Condition> = (0..count).map(|i| lit[i * lit.len() / count].clone()).collect();
     let left_out = &archive.manifest().settings.left_out;
     if !left_out.is_empty() {
-        warn(&format!("{} leaves out {}: the judge does not", args.archive.display(), left_out.join(", ")));
+        remark(&format!("{} leaves out {}, and so does the judge\n", args.archive.display(), left_out.join(", ")))?;
     }
     let (prepared, terminal, storage) = (PreparedScene::new(&scene)?, Terminal::default(), temporary_files());
     let samples = args.samples.unwrap_or(if args.seconds.is_some() { u32::MAX } else { SAMPLES });

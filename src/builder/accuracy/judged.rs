@@ -1,0 +1,123 @@
+//! What the judge finds for a sample. In: a scene, some receivers, conditions. Out: how far a light of these receivers is off.
+
+use rayon::prelude::*;
+
+use crate::accuracy::estimate::percent;
+use crate::accuracy::trial::{Bench, Irradiances};
+use crate::judge::comparison::{Pair, deviation, mean_w_m2, off};
+use crate::judge::{Judge, Judged, JudgedSky, PARTS};
+use crate::settings::Effects;
+use heliotile_core::archive::accuracy::{Accuracy, TileError};
+use heliotile_core::error::Result;
+use heliotile_core::hemisphere::mix;
+use heliotile_core::replay::components::Component;
+use heliotile_core::site::north::North;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::conditions::in_axes;
+
+/// Conditions that a receiver is judged under, besides the mean of all.
+const CONDITIONS: usize = 16;
+
+/// Paths of a receiver where the error wanted is 1 %, and the limits of their number: the judge's noise is taken off, but must not be many times
+/// what it looks for.
+const PATHS: f64 = 4096.0;
+const LEAST_PATHS: f64 = 2048.0;
+const MOST_PATHS: f64 = 32768.0;
+
+/// The total.
+const TOTAL: usize = PARTS - 1;
+
+/// Receivers of a sample as the judge sees them.
+pub struct JudgedSample {
+    /// Conditions of all.
+    conditions: usize,
+    /// In the order of the receivers; without results.
+    pairs: Vec<Pair>,
+    /// `[receiver]`: the mean of all conditions.
+    means: Vec<Judged>,
+}
+
+impl JudgedSample {
+    /// Asks the judge about the receivers of a bench, for an error of so many percent.
+    pub fn of(bench: &Bench, left_out: Effects, target_percent: f64) -> Result<Self> {
+        let scene = bench.scene.scene;
+        let conditions = in_axes(bench.conditions, North::of(scene.place.as_ref()));
+        let skies: Vec<JudgedSky> =
+            conditions.par_iter().map(|c| JudgedSky::new(c, SkyModel::default())).collect::<Result<_>>()?;
+        let mean = JudgedSky::mean(&skies);
+        let judge = Judge::new(bench.scene, left_out);
+        let paths = (PATHS / (target_percent * target_percent).max(1e-9)).clamp(LEAST_PATHS, MOST_PATHS) as usize;
+        let stride = skies.len().div_ceil(CONDITIONS).max(1);
+        let judged = |(receiver, of): (usize, &Receiver)| {
+            // Others for each receiver, so that many take part.
+            let chosen: Vec<usize> = (receiver % stride..skies.len()).step_by(stride).collect();
+            let mut under: Vec<&JudgedSky> = chosen.iter().map(|&condition| &skies[condition]).collect();
+            under.push(&mean);
+            let seed = mix(0x0070_696c_6f74, receiver as u64);
+            let mut found = judge.irradiance(of.position, of.normal, &under, paths, seed);
+            let mean = found.pop().unwrap_or_default();
+            let pair = |(condition, judged)| Pair { receiver, condition, result: [0.0; PARTS], judged };
+            (chosen.into_iter().zip(found).map(pair).collect::<Vec<Pair>>(), mean)
+        };
+        let all: Vec<(Vec<Pair>, Judged)> = bench.receivers.par_iter().enumerate().map(judged).collect();
+        let (pairs, means): (Vec<Vec<Pair>>, Vec<Judged>) = all.into_iter().unzip();
+        Ok(JudgedSample { conditions: skies.len(), pairs: pairs.concat(), means })
+    }
+
+    /// How far a light of the same receivers and conditions is off; `tile` of a receiver.
+    pub fn accuracy(&self, light: &Irradiances, tile: impl Fn(usize) -> u32) -> Accuracy {
+        let row = |receiver: usize, condition: usize| light.rows[receiver * self.conditions + condition];
+        let parts = |row: [f32; 8]| -> [f64; PARTS] {
+            let sum = row.iter().take(TOTAL).map(|v| f64::from(*v)).sum();
+            std::array::from_fn(|part| if part < TOTAL { f64::from(row[part]) } else { sum })
+        };
+        let with_result = |pair: &Pair| Pair { result: parts(row(pair.receiver, pair.condition)), ..*pair };
+        let pairs: Vec<Pair> = self.pairs.iter().map(with_result).collect();
+        let mean = mean_w_m2(&pairs);
+        let in_percent = |difference: f64| rounded(percent(difference, mean));
+        let found: [_; PARTS] = std::array::from_fn(|part| deviation(&pairs, part));
+        let names = Component::ALL.into_iter().map(|component| component.name().to_string());
+        let components = found.iter().take(TOTAL).map(|found| in_percent(found.rmse_w_m2.value));
+        // Of each receiver's mean over all conditions.
+        let yearly = |(receiver, judged): (usize, &Judged)| {
+            let all = (0..self.conditions).map(|condition| parts(row(receiver, condition))[TOTAL]);
+            let difference = all.sum::<f64>() / self.conditions.max(1) as f64 - judged.mean[TOTAL];
+            difference * difference - judged.error[TOTAL].powi(2)
+        };
+        let squares: f64 = self.means.iter().enumerate().map(yearly).sum();
+        let yearly = (squares / self.means.len().max(1) as f64).max(0.0).sqrt();
+        Accuracy {
+            rmse_percent: in_percent(found[TOTAL].rmse_w_m2.value),
+            bias_percent: in_percent(found[TOTAL].bias_w_m2.value),
+            yearly_percent: in_percent(yearly),
+            components_percent: names.zip(components).collect(),
+            sample: self.means.len() as u64,
+            mean_w_m2: rounded(mean),
+            tiles: tiles(&pairs, tile),
+            ..Accuracy::default()
+        }
+    }
+}
+
+/// RMSE of the receivers of each tile, which are in the order of their tiles.
+fn tiles(pairs: &[Pair], tile: impl Fn(usize) -> u32) -> Vec<TileError> {
+    let of_tile = |pairs: &[Pair]| {
+        let count = pairs.len().max(1) as f64;
+        let rmse = |part: usize| {
+            let squares = pairs.iter().map(|pair| off(pair, part).powi(2) - pair.judged.error[part].powi(2));
+            rounded((squares.sum::<f64>() / count).max(0.0).sqrt())
+        };
+        TileError {
+            tile: pairs.first().map_or(0, |pair| tile(pair.receiver)),
+            receivers: pairs.chunk_by(|a, b| a.receiver == b.receiver).count() as u32,
+            rmse_w_m2: std::array::from_fn(rmse),
+        }
+    };
+    pairs.chunk_by(|a, b| tile(a.receiver) == tile(b.receiver)).map(of_tile).collect()
+}
+
+/// Four digits are more than an estimate has.
+pub fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
+}
