@@ -14,7 +14,7 @@ pub struct AuditArgs {
     pub archive: PathBuf,
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file whose hours count, 12 positions of the sun in each [default: suns from all sides]
+    /// Weather file whose hours count, 12 positions of the sun in each [default: moments with suns from all sides]
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
     /// Receivers to ask the judge about, under 8 hours each [default: 256, or as many as --seconds allow]

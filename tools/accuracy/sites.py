@@ -1,11 +1,18 @@
 #!/usr/bin/env python3
 """Three generated sites on which the accuracy of settings is measured.
 
-    sites.py FOLDER    writes FOLDER/{canyon,town,balconies}/{scene.obj,materials.toml,receivers.csv}
+    sites.py FOLDER           writes FOLDER/{canyon,town,balconies}/{scene.obj,materials.toml,receivers.csv}
+    sites.py FOLDER --hard    writes those that are hard for what cells share: lit_wall, across, court, well, mirrors, snow
 
 canyon     a street between two rows of plain houses, 24 receivers
 town       49 houses with gable roofs on a plain, 96 receivers
 balconies  two light facades with balconies and a deep court, 64 receivers
+lit_wall   a long light wall of 10 m that faces south, receivers 0.5 to 50 m before it on the ground
+across     a long street from south to north between walls of 15 m, receivers 5 cm to 5 m from its corner
+court      a court of white walls, 20 m square and 25 m deep
+well       a light well, 3 m square and 18 m deep
+mirrors    a street between two mirrors of 20 m
+snow       hills of snow, receivers on slopes
 """
 import math
 import os
@@ -46,8 +53,9 @@ class Site:
         with open(f"{folder}/scene.obj", "w") as out:
             out.write("\n".join(self.lines) + "\n")
         with open(f"{folder}/materials.toml", "w") as out:
-            for name, (diffuse, kind) in self.materials.items():
+            for name, (diffuse, kind, *specular) in self.materials.items():
                 out.write(f'[{name}]\ndiffuse = {diffuse}\nclass = "{kind}"\n')
+                out.writelines(f"specular = {share}\n" for share in specular)
         with open(f"{folder}/receivers.csv", "w") as out:
             out.write("receiver,x,y,z,nx,ny,nz\n" + "\n".join(self.receivers) + "\n")
 
@@ -127,6 +135,86 @@ def balconies():
     return site
 
 
+def lit_wall():
+    site = Site({"ground": (0.2, "ground"), "wall": (0.7, "obstruction")})
+    site.face("ground", (-300, -300, 0), (300, -300, 0), (300, 300, 0), (-300, 300, 0))
+    site.box("wall", "wall", (-150, 0, 0), (150, 8, 10))
+    for i in range(32):
+        site.receiver(f"r{i}", (-40 + 2.7 * i, -0.5 * 100 ** (i / 31), 0), (0, 0, 1))
+    return site
+
+
+def across():
+    site = Site({"street": (0.2, "ground"), "wall": (0.5, "obstruction")})
+    site.face("street", (-300, -300, 0), (300, -300, 0), (300, 300, 0), (-300, 300, 0))
+    site.box("wall", "wall", (-30, -200, 0), (-5, 200, 15))
+    site.box("wall", "wall", (5, -200, 0), (30, 200, 15))
+    for i in range(24):
+        off = 0.05 * 100 ** (i / 23)
+        site.receiver(f"street_{i}", (-5 + off, -60 + 5.1 * i, 0), (0, 0, 1))
+        site.receiver(f"wall_{i}", (-5, -60 + 5.1 * i, off), (1, 0, 0))
+    return site
+
+
+def yard(side, deep, albedo):
+    """A hole between walls on a plain of roofs."""
+    site = Site({"floor": (albedo, "ground"), "wall": (albedo, "obstruction"), "roof": (0.2, "obstruction")})
+    half = side / 2
+    site.face("floor", (-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0))
+    for (low, high) in (((-60, -60), (60, -half)), ((-60, half), (60, 60)), ((-60, -half), (-half, half)), ((half, -half), (60, half))):
+        site.box("wall", "roof", (*low, 0), (*high, deep))
+    for i in range(24):
+        at = (0.06 + 0.88 * (i * 0.754877666 % 1)) * side - half
+        to = (0.06 + 0.88 * (i * 0.569840291 % 1)) * side - half
+        site.receiver(f"floor_{i}", (at, to, 0), (0, 0, 1))
+        up = deep * (0.02 + 0.96 * (i * 0.618033989 % 1))
+        place, normal = (((at, -half, up), (0, 1, 0)), ((half, at, up), (-1, 0, 0)), ((at, half, up), (0, -1, 0)), ((-half, at, up), (1, 0, 0)))[i % 4]
+        site.receiver(f"wall_{i}", place, normal)
+    return site
+
+
+def court():
+    return yard(20, 25, 0.8)
+
+
+def well():
+    return yard(3, 18, 0.6)
+
+
+def mirrors():
+    site = Site({"street": (0.2, "ground"), "wall": (0.3, "obstruction"), "glass": (0.05, "obstruction", 0.6)})
+    site.face("street", (-200, -200, 0), (200, -200, 0), (200, 200, 0), (-200, 200, 0))
+    site.box("glass", "wall", (-40, 8, 0), (40, 20, 20))
+    site.box("glass", "wall", (-40, -20, 0), (40, -8, 20))
+    for i in range(24):
+        site.receiver(f"street_{i}", (-36 + 3 * i, -7.5 + 15 * (i * 0.618 % 1), 0), (0, 0, 1))
+        site.receiver(f"wall_{i}", (-36 + 3 * i, 8, 0.5 + 0.8 * i), (0, -1, 0))
+    return site
+
+
+def snow():
+    site = Site({"snow": (0.75, "ground")})
+    height = lambda x, y: 25 * math.sin(x / 37) * math.cos(y / 29) + 9 * math.sin(x / 11 + y / 13)
+    step, count = 5, 80
+    low = -step * count / 2
+    at = lambda i, j: (low + step * i, low + step * j, height(low + step * i, low + step * j))
+    for i in range(count):
+        for j in range(count):
+            site.face("snow", at(i, j), at(i + 1, j), at(i + 1, j + 1))
+            site.face("snow", at(i, j), at(i + 1, j + 1), at(i, j + 1))
+    for k in range(48):
+        i, j = int(20 + 40 * (k * 0.754877666 % 1)), int(20 + 40 * (k * 0.569840291 % 1))
+        (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = at(i, j), at(i + 1, j), at(i + 1, j + 1)
+        a, b = (x1 - x0, y1 - y0, z1 - z0), (x2 - x0, y2 - y0, z2 - z0)
+        n = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        size = math.hypot(*n)
+        site.receiver(f"r{k}", ((x0 + x1 + x2) / 3, (y0 + y1 + y2) / 3, (z0 + z1 + z2) / 3), tuple(v / size for v in n))
+    return site
+
+
+EASY = (canyon, town, balconies)
+HARD = (lit_wall, across, court, well, mirrors, snow)
+
 if __name__ == "__main__":
-    for make in (canyon, town, balconies):
+    for make in HARD if "--hard" in sys.argv else EASY:
         make().write(f"{sys.argv[1]}/{make.__name__}")

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
+use crate::settings::BuildSettings;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
@@ -86,10 +87,12 @@ impl ErrorConditions {
         }
     }
 
-    /// So many conditions; of a weather file hours with light, evenly chosen, the sun in the middle of each.
+    /// So many conditions: moments with the sun anywhere; of a weather file hours with light, evenly chosen, with the positions of the sun that
+    /// `replay` takes by default.
     pub fn some(&self, count: usize) -> Vec<Condition> {
         let ErrorConditions::Weather(_, weather) = self else { return spread(count) };
-        let lit: Vec<Condition> = weather.conditions(1).into_iter().filter(is_lit).collect();
+        let lit: Vec<Condition> =
+            weather.conditions(BuildSettings::default().steps.into()).into_iter().filter(is_lit).collect();
         let count = count.min(lit.len());
         (0..count).map(|i| lit[i * lit.len() / count].clone()).collect()
     }

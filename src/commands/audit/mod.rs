@@ -9,23 +9,16 @@ use super::terminal::Terminal;
 use super::{Outcome, invocation, original, read_suns, remark, say, temporary_files};
 use crate::cli::AuditArgs;
 use crate::outputs::sink::write_texts;
-use heliotile_builder::accuracy::conditions::is_lit;
+use heliotile_builder::accuracy::CONDITIONS;
 use heliotile_builder::build::PreparedScene;
 use heliotile_builder::judge::{AuditRequest, audit};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
-use heliotile_core::weather::conditions::Condition;
 use report::{AuditReport, Verdict};
 
 /// Receivers that are asked about, if nothing is said.
 const SAMPLES: u32 = 256;
-
-/// Hours to choose from.
-const HOURS: usize = 256;
-
-/// Positions of the sun in an hour, as `replay` has it.
-const STEPS: usize = 12;
 
 /// `heliotile audit`.
 pub fn run(args: &AuditArgs) -> Result<Outcome> {
@@ -33,9 +26,7 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
     let site = original::site_of(&args.archive, &args.scene)?;
     let scene = original::scene_of(&archive, &site, args.scene.first())?;
     let suns = read_suns(args.weather.as_deref(), Some(&args.about_weather), &scene)?;
-    let lit: Vec<Condition> = suns.year(STEPS).into_iter().filter(is_lit).collect();
-    let count = HOURS.min(lit.len());
-    let conditions: Vec<Condition> = (0..count).map(|i| lit[i * lit.len() / count].clone()).collect();
+    let conditions = suns.some(CONDITIONS);
     let left_out = &archive.manifest().settings.left_out;
     if !left_out.is_empty() {
         remark(&format!("{} leaves out {}, and so does the judge\n", args.archive.display(), left_out.join(", ")))?;

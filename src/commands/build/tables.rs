@@ -85,11 +85,16 @@ pub fn choice(choice: &SettingsChoice) -> String {
 /// What was expected and what came out, errors and seconds.
 pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String {
     let a = &choice.accuracy;
+    let above = match a.rmse_percent > a.target_percent {
+        true => format!(": more than the {} % wanted", a.target_percent),
+        false => String::new(),
+    };
     format!(
-        "error: {:.2} % expected, {:.2} % found on {} (bias {:.2} %, means over all hours {:.2} %)\n\
+        "error: {:.2} % expected, {:.2} % ({:.2} W/m2) found on {} (bias {:.2} %, means over all hours {:.2} %){above}\n\
          time: {expected_s:.1} s expected, {taken_s:.1} s taken, besides the pilot's {:.1} s\n",
         a.predicted_percent,
         a.rmse_percent,
+        a.rmse_percent / 100.0 * a.mean_w_m2,
         counted(a.sample, "other receiver"),
         a.bias_percent,
         a.yearly_percent,
