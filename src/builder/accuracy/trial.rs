@@ -202,11 +202,6 @@ impl Irradiances {
         self.differ(truth, |row| source.of(row))
     }
 
-    /// Errors of each of the six components.
-    pub fn component_errors(&self, truth: &Irradiances) -> [ErrorMeasures; 6] {
-        std::array::from_fn(|component| self.differ(truth, |row| f64::from(row[component])))
-    }
-
     /// Errors of each receiver's mean over the conditions.
     pub fn yearly_error(&self, truth: &Irradiances) -> ErrorMeasures {
         let means = |light: &Irradiances| -> Vec<[f32; 8]> {
@@ -219,13 +214,6 @@ impl Irradiances {
         };
         let of = |light| Irradiances { conditions: 1, rows: means(light) };
         of(self).differ(&of(truth), total)
-    }
-
-    /// The rows of some receivers: those for which `kept` is true of their number.
-    pub fn some(&self, kept: impl Fn(usize) -> bool) -> Irradiances {
-        let each = self.rows.chunks(self.conditions.max(1)).enumerate();
-        let rows = each.filter(|(receiver, _)| kept(*receiver)).flat_map(|(_, rows)| rows.iter().copied()).collect();
-        Irradiances { conditions: self.conditions, rows }
     }
 }
 
@@ -247,6 +235,5 @@ mod tests {
         assert_eq!(light.source_error(&truth, ErrorSource::Bounced).rmse, 1.0);
         assert_eq!(light.yearly_error(&truth).rmse, 2.0);
         assert_eq!(truth.mean(), 80.0);
-        assert_eq!(light.some(|receiver| receiver > 0).rows.len(), 0);
     }
 }

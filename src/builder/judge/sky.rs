@@ -1,4 +1,5 @@
-//! A sky as the judge sees it: its continuous radiance, tabled far finer than it bends, and its suns. In: a condition, a model. Out: W/m2/sr, points of the sun.
+//! A sky as the judge sees it: its continuous radiance, tabled far finer than it bends, and its suns. In: a condition, a model. Out: W/m2/sr,
+//! points of the sun.
 
 use std::f64::consts::{PI, TAU};
 

@@ -113,8 +113,8 @@ impl<'a> Judge<'a> {
             let shift: [f64; EVEN] = Random::new(mix(of_batch, 0)).many();
             for i in 0..each {
                 let mut random = Random::new(mix(of_batch, i as u64 + 1));
-                let [a, b, which, radius, angle] = even(i, &shift);
-                looks.extend(SunLook::at_all(here, batch, 1.0, false, skies, [which, radius, angle], &mut random));
+                let [a, b, which, across, along] = even(i, &shift);
+                looks.extend(SunLook::at_all(here, batch, 1.0, false, skies, [which, across, along], &mut random));
                 let direction = cosine(&frame, [a, b]);
                 walkers.push(Walker {
                     batch,
