@@ -276,17 +276,17 @@ fn both_parts() {
 }
 
 /// A room open to the sky through a part of its roof, two facing walls of 0.85 mirror and 0.05 diffuse, all else white (0.8): what its
-/// surfaces absorb and what leaves is what comes in, within 2 % and the loss that the build reports, and never more than 1 % above, where
-/// cells cut the room through its middle; where they cut it elsewhere, at two places, at most 6 % above.
+/// surfaces absorb and what leaves is what comes in, within 2 % and the loss that the build reports (at most 12 %), and never more than 1 %
+/// above, wherever cells cut the room: at three places.
 #[test]
 fn room_of_mirrors() {
-    room_at(v(-3.0, -3.0, -1.5), 0.01);
-    room_at(DVec3::ZERO, 0.06);
-    room_at(v(64.3, 33.7, 20.4), 0.06);
+    for corner in [v(-3.0, -3.0, -1.5), DVec3::ZERO, v(64.3, 33.7, 20.4)] {
+        room_at(corner);
+    }
 }
 
-/// The room with its lowest corner at a place; what comes in is exceeded by at most `above`.
-fn room_at(corner: DVec3, above: f64) {
+/// The room with its lowest corner at a place.
+fn room_at(corner: DVec3) {
     let (a, h) = (6.0, 3.0);
     let (x, y, z) = (v(a, 0.0, 0.0), v(0.0, a, 0.0), v(0.0, 0.0, h));
     let mut triangles = Triangles::new();
@@ -326,7 +326,7 @@ fn room_at(corner: DVec3, above: f64) {
     let found = (absorbed + left) / came;
     println!("room of mirrors: {found:.4} of what comes in is found, lost {:.4?}", site.report.lost_in_mirrors);
     let lost = site.report.lost_in_mirrors.into_iter().fold(0.0, f64::max);
-    assert!(found < 1.0 + above && found > 1.0 - 0.02 - lost && lost < 0.1, "{corner}: {found} {lost}");
+    assert!(found < 1.01 && found > 1.0 - 0.02 - lost && lost < 0.12, "{corner}: {found} {lost}");
 }
 
 /// Where no surface is a mirror, or no receiver and no cell can see it, no ray is cast for mirrors beyond looking for them, and no block of

@@ -1,15 +1,15 @@
 //! Probes: what the surface of one cell sees of the sky. In: a cell key. Out: one small world-frame sky texture, and the
 //! points it was traced from.
 //!
-//! Rays start from many points of the cell, each texel from one of them. Points hidden in party walls or below the terrain,
-//! which no receiver sees either, must not count: points that see no sky drop out, all others count alike. (Weights in
-//! proportion to the sky that they see were tried: too much light in wells and canyons, where lower parts see little sky and
-//! yet are seen.)
+//! Rays start from many points of the cell, each texel from one of them. Points [hidden](super::hidden) in party walls or below the terrain,
+//! which no receiver sees either, must not count; all others count alike. (Weights in proportion to the sky that they see were tried, and so
+//! was leaving out all that see none: too much light in wells and canyons, where lower parts see little sky and yet are seen.)
 
 use std::cell::RefCell;
 
 use glam::DVec3;
 
+use crate::trace::hidden::{LOOKS, hidden};
 use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::surface::{POINTS, SurfacePoint, sample};
 use heliotile_core::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
@@ -81,7 +81,7 @@ pub struct ProbeTrace {
 /// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
 pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
     let (n, directions) = (texture.n, texture.of(key));
-    // With fewer rays a point, those that see little sky would drop out, and the cell be too bright.
+    // With fewer rays a point, many that see little sky would have to be looked at for whether they are hidden.
     let points = sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), mesh, tracer);
     let count = points.len();
     let mut bits = vec![0_u8; (n * n).div_ceil(8)];
@@ -110,24 +110,22 @@ pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tra
         open[point] = true;
         bits[texel / 8] |= 1 << (texel % 8);
     }
-    let worth: Vec<f64> = open.iter().map(|&open| f64::from(u8::from(open))).collect();
-    let lit: f64 = worth.iter().sum();
+    let (hidden, looks) = look.hidden(&open, &owner, key, texture, mesh, tracer);
+    rays += looks;
 
-    // Second round: texels of points in the dark are asked again from the others.
-    let share: Vec<f64> = if lit > 0.0 {
-        for texel in texture.texels() {
-            if !open[usize::from(owner[texel])] {
-                let point = pick(&worth, lit * unit(mix(seed ^ 0x6f70_656e, texel as u64)));
-                owner[texel] = point as u8;
-                look.ask(texel, point);
-            }
+    // Second round: texels of hidden points are asked again from the others, of which there is one that sees sky if any is hidden.
+    let worth: Vec<f64> = hidden.iter().map(|&hidden| f64::from(u8::from(!hidden))).collect();
+    let shown: f64 = worth.iter().sum();
+    for texel in texture.texels() {
+        if hidden[usize::from(owner[texel])] {
+            let point = pick(&worth, shown * unit(mix(seed ^ 0x6f70_656e, texel as u64)));
+            owner[texel] = point as u8;
+            look.ask(texel, point);
         }
-        rays += look.cast.len() as u64;
-        look.open(tracer).for_each(|(texel, _)| bits[texel / 8] |= 1 << (texel % 8));
-        worth.iter().map(|w| w / lit).collect()
-    } else {
-        vec![1.0 / count as f64; count]
-    };
+    }
+    rays += look.cast.len() as u64;
+    look.open(tracer).for_each(|(texel, _)| bits[texel / 8] |= 1 << (texel % 8));
+    let share: Vec<f64> = worth.iter().map(|w| w / shown).collect();
     ASKED.set(look.asked);
     CAST.set(look.cast);
     let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
@@ -158,6 +156,33 @@ impl Look<'_> {
             self.asked.push((texel, point));
             self.cast.push(Ray { origin: self.origins[point], direction: direction.as_vec3().to_array() });
         }
+    }
+
+    /// Which points are hidden, and the rays that it took to find out. Only points that see no sky are suspected, and only where others
+    /// see some: nobody else could take their rays.
+    fn hidden(
+        &self,
+        open: &[bool],
+        owner: &[u8],
+        key: CellKey,
+        texture: &Directions,
+        mesh: &Mesh,
+        tracer: &Tracer,
+    ) -> (Vec<bool>, u64) {
+        if !open.contains(&true) || !open.contains(&false) {
+            return (vec![false; open.len()], 0);
+        }
+        // Each point has a texel in each block: some blocks, spread over the sky.
+        let stride = (texture.n * texture.n / (POINTS * LOOKS)).max(1) as u64;
+        let some = texture.places.iter().filter(|place| place.block % stride == 0);
+        let asked = some.map(|place| (usize::from(owner[place.texel]), self.directions[place.texel]));
+        let dark = asked.filter(|&(point, direction)| !open[point] && self.points[point].normal.dot(direction) > 0.0);
+        let looks: Vec<(usize, Ray)> = dark
+            .map(|(point, direction)| {
+                (point, Ray { origin: self.origins[point], direction: direction.as_vec3().to_array() })
+            })
+            .collect();
+        (hidden(open.len(), &looks, key.is_back(), mesh, tracer), looks.len() as u64)
     }
 
     /// Those texels and points, of all asked for, that see sky; after that none is asked for.

@@ -171,10 +171,15 @@ impl CellKey {
 
     /// The normal of this cell's side of a triangle, if the triangle belongs to the cell.
     pub fn side_of(self, outward: DVec3) -> Option<DVec3> {
-        let back = self.facing & BACK != 0;
+        let back = self.is_back();
         let bin = facing_code(outward, back) & !BACK;
         let belongs = if self.bin() < FACINGS { self.bin() == bin } else { self.face() == bin / 9 };
         belongs.then_some(if back { -outward } else { outward })
+    }
+
+    /// Whether this is the back of its triangles.
+    pub fn is_back(self) -> bool {
+        self.facing & BACK != 0
     }
 
     fn bin(self) -> u8 {

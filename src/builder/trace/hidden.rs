@@ -1,0 +1,89 @@
+//! Which points of a surface lie hidden in solids or below the terrain, where no light is and nobody looks. In: rays from points that see no
+//! sky. Out: a verdict for each point.
+//!
+//! In the air rays meet the outside of things, inside of a solid the other side. Where the walls of two neighbours lie in one plane either
+//! may be met first, so much less than all of it has to be the other side.
+
+use glam::Vec3;
+
+use super::kernel::rays::{Ray, Tracer};
+use heliotile_scene::mesh::Mesh;
+
+/// Rays of a point at most; those behind its surface are not cast.
+pub const LOOKS: usize = 8;
+
+/// Whoever sees more than this share of other sides is hidden. From one house of a row the party wall to the next may fill most of the view.
+const OTHER_SIDES: f64 = 0.25;
+
+/// Looks around from some of `count` points: pairs of a point and a ray. `inside`: the points are on the back of their triangles, so that it
+/// is fronts that should not be met.
+pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, tracer: &Tracer) -> Vec<bool> {
+    let rays: Vec<Ray> = looks.iter().map(|look| look.1).collect();
+    let (mut met, mut others) = (vec![0.0; count], vec![0.0; count]);
+    for (&(point, ray), hit) in looks.iter().zip(tracer.closest_many(&rays)) {
+        let Some(hit) = hit else { continue };
+        let is_back = mesh.normal(hit.triangle as usize).as_vec3().dot(Vec3::from(ray.direction)) > 0.0;
+        met[point] += 1.0;
+        others[point] += f64::from(u8::from(is_back != inside));
+    }
+    met.into_iter().zip(others).map(|(met, others): (f64, f64)| others > OTHER_SIDES * met).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use heliotile_core::hemisphere::{Frame, cosine_direction_of};
+    use heliotile_core::site::material::{Class, Material};
+    use heliotile_scene::Scene;
+
+    /// Three houses in a row, 5 m wide, 10 m deep and 8 m high, on a plane 1 m above their feet, and opposite of them a wall 20 m high.
+    fn row() -> Scene {
+        let mut triangles = Vec::new();
+        let mut quad = |p: DVec3, a: DVec3, b: DVec3| {
+            triangles.push(([p, p + a, p + a + b], 0));
+            triangles.push(([p, p + a + b, p + b], 0));
+        };
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        quad(DVec3::new(-50.0, -50.0, 1.0), 100.0 * x, 100.0 * y);
+        let mut house = |p: DVec3, x: DVec3, y: DVec3, z: DVec3| {
+            quad(p, x, z);
+            quad(p + x, y, z);
+            quad(p + x + y, -x, z);
+            quad(p + y, -y, z);
+            quad(p + z, x, y);
+        };
+        for i in 0..3 {
+            house(DVec3::new(5.0 * f64::from(i), 0.0, 0.0), 5.0 * x, 10.0 * y, 8.0 * z);
+        }
+        house(DVec3::new(-40.0, -11.0, 0.0), 80.0 * x, 8.0 * y, 20.0 * z);
+        Scene::from_triangles(&triangles, vec![Material::matt("all", 0.3, Class::Obstruction)]).expect("a scene")
+    }
+
+    /// Of 6 places on walls those 3 in party walls and below the ground are hidden, and those 3 in a street without sky are not, by 8 rays
+    /// each; seen from within a house 1 of its walls is not hidden either.
+    #[test]
+    fn what_is_hidden() {
+        let scene = row();
+        let tracer = Tracer::new(&scene.mesh).expect("a tree");
+        let is_hidden = |at: DVec3, normal: DVec3, inside: bool| {
+            let (frame, origin) = (Frame::of(normal), tracer.grid().lifted(at, normal));
+            let even = |i: usize| glam::DVec2::new(i as f64 * 0.754_877_666, i as f64 * 0.569_840_291).fract();
+            let up = (1..).map(|i| frame.to_world(cosine_direction_of(even(i)))).filter(|d| d.z > 0.0);
+            let low = up.filter(|d| d.z < 0.5).take(LOOKS);
+            let looks: Vec<(usize, Ray)> =
+                low.map(|d| (0, Ray { origin, direction: d.as_vec3().to_array() })).collect();
+            hidden(1, &looks, inside, &scene.mesh, &tracer)[0]
+        };
+        let (x, y) = (DVec3::X, DVec3::Y);
+        for (at, normal) in
+            [(DVec3::new(5.0, 4.0, 3.0), x), (DVec3::new(5.0, 6.0, 5.0), -x), (DVec3::new(2.0, 0.0, 0.4), -y)]
+        {
+            assert!(is_hidden(at, normal, false), "{at}");
+        }
+        for at in [DVec3::new(2.0, 0.0, 3.0), DVec3::new(7.0, 0.0, 1.5), DVec3::new(12.0, 0.0, 2.0)] {
+            assert!(!is_hidden(at, -y, false), "{at}");
+        }
+        assert!(!is_hidden(DVec3::new(2.0, 0.0, 3.0), y, true));
+    }
+}
