@@ -14,19 +14,18 @@ struct Typical {
     cost: &'static [f64],
 }
 
-/// Rounded from trials on the sites of `tools/accuracy/run`, whose tradeoff.csv gives such errors (sky_percent, seen_percent,
-/// bounced_percent). Only their ratios count.
+/// Rounded from trials on the sites of `tools/accuracy/run` and a block of The Hague. Only their ratios count.
 const fn typical(source: ErrorSource) -> Typical {
     match source {
         ErrorSource::Sky => {
             Typical { percent: &[4.2, 2.0, 0.58, 0.56, 0.33, 0.18], cost: &[1.0, 1.4, 2.0, 2.3, 3.5, 6.0] }
         }
         ErrorSource::Seen => Typical {
-            percent: &[2.9, 1.35, 0.97, 0.55, 0.39, 0.30, 0.12],
-            cost: &[0.3, 0.8, 1.5, 3.5, 6.5, 20.0, 60.0],
+            percent: &[2.9, 1.3, 0.90, 0.52, 0.40, 0.32, 0.12],
+            cost: &[0.3, 0.8, 1.6, 4.5, 9.0, 25.0, 160.0],
         },
         ErrorSource::Bounced => {
-            Typical { percent: &[0.55, 0.42, 0.3, 0.2, 0.11, 0.06], cost: &[0.3, 0.5, 1.2, 3.0, 6.0, 25.0] }
+            Typical { percent: &[0.55, 0.42, 0.3, 0.16, 0.1, 0.06], cost: &[0.3, 0.5, 1.2, 4.5, 10.0, 50.0] }
         }
     }
 }

@@ -65,6 +65,11 @@ impl JudgedSample {
         Ok(JudgedSample { conditions: skies.len(), pairs: pairs.concat(), means })
     }
 
+    /// Mean of the totals, W/m2.
+    pub fn mean_w_m2(&self) -> f64 {
+        mean_w_m2(&self.pairs)
+    }
+
     /// How far a light of the same receivers and conditions is off; `tile` of a receiver.
     pub fn accuracy(&self, light: &Irradiances, tile: impl Fn(usize) -> u32) -> Accuracy {
         let row = |receiver: usize, condition: usize| light.rows[receiver * self.conditions + condition];

@@ -8,8 +8,11 @@
 
 pub mod conditions;
 pub mod estimate;
-mod judged;
+pub mod judged;
 pub mod trial;
+
+#[cfg(test)]
+mod well_tests;
 
 use std::time::Instant;
 

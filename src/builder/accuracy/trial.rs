@@ -201,20 +201,6 @@ impl Irradiances {
     pub fn source_error(&self, truth: &Irradiances, source: ErrorSource) -> ErrorMeasures {
         self.differ(truth, |row| source.of(row))
     }
-
-    /// Errors of each receiver's mean over the conditions.
-    pub fn yearly_error(&self, truth: &Irradiances) -> ErrorMeasures {
-        let means = |light: &Irradiances| -> Vec<[f32; 8]> {
-            let each = light.rows.chunks(self.conditions.max(1));
-            each.map(|rows| {
-                let mean = rows.iter().map(total).sum::<f64>() / rows.len() as f64;
-                [mean as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-            })
-            .collect()
-        };
-        let of = |light| Irradiances { conditions: 1, rows: means(light) };
-        of(self).differ(&of(truth), total)
-    }
 }
 
 #[cfg(test)]
@@ -222,7 +208,7 @@ mod tests {
     use super::*;
 
     /// Two rows off by +3 and -1 W/m2 of sun and +1 of a second reflection: rmse sqrt(5), bias 1, mean absolute 2 of the sky's; 1 of
-    /// the bounced, 0 of the seen; a year of the one receiver is off by the bias of the total, 2.
+    /// the bounced, 0 of the seen.
     #[test]
     fn errors_by_source() {
         let row = |sun: f32, reflected: f32| [sun, 0.0, reflected, 0.0, 0.0, 0.0, 4.0, 0.0];
@@ -233,7 +219,6 @@ mod tests {
         assert_eq!((sky.bias, sky.mean_absolute), (1.0, 2.0));
         assert_eq!(light.source_error(&truth, ErrorSource::Seen), ErrorMeasures::default());
         assert_eq!(light.source_error(&truth, ErrorSource::Bounced).rmse, 1.0);
-        assert_eq!(light.yearly_error(&truth).rmse, 2.0);
         assert_eq!(truth.mean(), 80.0);
     }
 }
