@@ -3,18 +3,19 @@
 use cpu_time::ProcessTime;
 
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::accuracy::estimate::{Errors, percent};
-use heliotile_builder::accuracy::trial::{Bench, ErrorSource, Irradiances, Trial};
+use heliotile_builder::accuracy::judged::JudgedSample;
+use heliotile_builder::accuracy::trial::{Bench, Trial};
 use heliotile_builder::observer::Stage;
 use heliotile_builder::pack::COMPRESSION;
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::settings::ladder::{PATCH_RUNGS, Rungs};
+use heliotile_builder::settings::ladder::Rungs;
 use heliotile_builder::settings::{Effects, Quality};
 use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::encode;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::time::bins::Bins;
 
@@ -26,8 +27,8 @@ pub struct Step {
     pub bias: f64,
     /// Of means over all conditions.
     pub yearly: f64,
-    /// In the order of [`ErrorSource::ALL`].
-    pub sources: [f64; 3],
+    /// RMSE of each component, in the order of results.
+    pub components: [f64; 6],
     /// CPU seconds.
     pub trace_s: f64,
     pub compress_s: f64,
@@ -39,16 +40,16 @@ pub struct Step {
 }
 
 impl Step {
-    fn of(name: String, trial: &Trial, truth: &Irradiances, (compress_s, replay_s): (f64, f64)) -> Self {
-        let (light, mean) = (&trial.light, truth.mean());
-        let total = light.total_error(truth);
+    fn of(name: String, trial: &Trial, judged: &JudgedSample, (compress_s, replay_s): (f64, f64)) -> Self {
+        let found = judged.accuracy(&trial.light, |_| 0);
+        let of = |component: Component| found.components_percent.get(component.name()).copied().unwrap_or_default();
         Step {
             name,
             settings: trial.settings,
-            error: percent(total.rmse, mean),
-            bias: percent(total.bias, mean),
-            yearly: percent(light.yearly_error(truth).rmse, mean),
-            sources: ErrorSource::ALL.map(|source| percent(light.source_error(truth, source).rmse, mean)),
+            error: found.rmse_percent,
+            bias: found.bias_percent,
+            yearly: found.yearly_percent,
+            components: std::array::from_fn(|part| of(Component::ALL[part])),
             trace_s: (trial.build_s - compress_s).max(0.0),
             compress_s,
             replay_s,
@@ -69,9 +70,10 @@ pub struct LadderTable {
     pub receivers: usize,
     /// Mean total, W/m2.
     pub mean_w_m2: f64,
-    /// What the settings that errors are told by are themselves off by, percent: an estimate.
-    pub truth_percent: f64,
 }
+
+/// The judge looks as closely as at settings chosen for so many percent.
+const JUDGED_PERCENT: f64 = 0.5;
 
 /// The named rungs and some between them.
 fn rungs() -> Vec<(String, Rungs)> {
@@ -96,31 +98,22 @@ impl LadderTable {
         let rungs = rungs();
         let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
         let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
-        let try_out = |rungs: Rungs| -> Result<(Rungs, Trial)> {
+        let judged = JudgedSample::of(bench, left_out, JUDGED_PERCENT)?;
+        progress.advance(1);
+        let mut steps = Vec::with_capacity(rungs.len());
+        for (name, rungs) in rungs {
             let trial = bench.trial(settings(rungs))?;
             progress.advance(1);
-            Ok((rungs, trial))
-        };
-        let mut trials = Vec::new();
-        let mut costs = Vec::new();
-        for (_, rungs) in &rungs {
-            let (rungs, trial) = try_out(*rungs)?;
-            costs.push((compression_s(&trial)?, replay_s(bench, &trial, suns)?));
+            let costs = (compression_s(&trial)?, replay_s(bench, &trial, suns)?);
             std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
-            trials.push((rungs, trial));
+            steps.push(Step::of(name, &trial, &judged, costs));
         }
-        let finest = try_out(Rungs::FINEST)?;
         drop(progress);
-        let truth = &finest.1.light;
-        let truth_percent = Errors::of(&trials, &finest, [0.0; PATCH_RUNGS]).total(Rungs::FINEST);
-        let each = rungs.into_iter().zip(&trials).zip(costs);
-        let mut steps: Vec<Step> =
-            each.map(|(((name, _), (_, trial)), costs)| Step::of(name, trial, truth, costs)).collect();
         for i in 0..steps.len() {
             let here = (steps[i].seconds(), steps[i].error);
             steps[i].frontier = !steps.iter().any(|other| other.seconds() < here.0 && other.error < here.1);
         }
-        Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: truth.mean(), truth_percent })
+        Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: judged.mean_w_m2() })
     }
 
     /// The rung of the frontier that lies farthest below the line from its first to its last one, both axes logarithmic: where another
@@ -159,8 +152,8 @@ impl LadderTable {
         }
         out += &format!(
             "* no other rung is faster and better. {} receivers, CPU seconds, replay of a year of hours into sums; errors of hourly \
-             totals in percent of their mean, {:.1} W/m2, against finer settings that are themselves off by some {:.2} %\n",
-            self.receivers, self.mean_w_m2, self.truth_percent
+             totals in percent of their mean, {:.1} W/m2, told by an independent judge\n",
+            self.receivers, self.mean_w_m2
         );
         out
     }

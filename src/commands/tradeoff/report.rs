@@ -9,6 +9,7 @@ use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::csvw::{self, CsvColumn};
 use heliotile_core::error::Result;
+use heliotile_core::replay::components::Component;
 
 /// The page that shows everything.
 pub const PAGE: &str = "index.html";
@@ -116,14 +117,16 @@ fn sources_picture(points: &[Point]) -> Result<String> {
 fn ladder_csv(ladder: &LadderTable) -> String {
     let mut out = String::from(
         "rung,sky_base,sky_fine,hit,cell_factor,cell_floor_m,probe,probe_hits,closed_m,bounce_sky,bounce_hits,patches,steps,\
-         error_percent,bias_percent,yearly_percent,sky_percent,seen_percent,bounced_percent,trace_cpu_s,compress_cpu_s,replay_cpu_s,rays,\
-         bytes,receivers,frontier\n",
+         error_percent,bias_percent,yearly_percent,",
     );
+    let parts = Component::ALL.into_iter().filter(|component| *component != Component::Total);
+    parts.for_each(|component| out += &format!("{}_percent,", component.name()));
+    out += "trace_cpu_s,compress_cpu_s,replay_cpu_s,rays,bytes,receivers,frontier\n";
     for step in &ladder.steps {
         let s = &step.settings;
-        let [sky, seen, bounced] = step.sources;
+        let components: String = step.components.iter().map(|percent| format!("{percent:.4},")).collect();
         out += &format!(
-            "\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{:.4},{:.4},{:.4},{sky:.4},{seen:.4},{bounced:.4},{:.4},{:.4},{:.4},{},{},{},{}\n",
+            "\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{:.4},{:.4},{:.4},{components}{:.4},{:.4},{:.4},{},{},{},{}\n",
             step.name,
             s.sky_base,
             s.sky_fine,
