@@ -17,6 +17,10 @@ pub struct AuditArgs {
     /// Weather file whose hours count, 12 positions of the sun in each [default: moments with suns from all sides]
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
+    /// Table of suns and skies in place of weather, as `query` takes it: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; of up to
+    /// 64 each receiver is asked about all
+    #[arg(long, short, value_name = "FILE", conflicts_with = "weather")]
+    pub conditions: Option<PathBuf>,
     /// Receivers to ask the judge about, under 8 hours each [default: 256, or as many as --seconds allow]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: Option<u32>,

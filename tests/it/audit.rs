@@ -31,6 +31,7 @@ fn mirrors_and_glass() {
         archive: &archive,
         scene: &prepared,
         conditions: &conditions,
+        hours: 8,
         sky: SkyModel::Perez,
         samples: 60,
         time: None,
@@ -53,7 +54,7 @@ fn mirrors_and_glass() {
 }
 
 /// The program writes a page, a table of 8 hours a receiver and two pictures, the same on one thread; an archive that claims 0.01 % is refuted
-/// with exit code 1, one that claims 20 % is not; another scene, a sky that has no radiance and a name for a number are refused.
+/// with exit code 1, one that claims 20 % is not; of a table of 3 conditions each receiver is asked about all; another scene, a sky that has no radiance and a name for a number are refused.
 #[test]
 fn claims() {
     let folder = Folder::new();
@@ -81,6 +82,15 @@ fn claims() {
 
     let bold = folder.run(&format!("audit bold.helio {inputs}"));
     assert_eq!((bold.status.code(), stdout(&bold).contains("REFUTED")), (Some(1), true), "{}", stdout(&bold));
+
+    folder.write(
+        "three.csv",
+        "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\na,180,40,800,90\nb,90,10,300,50\nc,0,-5,0,20\n",
+    );
+    let three = "scene.obj -m materials.toml --conditions three.csv --samples 20 --paths 512";
+    let said = stdout(&folder.run(&format!("audit modest.helio {three}")));
+    assert!(said.contains("20 receivers, 60 hours of three.csv in all"), "{said}");
+    folder.refused(&format!("audit modest.helio {three} --weather golden.epw"), &["--conditions", "--weather"]);
 
     folder.write("other.toml", "[wall]\ndiffuse = 0.5\n[roof]\ndiffuse = 0.2\n[grass]\ndiffuse = 0.25\n");
     folder.refused("audit bold.helio scene.obj -m other.toml", &["scene.obj", "is not the scene of the archive"]);

@@ -20,12 +20,11 @@ const fn typical(source: ErrorSource) -> Typical {
         ErrorSource::Sky => {
             Typical { percent: &[4.2, 2.0, 0.58, 0.56, 0.33, 0.18], cost: &[1.0, 1.4, 2.0, 2.3, 3.5, 6.0] }
         }
-        ErrorSource::Seen => Typical {
-            percent: &[2.9, 1.3, 0.90, 0.52, 0.40, 0.32, 0.12],
-            cost: &[0.3, 0.8, 1.6, 4.5, 9.0, 25.0, 160.0],
-        },
+        ErrorSource::Seen => {
+            Typical { percent: &[2.9, 1.3, 0.90, 0.52, 0.40, 0.30, 0.17], cost: &[0.3, 0.8, 1.6, 4.5, 9.0, 25.0, 80.0] }
+        }
         ErrorSource::Bounced => {
-            Typical { percent: &[0.55, 0.42, 0.3, 0.16, 0.1, 0.06], cost: &[0.3, 0.5, 1.2, 4.5, 10.0, 50.0] }
+            Typical { percent: &[0.55, 0.42, 0.3, 0.17, 0.11, 0.08], cost: &[0.3, 0.5, 1.2, 4.0, 9.0, 25.0] }
         }
     }
 }

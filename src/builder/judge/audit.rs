@@ -25,9 +25,6 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::{Condition, in_axes};
 
-/// Conditions that each receiver is judged under.
-const HOURS: usize = 8;
-
 /// Receivers that are judged before the clock is looked at.
 const AT_ONCE: usize = 64;
 
@@ -41,6 +38,8 @@ pub struct AuditRequest<'a> {
     pub conditions: &'a [Condition],
     /// How the radiance of the sky is spread.
     pub sky: SkyModel,
+    /// How many of them each receiver is judged under, at most.
+    pub hours: usize,
     /// Receivers at most.
     pub samples: usize,
     /// Time at most; what is under way is finished.
@@ -110,7 +109,7 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
             for &(_, row) in of_tile {
                 let receiver = audited.receivers.len();
                 audited.receivers.push((receivers[row].clone(), f64::from(views[row][0])));
-                for condition in spread(skies.len(), HOURS, mix(request.seed, receiver as u64)) {
+                for condition in spread(skies.len(), request.hours, mix(request.seed, receiver as u64)) {
                     let of = |part: usize| f64::from(values.row(Component::ALL[part], row)[condition]);
                     let result: [f64; PARTS] = std::array::from_fn(of);
                     audited.pairs.push(Pair { receiver, condition, result, judged: Default::default() });

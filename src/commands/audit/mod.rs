@@ -6,8 +6,9 @@ mod report;
 use std::time::Duration;
 
 use super::terminal::Terminal;
-use super::{Outcome, invocation, original, read_suns, remark, say, temporary_files};
+use super::{Outcome, invocation, original, read_suns, remark, say, temporary_files, warn};
 use crate::cli::AuditArgs;
+use crate::files::read_conditions;
 use crate::outputs::sink::write_texts;
 use heliotile_builder::accuracy::CONDITIONS;
 use heliotile_builder::build::PreparedScene;
@@ -20,13 +21,28 @@ use report::{AuditReport, Verdict};
 /// Receivers that are asked about, if nothing is said.
 const SAMPLES: u32 = 256;
 
+/// Hours that each of them is asked about, and how many conditions of a table are few enough to ask about all.
+const HOURS: usize = 8;
+const FEW: usize = 64;
+
 /// `heliotile audit`.
 pub fn run(args: &AuditArgs) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, Access::Read)?;
     let site = original::site_of(&args.archive, &args.scene)?;
     let scene = original::scene_of(&archive, &site, args.scene.first())?;
-    let suns = read_suns(args.weather.as_deref(), Some(&args.about_weather), &scene)?;
-    let conditions = suns.some(CONDITIONS);
+    let (conditions, name, hours) = match &args.conditions {
+        Some(path) => {
+            let read = read_conditions(path)?;
+            read.warnings.iter().for_each(|text| warn(text));
+            let hours = if read.conditions.len() <= FEW { read.conditions.len() } else { HOURS };
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            (read.conditions, name, hours)
+        }
+        None => {
+            let suns = read_suns(args.weather.as_deref(), Some(&args.about_weather), &scene)?;
+            (suns.some(CONDITIONS), suns.name().to_string(), HOURS)
+        }
+    };
     let left_out = &archive.manifest().settings.left_out;
     if !left_out.is_empty() {
         remark(&format!("{} leaves out {}, and so does the judge\n", args.archive.display(), left_out.join(", ")))?;
@@ -37,6 +53,7 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
         archive: &archive,
         scene: &prepared,
         conditions: &conditions,
+        hours,
         sky: args.sky,
         samples: samples as usize,
         time: args.seconds.map(Duration::from_secs_f64),
@@ -47,11 +64,11 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
         observer: &terminal,
     })?;
     let stated = archive.manifest().accuracy.as_ref();
-    let report = AuditReport::new(&args.archive, &audited, &conditions, suns.name(), stated);
+    let report = AuditReport::new(&args.archive, &audited, &conditions, &name, stated);
     say(&report.text())?;
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
-        write_texts(folder, &report.files(&invocation::provenance().with("weather", suns.name()))?)?;
+        write_texts(folder, &report.files(&invocation::provenance().with("weather", &name))?)?;
         say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;
     }
     Ok(match report.verdict() {
