@@ -36,7 +36,7 @@ pub use self::energyplus::{EnergyplusArgs, Physics};
 pub use self::everywhere::EverywhereArgs;
 pub use self::export::ExportArgs;
 pub use self::misplaced::parse;
-pub use self::quality::{AccuracyArgs, Percent};
+pub use self::quality::{AccuracyArgs, Percent, parse_negligible};
 pub use self::recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, TableArgs};
 pub use self::run::RunArgs;
 pub use self::scene::{MaterialsArgs, PlaceArgs, SceneArgs};
@@ -139,6 +139,11 @@ fn parse_memory(text: &str) -> Result<Bytes, String> {
 /// The options of [`ClockArgs`], where weather is not needed: they say nothing without it.
 fn clock_of(weather: &'static str) -> ArgGroup {
     ArgGroup::new("clock").args(["time_zone", "shift", "weather_stamp"]).multiple(true).requires(weather)
+}
+
+/// Weather files that what is said of the clock can be about.
+fn weather_files() -> ArgGroup {
+    ArgGroup::new("weather_files").args(["error_weather", "weather"]).multiple(true)
 }
 
 #[derive(Args, Debug)]

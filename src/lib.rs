@@ -83,7 +83,7 @@ pub use heliotile_builder::build::{
     Build, BuildReport, Forecast, Output, Plan, PreparedScene, RayCounts, Start, Workspace,
 };
 pub use heliotile_builder::observer::{Observer, Silent};
-pub use heliotile_builder::planning::{ErrorTarget, PlanReport, PlanRequest};
+pub use heliotile_builder::planning::{EffectsUnder, ErrorTarget, PlanReport, PlanRequest};
 pub use heliotile_builder::receiver_tiles::ReceiverTiles;
 pub use heliotile_builder::settings::{BuildSettings, Effect, EffectChoice, Effects, Quality, Rungs, Share};
 pub use heliotile_builder::transfer::{Bounds, Selection, diff, extract, merge};

@@ -13,6 +13,7 @@
 //! | [`writing`] | encoded blocks | an archive, whole or not there, which an interrupted build goes on with |
 //! | [`build`] | a prepared scene, receivers | a plan with its forecast, then an archive |
 //! | [`accuracy`] | a target in percent | the cheapest settings that keep within it |
+//! | [`planning`] | what is wished, weather | settings, effects that may be left out, and what they rest on |
 //! | [`judge`] | a prepared scene, a receiver, suns and skies | what it gets, by paths of light and with a standard error: no texture, cell or patch |
 //! | [`transfer`] | archives | parts, unions and differences of them, without a ray |
 //! | [`store`] | finished archives | those that a build can look things up in |

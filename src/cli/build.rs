@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::choice;
-use crate::cli::{AccuracyArgs, Bytes, ClockArgs, SceneArgs, clock_of, parse_memory};
+use crate::cli::{
+    AccuracyArgs, Bytes, ClockArgs, Percent, SceneArgs, clock_of, parse_memory, parse_negligible, weather_files,
+};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 #[derive(Args, Debug)]
-#[command(group(clock_of("error_weather")))]
+#[command(group(clock_of("weather_files")), group(weather_files()))]
 pub struct BuildArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -36,6 +38,12 @@ pub struct BuildArgs {
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
+    /// Leave out effects whose light makes up no more than this of the sum over a weather file, in each group of receivers, such as 0.5%
+    #[arg(long, value_name = "PERCENT", value_parser = parse_negligible, requires = "weather", conflicts_with = "effects")]
+    pub negligible: Option<Percent>,
+    /// Weather file that effects are weighed under
+    #[arg(long, short, value_name = "FILE", requires = "negligible")]
+    pub weather: Option<PathBuf>,
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
@@ -49,7 +57,7 @@ pub struct BuildArgs {
 }
 
 #[derive(Args, Debug)]
-#[command(group(clock_of("error_weather")))]
+#[command(group(clock_of("weather_files")), group(weather_files()))]
 pub struct PlanArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -59,6 +67,12 @@ pub struct PlanArgs {
     /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
+    /// Weather file: also say what each effect brings in its time, by groups of receivers
+    #[arg(long, short, value_name = "FILE")]
+    pub weather: Option<PathBuf>,
+    /// Leave out effects whose light makes up no more than this of the sum over the weather file, in each group of receivers, such as 0.5%
+    #[arg(long, value_name = "PERCENT", value_parser = parse_negligible, requires = "weather", conflicts_with = "effects")]
+    pub negligible: Option<Percent>,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
     /// Memory to work in, such as 512MiB or 2GiB

@@ -32,30 +32,45 @@ pub struct Percent(pub f64);
 const LEAST: f64 = 0.1;
 const MOST: f64 = 50.0;
 
+/// Below, the judge's chance says more than the light does.
+const LEAST_NEGLIGIBLE: f64 = 0.001;
+
 /// `2%`, `0.5 %` or `2`.
 impl FromStr for Percent {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.trim().trim_end_matches('%').trim_end().parse() {
-            Ok(percent) if (LEAST..=MOST).contains(&percent) => Ok(Percent(percent)),
-            _ => Err(format!("`{text}` is no error to aim at: give {LEAST} to {MOST} percent, as in 2%")),
-        }
+        percent(text, LEAST)
+            .ok_or_else(|| format!("`{text}` is no error to aim at: give {LEAST} to {MOST} percent, as in 2%"))
     }
+}
+
+fn percent(text: &str, least: f64) -> Option<Percent> {
+    let number = text.trim().trim_end_matches('%').trim_end().parse().ok()?;
+    (least..=MOST).contains(&number).then_some(Percent(number))
+}
+
+/// What may be left out, in percent: `0.5%`.
+pub fn parse_negligible(text: &str) -> Result<Percent, String> {
+    percent(text, LEAST_NEGLIGIBLE).ok_or_else(|| {
+        format!("`{text}` is nothing to leave out: give {LEAST_NEGLIGIBLE} to {MOST} percent, as in 0.5%")
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused.
+    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused; 0.01 % is no error, but can be left out.
     #[test]
     fn percents() {
         for (text, value) in [("2%", 2.0), ("0.5 %", 0.5), ("3", 3.0)] {
             assert_eq!(text.parse(), Ok(Percent(value)));
         }
         for text in ["", "%", "0%", "two", "80%"] {
-            assert!(text.parse::<Percent>().is_err(), "{text}");
+            assert!(text.parse::<Percent>().is_err() && parse_negligible(text).is_err(), "{text}");
         }
+        assert!("0.01%".parse::<Percent>().is_err());
+        assert_eq!(parse_negligible("0.01%"), Ok(Percent(0.01)));
     }
 }

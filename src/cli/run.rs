@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::choice;
-use super::{AccuracyArgs, Bytes, ClockArgs, CoverArgs, SceneArgs, parse_memory};
+use super::{AccuracyArgs, Bytes, ClockArgs, CoverArgs, Percent, SceneArgs, parse_memory, parse_negligible};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
 use heliotile_core::weather::options::StampedAt;
@@ -31,6 +31,9 @@ pub struct RunArgs {
     pub receivers: Option<PathBuf>,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
+    /// Leave out effects whose light makes up no more than this of the sum over the weather file, in each group of receivers, such as 0.5%
+    #[arg(long, value_name = "PERCENT", value_parser = parse_negligible)]
+    pub negligible: Option<Percent>,
     /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas
     #[arg(long, value_name = "PERIOD", value_parser = choice::<Every>(), value_delimiter = ',')]
     pub every: Vec<Every>,

@@ -87,7 +87,8 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         }
     }
     if !s.left_out.is_empty() {
-        line!(out, "  left out    {}", s.left_out.join(", "));
+        let why = manifest.negligible.as_ref().map_or(String::new(), |known| format!("; negligible: {known}"));
+        line!(out, "  left out    {}{why}", s.left_out.join(", "));
     }
     if let Some(lost) = nothing_seen(&archive)? {
         line!(out, "  horizon     {lost}");

@@ -88,7 +88,16 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         provenance: invocation::provenance().with("conditions", name),
     };
     say_north(&args.common.table, &archive);
+    say_left_out(&archive, None);
     run(&args.common, &archive, &series)
+}
+
+/// Warns where effects were left out that bring little under other weather than this.
+fn say_left_out(archive: &Archive, weather: Option<&Path>) {
+    let Some(known) = &archive.manifest().negligible else { return };
+    if weather.and_then(Path::file_name).is_none_or(|name| *name != *known.weather) {
+        warn(&format!("{} leaves out {known}; here they may bring more", archive.path().display()));
+    }
 }
 
 /// The ground that the archive states by month and that a query takes the mean of, if no option sets it.
@@ -132,6 +141,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
     say_north(&args.common.table, &archive);
+    say_left_out(&archive, Some(&args.weather));
     replay_rows(args, &archive, &weather, &dated)
 }
 

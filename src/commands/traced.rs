@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use super::build::{BuildRequest, plan_and_write, settings_of};
+use super::build::{BuildRequest, WeighedUnder, plan_and_write, settings_of};
 use super::receivers::{self, Covered};
 use super::repair::other_receivers;
 use super::terminal::Terminal;
@@ -41,6 +41,8 @@ pub struct TraceRequest<'a> {
     /// Whether what is there of other inputs goes.
     pub replace: bool,
     pub memory: Bytes,
+    /// Weather that effects are weighed under, and what of them may be left out.
+    pub under: Option<&'a WeighedUnder>,
     /// How the weather that errors are estimated under reads the clock, if more is known than the file says.
     pub about_error_weather: Option<&'a ClockArgs>,
 }
@@ -87,6 +89,7 @@ pub fn up_to_date(asked: &TraceRequest, scene: &Scene, covered: Option<&Covered>
         accuracy: asked.accuracy,
         about_error_weather: asked.about_error_weather,
         effects: asked.effects,
+        under: asked.under,
         store: None,
     };
     let mut write = |start: Start| {
@@ -133,6 +136,7 @@ fn archive_of(
         others.push(format!("the table of receivers now {difference}"));
     }
     others.extend(other_accuracy(&archive, settings, asked.accuracy));
+    others.extend(other_effects(&archive, asked.under));
     Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
 }
 
@@ -170,6 +174,18 @@ fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyA
         }
     };
     Some(format!("site.helio was built with {there}, not {wanted}"))
+}
+
+/// How what an archive leaves out under some weather differs from what may be left out; one that leaves out nothing serves, too.
+fn other_effects(archive: &Archive, asked: Option<&WeighedUnder>) -> Option<String> {
+    let there = archive.manifest().negligible.as_ref()?;
+    let allowed = asked.and_then(|asked| Some((asked.weather.name(), asked.negligible?.0)));
+    if allowed == Some((there.weather.as_str(), there.percent)) {
+        return None;
+    }
+    let now =
+        allowed.map_or("all effects".into(), |(weather, percent)| format!("--negligible {percent}% and {weather}"));
+    Some(format!("site.helio was built with --negligible {}% and {}, not {now}", there.percent, there.weather))
 }
 
 /// A table of receivers that is not yet in its place.

@@ -2,7 +2,7 @@
 """Three generated sites on which the accuracy of settings is measured.
 
     sites.py FOLDER           writes FOLDER/{canyon,town,balconies}/{scene.obj,materials.toml,receivers.csv}
-    sites.py FOLDER --hard    writes those that are hard for what cells share: lit_wall, across, court, well, mirrors, snow
+    sites.py FOLDER --hard    writes those that are hard for what cells share: lit_wall, across, court, well, mirrors, snow, sphere, arcade
 
 canyon     a street between two rows of plain houses, 24 receivers
 town       49 houses with gable roofs on a plain, 96 receivers
@@ -13,6 +13,8 @@ court      a court of white walls, 20 m square and 25 m deep
 well       a light well, 3 m square and 18 m deep
 mirrors    a street between two mirrors of 20 m
 snow       hills of snow, receivers on slopes
+sphere     the inside of a sphere of 40 m that is open above 60 degrees from the zenith
+arcade     a walk behind pillars beside a light square
 """
 import math
 import os
@@ -212,8 +214,46 @@ def snow():
     return site
 
 
+def sphere():
+    site = Site({"inside": (0.8, "obstruction")})
+    rings, sides = 24, 72
+    polar = lambda ring: math.pi / 3 * (1 + 2 * ring / rings)
+    at = lambda ring, side: (40 * math.sin(polar(ring)) * math.cos(math.tau * side / sides),
+                             40 * math.sin(polar(ring)) * math.sin(math.tau * side / sides), 40 * math.cos(polar(ring)))
+    for ring in range(rings):
+        for side in range(sides):
+            a, b, c, d = at(ring, side), at(ring + 1, side), at(ring + 1, side + 1), at(ring, side + 1)
+            site.face("inside", a, b, d)
+            if ring + 1 < rings:
+                site.face("inside", b, c, d)
+    for i in range(32):
+        # Well within a face.
+        ring, side = int(2 + (rings - 4) * (i * 0.754877666 % 1)), int(sides * (i * 0.569840291 % 1))
+        a, b, d = at(ring, side), at(ring + 1, side), at(ring, side + 1)
+        middle = tuple((x + y + z) / 3 for x, y, z in zip(a, b, d))
+        u, v = tuple(y - x for x, y in zip(a, b)), tuple(z - x for x, z in zip(a, d))
+        n = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+        size = math.hypot(*n) * (-1 if sum(x * y for x, y in zip(n, middle)) > 0 else 1)
+        site.receiver(f"r{i}", middle, tuple(x / size for x in n))
+    return site
+
+
+def arcade():
+    site = Site({"paving": (0.45, "ground"), "stone": (0.55, "obstruction"), "roof": (0.2, "obstruction")})
+    site.face("paving", (-80, -80, 0), (80, -80, 0), (80, 80, 0), (-80, 80, 0))
+    site.box("stone", "roof", (-40, 6, 0), (40, 18, 16))
+    site.box("stone", "roof", (-40, 0, 4.5), (40, 6, 16))
+    for i in range(21):
+        site.box("stone", "stone", (-40 + 3.97 * i, 0, 0), (-39.4 + 3.97 * i, 0.6, 4.5))
+    for i in range(24):
+        x = -38 + 3.17 * i
+        site.receiver(f"walk_{i}", (x, 0.8 + 5 * (i * 0.618033989 % 1), 0), (0, 0, 1))
+        site.receiver(f"wall_{i}", (x, 6, 0.3 + 4 * (i * 0.754877666 % 1)), (0, -1, 0))
+    return site
+
+
 EASY = (canyon, town, balconies)
-HARD = (lit_wall, across, court, well, mirrors, snow)
+HARD = (lit_wall, across, court, well, mirrors, snow, sphere, arcade)
 
 if __name__ == "__main__":
     for make in HARD if "--hard" in sys.argv else EASY:

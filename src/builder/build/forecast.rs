@@ -11,6 +11,7 @@ use super::sample::Sample;
 use super::site_tracer::SiteTracer;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{Effect, EffectChoice, Effects};
+use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::error::Result;
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
@@ -90,10 +91,10 @@ impl SiteTracer<'_> {
         &self,
         receivers: &mut ReceiverTiles,
         mirrors: usize,
-        wanted: EffectChoice,
+        (wanted, negligible): (EffectChoice, Option<&Negligible>),
     ) -> Result<Forecast> {
         let sample = self.sample(receivers)?;
-        Ok(Decision { sample: &sample, reflectors: &self.reflectors, mirrors, wanted }.forecast())
+        Ok(Decision { sample: &sample, reflectors: &self.reflectors, mirrors, wanted, negligible }.forecast())
     }
 }
 
@@ -104,6 +105,8 @@ struct Decision<'a> {
     /// Orientations of mirrors.
     mirrors: usize,
     wanted: EffectChoice,
+    /// What is left out under some weather, where the scene decides.
+    negligible: Option<&'a Negligible>,
 }
 
 /// The most that each effect can give a receiver, W/m2.
@@ -148,7 +151,10 @@ impl Decision<'_> {
     /// Whether an effect is traced that can give so much.
     fn is_on(&self, effect: Effect, bound: f64) -> bool {
         match self.wanted {
-            EffectChoice::Auto => bound > NEGLIGIBLE_W_M2,
+            EffectChoice::Auto => match self.negligible {
+                Some(known) => bound > 0.0 && !known.bound_percent.contains_key(effect.name()),
+                None => bound > NEGLIGIBLE_W_M2,
+            },
             EffectChoice::These(effects) => effects.contains(effect),
         }
     }
@@ -164,7 +170,14 @@ impl Decision<'_> {
         let why = match (self.wanted, on) {
             _ if bound <= 0.0 => nothing.to_string(),
             (EffectChoice::Auto, true) => some,
-            (EffectChoice::Auto, false) => format!("at most {NEGLIGIBLE_W_M2} W/m2: negligible"),
+            (EffectChoice::Auto, false) => {
+                match self.negligible.and_then(|known| Some((known, known.bound_percent.get(effect.name())?))) {
+                    Some((known, percent)) => {
+                        format!("at most {percent} % of any group's sum under {}: negligible", known.weather)
+                    }
+                    None => format!("at most {NEGLIGIBLE_W_M2} W/m2: negligible"),
+                }
+            }
             (EffectChoice::These(_), true) => "asked for".into(),
             (EffectChoice::These(_), false) => "not asked for".into(),
         };

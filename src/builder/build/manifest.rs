@@ -1,8 +1,8 @@
 //! The manifest of a build: where the archive comes from and what is in it.
 
+use super::plan::Plan;
 use super::site_tracer::SiteTracer;
 use crate::pack::COMPRESSION;
-use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::manifest;
 use heliotile_core::archive::manifest::{Creator, Manifest, ReceiverSummary, SceneSummary};
 use heliotile_core::archive::{EncodedBlock, format, tables};
@@ -59,12 +59,7 @@ impl SiteTracer<'_> {
         Ok(blocks)
     }
 
-    pub(super) fn manifest(
-        &self,
-        counts: &BuildCounts,
-        accuracy: Option<&Accuracy>,
-        layers: Vec<manifest::LayerSummary>,
-    ) -> Manifest {
+    pub(super) fn manifest(&self, counts: &BuildCounts, plan: &Plan, layers: Vec<manifest::LayerSummary>) -> Manifest {
         let mesh = &self.scene.mesh;
         let (low, high) = mesh.bounds();
         Manifest {
@@ -89,7 +84,8 @@ impl SiteTracer<'_> {
                 ..ReceiverSummary::default()
             },
             settings: self.settings.stated(),
-            accuracy: accuracy.cloned(),
+            accuracy: plan.accuracy.clone(),
+            negligible: plan.negligible.clone(),
             place: self.scene.place,
             ground: self.scene.ground.clone(),
             counts: manifest::CellCounts { probes: counts.probes, bounce_cells: counts.bounce_cells },

@@ -24,6 +24,7 @@ use crate::settings::{BuildSettings, EffectChoice};
 use crate::trace::Tracer;
 use crate::writing::{Job, Writer};
 use heliotile_core::archive::manifest::ReceiverSummary;
+use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
@@ -76,11 +77,17 @@ impl Build<'_> {
         SiteFacts::given(path, stated, scene.materials.clone(), orientations)
     }
 
-    /// What a build with some settings would trace, from a sample of its receivers; writes no archive.
-    pub fn forecast(&mut self, settings: &BuildSettings, effects: EffectChoice) -> Result<Forecast> {
+    /// What a build with some settings would trace, from a sample of its receivers; writes no archive. `negligible` decides in place of the light
+    /// that bounds are stated for, where effects are chosen by what the scene calls for.
+    pub fn forecast(
+        &mut self,
+        settings: &BuildSettings,
+        effects: EffectChoice,
+        negligible: Option<&Negligible>,
+    ) -> Result<Forecast> {
         let known = (self.facts(settings, &self.workspace.folder)?, Known::default());
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, known);
-        tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), effects)
+        tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), (effects, negligible))
     }
 
     /// Traces the receivers and writes the archive; nothing is traced that earlier archives of the same scene and settings hold. Equal
@@ -155,7 +162,7 @@ fn trace(
     let tiles = receivers.tile_count() as u32;
     let counts = BuildCounts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
     tracer.write_responses(tiles, writer, clock)?;
-    let manifest = tracer.manifest(&counts, plan.accuracy.as_ref(), writer.layers());
+    let manifest = tracer.manifest(&counts, plan, writer.layers());
     warnings.extend(tiles::warnings(&misplaced));
     let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
     Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })

@@ -1,31 +1,55 @@
 //! Estimates. In: sums of batches. Out: means and their standard errors.
 
+use crate::settings::Effect;
+
 /// Batches that a receiver's paths are drawn in, each with a shift of its own.
 pub const BATCHES: usize = 16;
 
 /// The six components, in the order of results, and their total.
 pub const PARTS: usize = 7;
 
-/// Irradiance of a receiver under one condition, W/m2.
+/// Effects, in the order of [`Effect::ALL`].
+const EFFECTS: usize = Effect::ALL.len();
+
+/// Sums of a batch: the six components, then what each effect changes in the total.
+pub(super) type Batch = [f64; PARTS - 1 + EFFECTS];
+
+/// Place of an effect in a batch.
+pub(super) fn lane(effect: Effect) -> usize {
+    PARTS - 1 + effect as usize
+}
+
+/// Irradiance of a receiver under one condition, W/m2; under a year, kWh/m2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Judged {
     /// The six components and the total.
     pub mean: [f64; PARTS],
     /// Standard errors of these.
     pub error: [f64; PARTS],
+    /// What of the total would be lost without each effect of [`Effect::ALL`]; what canopies take away would come besides.
+    pub by_effect: [f64; EFFECTS],
+    /// Standard errors of these.
+    pub by_effect_error: [f64; EFFECTS],
 }
 
 impl Judged {
     /// Of means of batches.
-    pub(super) fn of(batches: &[[f64; 6]; BATCHES]) -> Self {
+    pub(super) fn of(batches: &[Batch; BATCHES]) -> Self {
         let mut judged = Judged::default();
         for part in 0..PARTS {
-            let value = |batch: &[f64; 6]| if part < 6 { batch[part] } else { batch.iter().sum() };
-            let mean = batches.iter().map(value).sum::<f64>() / BATCHES as f64;
-            let squares: f64 = batches.iter().map(|batch| (value(batch) - mean).powi(2)).sum();
-            judged.mean[part] = mean;
-            judged.error[part] = (squares / ((BATCHES - 1) * BATCHES) as f64).sqrt();
+            let value = |batch: &Batch| if part < PARTS - 1 { batch[part] } else { batch[..PARTS - 1].iter().sum() };
+            (judged.mean[part], judged.error[part]) = mean_and_error(&batches.each_ref().map(value));
+        }
+        for effect in Effect::ALL {
+            let values = batches.each_ref().map(|batch| batch[lane(effect)]);
+            (judged.by_effect[effect as usize], judged.by_effect_error[effect as usize]) = mean_and_error(&values);
         }
         judged
     }
+}
+
+fn mean_and_error(values: &[f64; BATCHES]) -> (f64, f64) {
+    let mean = values.iter().sum::<f64>() / BATCHES as f64;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / ((BATCHES - 1) * BATCHES) as f64).sqrt())
 }

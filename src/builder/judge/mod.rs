@@ -8,6 +8,7 @@
 //! standard error.
 
 mod audit;
+mod carried;
 pub mod comparison;
 mod estimate;
 mod random;

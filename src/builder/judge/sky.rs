@@ -4,6 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::random::Random;
 use heliotile_core::error::{Error, Result};
@@ -18,6 +19,13 @@ const STEPS: [usize; 2] = [96, 192];
 /// Cells to a side of the square that radiances are tabled on: 1.2 degrees, over which no sky bends by more than 1e-3.
 const SIDE: usize = 128;
 
+/// The same for the many skies of a sum, over which what is left of the bends is 1e-3, and for the level.
+const COARSE_SIDE: usize = 32;
+const COARSE_STEPS: [usize; 2] = [24, 48];
+
+/// Conditions of a sum that are added up by one thread.
+const AT_ONCE: usize = 64;
+
 /// One condition.
 pub struct JudgedSky {
     /// Radiance in the middle of each cell of the sky, W/m2/sr.
@@ -31,29 +39,48 @@ pub struct JudgedSky {
 impl JudgedSky {
     /// A condition in the axes of the site. An error: a sky with a band at the horizon, which has no radiance.
     pub fn new(condition: &Condition, model: SkyModel) -> Result<Self> {
-        if model.brightens() {
-            let hint = "judge by perez, uniform or cie:N";
-            return Err(Error::argument("--sky", "has a band at the horizon that is infinitely narrow", hint));
-        }
-        let (distribution, sun) = (model.distribution(condition), condition.sky_sun);
-        let [rows, columns] = STEPS;
-        // Even in the square of the sine of the altitude, so that each point stands for as much of a horizontal receiver's light.
-        let at = |i: usize| {
-            let z = (((i / columns) as f64 + 0.5) / rows as f64).sqrt();
-            let azimuth = TAU * ((i % columns) as f64 + 0.5) / columns as f64;
-            distribution.relative_radiance(around(azimuth, z), sun)
+        check(model)?;
+        let radiances = radiances(condition, model, SIDE, STEPS).map(|radiance| radiance as f32).collect();
+        let mut sky = JudgedSky { radiances, dni_w_m2: condition.dni_w_m2, suns: Vec::new() };
+        sky.add_suns(condition, 0.0, 1.0);
+        Ok(sky)
+    }
+
+    /// The sum over conditions in the axes of the site, for the hours that each lasts: with it, the judge speaks of kWh/m2. An error: as [`new`](Self::new).
+    pub fn sum(conditions: &[Condition], model: SkyModel) -> Result<Self> {
+        check(model)?;
+        let weight = |condition: &Condition| condition.stamp.map_or(1.0, |stamp| stamp.hours) / 1000.0;
+        let added = |some: &[Condition]| {
+            let mut sums = vec![0.0; COARSE_SIDE * COARSE_SIDE];
+            for condition in some {
+                let here = radiances(condition, model, COARSE_SIDE, COARSE_STEPS);
+                sums.iter_mut().zip(here).for_each(|(sum, radiance)| *sum += weight(condition) * radiance);
+            }
+            sums
         };
-        let mean = (0..rows * columns).map(at).sum::<f64>() / (rows * columns) as f64;
-        let level = if mean > 0.0 { condition.dhi_w_m2 / (PI * mean) } else { 0.0 };
-        let middle = |cell: usize| texel_direction(cell % SIDE, cell / SIDE, SIDE, DVec2::splat(0.5));
-        let radiance = |cell: usize| (level * distribution.relative_radiance(middle(cell), sun)) as f32;
-        let radiances = (0..SIDE * SIDE).map(radiance).collect();
+        // One after the other in the end, so that the sum does not depend on the number of threads.
+        let parts: Vec<Vec<f64>> = conditions.par_chunks(AT_ONCE).map(added).collect();
+        let mut coarse = vec![0.0; COARSE_SIDE * COARSE_SIDE];
+        parts.iter().for_each(|part| coarse.iter_mut().zip(part).for_each(|(sum, part)| *sum += part));
+        let scale = SIDE / COARSE_SIDE;
+        let of_cell = |cell: usize| coarse[cell / SIDE / scale * COARSE_SIDE + cell % SIDE / scale] as f32;
+        let mut sum = JudgedSky { radiances: (0..SIDE * SIDE).map(of_cell).collect(), dni_w_m2: 0.0, suns: Vec::new() };
+        for condition in conditions.iter().filter(|condition| !condition.suns.is_empty()) {
+            let part = weight(condition) * condition.dni_w_m2;
+            sum.add_suns(condition, sum.dni_w_m2, part);
+            sum.dni_w_m2 += part;
+        }
+        Ok(sum)
+    }
+
+    /// Lists the suns of a condition behind those whose weights sum to `before`; their own sum to `part`.
+    fn add_suns(&mut self, condition: &Condition, before: f64, part: f64) {
+        let whole: f64 = condition.suns.iter().map(|instant| instant.weight).sum();
         let mut sum = 0.0;
-        let suns = condition.suns.iter().map(|instant| {
+        for instant in &condition.suns {
             sum += instant.weight;
-            (sum, Frame::of(instant.sun))
-        });
-        Ok(JudgedSky { radiances, dni_w_m2: condition.dni_w_m2, suns: suns.collect() })
+            self.suns.push((before + part * sum / whole.max(f64::MIN_POSITIVE), Frame::of(instant.sun)));
+        }
     }
 
     /// Radiance at a place of the sky, W/m2/sr.
@@ -97,6 +124,35 @@ impl JudgedSky {
         mean.radiances.iter_mut().zip(sums).for_each(|(radiance, sum)| *radiance = sum as f32);
         mean
     }
+}
+
+/// An error for a sky that has no radiance everywhere.
+fn check(model: SkyModel) -> Result<()> {
+    if model.brightens() {
+        let hint = "judge by perez, uniform or cie:N";
+        return Err(Error::argument("--sky", "has a band at the horizon that is infinitely narrow", hint));
+    }
+    Ok(())
+}
+
+/// Radiances in the middles of so many cells to a side, W/m2/sr; steps of the integral that sets their level.
+fn radiances(
+    condition: &Condition,
+    model: SkyModel,
+    side: usize,
+    [rows, columns]: [usize; 2],
+) -> impl Iterator<Item = f64> {
+    let (distribution, sun) = (model.distribution(condition), condition.sky_sun);
+    // Even in the square of the sine of the altitude, so that each point stands for as much of a horizontal receiver's light.
+    let at = |i: usize| {
+        let z = (((i / columns) as f64 + 0.5) / rows as f64).sqrt();
+        let azimuth = TAU * ((i % columns) as f64 + 0.5) / columns as f64;
+        distribution.relative_radiance(around(azimuth, z), sun)
+    };
+    let mean = (0..rows * columns).map(at).sum::<f64>() / (rows * columns) as f64;
+    let level = if mean > 0.0 { condition.dhi_w_m2 / (PI * mean) } else { 0.0 };
+    let middle = move |cell: usize| texel_direction(cell % side, cell / side, side, DVec2::splat(0.5));
+    (0..side * side).map(move |cell| level * distribution.relative_radiance(middle(cell), sun))
 }
 
 /// A place of the sky.

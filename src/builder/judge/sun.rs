@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::carried::Carried;
 use super::random::Random;
 use super::sky::JudgedSky;
 use super::walk::{Judge, Place, Sums, ray};
@@ -10,7 +11,6 @@ use crate::trace::Ray;
 use crate::trace::kernel::rays::Hit;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::fresnel::specular;
-use heliotile_core::replay::components::Component;
 use heliotile_core::site::chain::{MOST_MIRRORS, Orientation};
 
 /// A place that looks for a point of the sun.
@@ -19,12 +19,10 @@ pub(super) struct SunLook {
     place: Place,
     /// Towards the point.
     sun: DVec3,
-    /// Irradiance of the receiver for a cosine of 1, W/m2.
-    weight: f64,
+    /// For a cosine of 1; as irradiance of the receiver, W/m2.
+    carried: Carried,
     sky: usize,
     batch: usize,
-    /// Whether the light comes by a matt surface.
-    matt: bool,
     /// Draws chains of mirrors, if not all are followed.
     seed: u64,
 }
@@ -39,16 +37,15 @@ struct Way<'l> {
     chain: Vec<u16>,
     from: DVec3,
     direction: DVec3,
-    weight: f64,
+    carried: Carried,
 }
 
 impl SunLook {
-    /// A look for a point of the sun of each sky, at the same place of its disc; `weight` for a DNI of 1 W/m2.
+    /// A look for a point of the sun of each sky, at the same place of its disc; `carried` for a DNI of 1 W/m2.
     pub fn at_all(
         place: Place,
         batch: usize,
-        weight: f64,
-        matt: bool,
+        carried: Carried,
         skies: &[&JudgedSky],
         which: [f64; 3],
         random: &mut Random,
@@ -56,18 +53,13 @@ impl SunLook {
         let look = |(sky, of): (usize, &&JudgedSky)| {
             let sun = of.sun(which, random)?;
             let seed = (random.next() * 2.0_f64.powi(53)) as u64;
-            Some(SunLook { place, sun, weight: weight * of.dni_w_m2, sky, batch, matt, seed })
+            Some(SunLook { place, sun, carried: carried.times(of.dni_w_m2), sky, batch, seed })
         };
         skies.iter().enumerate().filter_map(look).collect()
     }
 
-    fn add(&self, mirrored: bool, irradiance: f64, sums: &mut Sums) {
-        let component = match (self.matt, mirrored) {
-            (true, _) => Component::SunDiffuse,
-            (false, true) => Component::SunSpecular,
-            (false, false) => Component::SunDirect,
-        };
-        sums[self.sky][self.batch][component as usize] += irradiance;
+    fn add(&self, carried: Carried, sums: &mut Sums) {
+        carried.add(true, 1.0, &mut sums[self.sky][self.batch]);
     }
 }
 
@@ -79,7 +71,7 @@ impl Judge<'_> {
         let rays: Vec<Ray> = straight.iter().map(|(look, _)| ray(look.place.from, look.sun)).collect();
         for (place, through) in self.open(&rays) {
             let (look, cos) = straight[place];
-            look.add(false, look.weight * cos * through, sums);
+            look.add(look.carried.times(cos).through(through), sums);
         }
         if let Some(mirrors) = self.mirrors {
             self.add_mirrored(looks, &mirrors.orientations, sums);
@@ -94,7 +86,7 @@ impl Judge<'_> {
             for (place, through) in
                 self.open(&rays(&out)).into_iter().filter(|(place, _)| out[*place].direction.z > 0.0)
             {
-                out[place].look.add(true, out[place].weight * through, sums);
+                out[place].look.add(out[place].carried.through(through), sums);
             }
             let cast = rays(&on);
             let hits = self.tracer.closest_many(&cast);
@@ -110,7 +102,8 @@ impl Judge<'_> {
         let (_, orientation) = self.orientation(hit).filter(|(number, _)| way.chain.get(passed) == Some(number))?;
         let (place, _) = self.place(way.from, way.direction, hit);
         let cos = orientation.normal.dot(way.direction).abs();
-        way.weight *= through * specular(&self.reflectors[usize::from(orientation.material)], cos);
+        let reflected = specular(&self.reflectors[usize::from(orientation.material)], cos);
+        way.carried = way.carried.through(through).times(reflected).mirrored();
         (way.from, way.direction) = (place.from, orientation.reflect(way.direction).normalize());
         Some(way)
     }
@@ -125,8 +118,8 @@ fn ways<'l>(look: &'l SunLook, orientations: &[Orientation]) -> Vec<Way<'l>> {
         let reflect = |d: DVec3, number: &u16| orientations[usize::from(*number)].reflect(d);
         let direction = chain.iter().rev().fold(look.sun, reflect);
         let cos = look.place.normal.dot(direction);
-        let weight = look.weight * cos * weight;
-        (cos > 0.0).then_some(Way { look, chain, from: look.place.from, direction, weight })
+        let carried = look.carried.times(cos * weight);
+        (cos > 0.0).then_some(Way { look, chain, from: look.place.from, direction, carried })
     };
     let chains = (1..=MOST_MIRRORS).flat_map(move |length| {
         let there = of_length(length);

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::estimate::{BATCHES, Judged};
+use super::carried::Carried;
+use super::estimate::{BATCHES, Batch, Judged};
 use super::random::{EVEN, Random, even};
 use super::sky::{JudgedSky, SkyPlace, cosine};
 use super::sun::SunLook;
@@ -16,7 +17,6 @@ use crate::trace::{Ray, Tracer};
 use heliotile_core::hemisphere::{Frame, mix, texels_in_blocks};
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
-use heliotile_core::replay::components::Component;
 use heliotile_core::site::chain::Orientation;
 use heliotile_core::site::material::Material;
 use heliotile_scene::mesh::Mesh;
@@ -52,29 +52,18 @@ pub(super) struct Place {
     pub normal: DVec3,
 }
 
-/// What a path has met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Behind {
-    Nothing,
-    Mirrors,
-    /// A matt surface, at least.
-    Matt,
-}
-
 /// The end of a path.
 struct Walker {
     batch: usize,
     from: DVec3,
     direction: DVec3,
-    /// Irradiance of the receiver for a radiance of 1 / pi from here.
-    weight: f64,
-    behind: Behind,
+    carried: Carried,
     met: u32,
     random: Random,
 }
 
 /// W/m2 by sky and batch.
-pub(super) type Sums = Vec<[[f64; 6]; BATCHES]>;
+pub(super) type Sums = Vec<[Batch; BATCHES]>;
 
 impl<'a> Judge<'a> {
     /// Of a scene, and what is to be left out of it as a build leaves it out.
@@ -103,7 +92,7 @@ impl<'a> Judge<'a> {
         seed: u64,
     ) -> Vec<Judged> {
         let each = paths.div_ceil(BATCHES).max(1);
-        let mut sums: Sums = vec![[[0.0; 6]; BATCHES]; skies.len()];
+        let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
         let here = Place { from: vector(self.mesh.grid().lifted(position, normal)), normal };
         let frame = Frame::of(normal);
         let (mut walkers, mut looks) = (Vec::with_capacity(each * BATCHES), Vec::new());
@@ -114,17 +103,9 @@ impl<'a> Judge<'a> {
             for i in 0..each {
                 let mut random = Random::new(mix(of_batch, i as u64 + 1));
                 let [a, b, which, across, along] = even(i, &shift);
-                looks.extend(SunLook::at_all(here, batch, 1.0, false, skies, [which, across, along], &mut random));
+                looks.extend(SunLook::at_all(here, batch, Carried::START, skies, [which, across, along], &mut random));
                 let direction = cosine(&frame, [a, b]);
-                walkers.push(Walker {
-                    batch,
-                    from: here.from,
-                    direction,
-                    weight: 1.0,
-                    behind: Behind::Nothing,
-                    met: 0,
-                    random,
-                });
+                walkers.push(Walker { batch, from: here.from, direction, carried: Carried::START, met: 0, random });
             }
         }
         self.add_suns(&looks, &mut sums);
@@ -137,7 +118,7 @@ impl<'a> Judge<'a> {
             looks.clear();
             let mut next = Vec::with_capacity(walkers.len());
             for ((mut walker, hit), through) in walkers.into_iter().zip(hits).zip(through) {
-                walker.weight *= through;
+                walker.carried = walker.carried.through(through);
                 match hit {
                     Some(hit) => next.extend(self.meet(walker, hit, skies, &mut looks)),
                     None => see(&walker, skies, &mut sums),
@@ -146,7 +127,7 @@ impl<'a> Judge<'a> {
             self.add_suns(&looks, &mut sums);
             walkers = next;
         }
-        let mean = |batches: &[[f64; 6]; BATCHES]| Judged::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)));
+        let mean = |batches: &[Batch; BATCHES]| Judged::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)));
         sums.iter().map(mean).collect()
     }
 
@@ -163,11 +144,11 @@ impl<'a> Judge<'a> {
             };
             let directions: Vec<DVec3> = texels_in_blocks(side).map(&mut direction).filter(|d| d.z > 0.0).collect();
             let rays: Vec<Ray> = directions.iter().map(|d| ray(here.from, *d)).collect();
-            let weight = PI * each as f64 / (side * side) as f64;
+            let straight = Carried::START.times(PI * each as f64 / (side * side) as f64);
             for (number, through) in self.open(&rays) {
                 let Some(place) = SkyPlace::of(directions[number]) else { continue };
                 for (sky, sums) in skies.iter().zip(sums.iter_mut()) {
-                    sums[batch][Component::SkyDirect as usize] += weight * through * sky.radiance(place);
+                    straight.through(through).add(false, sky.radiance(place), &mut sums[batch]);
                 }
             }
         }
@@ -188,28 +169,28 @@ impl<'a> Judge<'a> {
         let reflector = &self.reflectors[usize::from(material)];
         let cos = place.normal.dot(walker.direction).abs();
         let mirrored = orientation.map_or(0.0, |_| specular(reflector, cos));
-        let diffuse = if self.once && walker.behind == Behind::Matt { 0.0 } else { reflector.diffuse };
+        let diffuse = if self.once && walker.carried.matt > 0 { 0.0 } else { reflector.diffuse };
         let reflected = mirrored + diffuse;
         if diffuse > 0.0 {
-            let (which, weight) = (walker.random.many(), walker.weight * diffuse);
-            looks.extend(SunLook::at_all(place, walker.batch, weight, true, skies, which, &mut walker.random));
+            let (which, carried) = (walker.random.many(), walker.carried.times(diffuse).reflected());
+            looks.extend(SunLook::at_all(place, walker.batch, carried, skies, which, &mut walker.random));
         }
         let [on, kind, a, b] = walker.random.many();
         let likely = if walker.met < SURE { 1.0 } else { reflected.min(LIKELIEST) };
         if reflected <= 0.0 || on >= likely {
             return None;
         }
-        walker.weight *= reflected / likely;
+        walker.carried = walker.carried.times(reflected / likely);
         walker.met += 1;
         walker.from = place.from;
         match orientation.filter(|_| kind * reflected < mirrored) {
             Some(orientation) => {
                 walker.direction = orientation.reflect(walker.direction).normalize();
-                walker.behind = if walker.behind == Behind::Matt { Behind::Matt } else { Behind::Mirrors };
+                walker.carried = walker.carried.mirrored();
             }
             None => {
                 walker.direction = cosine(&Frame::of(place.normal), [a, b]);
-                walker.behind = Behind::Matt;
+                walker.carried = walker.carried.reflected();
             }
         }
         Some(walker)
@@ -253,14 +234,9 @@ impl<'a> Judge<'a> {
 
 /// The sky at the end of a path; what is seen straight has rays of its own.
 fn see(walker: &Walker, skies: &[&JudgedSky], sums: &mut Sums) {
-    let component = match walker.behind {
-        Behind::Nothing => return,
-        Behind::Mirrors => Component::SkySpecular,
-        Behind::Matt => Component::SkyDiffuse,
-    };
-    let Some(place) = SkyPlace::of(walker.direction) else { return };
+    let Some(place) = SkyPlace::of(walker.direction).filter(|_| walker.met > 0) else { return };
     for (sky, sums) in skies.iter().zip(sums) {
-        sums[walker.batch][component as usize] += PI * walker.weight * sky.radiance(place);
+        walker.carried.add(false, PI * sky.radiance(place), &mut sums[walker.batch]);
     }
 }
 

@@ -21,7 +21,7 @@ use heliotile_core::memory::Use;
 use heliotile_core::opened::{CellSource, OpenSite};
 
 /// What may differ between archives that fit: counted or estimated by each build for itself.
-const MAY_DIFFER: [&str; 2] = ["scene.degenerate_dropped", "accuracy"];
+const MAY_DIFFER: [&str; 3] = ["scene.degenerate_dropped", "accuracy", "negligible"];
 
 /// What a merge did.
 #[derive(Clone, Debug)]
@@ -171,5 +171,6 @@ fn stated(a: &Manifest, b: &Manifest) -> Manifest {
     stated.scene.degenerate_dropped = a.scene.degenerate_dropped.max(b.scene.degenerate_dropped);
     let accuracy = |of: &Manifest| of.accuracy.clone().map(Accuracy::without_tiles);
     stated.accuracy = accuracy(a).filter(|same| accuracy(b).as_ref() == Some(same));
+    stated.negligible = a.negligible.clone().filter(|same| b.negligible.as_ref() == Some(same));
     stated
 }

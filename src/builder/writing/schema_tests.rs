@@ -6,6 +6,7 @@ use crate::writing::{Writer, journal, test_site, writer};
 use heliotile_core::archive::accuracy::{Accuracy, TileError};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{Entry, Slot};
+use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::archive::{Archive, EncodedBlock, manifest};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::place::Place;
@@ -174,7 +175,7 @@ fn follow(schema: &Value, value: &Value, at: &str) -> usize {
 }
 
 /// A real manifest holds only keys that the JSON Schema describes, all that it requires, and of its types; and the schema
-/// requires every key but `accuracy`, `ground`, `place` and, further down, `left_out`, `steps` and `grid_step_m`.
+/// requires every key but `accuracy`, `ground`, `negligible`, `place` and, further down, `left_out`, `steps` and `grid_step_m`.
 #[test]
 fn manifests_follow_the_json_schema() {
     let schema: Value = serde_json::from_str(&text("manifest.schema.json")).unwrap();
@@ -185,12 +186,14 @@ fn manifests_follow_the_json_schema() {
         tiles: vec![TileError::default()],
         ..Accuracy::default()
     });
+    manifest.negligible =
+        Some(Negligible { bound_percent: [("mirrors".to_string(), 0.5)].into(), ..Negligible::default() });
     manifest.settings.steps = 12;
     manifest.place = Some(Place { latitude_deg: 52.1, longitude_deg: 4.3, convergence_deg: -0.9, epsg: Some(28992) });
     manifest.ground = Some(MonthlyGround { material: "plane".into(), reflectance: [0.25; 12], snow_modifier: 1.5 });
     let value: Value = serde_json::from_slice(&manifest.to_json().unwrap()).unwrap();
     assert!(follow(&schema, &value, "manifest") > 60);
-    assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 3);
+    assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 4);
     for part in ["creator", "scene", "receivers", "settings", "counts"] {
         let part = &schema["properties"][part];
         let optional =

@@ -2,35 +2,40 @@
 
 pub mod tables;
 
+use std::path::Path;
 use std::time::Duration;
 
 use super::horizon::nothing_seen;
 use super::terminal::Terminal;
 use super::{
-    Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, remark, say, warn, workspace,
-    workspace_beside,
+    Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, remark, same_file, say, warn,
+    workspace, workspace_beside,
 };
 use crate::cli::{AccuracyArgs, BuildArgs, ClockArgs, Percent, PlanArgs};
+use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::build::{Build, Output, PreparedScene, Start};
-use heliotile_builder::planning::{ErrorTarget, PlanReport, PlanRequest};
+use heliotile_builder::planning::{EffectsUnder, ErrorTarget, PlanReport, PlanRequest};
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Rungs};
 use heliotile_builder::store::{Folder, Store, StoreKey, open_all};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
+use heliotile_scene::Scene;
 
 /// `heliotile build`.
 pub fn run(args: &BuildArgs) -> Result<Outcome> {
-    let inputs = [Some(args.receivers.as_path()), args.accuracy.error_weather.as_deref()];
+    let inputs = [Some(args.receivers.as_path()), args.accuracy.error_weather.as_deref(), args.weather.as_deref()];
     guard_site(&args.output, &args.scene.site()?, &inputs)?;
     guard_archive(&args.output)?;
     let scene = load_scene(&args.scene)?;
     let workspace = workspace_beside(&args.output, args.memory);
     let mut receivers = read_receivers(&args.receivers, &scene, &workspace)?;
+    let under = weighed_under((args.weather.as_deref(), args.negligible), &args.about_weather, &scene)?;
     let asked = BuildRequest {
         settings: BuildSettings { share: args.share, ..settings_of(&args.accuracy)? },
         accuracy: &args.accuracy,
-        about_error_weather: Some(&args.about_weather),
+        about_error_weather: about_error_weather(args.weather.as_deref(), &args.accuracy, &args.about_weather),
+        under: under.as_ref(),
         effects: args.effects,
         store: args.store.as_deref().map(Folder::create).transpose()?,
     };
@@ -58,7 +63,16 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     let settings = settings_of(&args.accuracy)?;
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
     let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
-    let plan = decide(&mut build, settings, &args.accuracy, Some(&args.about_weather), args.effects)?;
+    let under = weighed_under((args.weather.as_deref(), args.negligible), &args.about_weather, &scene)?;
+    let asked = BuildRequest {
+        settings,
+        accuracy: &args.accuracy,
+        about_error_weather: about_error_weather(args.weather.as_deref(), &args.accuracy, &args.about_weather),
+        under: under.as_ref(),
+        effects: args.effects,
+        store: None,
+    };
+    let plan = decide(&mut build, &asked)?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",
         args.scene.first().display(),
@@ -67,7 +81,35 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
         counted(rayon::current_num_threads() as u64, "thread"),
         tables::forecast(&plan.forecast)
     ))?;
+    plan.losses.iter().try_for_each(|losses| say(&tables::losses(losses)))?;
     Ok(Outcome::Fine)
+}
+
+/// Weather that effects are weighed under.
+pub struct WeighedUnder {
+    pub weather: ErrorConditions,
+    /// What may be left out, if anything.
+    pub negligible: Option<Percent>,
+}
+
+fn weighed_under(
+    (weather, negligible): (Option<&Path>, Option<Percent>),
+    about: &ClockArgs,
+    scene: &Scene,
+) -> Result<Option<WeighedUnder>> {
+    let read = |file| Ok(WeighedUnder { weather: read_suns(Some(file), Some(about), scene)?, negligible });
+    weather.map(read).transpose()
+}
+
+/// What is said of the clock is said of `--weather`, if there is one, whatever errors are estimated under.
+pub fn about_error_weather<'a>(
+    weather: Option<&Path>,
+    accuracy: &AccuracyArgs,
+    about: &'a ClockArgs,
+) -> Option<&'a ClockArgs> {
+    let of_errors = accuracy.error_weather.as_deref();
+    let is_same = |weather: &Path| of_errors.is_some_and(|of_errors| same_file(of_errors, weather));
+    weather.is_none_or(is_same).then_some(about)
 }
 
 /// What is asked of a build.
@@ -77,14 +119,17 @@ pub struct BuildRequest<'a> {
     /// How the weather that errors are estimated under reads the clock, if more is known than the file says.
     pub about_error_weather: Option<&'a ClockArgs>,
     pub effects: EffectChoice,
+    /// Decides about effects where the scene does.
+    pub under: Option<&'a WeighedUnder>,
     pub store: Option<Folder>,
 }
 
 /// Plans, builds, and says what is done.
 pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -> Result<()> {
     let _watch = interrupt::watch();
-    let planned = decide(&mut build, asked.settings, asked.accuracy, asked.about_error_weather, asked.effects)?;
+    let planned = decide(&mut build, asked)?;
     remark(&tables::forecast(&planned.forecast))?;
+    planned.losses.iter().try_for_each(|losses| remark(&tables::losses(losses)))?;
     let plan = &planned.plan;
     let scene = build.scene.scene;
     let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
@@ -103,19 +148,18 @@ pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -
 }
 
 /// The plan of a build; says which settings were chosen, if an error is to be kept within.
-fn decide(
-    build: &mut Build,
-    settings: BuildSettings,
-    accuracy: &AccuracyArgs,
-    about_weather: Option<&ClockArgs>,
-    effects: EffectChoice,
-) -> Result<PlanReport> {
-    let scene = build.scene.scene;
-    let suns =
-        accuracy.error.map(|_| read_suns(accuracy.error_weather.as_deref(), about_weather, scene)).transpose()?;
+fn decide(build: &mut Build, asked: &BuildRequest) -> Result<PlanReport> {
+    let (scene, accuracy) = (build.scene.scene, asked.accuracy);
+    let read = |_| read_suns(accuracy.error_weather.as_deref(), asked.about_error_weather, scene);
+    let suns = accuracy.error.map(read).transpose()?;
     let target = |(Percent(percent), suns)| ErrorTarget { percent, suns };
     let target = accuracy.error.zip(suns.as_ref()).map(target);
-    let plan = build.plan(&PlanRequest { settings, effects, target }).map_err(|error| match error {
+    let under = asked.under.map(|under| EffectsUnder {
+        weather: &under.weather,
+        negligible_percent: under.negligible.map(|Percent(percent)| percent),
+    });
+    let plan = PlanRequest { settings: asked.settings, effects: asked.effects, under, target };
+    let plan = build.plan(&plan).map_err(|error| match error {
         // What a trial had written is gone.
         Error::Stopped { .. } => Error::Stopped { what: "while settings were tried".into() },
         error => error,

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use heliotile_builder::accuracy::SettingsChoice;
 use heliotile_builder::build::{BuildReport, Forecast, SKY_W_M2, SUN_W_M2};
+use heliotile_builder::planning::losses::YearLosses;
+use heliotile_builder::settings::Effect;
 use heliotile_core::archive::format;
 use heliotile_core::site::chain::MOST_MIRRORS;
 use heliotile_core::text::counted;
@@ -29,6 +31,37 @@ pub fn forecast(forecast: &Forecast) -> String {
         "",
         rounded(rays),
         at_most(forecast.loss_w_m2()),
+    );
+    out
+}
+
+/// What effects bring over a year, by groups of receivers.
+pub fn losses(losses: &YearLosses) -> String {
+    let mut out = format!("\n{:<13}{:>8}", "sky view", "kWh/m2");
+    Effect::ALL.iter().for_each(|effect| out += &format!("{:>24}", format!("without {}", effect.name())));
+    out += "\n";
+    for (i, group) in losses.groups.iter().enumerate() {
+        let [low, high] = group.sky_view;
+        let name = if i == 0 { "all".into() } else { format!("{low:.2} to {high:.2}") };
+        out += &format!("{name:<13}{:>8.1}", group.total_kwh_m2);
+        for effect in Effect::ALL {
+            let bound = group.losses[effect as usize].bound_kwh_m2;
+            let cell = match bound > 0.0 {
+                true => format!("<= {bound:.2} ({:.2} %)", group.percent(effect)),
+                false => "0".into(),
+            };
+            out += &format!("{cell:>24}");
+        }
+        out += "\n";
+    }
+    let asked = match losses.sample < losses.receivers {
+        true => format!("{} of {} receivers", losses.sample, losses.receivers),
+        false => counted(losses.receivers as u64, "receiver"),
+    };
+    out += &format!(
+        "sums over {} of {asked}: means of groups by the sky that they see, and the most that they lose\n\
+         without an effect (without canopies: gain); diffuse holds bounces; {:.1} s\n",
+        losses.weather, losses.seconds
     );
     out
 }

@@ -120,6 +120,7 @@ fn traced(
         offset_m: OFFSET_M,
         replace: args.replace,
         memory: args.memory,
+        under: None,
         about_error_weather: None,
     };
     let found = up_to_date(&asked, scene, Some(covered))?;

@@ -71,6 +71,7 @@ impl<'a> Files<'a> {
                 self.scene(&args.scene);
                 self.read(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.read_if(&args.weather, Wanted::Weather);
                 self.write(&args.output, Written::Archive);
                 self.write_if(&args.store, Written::Folder);
             }
@@ -78,6 +79,7 @@ impl<'a> Files<'a> {
                 self.scene(&args.scene);
                 self.read(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.read_if(&args.weather, Wanted::Weather);
             }
             Command::Tradeoff(args) => {
                 self.scene(&args.scene);
@@ -111,6 +113,7 @@ impl<'a> Files<'a> {
                 self.read(&args.archive, Wanted::Archive);
                 self.scene(&args.scene);
                 self.read_if(&args.weather, Wanted::Weather);
+                self.read_if(&args.conditions, Wanted::Conditions);
                 self.write_if(&args.output, Written::Folder);
             }
             Command::Extract(args) => {

@@ -8,11 +8,12 @@ mod periods;
 use std::collections::HashMap;
 use std::path::Path;
 
+use super::build::{WeighedUnder, about_error_weather};
 use super::horizon::nothing_seen;
 use super::receivers::{Covered, cover_site};
 use super::terminal::Terminal;
 use super::traced::{TraceRequest, up_to_date};
-use super::{Outcome, interrupt, invocation, load_scene, remark, same_file, say, temporary_files, warn};
+use super::{Outcome, interrupt, invocation, load_scene, remark, say, temporary_files, warn};
 use crate::cli::RunArgs;
 use crate::files::{read_file, read_weather_as};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
@@ -21,6 +22,7 @@ use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use folder::Files;
+use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::observer::Stage;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::transfer::ArchiveReceivers;
@@ -54,8 +56,13 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     files.check_weather(&weather, args)?;
     let (scene, covered) = loaded.map_or_else(load, Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
-    // What is said of the clock is said of --weather, whatever errors are estimated under.
-    let is_weather = args.accuracy.error_weather.as_deref().is_some_and(|file| same_file(file, &args.weather));
+    let under = match args.negligible {
+        Some(percent) => Some(WeighedUnder {
+            weather: ErrorConditions::of_weather(&args.weather, weather.clone())?,
+            negligible: Some(percent),
+        }),
+        None => None,
+    };
     let asked = TraceRequest {
         folder: &files.folder,
         receivers: &files.receivers,
@@ -65,7 +72,8 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         offset_m: args.cover.offset.0,
         replace: args.replace,
         memory: args.memory,
-        about_error_weather: is_weather.then_some(&args.about_weather),
+        under: under.as_ref(),
+        about_error_weather: about_error_weather(Some(&args.weather), &args.accuracy, &args.about_weather),
     };
     let archive = up_to_date(&asked, &scene, covered.as_ref())?;
     nothing_seen(&archive)?.iter().for_each(|lost| warn(lost));

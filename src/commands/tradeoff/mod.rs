@@ -26,7 +26,7 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
     let mut receivers = read_receivers(&args.receivers, &scene, &beside)?;
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());
     let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &beside, observer: &terminal };
-    let left_out = build.forecast(&BuildSettings::default(), args.effects)?.left_out;
+    let left_out = build.forecast(&BuildSettings::default(), args.effects, None)?.left_out;
     let some: Vec<Receiver> = sample(&mut receivers, usize::from(args.sample))?.into_iter().map(|s| s.1).collect();
     // Not before the inputs are known to be good.
     std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;

@@ -10,6 +10,7 @@ use serde_json::Value;
 use crate::archive::accuracy::Accuracy;
 use crate::archive::format;
 use crate::archive::format::{Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
+use crate::archive::negligible::Negligible;
 pub use crate::archive::settings::Settings;
 use crate::archive::settings::is_zero;
 use crate::error::{Error, Result};
@@ -41,6 +42,9 @@ pub struct Manifest {
     /// What the build estimated of its own error, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
+    /// Why effects were left out, if that rests on some weather.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub negligible: Option<Negligible>,
     /// Where on Earth the scene lies, if its files say so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,

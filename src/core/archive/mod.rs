@@ -33,6 +33,7 @@ mod header;
 pub mod manifest;
 #[cfg(all(feature = "mmap", any(unix, windows)))]
 mod mapping;
+pub mod negligible;
 pub mod read_at;
 pub mod reader;
 pub mod record;
