@@ -161,6 +161,11 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
         .map(|(name, percent)| format!("{name} {percent} %"))
         .collect();
     line!(out, "              {}", parts.join(", "));
+    for group in &a.groups {
+        let ([low, high], receivers) = (group.sky_view, counted(group.receivers.into(), "receiver"));
+        let (rmse, mean) = (group.rmse_w_m2, group.mean_w_m2);
+        line!(out, "              sky view {low:.2} to {high:.2} ({receivers}): {rmse} of {mean} W/m2");
+    }
     for tile in &a.tiles {
         let receivers = counted(tile.receivers.into(), "receiver");
         let values: Vec<String> = tile.rmse_w_m2.iter().map(f64::to_string).collect();

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use crate::accuracy::estimate::percent;
 use crate::accuracy::trial::{Bench, Irradiances};
 use crate::judge::comparison::{Pair, deviation, mean_w_m2, off};
+use crate::judge::groups::by_sky_view;
 use crate::judge::{Judge, Judged, JudgedSky, PARTS};
 use crate::settings::Effects;
-use heliotile_core::archive::accuracy::{Accuracy, TileError};
+use heliotile_core::archive::accuracy::{Accuracy, GroupError, TileError};
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::replay::components::Component;
@@ -36,6 +37,8 @@ pub struct JudgedSample {
     pairs: Vec<Pair>,
     /// `[receiver]`: the mean of all conditions.
     means: Vec<Judged>,
+    /// `[receiver]`: the share of its hemisphere that is sky.
+    views: Vec<f64>,
 }
 
 impl JudgedSample {
@@ -45,7 +48,7 @@ impl JudgedSample {
         let conditions = in_axes(bench.conditions, North::of(scene.place.as_ref()));
         let skies: Vec<JudgedSky> =
             conditions.par_iter().map(|c| JudgedSky::new(c, SkyModel::default())).collect::<Result<_>>()?;
-        let mean = JudgedSky::mean(&skies);
+        let (mean, open) = (JudgedSky::mean(&skies), JudgedSky::open());
         let judge = Judge::new(bench.scene, left_out);
         let paths = (PATHS / (target_percent * target_percent).max(1e-9)).clamp(LEAST_PATHS, MOST_PATHS) as usize;
         let stride = skies.len().div_ceil(CONDITIONS).max(1);
@@ -53,16 +56,18 @@ impl JudgedSample {
             // Others for each receiver, so that many take part.
             let chosen: Vec<usize> = (receiver % stride..skies.len()).step_by(stride).collect();
             let mut under: Vec<&JudgedSky> = chosen.iter().map(|&condition| &skies[condition]).collect();
-            under.push(&mean);
+            under.extend([&mean, &open]);
             let seed = mix(0x0070_696c_6f74, receiver as u64);
             let mut found = judge.irradiance(of.position, of.normal, &under, paths, seed);
+            let view = found.pop().unwrap_or_default().mean[Component::SkyDirect as usize];
             let mean = found.pop().unwrap_or_default();
             let pair = |(condition, judged)| Pair { receiver, condition, result: [0.0; PARTS], judged };
-            (chosen.into_iter().zip(found).map(pair).collect::<Vec<Pair>>(), mean)
+            (chosen.into_iter().zip(found).map(pair).collect::<Vec<Pair>>(), (mean, view))
         };
-        let all: Vec<(Vec<Pair>, Judged)> = bench.receivers.par_iter().enumerate().map(judged).collect();
-        let (pairs, means): (Vec<Vec<Pair>>, Vec<Judged>) = all.into_iter().unzip();
-        Ok(JudgedSample { conditions: skies.len(), pairs: pairs.concat(), means })
+        let all: Vec<(Vec<Pair>, (Judged, f64))> = bench.receivers.par_iter().enumerate().map(judged).collect();
+        let (pairs, of_receivers): (Vec<Vec<Pair>>, Vec<(Judged, f64)>) = all.into_iter().unzip();
+        let (means, views) = of_receivers.into_iter().unzip();
+        Ok(JudgedSample { conditions: skies.len(), pairs: pairs.concat(), means, views })
     }
 
     /// Mean of the totals, W/m2.
@@ -99,9 +104,24 @@ impl JudgedSample {
             components_percent: names.zip(components).collect(),
             sample: self.means.len() as u64,
             mean_w_m2: rounded(mean),
+            groups: by_sky_view(&self.views).iter().filter_map(|group| self.group(group, &pairs)).collect(),
             tiles: tiles(&pairs, tile),
             ..Accuracy::default()
         }
+    }
+}
+
+impl JudgedSample {
+    /// The error of some receivers.
+    fn group(&self, group: &[usize], pairs: &[Pair]) -> Option<GroupError> {
+        let inside: Vec<Pair> = pairs.iter().filter(|pair| group.contains(&pair.receiver)).copied().collect();
+        let end = |receiver: Option<&usize>| receiver.map(|&receiver| rounded(self.views[receiver]));
+        Some(GroupError {
+            sky_view: [end(group.first())?, end(group.last())?],
+            receivers: group.len() as u32,
+            mean_w_m2: rounded(mean_w_m2(&inside)),
+            rmse_w_m2: rounded(deviation(&inside, TOTAL).rmse_w_m2.value),
+        })
     }
 }
 

@@ -11,6 +11,7 @@ mod audit;
 mod carried;
 pub mod comparison;
 mod estimate;
+pub mod groups;
 mod random;
 mod sky;
 mod sun;

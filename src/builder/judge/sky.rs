@@ -106,6 +106,12 @@ impl JudgedSky {
         }
     }
 
+    /// An open sky, of which a receiver gets its sky view: the cosine-weighted share of its hemisphere that is sky.
+    pub fn open() -> Self {
+        let level = std::f64::consts::FRAC_1_PI as f32;
+        JudgedSky { radiances: vec![level; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() }
+    }
+
     /// The mean of skies: their suns, each for its share of the time.
     pub fn mean(skies: &[JudgedSky]) -> JudgedSky {
         let share = 1.0 / skies.len().max(1) as f64;

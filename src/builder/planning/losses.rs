@@ -14,25 +14,21 @@ use crate::accuracy::conditions::{ErrorConditions, is_lit};
 use crate::accuracy::estimate::percent;
 use crate::accuracy::sample;
 use crate::build::Build;
+use crate::judge::groups::by_sky_view;
 use crate::judge::{Judge, Judged, JudgedSky};
 use crate::observer::Stage;
 use crate::settings::{BuildSettings, Effect, Effects};
-use glam::DVec3;
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::conditions::{Condition, in_axes};
+use heliotile_core::weather::conditions::in_axes;
 
 /// Receivers that are asked, at most, and paths of each.
 const SAMPLE: usize = 512;
 const PATHS: usize = 1024;
-
-/// Groups of receivers by the sky that they see, and receivers of the sample that make one.
-const GROUPS: usize = 10;
-const OF_GROUP: usize = 4;
 
 /// Share of the mean of all receivers below which a group's sum is nothing that percents tell: of receivers inside solids.
 const LEAST: f64 = 0.01;
@@ -112,6 +108,7 @@ impl GroupLosses {
 }
 
 /// A receiver of the sample.
+#[derive(Clone, Copy)]
 struct Asked {
     sky_view: f64,
     /// kWh/m2.
@@ -126,8 +123,7 @@ impl YearLosses {
         let mut all = suns.year(BuildSettings::default().steps.into());
         all.retain(is_lit);
         let year = JudgedSky::sum(&in_axes(&all, North::of(scene.place.as_ref())), SkyModel::default())?;
-        // An open horizontal surface gets 1 of it.
-        let open = JudgedSky::new(&Condition::new("sky".into(), &[], DVec3::X, 0.0, 1.0), SkyModel::Uniform)?;
+        let open = JudgedSky::open();
         let receivers = build.receivers.count();
         let sampled: Vec<Receiver> = sample(build.receivers, SAMPLE)?.into_iter().map(|s| s.1).collect();
         let judge = Judge::new(build.scene, Effects::NONE);
@@ -138,17 +134,16 @@ impl YearLosses {
             progress.advance(1);
             Asked { sky_view: found[1].mean[Component::SkyDirect as usize], year: found[0] }
         };
-        let mut asked: Vec<Asked> = sampled.par_iter().enumerate().map(ask).collect();
+        let asked: Vec<Asked> = sampled.par_iter().enumerate().map(ask).collect();
         drop(progress);
-        asked.sort_by(|a, b| a.sky_view.total_cmp(&b.sky_view));
         let (count, of_each) = (asked.len(), receivers as f64 / asked.len().max(1) as f64);
-        let parts = (count / OF_GROUP).clamp(1, GROUPS);
-        let part = |i: usize| &asked[i * count / parts..(i + 1) * count / parts];
         let group = |some: &[Asked], least: f64| GroupLosses::of(some, some.len() as f64 * of_each, least);
         let mut groups = vec![group(&asked, 0.0)];
         let least = LEAST * groups[0].total_kwh_m2;
-        if parts > 1 {
-            groups.extend((0..parts).map(|i| group(part(i), least)));
+        let parts = by_sky_view(&asked.iter().map(|asked| asked.sky_view).collect::<Vec<_>>());
+        if parts.len() > 1 {
+            let of = |part: &Vec<usize>| part.iter().map(|&i| asked[i]).collect::<Vec<Asked>>();
+            groups.extend(parts.iter().map(|part| group(&of(part), least)));
         }
         let seconds = started.elapsed().as_secs_f64();
         Ok(YearLosses { weather: suns.name().into(), receivers, sample: count, groups, seconds })

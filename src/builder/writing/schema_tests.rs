@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::writing::{Writer, journal, test_site, writer};
-use heliotile_core::archive::accuracy::{Accuracy, TileError};
+use heliotile_core::archive::accuracy::{Accuracy, GroupError, TileError};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{Entry, Slot};
 use heliotile_core::archive::negligible::Negligible;
@@ -183,6 +183,7 @@ fn manifests_follow_the_json_schema() {
     manifest.settings.left_out = vec!["mirrors".to_string()];
     manifest.accuracy = Some(Accuracy {
         components_percent: [("sun_direct".to_string(), 0.5)].into(),
+        groups: vec![GroupError::default()],
         tiles: vec![TileError::default()],
         ..Accuracy::default()
     });

@@ -8,6 +8,7 @@ use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::csvw::{self, CsvColumn};
 use heliotile_builder::judge::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
+use heliotile_builder::judge::groups::by_sky_view;
 use heliotile_builder::judge::{Audited, PARTS};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::error::Result;
@@ -24,9 +25,6 @@ const SIZE: (u32, u32) = (760, 460);
 
 /// What is stated is an estimate: it is refuted by more than this factor.
 const STATED_WITHIN: f64 = 1.5;
-
-/// Groups of receivers by how much sky they see.
-const GROUPS: usize = 10;
 
 /// What came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +47,16 @@ pub struct AuditReport<'a> {
     mean_w_m2: f64,
     /// `[part]`
     deviations: Vec<Deviation>,
-    /// Mean sky view, and error of the totals, of groups of receivers.
-    groups: Vec<(f64, Known)>,
+    groups: Vec<Group>,
+}
+
+/// Receivers that see about as much of the sky.
+struct Group {
+    /// Smallest, mean and largest.
+    sky_view: [f64; 3],
+    mean_w_m2: f64,
+    /// Of the totals, W/m2.
+    rmse: Known,
 }
 
 impl<'a> AuditReport<'a> {
@@ -125,6 +131,14 @@ impl<'a> AuditReport<'a> {
                 rmse.low,
                 rmse.high
             );
+        }
+        let _ = writeln!(out, "sky view        mean W/m2        RMSE, W/m2 (95 %)     % of its mean");
+        for group in &self.groups {
+            let ([low, _, high], mean, rmse) = (group.sky_view, group.mean_w_m2, group.rmse);
+            let percent = if mean > 0.0 { rmse.value / mean * 100.0 } else { 0.0 };
+            let (value, from, to) = (rmse.value, rmse.low, rmse.high);
+            let _ =
+                writeln!(out, "{low:.2} to {high:.2} {mean:>12.1} {value:>9.2} ({from:.2} to {to:.2}) {percent:>13.2}");
         }
         let total = self.deviations[PARTS - 1].rmse_w_m2;
         let _ = writeln!(out, "RMSE of totals: {:.2} W/m2; {}", total.value, self.sentence());
@@ -220,7 +234,7 @@ impl<'a> AuditReport<'a> {
 
     fn groups_picture(&self) -> Result<String> {
         let points = |end: fn(&Known) -> f64| -> Vec<(f64, f64)> {
-            self.groups.iter().map(|(view, rmse)| (100.0 * view, end(&self.percent(*rmse)))).collect()
+            self.groups.iter().map(|group| (100.0 * group.sky_view[1], end(&self.percent(group.rmse)))).collect()
         };
         let series = |name: &str, points, style| Series { name: name.into(), points, labels: Vec::new(), style };
         let plot = Plot {
@@ -238,13 +252,14 @@ impl<'a> AuditReport<'a> {
 }
 
 /// Errors of the totals of groups of receivers that see about as much of the sky.
-fn groups(audited: &Audited) -> Vec<(f64, Known)> {
-    let mut order: Vec<usize> = (0..audited.receivers.len()).collect();
-    order.sort_by(|a, b| audited.receivers[*a].1.total_cmp(&audited.receivers[*b].1));
-    let of_group = |group: &[usize]| {
-        let view = group.iter().map(|i| audited.receivers[*i].1).sum::<f64>() / group.len() as f64;
+fn groups(audited: &Audited) -> Vec<Group> {
+    let views: Vec<f64> = audited.receivers.iter().map(|receiver| receiver.1).collect();
+    let of_group = |group: &Vec<usize>| {
+        let [low, high] = [group.first()?, group.last()?].map(|&i| views[i]);
+        let middle = group.iter().map(|&i| views[i]).sum::<f64>() / group.len() as f64;
         let inside: Vec<Pair> = audited.pairs.iter().filter(|pair| group.contains(&pair.receiver)).copied().collect();
-        (view, deviation(&inside, PARTS - 1).rmse_w_m2)
+        let rmse = deviation(&inside, PARTS - 1).rmse_w_m2;
+        Some(Group { sky_view: [low, middle, high], mean_w_m2: mean_w_m2(&inside), rmse })
     };
-    order.chunks(audited.receivers.len().div_ceil(GROUPS).max(1)).map(of_group).collect()
+    by_sky_view(&views).iter().filter_map(of_group).collect()
 }

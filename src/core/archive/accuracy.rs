@@ -30,12 +30,29 @@ pub struct Accuracy {
     pub weather: String,
     /// Mean total of the sample, W/m2.
     pub mean_w_m2: f64,
+    /// RMSE of groups of the sample by the sky that they see, from little to much.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<GroupError>,
     /// RMSE of receivers of the sample by tiles; tiles between two are like the nearest.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileError>,
     /// Keys that this release does not know, kept as they are.
     #[serde(flatten)]
     pub other: BTreeMap<String, Value>,
+}
+
+/// RMSE of the totals of receivers of the sample that see about as much of the sky.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct GroupError {
+    /// Smallest and largest share of their hemispheres that is sky, weighted by the cosine.
+    pub sky_view: [f64; 2],
+    /// Receivers of the sample in this group.
+    pub receivers: u32,
+    /// Mean of their totals, W/m2.
+    pub mean_w_m2: f64,
+    /// W/m2.
+    pub rmse_w_m2: f64,
 }
 
 /// RMSE of the receivers of the sample that lie in one tile, W/m2.

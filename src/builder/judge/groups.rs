@@ -1,0 +1,31 @@
+//! Groups of receivers that see about as much of the sky: errors and effects differ most between them. In: sky views. Out: groups.
+
+/// Groups at most.
+const GROUPS: usize = 10;
+
+/// Receivers of a group at least.
+const OF_GROUP: usize = 4;
+
+/// Numbers of receivers by rising sky view, cut into groups of about equal size.
+pub fn by_sky_view(views: &[f64]) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..views.len()).collect();
+    order.sort_by(|a, b| views[*a].total_cmp(&views[*b]));
+    let (count, groups) = (order.len(), (order.len() / OF_GROUP).clamp(1, GROUPS));
+    (0..groups).map(|i| order[i * count / groups..(i + 1) * count / groups].to_vec()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 95 receivers the ten groups have 9 or 10 each, together all, in rising order; 9 make two groups, none one without receivers.
+    #[test]
+    fn groups_are_even() {
+        let views: Vec<f64> = (0..95).map(|i| f64::from(i * 37 % 95)).collect();
+        let groups = by_sky_view(&views);
+        assert!(groups.len() == 10 && groups.iter().all(|group| (9..=10).contains(&group.len())));
+        let rising: Vec<f64> = groups.concat().into_iter().map(|i| views[i]).collect();
+        assert!(rising.len() == 95 && rising.is_sorted());
+        assert_eq!((by_sky_view(&views[..9]).len(), by_sky_view(&[])), (2, vec![vec![]]));
+    }
+}
