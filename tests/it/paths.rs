@@ -227,7 +227,8 @@ fn on_the_command_line() {
             assert_eq!(both[2 * receiver + place], alone[2 * receiver + place]);
         }
     }
-    assert_ne!(both[2].split(',').nth(4), both[3].split(',').nth(4));
+    let reflected = |row: usize| both[row].split(',').nth(4);
+    assert!((0..3).any(|receiver| reflected(2 * receiver) != reflected(2 * receiver + 1)), "{both:?}");
     fs::write(path("albedo.csv"), "reflectance\n0.1\n").expect("written");
     let (code, _, said) = run(&["query", "s.helio", "-c", "c.csv", "--schedule", "terrain=albedo.csv"]);
     assert!(code == Some(2) && said.contains("1 values for a table of conditions of 2 rows"), "{said}");

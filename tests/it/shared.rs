@@ -90,12 +90,12 @@ fn overlapping_scenes_share_all_blocks() {
         assert_eq!((different, a.len()), (Vec::new(), b.len()));
         let [probes, bounces] = cells(&sites[0].path).map(|cells| cells.len());
         eprintln!("{probes} probes, {bounces} bounce cells, origins {apart} apart");
-        assert!(probes > 2_500 && bounces > 2_000, "{probes} {bounces}");
+        assert!(probes > 2_000 && bounces > 1_500, "{probes} {bounces}");
     }
 }
 
 /// Two parts of the cut of The Hague that overlap by 120 m, with the receivers of the middle 80 m: of the cells that both archives
-/// hold, most see nothing of what only one part has, and these are equal to the bit: over 85 % of the probes, 75 % of the bounce cells.
+/// hold, most see nothing of what only one part has, and these are equal to the bit: over 70 % of the probes, 65 % of the bounce cells.
 #[test]
 fn parts_of_a_city_share_most_cells() {
     let (cut, materials, receivers) = hague_cut();
@@ -119,7 +119,7 @@ fn parts_of_a_city_share_most_cells() {
         eprintln!("{} and {} cells, {} in both, {equal} of them equal", a.len(), b.len(), both.len());
         shares.push(equal as f64 / both.len() as f64);
     }
-    assert!(shares[0] > 0.85 && shares[1] > 0.75, "{shares:?}");
+    assert!(shares[0] > 0.70 && shares[1] > 0.65, "{shares:?}");
 }
 
 /// A tower of one material more, whose name moves the numbers of all others: every cell of the town that has its back to it is equal to the

@@ -114,7 +114,9 @@ impl SiteTracer<'_> {
             let paths = self.mirror_paths(&view, &hits, &mut rays);
             (view, hits.cells, paths, rays)
         };
-        let hits: Vec<_> = receivers.par_iter().map(hits).collect();
+        // Others see cells that nobody traces.
+        let in_light = receivers.par_iter().filter(|receiver| self.is_reached(&self.viewpoint(receiver)));
+        let hits: Vec<_> = in_light.map(hits).collect();
         let hits_s = timed.elapsed().as_secs_f64() / hits.len().max(1) as f64;
 
         let n = self.settings.hit;

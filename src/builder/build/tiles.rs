@@ -14,6 +14,7 @@ use crate::pack;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::Effect;
 use crate::spill::{Sorter, TempFiles};
+use crate::trace::hidden::is_reached;
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::sky_fans::SkyFans;
 use crate::writing::Writer;
@@ -250,14 +251,25 @@ impl SiteTracer<'_> {
         let (sky, dense, sky_rays) = view.sky(fans, self.tracer);
         let mut rays =
             RayCounts { sky: sky_rays, hit: (self.settings.hit * self.settings.hit) as u64, ..RayCounts::default() };
-        let hits = self.trace_hits(&view);
+        let mut hits = self.trace_hits(&view);
         let viewer = viewer(&view, &dense, fans);
+        if viewer.sky_view < BLIND && !self.is_reached(&view) {
+            // What it sees may share cells with what lies in the light.
+            hits.cells.iter_mut().flatten().for_each(|cell| *cell = CellKey::dark(cell.material));
+            hits.mirrors.clear();
+        }
         let paths = self.mirror_paths(&view, &hits, &mut rays.mirror);
         let windows = self.mirror_windows(&view, &mut rays.mirror);
         let mirrors = ReceiverMirrors { windows, paths };
         let (canopy, cast) = self.canopy_of_receiver(&view, &dense, &hits);
         rays.canopy = cast;
         Traced { sky, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
+    }
+
+    /// Whether light comes to a place that sees no sky.
+    pub(super) fn is_reached(&self, view: &Viewpoint) -> bool {
+        let origin = self.tracer.grid().lifted(view.position, view.normal);
+        is_reached(origin, view.normal, view.seed(), &self.scene.mesh, self.tracer)
     }
 
     /// A receiver's first hits.

@@ -3,10 +3,13 @@
 //!
 //! In the air rays meet the outside of things, inside of a solid the other side. Where the walls of two neighbours lie in one plane either
 //! may be met first, so much less than all of it has to be the other side.
+//!
+//! Receivers that see no sky are told by paths instead: a cell that they see may lie half in the light, on the other side of a wall.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::kernel::rays::{Ray, Tracer};
+use heliotile_core::hemisphere::{Frame, cosine_direction_of, jitter, mix};
 use heliotile_scene::mesh::Mesh;
 
 /// Rays of a point at most; those behind its surface are not cast.
@@ -29,11 +32,44 @@ pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, t
     met.into_iter().zip(others).map(|(met, others): (f64, f64)| others > OTHER_SIDES * met).collect()
 }
 
+/// Paths from a receiver, and surfaces that each meets at most.
+const PATHS: usize = 128;
+const MOST_MET: usize = 8;
+
+/// Whether light can come to a place: of some paths that turn at random at every surface, one gets to the sky. Through a gap of a hundredth of what
+/// a place sees, one does in more than 99 of 100 cases.
+pub fn is_reached(origin: [f32; 3], normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer) -> bool {
+    let turned = |normal: DVec3, path: usize, met: usize| {
+        let direction = cosine_direction_of(jitter(mix(seed, path as u64), met as u64));
+        Frame::of(normal).to_world(direction).as_vec3().to_array()
+    };
+    let start = |path: usize| (path, Ray { origin, direction: turned(normal, path, 0) });
+    let mut paths: Vec<(usize, Ray)> = (0..PATHS).map(start).collect();
+    for met in 1..=MOST_MET {
+        let rays: Vec<Ray> = paths.iter().map(|path| path.1).collect();
+        let mut next = Vec::with_capacity(paths.len());
+        for ((path, ray), hit) in paths.into_iter().zip(tracer.closest_many(&rays)) {
+            let direction = DVec3::from(ray.direction.map(f64::from));
+            match hit {
+                None if direction.z > 0.0 => return true,
+                None => {}
+                Some(hit) => {
+                    let outward = mesh.normal(hit.triangle as usize);
+                    let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
+                    let point = DVec3::from(ray.origin.map(f64::from)) + direction * f64::from(hit.t);
+                    let origin = tracer.grid().lifted(mesh.grid().absolute(point), normal);
+                    next.push((path, Ray { origin, direction: turned(normal, path, met) }));
+                }
+            }
+        }
+        paths = next;
+    }
+    false
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
-    use heliotile_core::hemisphere::{Frame, cosine_direction_of};
     use heliotile_core::site::material::{Class, Material};
     use heliotile_scene::Scene;
 
@@ -85,5 +121,19 @@ mod tests {
             assert!(!is_hidden(at, -y, false), "{at}");
         }
         assert!(!is_hidden(DVec3::new(2.0, 0.0, 3.0), y, true));
+    }
+
+    /// Of 5 places in and around three houses light comes to the 2 in the street and not to the 3 within houses and below the ground.
+    #[test]
+    fn what_light_reaches() {
+        let scene = row();
+        let tracer = Tracer::new(&scene.mesh).expect("a tree");
+        let reached =
+            |at: DVec3, normal: DVec3| is_reached(tracer.grid().lifted(at, normal), normal, 7, &scene.mesh, &tracer);
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        assert!(reached(DVec3::new(2.0, 0.0, 3.0), -y) && reached(DVec3::new(7.0, -1.0, 1.0), z));
+        for (at, normal) in [([5.0, 4.0, 3.0], x), ([7.0, 4.0, 1.0], z), ([2.0, 0.0, 0.4], -y)] {
+            assert!(!reached(DVec3::from(at), normal), "{at:?}");
+        }
     }
 }

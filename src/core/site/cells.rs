@@ -158,6 +158,12 @@ impl CellKey {
         CellKey { level, facing: facing_code(outward, back), material, voxel }
     }
 
+    /// A cell without any surface, so without light: its voxel lies half a window from the coordinates' origin on each axis, farther than a scene
+    /// reaches. Receivers that no light comes to see nothing else.
+    pub fn dark(material: u16) -> Self {
+        CellKey { level: LEVELS.0, facing: 0, material, voxel: [i32::MIN; 3] }
+    }
+
     /// The coarse cell of at least level `level` that this cell lies in: a whole cube face of directions.
     pub fn coarse(self, level: i8) -> Self {
         let shift = u32::from(level.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
