@@ -132,6 +132,9 @@ fn archive_of(
     if !same_place {
         others.push("the place of the scene has changed since site.helio was built".to_owned());
     }
+    if archive.manifest().settings.tracing != settings.stated().tracing {
+        others.push("site.helio was traced by another release of heliotile, which gives other light".to_owned());
+    }
     if let Some(difference) = other_receivers(&archive, receivers)? {
         others.push(format!("the table of receivers now {difference}"));
     }

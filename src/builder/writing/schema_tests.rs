@@ -175,7 +175,7 @@ fn follow(schema: &Value, value: &Value, at: &str) -> usize {
 }
 
 /// A real manifest holds only keys that the JSON Schema describes, all that it requires, and of its types; and the schema
-/// requires every key but `accuracy`, `ground`, `negligible`, `place` and, further down, `left_out`, `steps` and `grid_step_m`.
+/// requires every key but `accuracy`, `ground`, `negligible`, `place` and, further down, `left_out`, `steps`, `tracing` and `grid_step_m`.
 #[test]
 fn manifests_follow_the_json_schema() {
     let schema: Value = serde_json::from_str(&text("manifest.schema.json")).unwrap();
@@ -189,7 +189,7 @@ fn manifests_follow_the_json_schema() {
     });
     manifest.negligible =
         Some(Negligible { bound_percent: [("mirrors".to_string(), 0.5)].into(), ..Negligible::default() });
-    manifest.settings.steps = 12;
+    (manifest.settings.steps, manifest.settings.tracing) = (12, 1);
     manifest.place = Some(Place { latitude_deg: 52.1, longitude_deg: 4.3, convergence_deg: -0.9, epsg: Some(28992) });
     manifest.ground = Some(MonthlyGround { material: "plane".into(), reflectance: [0.25; 12], snow_modifier: 1.5 });
     let value: Value = serde_json::from_slice(&manifest.to_json().unwrap()).unwrap();
@@ -197,8 +197,10 @@ fn manifests_follow_the_json_schema() {
     assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 4);
     for part in ["creator", "scene", "receivers", "settings", "counts"] {
         let part = &schema["properties"][part];
-        let optional =
-            ["left_out", "steps", "grid_step_m"].iter().filter(|name| !part["properties"][**name].is_null()).count();
+        let optional = ["left_out", "steps", "tracing", "grid_step_m"]
+            .iter()
+            .filter(|name| !part["properties"][**name].is_null())
+            .count();
         assert_eq!(
             part["required"].as_array().unwrap().len(),
             part["properties"].as_object().unwrap().len() - optional

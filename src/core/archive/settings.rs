@@ -147,6 +147,9 @@ macro_rules! declare {
             /// Effects that the scene has and that were not traced.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub left_out: Vec<String>,
+            /// Version of the tracing: releases that trace the same scene differently state another one; 0 is not stated.
+            #[serde(default, skip_serializing_if = "is_zero")]
+            pub tracing: u32,
             /// Keys that this release does not know.
             #[serde(flatten)]
             pub other: BTreeMap<String, Value>,
@@ -227,7 +230,7 @@ mod tests {
             let kind = if setting.range.is_whole() { "integer" } else { "number" };
             assert_eq!(stated["type"], kind, "{}", setting.name);
         }
-        let more = ["quality", "share", "bounces", "left_out"];
+        let more = ["quality", "share", "bounces", "left_out", "tracing"];
         assert_eq!(properties.as_object().expect("an object").len(), SETTINGS.len() + more.len());
     }
 }
