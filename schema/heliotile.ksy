@@ -46,6 +46,7 @@ enums:
     15: bounce-canopy
     16: mirrors
     17: parts
+    18: scene
 types:
   slot:
     seq:
@@ -160,6 +161,12 @@ types:
       kind: { pos: 0, type: 'string(columns[2].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[2].count' }
       object_type: { pos: 0, type: 'string(columns[3].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[3].count' }
       face: { pos: 0, type: 'string(columns[4].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[4].count' }
+  table_scene:
+    instances:
+      columns: { pos: _io.size - 24, type: 'column(_io.size - 24 + 8 * _index)', repeat: expr, repeat-expr: 3 }
+      vertex: { pos: 'columns[0].start', type: f4, repeat: expr, repeat-expr: 'columns[0].count * 3' }
+      corner: { pos: 'columns[1].start', type: u4, repeat: expr, repeat-expr: 'columns[1].count * 3' }
+      material: { pos: 'columns[2].start', type: u2, repeat: expr, repeat-expr: 'columns[2].count' }
   layer_hit:
     doc: The rest is four byte planes of the texels, lowest first.
     seq:

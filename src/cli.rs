@@ -237,6 +237,9 @@ pub struct ExtractArgs {
     /// Keep the receivers of these objects or buildings
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub object: Vec<String>,
+    /// Leave out the scene's triangles
+    #[arg(long)]
+    pub no_scene: bool,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,

@@ -47,6 +47,9 @@ pub struct BuildArgs {
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
+    /// Leave the scene's triangles out of the archive, for those who may not pass them on
+    #[arg(long)]
+    pub no_scene: bool,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
     /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive

@@ -34,6 +34,9 @@ pub struct RunArgs {
     /// Leave out effects whose light makes up no more than this of the sum over the weather file, in each group of receivers, such as 0.5%
     #[arg(long, value_name = "PERCENT", value_parser = parse_negligible)]
     pub negligible: Option<Percent>,
+    /// Leave the scene's triangles out of the archive, for those who may not pass them on
+    #[arg(long)]
+    pub no_scene: bool,
     /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas
     #[arg(long, value_name = "PERIOD", value_parser = choice::<Every>(), value_delimiter = ',')]
     pub every: Vec<Every>,

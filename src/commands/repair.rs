@@ -10,7 +10,7 @@ use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::copy::copy_whole;
 use heliotile_core::archive;
-use heliotile_core::archive::{Access, Archive, tables};
+use heliotile_core::archive::{Access, Archive, format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
@@ -63,7 +63,12 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     let repaired = with_ending(output, ".repaired");
     SiteSettings::of(&archive.manifest().settings, archive.path())?;
     let settings = BuildSettings::of(&archive.manifest().settings);
-    let plan = Plan { accuracy: archive.manifest().accuracy.clone(), ..Plan::of(settings) };
+    let plan = Plan {
+        accuracy: archive.manifest().accuracy.clone(),
+        negligible: archive.manifest().negligible.clone(),
+        with_scene: !archive.entries_of(format::SCENE).is_empty(),
+        ..Plan::of(settings)
+    };
     let to = Output { start: Start::Resume, ..Output::new(repaired.clone()) };
     let root = archive.root();
     let (prepared, terminal) = (PreparedScene::new(&scene)?, Terminal::default());

@@ -36,6 +36,8 @@ pub struct TraceRequest<'a> {
     pub accuracy: &'a AccuracyArgs,
     /// Which light paths are traced; an archive with more of them serves, too.
     pub effects: EffectChoice,
+    /// Whether the archive holds the scene's triangles.
+    pub with_scene: bool,
     /// Distance of receivers off their surfaces.
     pub offset_m: f64,
     /// Whether what is there of other inputs goes.
@@ -90,6 +92,7 @@ pub fn up_to_date(asked: &TraceRequest, scene: &Scene, covered: Option<&Covered>
         about_error_weather: asked.about_error_weather,
         effects: asked.effects,
         under: asked.under,
+        with_scene: asked.with_scene,
         store: None,
     };
     let mut write = |start: Start| {
@@ -140,6 +143,10 @@ fn archive_of(
     }
     others.extend(other_accuracy(&archive, settings, asked.accuracy));
     others.extend(other_effects(&archive, asked.under));
+    if archive.has(format::SCENE, 0) != asked.with_scene {
+        let there = if asked.with_scene { "leaves out" } else { "holds" };
+        others.push(format!("site.helio {there} the triangles of the scene"));
+    }
     Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
 }
 

@@ -46,7 +46,8 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
     guard_archive(&args.output)?;
     let archive = Archive::open_with(&args.archive, args.io)?;
     let workspace = workspace_beside(&args.output, args.memory);
-    let extracted = transfer::extract(&archive, &selection, &args.output, &workspace, &Terminal::default())?;
+    let extracted =
+        transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &extracted.written;
     remark(&format!(
         "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",

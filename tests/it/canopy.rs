@@ -336,7 +336,7 @@ fn parts_and_threads() {
         let ids: Vec<&str> = receivers.iter().map(|r| r.id.as_str()).collect();
         std::fs::write(path("ids.csv"), format!("receiver\n{}\n", ids.join("\n"))).expect("written");
         let list = Selection::Receivers(path("ids.csv"));
-        extract(&open("whole"), &list, &path(name), &place, &Silent).expect("an extract");
+        extract(&open("whole"), &list, true, &path(name), &place, &Silent).expect("an extract");
     }
     assert!(kinds(&path("whole")).contains(&format::CANOPY));
     for (name, expected) in [("one", "whole"), ("merged", "whole"), ("cut a", "a"), ("cut b", "b")] {

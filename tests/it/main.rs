@@ -9,6 +9,7 @@ mod cli;
 mod damage;
 mod energyplus;
 mod export;
+mod geometry;
 mod ground;
 mod hostile;
 mod interrupt;

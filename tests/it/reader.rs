@@ -9,7 +9,7 @@ use std::process::Command;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::tables::{
-    CellsTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, PartsTable, ReceiversTable,
+    CellsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, PartsTable, ReceiversTable,
 };
 use heliotile_core::archive::{Archive, Block, format};
 use heliotile_core::layers::bits::BitSquare;
@@ -203,6 +203,11 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
             let t = MirrorsTable::from_block(block).expect("mirrors");
             let normal = le(&t.normal.concat(), f64::to_le_bytes);
             vec![("normal", normal), ("material", le(&t.material, u16::to_le_bytes))]
+        }
+        format::SCENE => {
+            let t = GeometryTable::from_block(block).expect("triangles");
+            let (vertex, corner) = (le(&t.vertex.concat(), f32::to_le_bytes), le(&t.corner.concat(), u32::to_le_bytes));
+            vec![("vertex", vertex), ("corner", corner), ("material", le(&t.material, u16::to_le_bytes))]
         }
         format::MIRROR => receiver_mirrors(&extras::unpack(raw, rows).expect("rows of bytes"), s),
         format::PROBE_MIRROR => cell_mirrors(&extras::unpack(raw, rows).expect("rows of bytes"), s.probe),

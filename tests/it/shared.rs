@@ -46,10 +46,11 @@ fn cells(path: &std::path::Path) -> [BTreeMap<CellKey, Cell>; 2] {
     })
 }
 
-/// Kind, tile and content id of every block of an archive.
+/// Kind, tile and content id of every block of an archive but the triangles of its scene, which are all there, whatever is seen of them.
 fn blocks(path: &std::path::Path) -> Vec<(String, [u8; 32])> {
     let archive = Archive::open(path).expect("an archive");
-    archive.entries().iter().map(|entry| (format::block_name(entry.kind, entry.tile), entry.content)).collect()
+    let traced = archive.entries().iter().filter(|entry| entry.kind != format::SCENE);
+    traced.map(|entry| (format::block_name(entry.kind, entry.tile), entry.content)).collect()
 }
 
 /// The scene of a cut of The Hague as triangles in input coordinates, and its materials and receivers.

@@ -86,7 +86,7 @@ impl Bench<'_> {
             ReceiverTiles::from_receivers(self.receivers, origin, folder, memory.length(Use::SortedReceivers))?;
         let (scene, workspace, observer) = (self.scene, self.workspace, Quiet(self.observer));
         let mut build = Build { scene, receivers: &mut tiles, workspace, observer: &observer };
-        let report = build.write(&Plan::of(settings), &output, &[])?;
+        let report = build.write(&Plan { with_scene: false, ..Plan::of(settings) }, &output, &[])?;
         let build_s = started.elapsed().as_secs_f64();
         let light = self.light(&path, settings.patches)?;
         Ok(Trial { settings, archive: path, light, rays: report.rays, bytes: report.bytes, build_s })

@@ -4,6 +4,7 @@
 mod canopies;
 mod cells;
 mod forecast;
+mod geometry;
 mod known;
 mod manifest;
 mod mirrors;
@@ -99,7 +100,7 @@ impl Build<'_> {
         let mut writer = output.writer(&Job {
             scene: scene.content_hash(),
             receivers: self.receivers.content_hash(),
-            settings: settings.hash()?,
+            settings: plan.hash()?,
         })?;
         if let Some(done) = writer.resumed() {
             let megabytes = done.bytes as f64 / 1e6;
@@ -157,6 +158,13 @@ fn trace(
         writer.append(tracer.materials_block()?)?;
         for block in tracer.optics_blocks()? {
             writer.append(block)?;
+        }
+    }
+    if plan.with_scene {
+        for (chunk, block) in (0..).zip(tracer.scene_blocks()) {
+            if !writer.has(format::SCENE, chunk) {
+                writer.append(block?)?;
+            }
         }
     }
     let tiles = receivers.tile_count() as u32;

@@ -40,6 +40,8 @@ fn statements(archive: &Archive) -> Result<Value> {
             ["count", "tiles", "tile_size"].iter().for_each(|key| drop(receivers.remove(*key)));
         }
         object.insert("materials".into(), materials(archive)?);
+        let triangles = archive.entries_of(format::SCENE).iter().map(|entry| entry.items).sum::<u32>();
+        object.insert("triangles shown".into(), json!(triangles));
     }
     Ok(value)
 }

@@ -40,6 +40,7 @@ pub struct Whole {
 pub fn extract(
     archive: &Archive,
     selection: &Selection,
+    with_scene: bool,
     path: &Path,
     workspace: &Workspace,
     observer: &dyn Observer,
@@ -70,6 +71,9 @@ pub fn extract(
     output.probes(settings.probe_hits, cells(&of_probes, |chunk, row| probes.contains(chunk, row)))?;
     output.bounces(settings.bounce_hits, cells(&of_bounces, |chunk, row| bounces.contains(chunk, row)))?;
     output.materials(archive)?;
+    if with_scene {
+        output.scene(&[archive])?;
+    }
     output.responses(ArchiveReceivers::<Response>::chosen(&site, archive, &kept))?;
     output.copy_unknown(&[archive])?;
     let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);

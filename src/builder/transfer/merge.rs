@@ -20,8 +20,8 @@ use heliotile_core::layers::response::Response;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::{CellSource, OpenSite};
 
-/// What may differ between archives that fit: counted or estimated by each build for itself.
-const MAY_DIFFER: [&str; 3] = ["scene.degenerate_dropped", "accuracy", "negligible"];
+/// What may differ between archives that fit: counted, estimated or left out by each build for itself.
+const MAY_DIFFER: [&str; 4] = ["scene.degenerate_dropped", "accuracy", "negligible", "triangles shown"];
 
 /// What a merge did.
 #[derive(Clone, Debug)]
@@ -52,6 +52,7 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     output.bounces(settings.bounce_hits, merge_cells("bounce cell", &from_a, &from_b, &mut conflicts))?;
     conflicts.check(a.path(), b.path())?;
     output.materials(a)?;
+    output.scene(&[a, b])?;
     output.responses(both::<Response>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
     output.copy_unknown(&[a, b])?;
     let written = output.finish(stated(a.manifest(), b.manifest()))?;

@@ -106,6 +106,16 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(())
     }
 
+    /// Writes the scene's triangles, if one of the archives, which are of one scene, holds them.
+    pub fn scene(&mut self, archives: &[&Archive]) -> Result<()> {
+        let holds = |archive: &&&Archive| archive.has(format::SCENE, 0);
+        let Some(archive) = archives.iter().find(holds) else { return Ok(()) };
+        archive.entries_of(format::SCENE).iter().try_for_each(|entry| {
+            let table = tables::GeometryTable::from_block(&archive.fetch(entry)?)?;
+            self.writer.append(table.encode(format::SCENE, entry.tile, pack::COMPRESSION)?)
+        })
+    }
+
     /// Writes the responses of the receivers, in the same order as before.
     pub fn responses(&mut self, rows: impl Iterator<Item = Result<LayeredReceiver<Response>>>) -> Result<()> {
         self.cut("responses", rows, |number, rows| {

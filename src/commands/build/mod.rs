@@ -13,7 +13,7 @@ use super::{
 };
 use crate::cli::{AccuracyArgs, BuildArgs, ClockArgs, Percent, PlanArgs};
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::build::{Build, Output, PreparedScene, Start};
+use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Start};
 use heliotile_builder::planning::{EffectsUnder, ErrorTarget, PlanReport, PlanRequest};
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Rungs};
 use heliotile_builder::store::{Folder, Store, StoreKey, open_all};
@@ -37,6 +37,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
         about_error_weather: about_error_weather(args.weather.as_deref(), &args.accuracy, &args.about_weather),
         under: under.as_ref(),
         effects: args.effects,
+        with_scene: !args.no_scene,
         store: args.store.as_deref().map(Folder::create).transpose()?,
     };
     let output = Output {
@@ -70,6 +71,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
         about_error_weather: about_error_weather(args.weather.as_deref(), &args.accuracy, &args.about_weather),
         under: under.as_ref(),
         effects: args.effects,
+        with_scene: true,
         store: None,
     };
     let plan = decide(&mut build, &asked)?;
@@ -121,6 +123,8 @@ pub struct BuildRequest<'a> {
     pub effects: EffectChoice,
     /// Decides about effects where the scene does.
     pub under: Option<&'a WeighedUnder>,
+    /// Whether the archive holds the scene's triangles.
+    pub with_scene: bool,
     pub store: Option<Folder>,
 }
 
@@ -130,7 +134,7 @@ pub fn plan_and_write(mut build: Build, asked: &BuildRequest, output: &Output) -
     let planned = decide(&mut build, asked)?;
     remark(&tables::forecast(&planned.forecast))?;
     planned.losses.iter().try_for_each(|losses| remark(&tables::losses(losses)))?;
-    let plan = &planned.plan;
+    let plan = &Plan { with_scene: asked.with_scene, ..planned.plan.clone() };
     let scene = build.scene.scene;
     let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
     let earlier = asked.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, build.observer))?;

@@ -121,6 +121,7 @@ fn traced(
         replace: args.replace,
         memory: args.memory,
         under: None,
+        with_scene: true,
         about_error_weather: None,
     };
     let found = up_to_date(&asked, scene, Some(covered))?;

@@ -73,6 +73,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         replace: args.replace,
         memory: args.memory,
         under: under.as_ref(),
+        with_scene: !args.no_scene,
         about_error_weather: about_error_weather(Some(&args.weather), &args.accuracy, &args.about_weather),
     };
     let archive = up_to_date(&asked, &scene, covered.as_ref())?;

@@ -82,6 +82,8 @@ pub const BOUNCE_CANOPY: u32 = 15;
 pub const MIRRORS: u32 = 16;
 /// Kind: what of the model each of a tile's receivers stands for, where anything is known.
 pub const PARTS: u32 = 17;
+/// Kind: a chunk of the scene's triangles, where the archive may show them.
+pub const SCENE: u32 = 18;
 
 /// Kinds of the layers of a chunk of cells of a kind that only some scenes call for: mirrors, canopies; their tile is the chunk's.
 pub fn cell_extras(kind: u32) -> [u32; 2] {
@@ -89,7 +91,7 @@ pub fn cell_extras(kind: u32) -> [u32; 2] {
 }
 
 /// Kinds that this release knows: id, name, schema id of the raw bytes that it writes.
-pub const KINDS: [(u32, &str, u16); 17] = [
+pub const KINDS: [(u32, &str, u16); 18] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
@@ -107,6 +109,7 @@ pub const KINDS: [(u32, &str, u16); 17] = [
     (BOUNCE_CANOPY, "bounce-canopy", 1),
     (MIRRORS, "mirrors", 1),
     (PARTS, "parts", 1),
+    (SCENE, "scene", 1),
 ];
 
 /// Schema ids of format 1.0, which are still read: classes of materials were numbered the other way round, and voxels and seeds of

@@ -2,6 +2,7 @@
 //! values, or a block's raw bytes. A layout that was released never changes: a test of each table holds its bytes.
 
 mod cells;
+mod geometry;
 mod index;
 mod materials;
 mod optics;
@@ -13,6 +14,7 @@ use std::fmt::Debug;
 use crate::error::Error;
 
 pub use cells::{CellsTable, pack_tag, unpack_tag};
+pub use geometry::{GeometryTable, MAX_TRIANGLES};
 pub use index::IndexTable;
 pub use materials::MaterialsTable;
 pub use optics::{MirrorsTable, OpticsTable};
