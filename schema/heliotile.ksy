@@ -47,6 +47,7 @@ enums:
     16: mirrors
     17: parts
     18: scene
+    19: overview
 types:
   slot:
     seq:
@@ -167,6 +168,17 @@ types:
       vertex: { pos: 'columns[0].start', type: f4, repeat: expr, repeat-expr: 'columns[0].count * 3' }
       corner: { pos: 'columns[1].start', type: u4, repeat: expr, repeat-expr: 'columns[1].count * 3' }
       material: { pos: 'columns[2].start', type: u2, repeat: expr, repeat-expr: 'columns[2].count' }
+  table_overview:
+    instances:
+      columns: { pos: _io.size - 64, type: 'column(_io.size - 64 + 8 * _index)', repeat: expr, repeat-expr: 8 }
+      position: { pos: 'columns[0].start', type: f4, repeat: expr, repeat-expr: 'columns[0].count * 3' }
+      normal: { pos: 'columns[1].start', type: s2, repeat: expr, repeat-expr: 'columns[1].count * 3' }
+      area: { pos: 'columns[2].start', type: f4, repeat: expr, repeat-expr: 'columns[2].count' }
+      sky_view: { pos: 'columns[3].start', type: u1, repeat: expr, repeat-expr: 'columns[3].count' }
+      clear_year: { pos: 'columns[4].start', type: f4, repeat: expr, repeat-expr: 'columns[4].count' }
+      polygons: { pos: 'columns[5].start', type: u1, repeat: expr, repeat-expr: 'columns[5].count' }
+      corners: { pos: 'columns[6].start', type: u1, repeat: expr, repeat-expr: 'columns[6].count' }
+      offset: { pos: 'columns[7].start', type: s4, repeat: expr, repeat-expr: 'columns[7].count * 3' }
   layer_hit:
     doc: The rest is four byte planes of the texels, lowest first.
     seq:

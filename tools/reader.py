@@ -63,12 +63,16 @@ PARTS = [(name, "s", text(0)) for name in ("object", "building", "kind", "object
 OPTICS = [("panes", "1B", lambda p: p <= 2), ("canopy", "1B", share), ("transmittance", "1d", share)]
 MIRRORS = [("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("material", "1H", None)]
 SCENE = [("vertex", "3f", lambda v: all(abs(x) <= 2**20 for x in v)), ("corner", "3I", None), ("material", "1H", None)]
+OVERVIEW = [
+    ("position", "3f", lambda p: all(abs(x) <= 2e9 for x in p)), ("normal", "3h", lambda n: abs(math.hypot(*n) - 32767) <= 2),
+    ("area", "1f", lambda a: 0 <= a < math.inf), ("sky_view", "1B", None), ("clear_year", "1f", lambda y: 0 <= y < math.inf),
+    ("polygons", "1B", None), ("corners", "1B", lambda c: c >= 3), ("offset", "3i", lambda o: all(abs(x) <= 2**30 for x in o))]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
          5: ("probes", 3, CELLS), 6: ("bounce", 3, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
-         18: ("scene", 1, SCENE)}
+         18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW)}
 # Kinds of which the schema before is read too: that of format 1.0, with the same layout (3.10), and responses up to 1.2.
 SCHEMA_BEFORE = {3, 4, 5, 6, 7, 8, 10, 12, 13}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
@@ -623,7 +627,7 @@ class Checker:
             rays, side = (s["probe_hits"], s["probe"]) if kind == "probes" else (s["bounce_hits"], s["bounce_sky"])
             per_row = {"bits": -(-side * side // 8), "hits": rays}
         for name, v in values.items():
-            if not name.startswith("seen_") and name != "vertex":
+            if not name.startswith("seen_") and name not in ("vertex", "corners", "offset") and (v or name != "clear_year"):
                 need(len(v) == e.items * per_row.get(name, 1), f"{len(v)} values of {name}, {e.items} rows")
         if kind == "receivers":
             need(1 <= e.items <= MAX_ROWS, f"{e.items} rows")
@@ -641,6 +645,10 @@ class Checker:
             need(len(values["vertex"]) <= 3 * e.items, f"{len(values['vertex'])} vertices of {e.items} triangles")
             need(all(c < len(values["vertex"]) for corners in values["corner"] for c in corners), "a corner without a vertex")
             need(all(m < self.materials for m in values["material"]), "a material that does not exist")
+        elif kind == "overview":
+            need(self.rows.get(e.tile) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")
+            need(len(values["corners"]) == sum(values["polygons"]), f"{len(values['corners'])} polygons")
+            need(len(values["offset"]) == sum(values["corners"]), f"{len(values['offset'])} corners")
         elif kind == "parts":
             need(self.rows.get(e.tile) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")
         elif kind == "index":

@@ -142,7 +142,9 @@ impl Iterator for Tiles<'_> {
 fn push(sorter: &mut Sorter, receiver: &Receiver) -> Result<()> {
     // Areas are above zero where they are given, names of surfaces not empty.
     let mut payload = receiver.area.unwrap_or_default().to_le_bytes().to_vec();
-    for text in [receiver.surface.as_deref().unwrap_or_default()].into_iter().chain(receiver.part.texts()) {
+    let patch = receiver.patch.to_string();
+    let texts = [receiver.surface.as_deref().unwrap_or_default(), &patch].into_iter().chain(receiver.part.texts());
+    for text in texts {
         payload.extend_from_slice(&(text.len() as u32).to_le_bytes());
         payload.extend_from_slice(text.as_bytes());
     }
@@ -159,8 +161,9 @@ fn pull(key: &[u8], payload: &[u8]) -> Option<Receiver> {
         String::from_utf8(text.to_vec()).ok()
     };
     let surface = Some(text()?).filter(|name| !name.is_empty());
+    let patch = text()?.parse().ok()?;
     let part = ModelPart::of_texts([text()?, text()?, text()?, text()?, text()?]);
-    Some(Receiver { area, surface, part, ..receiver_of_key(key)? })
+    Some(Receiver { area, surface, part, patch, ..receiver_of_key(key)? })
 }
 
 fn add(content: &mut ContentHasher, receiver: &Receiver) {
@@ -172,6 +175,10 @@ fn add(content: &mut ContentHasher, receiver: &Receiver) {
     if !receiver.part.is_empty() {
         content.raw(b"part");
         receiver.part.texts().iter().for_each(|text| content.bytes(text.as_bytes()));
+    }
+    if !receiver.patch.is_empty() {
+        content.raw(b"patch");
+        content.bytes(receiver.patch.to_string().as_bytes());
     }
 }
 

@@ -21,6 +21,7 @@ use heliotile_builder::trace::receiver::Viewpoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::site::patch::Patch;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{Density, MOST_POINTS, Piece, cover};
@@ -328,13 +329,15 @@ pub(super) fn write<'a>(
 ) -> Result<()> {
     let mut table = ReceiverTable::create(sink, with_reason)?;
     for (name, piece, surface, lying) in rows {
+        let position = piece.position + piece.normal * offset_m;
         table.write(&ReceiverRow {
             name: &name,
-            position: piece.position + piece.normal * offset_m,
+            position,
             normal: piece.normal,
             area_m2: piece.area_m2,
             surface: &surface.name,
             part: covered.part(piece, surface),
+            patch: Patch::of_triangles(position, piece.normal, &piece.triangles),
             reason: Some(reason(lying)),
         })?;
     }

@@ -14,6 +14,7 @@ use heliotile_core::archive::{Access, Archive, format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
+use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 
@@ -104,8 +105,12 @@ pub(super) fn other_receivers(archive: &Archive, receivers: &mut ReceiverTiles) 
         return Ok(Some(format!("holds {found} receivers, the archive {expected}")));
     }
     for (tile, given) in receivers.tiles()?.enumerate() {
-        let given = given?;
-        let Ok(held) = tables::PartsTable::receivers(archive, tile as u32) else { continue };
+        let (mut given, tile) = (given?, tile as u32);
+        let Ok(mut held) = tables::PartsTable::receivers(archive, tile) else { continue };
+        // What is not shown, or damaged, is not compared.
+        if !tables::OverviewTable::join(archive, tile, &mut held).unwrap_or(false) {
+            given.iter_mut().for_each(|receiver| receiver.patch = Patch::default());
+        }
         if given != held {
             return Ok(Some(format!("holds other receivers than tile {tile} of the archive")));
         }
@@ -117,7 +122,9 @@ pub(super) fn other_receivers(archive: &Archive, receivers: &mut ReceiverTiles) 
 fn receivers_of(archive: &Archive) -> Result<Vec<Receiver>> {
     let mut receivers = Vec::new();
     for tile in 0..archive.tiles() {
-        let Ok(held) = tables::PartsTable::receivers(archive, tile) else {
+        let held = tables::PartsTable::receivers(archive, tile)
+            .and_then(|mut held| tables::OverviewTable::join(archive, tile, &mut held).map(|_| held));
+        let Ok(held) = held else {
             let what = format!("the receivers of tile {tile} are damaged");
             return Err(Error::input(archive.path(), None, what, "give the receivers file with --receivers"));
         };

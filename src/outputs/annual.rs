@@ -43,7 +43,7 @@ pub fn write_table(sink: Sink, rows: &[AnnualRow], north: North, provenance: &Pr
     let columns: Vec<CsvColumn> = places.iter().chain(&sums).map(|name| CsvColumn::named(name)).collect();
     csvw::write(&path, &columns, provenance)?;
     for row in rows {
-        let Receiver { id, position: p, normal: n, area, surface, part } = &row.receiver;
+        let Receiver { id, position: p, normal: n, area, surface, part, .. } = &row.receiver;
         let (tilt, azimuth) = tilt_and_azimuth(north.to_true(*n));
         let mut cells = vec![id.clone()];
         cells.extend([p.x, p.y, p.z].map(|metres| format!("{metres:.4}")));

@@ -1,5 +1,5 @@
 //! Receivers as the table that builds read. In: points on surfaces. Out: `receiver,x,y,z,nx,ny,nz,area,surface`, what they stand for in
-//! their model and, for those that are left out, a reason.
+//! their model, their patch and, for those that are left out, a reason.
 
 use std::io;
 
@@ -9,6 +9,8 @@ use glam::DVec3;
 use super::sink::Sink;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::site::patch::Patch;
+use heliotile_scene::covering::receivers::PATCH;
 
 /// One row.
 pub struct ReceiverRow<'a> {
@@ -19,6 +21,8 @@ pub struct ReceiverRow<'a> {
     pub area_m2: f64,
     pub surface: &'a str,
     pub part: ModelPart,
+    /// The part of the surface that it stands for.
+    pub patch: Patch,
     /// Why it gets no light.
     pub reason: Option<&'a str>,
 }
@@ -33,7 +37,9 @@ impl ReceiverTable {
     pub fn create(sink: Sink, with_reason: bool) -> Result<Self> {
         let mut table = ReceiverTable { csv: Writer::from_writer(sink), with_reason };
         let header = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface"];
-        table.record(header.into_iter().chain(ModelPart::COLUMNS).chain(with_reason.then_some("reason")))?;
+        table.record(
+            header.into_iter().chain(ModelPart::COLUMNS).chain([PATCH]).chain(with_reason.then_some("reason")),
+        )?;
         Ok(table)
     }
 
@@ -46,7 +52,8 @@ impl ReceiverTable {
         let cells = [row.name].into_iter().chain(numbers.iter().map(String::as_str));
         let cells =
             cells.chain(normal.iter().map(String::as_str)).chain([area.as_str(), row.surface]).chain(row.part.texts());
-        self.record(cells.chain(row.reason.filter(|_| self.with_reason)))
+        let patch = row.patch.to_string();
+        self.record(cells.chain([patch.as_str()]).chain(row.reason.filter(|_| self.with_reason)))
     }
 
     pub fn finish(self) -> Result<()> {

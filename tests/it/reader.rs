@@ -9,7 +9,8 @@ use std::process::Command;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::tables::{
-    CellsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, PartsTable, ReceiversTable,
+    CellsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, OverviewTable, PartsTable,
+    ReceiversTable,
 };
 use heliotile_core::archive::{Archive, Block, format};
 use heliotile_core::layers::bits::BitSquare;
@@ -203,6 +204,19 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
             let t = MirrorsTable::from_block(block).expect("mirrors");
             let normal = le(&t.normal.concat(), f64::to_le_bytes);
             vec![("normal", normal), ("material", le(&t.material, u16::to_le_bytes))]
+        }
+        format::OVERVIEW => {
+            let t = OverviewTable::from_block(block).expect("an overview");
+            vec![
+                ("position", le(&t.position.concat(), f32::to_le_bytes)),
+                ("normal", le(&t.normal.concat(), i16::to_le_bytes)),
+                ("area", le(&t.area, f32::to_le_bytes)),
+                ("sky_view", t.sky_view),
+                ("clear_year", le(&t.clear_year, f32::to_le_bytes)),
+                ("polygons", t.polygons),
+                ("corners", t.corners),
+                ("offset", le(&t.offset.concat(), i32::to_le_bytes)),
+            ]
         }
         format::SCENE => {
             let t = GeometryTable::from_block(block).expect("triangles");

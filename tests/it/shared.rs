@@ -46,10 +46,11 @@ fn cells(path: &std::path::Path) -> [BTreeMap<CellKey, Cell>; 2] {
     })
 }
 
-/// Kind, tile and content id of every block of an archive but the triangles of its scene, which are all there, whatever is seen of them.
+/// Kind, tile and content id of every block of an archive but what it shows: all triangles are there, whatever is seen
+/// of them, and places are relative to the origin of the scene.
 fn blocks(path: &std::path::Path) -> Vec<(String, [u8; 32])> {
     let archive = Archive::open(path).expect("an archive");
-    let traced = archive.entries().iter().filter(|entry| entry.kind != format::SCENE);
+    let traced = archive.entries().iter().filter(|entry| ![format::SCENE, format::OVERVIEW].contains(&entry.kind));
     traced.map(|entry| (format::block_name(entry.kind, entry.tile), entry.content)).collect()
 }
 

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use crate::settings::BuildSettings;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::units::direction_from_degrees;
+use heliotile_core::weather::clear::clear_sky;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::series::Weather;
 
@@ -15,19 +16,17 @@ const LOWEST_DEG: f64 = 4.0;
 const HIGHEST_DEG: f64 = 72.0;
 
 /// Suns from all sides, with no place on Earth in mind: even in azimuth and in the sine of the altitude. Half of the skies are clear, a quarter
-/// half covered, a quarter overcast. DNI of a clear sky is 1361 x 0.72^(m^0.678), m the air mass (Meinel and Meinel 1976, with
-/// 0.7 for 0.72; Kasten and Young 1989); the other numbers are round ones of the size that weather files have.
+/// half covered, a quarter overcast, with round numbers of the size that weather files have.
 fn spread(count: usize) -> Vec<Condition> {
     let (low, high) = (LOWEST_DEG.to_radians().sin(), HIGHEST_DEG.to_radians().sin());
     let condition = |i: usize| {
         let sine = low + (high - low) * mirrored_bits(i as u32);
         let altitude_deg = sine.asin().to_degrees();
         let azimuth_deg = (i as f64 * 0.618_033_988_749_894_9).fract() * 360.0;
-        let air_mass = 1.0 / (sine + 0.50572 * (altitude_deg + 6.07995).powf(-1.6364));
-        let clear = 1361.0 * 0.72_f64.powf(air_mass.powf(0.678));
+        let (clear, clear_dhi) = clear_sky(sine);
         // Its own sequence (Roberts 2018), or some kinds of sky would have high suns only.
         let (dni, dhi) = match (i as f64 * 0.754_877_666_246_692_8).fract() * 4.0 {
-            kind if kind < 2.0 => (clear, 60.0 + 60.0 * sine),
+            kind if kind < 2.0 => (clear, clear_dhi),
             kind if kind < 3.0 => (0.45 * clear, 80.0 + 220.0 * sine),
             _ => (0.0, 40.0 + 330.0 * sine),
         };

@@ -170,6 +170,9 @@ fn trace(
     let tiles = receivers.tile_count() as u32;
     let counts = BuildCounts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
     tracer.write_responses(tiles, writer, clock)?;
+    if plan.with_scene {
+        tracer.write_overview(receivers, writer, clock)?;
+    }
     let manifest = tracer.manifest(&counts, plan, writer.layers());
     warnings.extend(tiles::warnings(&misplaced));
     let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));

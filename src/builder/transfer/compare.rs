@@ -41,9 +41,15 @@ fn statements(archive: &Archive) -> Result<Value> {
         }
         object.insert("materials".into(), materials(archive)?);
         let triangles = archive.entries_of(format::SCENE).iter().map(|entry| entry.items).sum::<u32>();
-        object.insert("triangles shown".into(), json!(triangles));
+        let overview = shows(archive);
+        object.insert("shown".into(), json!({ "triangles": triangles, "overview": overview }));
     }
     Ok(value)
+}
+
+/// Whether an archive tells what its receivers stand for.
+pub fn shows(archive: &Archive) -> bool {
+    archive.entries_of(format::OVERVIEW).len() == archive.tiles() as usize
 }
 
 /// The materials by name, with their numbers in cell keys.

@@ -4,14 +4,13 @@ use super::check_format;
 use crate::build::Workspace;
 use crate::spill::{Sorted, Sorter};
 use crate::transfer::compare::{Difference, differences};
-use crate::transfer::digests::{Digests, cell_name, same_cell};
+use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::unknown;
-use crate::transfer::rows::{ArchiveReceivers, TracedLayers, cells};
+use crate::transfer::rows::{ArchiveReceivers, cells};
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::Cell;
-use heliotile_core::layers::response::Response;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::{CellSource, OpenSite};
 
@@ -117,7 +116,7 @@ pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differenc
 /// The receivers' hashes by id.
 fn by_id(site: &OpenSite, workspace: &Workspace) -> Result<Sorted> {
     let mut sorter = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
-    for row in ArchiveReceivers::<(TracedLayers, Response)>::new(site) {
+    for row in ArchiveReceivers::<AllLayers>::new(site) {
         let row = row?;
         sorter.push(row.receiver.id.as_bytes(), &Digests::of(&row).to_bytes())?;
     }

@@ -1,21 +1,27 @@
 //! What can be compared of a receiver or a cell, as hashes.
 
-use crate::transfer::rows::{LayeredReceiver, TracedLayers};
+use crate::transfer::rows::{LayeredReceiver, Shown, TracedLayers};
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::site::cells::CellKey;
 
 /// Parts of a receiver, in the order of the hashes.
-const PARTS: [&str; 7] = ["place", "receivers", "sky", "hit", "response", "mirror", "canopy"];
+const PARTS: [&str; 8] = ["place", "receivers", "sky", "hit", "response", "mirror", "canopy", "overview"];
+
+/// In place of the hash of what an archive does not show.
+const NOT_SHOWN: [u8; 32] = [0; 32];
+
+/// All layers of a receiver.
+pub type AllLayers = ((TracedLayers, Response), Shown);
 
 /// Hashes of a receiver's place and normal, of its other columns, and of its layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digests([[u8; 32]; PARTS.len()]);
 
 impl Digests {
-    pub fn of(row: &LayeredReceiver<(TracedLayers, Response)>) -> Self {
-        let (receiver, (traced, response)) = (&row.receiver, &row.layers);
+    pub fn of(row: &LayeredReceiver<AllLayers>) -> Self {
+        let (receiver, ((traced, response), overview)) = (&row.receiver, &row.layers);
         let floats =
             |part: [glam::DVec3; 2]| part.iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes).collect();
         let place: Vec<u8> = floats([receiver.position, receiver.normal]);
@@ -29,13 +35,20 @@ impl Digests {
         let sky = SkyTexture::pack(std::slice::from_ref(&traced.sky));
         let response: Vec<u8> = response.values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let (mirror, canopy) = (traced.extras.mirrors.to_bytes(), traced.extras.canopy.to_bytes());
-        Digests([place, columns, sky, hits, response, mirror, canopy].map(|bytes| *blake3::hash(&bytes).as_bytes()))
+        let shown = *overview != Shown::default();
+        let overview = format!("{:?} {}", overview.clear_year, overview.patch).into_bytes();
+        let parts = [place, columns, sky, hits, response, mirror, canopy, overview];
+        let mut digests = parts.map(|bytes| *blake3::hash(&bytes).as_bytes());
+        if !shown {
+            digests[PARTS.len() - 1] = NOT_SHOWN;
+        }
+        Digests(digests)
     }
 
-    /// Names of the parts that differ.
+    /// Names of the parts that differ; an overview that only one of them has does not.
     pub fn differences(&self, other: &Digests) -> Vec<&'static str> {
         let parts = PARTS.into_iter().zip(self.0.iter().zip(&other.0));
-        parts.filter(|(_, (a, b))| a != b).map(|(name, _)| name).collect()
+        parts.filter(|(_, (a, b))| a != b && **a != NOT_SHOWN && **b != NOT_SHOWN).map(|(name, _)| name).collect()
     }
 
     /// For sorting outside memory.

@@ -7,7 +7,7 @@ use crate::build::Workspace;
 use crate::observer::Observer;
 use crate::transfer::output::{ArchiveAssembly, Assembled};
 use crate::transfer::reach::{Keys, Marks};
-use crate::transfer::rows::{ArchiveReceivers, TracedLayers, cells};
+use crate::transfer::rows::{ArchiveReceivers, Shown, TracedLayers, cells};
 use crate::transfer::selection::Selection;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, Manifest};
@@ -75,6 +75,9 @@ pub fn extract(
         output.scene(&[archive])?;
     }
     output.responses(ArchiveReceivers::<Response>::chosen(&site, archive, &kept))?;
+    if with_scene {
+        output.overview(&[archive], ArchiveReceivers::<Shown>::chosen(&site, archive, &kept))?;
+    }
     output.copy_unknown(&[archive])?;
     let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
     let written = output.finish(Manifest { accuracy, ..manifest.clone() })?;

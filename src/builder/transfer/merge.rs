@@ -8,9 +8,9 @@ use crate::observer::Observer;
 use crate::spill::Sorter;
 use crate::transfer::compare::differences;
 use crate::transfer::conflicts::Conflicts;
-use crate::transfer::digests::{Digests, cell_name, same_cell};
+use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::{ArchiveAssembly, Assembled, unknown};
-use crate::transfer::rows::{ArchiveReceivers, LayeredReceiver, Layers, TracedLayers, cells};
+use crate::transfer::rows::{ArchiveReceivers, LayeredReceiver, Layers, Shown, cells};
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, Manifest, format};
@@ -21,7 +21,7 @@ use heliotile_core::memory::Use;
 use heliotile_core::opened::{CellSource, OpenSite};
 
 /// What may differ between archives that fit: counted, estimated or left out by each build for itself.
-const MAY_DIFFER: [&str; 4] = ["scene.degenerate_dropped", "accuracy", "negligible", "triangles shown"];
+const MAY_DIFFER: [&str; 4] = ["scene.degenerate_dropped", "accuracy", "negligible", "shown"];
 
 /// What a merge did.
 #[derive(Clone, Debug)]
@@ -54,6 +54,7 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     output.materials(a)?;
     output.scene(&[a, b])?;
     output.responses(both::<Response>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
+    output.overview(&[a, b], both::<Shown>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
     output.copy_unknown(&[a, b])?;
     let written = output.finish(stated(a.manifest(), b.manifest()))?;
     Ok(Merged { written, of_each: [a, b].map(|archive| archive.manifest().receivers.count), shared })
@@ -95,7 +96,7 @@ fn merge_receivers(
     conflicts: &mut Conflicts,
 ) -> Result<u64> {
     let mut shared = 0;
-    output.tiles(both::<(TracedLayers, Response)>(a, b).map(|side| {
+    output.tiles(both::<AllLayers>(a, b).map(|side| {
         let side = side?;
         for LayeredReceiver { receiver, .. } in side.items() {
             let place = [receiver.position.to_array(), receiver.normal.to_array()].concat();
@@ -108,7 +109,7 @@ fn merge_receivers(
                 conflicts.add(|| format!("receiver {} ({})", a.receiver.id, parts.join(", ")));
             }
         }
-        Ok(side.first().map(|layers| layers.0))
+        Ok(side.first().map(|layers| layers.0.0))
     }))?;
     id_conflicts(ids, conflicts)?;
     Ok(shared)

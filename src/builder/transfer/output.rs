@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use crate::observer::{Observer, Stage};
 use crate::pack;
 use crate::pack::Chunks;
-use crate::transfer::rows::{LayeredReceiver, TracedLayers};
+use crate::transfer::compare::shows;
+use crate::transfer::rows::{LayeredReceiver, Shown, TracedLayers};
 use crate::writing::{Job, Summary, Writer};
 use heliotile_core::archive::{Archive, EncodedBlock, Manifest, format, manifest, tables};
 use heliotile_core::error::{Error, Result};
@@ -121,6 +122,33 @@ impl<'a> ArchiveAssembly<'a> {
         self.cut("responses", rows, |number, rows| {
             let responses: Vec<Response> = rows.iter().map(|row| row.layers.clone()).collect();
             Ok(vec![pack::responses(number, &responses)?])
+        })?;
+        Ok(())
+    }
+
+    /// Writes the overview of the receivers, in the same order as before, if all archives show theirs.
+    pub fn overview(
+        &mut self,
+        archives: &[&Archive],
+        rows: impl Iterator<Item = Result<LayeredReceiver<Shown>>>,
+    ) -> Result<()> {
+        let Some(first) = archives.first().filter(|_| archives.iter().all(|archive| shows(archive))) else {
+            return Ok(());
+        };
+        let origin = first.manifest().scene.origin_m.into();
+        let shown = rows.map(|row| {
+            row.map(|mut row| {
+                row.receiver.patch = std::mem::take(&mut row.layers.patch);
+                row
+            })
+        });
+        self.cut("overview", shown, |number, rows| {
+            let shown = rows.iter().map(|row| pack::OverviewRow {
+                receiver: &row.receiver,
+                sky_view: row.views[0],
+                clear_year: row.layers.clear_year,
+            });
+            Ok(vec![pack::overview(number, origin, shown)?])
         })?;
         Ok(())
     }

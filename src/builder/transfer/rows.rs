@@ -14,6 +14,7 @@ use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::opened::{CellSource, OpenSite};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::morton::morton_key;
+use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
 
 /// A receiver with some of its layers.
@@ -58,6 +59,25 @@ impl TracedLayers {
     /// The cells that the receiver sees, some of them in mirrors.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
         self.hits.iter().flatten().copied().chain(self.extras.mirrors.cells())
+    }
+}
+
+/// What an archive shows of a receiver; nothing where it may not.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shown {
+    /// The part of a surface that it stands for.
+    pub patch: Patch,
+    /// kWh/m2, where the place is known.
+    pub clear_year: Option<f32>,
+}
+
+impl Layers for Shown {
+    fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        let Some(overview) = site.tile_overview(tile, receivers)? else {
+            return Ok(vec![Shown::default(); receivers]);
+        };
+        let row = |(i, patch)| Shown { patch, clear_year: overview.clear_year.get(i).copied() };
+        Ok(overview.patches().into_iter().enumerate().map(row).collect())
     }
 }
 

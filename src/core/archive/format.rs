@@ -84,6 +84,8 @@ pub const MIRRORS: u32 = 16;
 pub const PARTS: u32 = 17;
 /// Kind: a chunk of the scene's triangles, where the archive may show them.
 pub const SCENE: u32 = 18;
+/// Kind: what is drawn of a tile's receivers before anything else is read; in archives that may show their scene.
+pub const OVERVIEW: u32 = 19;
 
 /// Kinds of the layers of a chunk of cells of a kind that only some scenes call for: mirrors, canopies; their tile is the chunk's.
 pub fn cell_extras(kind: u32) -> [u32; 2] {
@@ -91,7 +93,7 @@ pub fn cell_extras(kind: u32) -> [u32; 2] {
 }
 
 /// Kinds that this release knows: id, name, schema id of the raw bytes that it writes.
-pub const KINDS: [(u32, &str, u16); 18] = [
+pub const KINDS: [(u32, &str, u16); 19] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
@@ -110,6 +112,7 @@ pub const KINDS: [(u32, &str, u16); 18] = [
     (MIRRORS, "mirrors", 1),
     (PARTS, "parts", 1),
     (SCENE, "scene", 1),
+    (OVERVIEW, "overview", 1),
 ];
 
 /// Schema ids of format 1.0, which are still read: classes of materials were numbered the other way round, and voxels and seeds of

@@ -8,7 +8,7 @@ use crate::archive::codec::block::Block;
 use crate::archive::format;
 use crate::archive::format::{
     BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS, OPTICS,
-    PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SCENE, SKY, SLOT_OFFSETS, SLOT_SIZE,
+    OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SCENE, SKY, SLOT_OFFSETS, SLOT_SIZE,
 };
 use crate::archive::read_at::ReadAt;
 use crate::archive::reader::{Archive, by_place};
@@ -16,7 +16,8 @@ use crate::archive::reader::{Archive, by_place};
 use crate::archive::source::Access;
 use crate::archive::source::Source;
 use crate::archive::tables::{
-    CellsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, PartsTable, ReceiversTable,
+    CellsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, OverviewTable, PartsTable,
+    ReceiversTable,
 };
 use crate::error::{Error, Result};
 use crate::layers::canopy;
@@ -181,6 +182,10 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         }
         MIRRORS => check_materials(&block, MirrorsTable::from_block(&block)?.material.into_iter(), site),
         SCENE => check_materials(&block, GeometryTable::from_block(&block)?.material.into_iter(), site),
+        OVERVIEW => {
+            same_rows(archive, &block, RECEIVERS)?;
+            OverviewTable::from_block(&block).map(|_| ())
+        }
         INDEX => IndexTable::from_block(&block).map(|_| ()),
         PROBES => check_cells(&block, &site.probes, site),
         BOUNCE => check_cells(&block, &site.bounces, site),

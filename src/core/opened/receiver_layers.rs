@@ -31,6 +31,11 @@ impl OpenSite<'_> {
         Ok(receivers)
     }
 
+    /// What is drawn of a tile of so many receivers; `None` where the archive does not show it.
+    pub fn tile_overview(&self, tile: u32, rows: usize) -> Result<Option<tables::OverviewTable>> {
+        tables::OverviewTable::of_tile(self.blocks(), tile, rows)
+    }
+
     /// Sky textures of a tile of so many receivers, ready to be looked up.
     pub fn tile_sky(&self, tile: u32, rows: usize) -> Result<Vec<Mosaic>> {
         let (block, settings) = (self.sky_block(tile, rows)?, self.settings());

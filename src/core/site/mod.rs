@@ -12,5 +12,6 @@ pub mod model_part;
 pub mod morton;
 pub mod north;
 pub mod ordered;
+pub mod patch;
 pub mod place;
 pub mod receiver;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::site::model_part::ModelPart;
+use crate::site::patch::Patch;
 
 /// Receivers of one tile: neighbours along the Morton curve that share compressed blocks.
 pub const TILE: usize = 64;
@@ -22,12 +23,22 @@ pub struct Receiver {
     pub surface: Option<String>,
     /// What of the model it stands for.
     pub part: ModelPart,
+    /// The part of its surface that it stands for, if anyone says.
+    pub patch: Patch,
 }
 
 impl Receiver {
     /// One of which only the place is known; `normal` is of unit length.
     pub fn new(id: String, position: DVec3, normal: DVec3) -> Self {
-        Receiver { id, position, normal, area: None, surface: None, part: ModelPart::default() }
+        Receiver {
+            id,
+            position,
+            normal,
+            area: None,
+            surface: None,
+            part: ModelPart::default(),
+            patch: Patch::default(),
+        }
     }
 }
 

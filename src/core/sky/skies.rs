@@ -102,6 +102,16 @@ impl Skies {
     /// results).
     pub fn irradiance(&self, coefficients: &[f32], mut each: impl FnMut(usize, usize, f32)) {
         let shape = (coefficients.len() / self.sources.max(1), self.sources);
+        if self.bins.len() == 1 {
+            // The same on every processor: sums of overviews are stored.
+            for (receiver, coefficients) in coefficients.chunks_exact(self.sources.max(1)).enumerate() {
+                for (&bin, radiances) in self.bins.iter().zip(self.radiances()) {
+                    let pairs = coefficients.iter().zip(radiances);
+                    each(receiver, bin, pairs.map(|(c, l)| f64::from(*c) * f64::from(*l)).sum::<f64>() as f32);
+                }
+            }
+            return;
+        }
         // Shapes follow from how the two vectors were filled, so neither view can fail.
         let (Ok(a), Ok(b)) = (
             ArrayView2::from_shape(shape, coefficients),

@@ -2,6 +2,7 @@
 //! position, and what is doubtful about them. Never: layers, reflectances, results.
 
 pub mod air;
+pub mod clear;
 pub mod closure;
 pub mod conditions;
 pub mod dated;

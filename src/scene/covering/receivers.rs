@@ -11,6 +11,7 @@ use crate::covering::rows::{CsvRows, cell_error};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{MAX_NAME_BYTES, Receiver};
 use heliotile_core::text::{separator_hint, with_list};
 
@@ -22,8 +23,10 @@ const HEADER: &str = "receiver,x,y,z,nx,ny,nz";
 const OPTIONAL: [&str; 2] = ["area", "surface"];
 /// Optional too: what the receiver stands for in its model.
 const PART: [&str; 5] = ModelPart::COLUMNS;
+/// Optional: the part of its surface that the receiver stands for, as of [`Patch`].
+pub const PATCH: &str = "patch";
 
-/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2), `surface` and the columns of [`ModelPart`], in any order; at
+/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2), `surface`, `patch` and the columns of [`ModelPart`], in any order; at
 /// least one row. Holds all of them in memory; the builder's `ReceiverTiles` does not.
 pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
     read_receivers_with_warnings(path, &mut Vec::new())
@@ -104,6 +107,7 @@ struct Columns {
     facing: Facing,
     optional: [Option<usize>; 2],
     part: [Option<usize>; 5],
+    patch: Option<usize>,
     count: usize,
 }
 
@@ -135,7 +139,11 @@ impl Columns {
         let mut unused = Vec::new();
         for (i, name) in names.iter().enumerate() {
             let of_facing = if angles { ANGLES.contains(name) } else { NORMAL.contains(name) };
-            let known = of_facing || REQUIRED.contains(name) || OPTIONAL.contains(name) || PART.contains(name);
+            let known = of_facing
+                || REQUIRED.contains(name)
+                || OPTIONAL.contains(name)
+                || PART.contains(name)
+                || *name == PATCH;
             let shown = excerpt(name.as_bytes());
             if known && place(name) != Some(i) {
                 return Err(header.error(format!("column `{shown}` stands there twice"), "remove one of the two"));
@@ -150,7 +158,14 @@ impl Columns {
             1 => warnings.push(format!("{file}: column {} is not used", unused.concat())),
             count => warnings.push(with_list(&format!("{file}: {count} columns are not used"), unused)),
         }
-        Ok(Columns { required, facing, optional: OPTIONAL.map(place), part: PART.map(place), count: names.len() })
+        Ok(Columns {
+            required,
+            facing,
+            optional: OPTIONAL.map(place),
+            part: PART.map(place),
+            patch: place(PATCH),
+            count: names.len(),
+        })
     }
 }
 
@@ -202,6 +217,7 @@ impl Row<'_> {
             area: area.map(|text| self.area(text)).transpose()?,
             surface: surface.map(str::to_owned),
             part: ModelPart::of_texts(part.map(str::to_owned)),
+            patch: self.columns.patch.map_or_else(|| Ok(Patch::default()), |column| self.patch(self.cell(column)))?,
         })
     }
 
@@ -264,6 +280,11 @@ impl Row<'_> {
             return Err(self.rows.cell_error(column, text, why, "give metres, at most 1e9 in size"));
         }
         Ok(value)
+    }
+
+    fn patch(&self, text: &str) -> Result<Patch> {
+        let hint = "leave the cell empty, or the column out";
+        text.parse().map_err(|why: String| self.rows.cell_error(PATCH, text, &why, hint))
     }
 
     fn area(&self, text: &str) -> Result<f64> {

@@ -6,6 +6,7 @@ mod geometry;
 mod index;
 mod materials;
 mod optics;
+mod overview;
 mod parts;
 mod receivers;
 
@@ -18,6 +19,7 @@ pub use geometry::{GeometryTable, MAX_TRIANGLES};
 pub use index::IndexTable;
 pub use materials::MaterialsTable;
 pub use optics::{MirrorsTable, OpticsTable};
+pub use overview::{NORMAL_STEPS, OverviewTable};
 pub use parts::PartsTable;
 pub use receivers::ReceiversTable;
 

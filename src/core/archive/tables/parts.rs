@@ -103,6 +103,7 @@ mod tests {
     use super::*;
     use crate::archive::tables::tests::{block, hostile};
     use crate::archive::{encode, format};
+    use crate::site::patch::Patch;
     use glam::DVec3;
 
     fn receiver(part: [&str; 5]) -> Receiver {
@@ -113,6 +114,7 @@ mod tests {
             area: None,
             surface: None,
             part: ModelPart::of_texts(part.map(str::to_owned)),
+            patch: Patch::default(),
         }
     }
 

@@ -6,6 +6,7 @@ use rkyv::{Archive, Deserialize, Serialize};
 use crate::archive::format::{MAX_STRING, MAX_TILE_RECEIVERS, RECEIVERS};
 use crate::archive::tables::{Flaw, column, is_share, length_in, table};
 use crate::site::model_part::ModelPart;
+use crate::site::patch::Patch;
 use crate::site::receiver::Receiver;
 
 /// Columns of one tile, schema 1; a receiver keeps its row in every block of the tile.
@@ -48,7 +49,7 @@ impl ReceiversTable {
         table
     }
 
-    /// The receivers as they were given to [`ReceiversTable::new`], without their parts of the model, which are another block.
+    /// The receivers as they were given to [`ReceiversTable::new`], without their parts of the model and their patches, which are other blocks.
     pub fn receivers(&self) -> Vec<Receiver> {
         let places = self.position.iter().zip(&self.normal);
         let rest = self.area.iter().zip(&self.surface);
@@ -59,6 +60,7 @@ impl ReceiversTable {
             area: Some(area).filter(|area| *area > 0.0),
             surface: Some(surface.clone()).filter(|name| !name.is_empty()),
             part: ModelPart::default(),
+            patch: Patch::default(),
         };
         self.ids.iter().zip(places).zip(rest).map(receiver).collect()
     }
