@@ -15,6 +15,7 @@ mod scene;
 mod shells;
 mod study;
 mod tradeoff;
+mod view;
 mod weather;
 
 use std::path::PathBuf;
@@ -43,6 +44,7 @@ pub use self::scene::{MaterialsArgs, PlaceArgs, SceneArgs};
 pub use self::shells::{CompletionsArgs, ManArgs};
 pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
+pub use self::view::ViewArgs;
 pub use self::weather::{ClockArgs, WeatherArgs};
 
 /// Trace the sun and sky of a site once, replay any weather.
@@ -91,6 +93,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// What two archives do not share; exit code 1 if they differ
     Diff(DiffArgs),
+    /// Show an archive in the browser of this machine: any sun, sky, weather and reflectance, live
+    View(ViewArgs),
     /// Layers of a receiver as images, view factors of all receivers as a table
     Export(ExportArgs),
     /// The studies of the paper, drawn again

@@ -1,6 +1,6 @@
 //! The command line of `export`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::choice::choice;
@@ -36,20 +36,24 @@ of skylit surfaces, and their sum, on one logarithmic scale; what each gives in 
 
 #[derive(Args, Debug)]
 #[command(after_long_help = IMAGES)]
-#[command(group(ArgGroup::new("subject").required(true).args(["receiver", "view_factors"])))]
+#[command(group(ArgGroup::new("subject").required(true).args(["receiver", "view_factors", "html"])))]
 pub struct ExportArgs {
     /// Archive to read
     pub archive: PathBuf,
     /// File to write: .exr or .png for a receiver; .csv (with .csv-metadata.json beside it), or - for
     /// standard output, for view factors
-    #[arg(long, short)]
-    pub output: PathBuf,
+    #[arg(long, short, required_unless_present = "html")]
+    pub output: Option<PathBuf>,
     /// Export the layers of this receiver
     #[arg(long, short, value_name = "ID")]
     pub receiver: Option<String>,
     /// Export the shares of every receiver's hemisphere that are sky, ground, obstructions and nothing (they sum to 1)
     #[arg(long, conflicts_with_all = ["sun", "weather", "latitude"])]
     pub view_factors: bool,
+    /// Write a page that shows the archive in a browser, as `view` does, also from a disk: an archive up to 50 MB is inside it, with the weather
+    /// file if one is given; of a larger one the page asks for the file
+    #[arg(long, value_name = "PAGE.html", conflicts_with_all = ["output", "sun", "latitude", "time_zone"])]
+    pub html: Option<PathBuf>,
     /// Draw a panel in place of one picture: six fisheyes of what is seen, the light of --sun by its ways, and all of it, in one scale
     #[arg(long, requires = "sun", conflicts_with_all = ["weather", "latitude"])]
     pub panel: bool,
@@ -73,7 +77,7 @@ pub struct ExportArgs {
     #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
     pub bounces: MaxBounces,
     /// Draw the sun's paths over the place of a weather file into a .png, over the archive's if the file says none; hours are those of its
-    /// clock
+    /// clock. The weather of a page
     #[arg(long, short, value_name = "FILE", conflicts_with = "latitude")]
     pub weather: Option<PathBuf>,
     /// Time zone of the weather file's clock, such as +01:00, -7 or UTC, in place of its own
@@ -88,6 +92,13 @@ pub struct ExportArgs {
     /// How the archive is read
     #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
     pub io: Access,
+}
+
+impl ExportArgs {
+    /// The file to write; one of the two is always given.
+    pub fn output(&self) -> &Path {
+        self.output.as_deref().or(self.html.as_deref()).unwrap_or(Path::new("-"))
+    }
 }
 
 /// A sun above the horizon: `azimuth,altitude` in degrees.

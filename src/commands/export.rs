@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Outcome, guard_output, invocation, warn};
 use crate::cli::ExportArgs;
-use crate::files::read_weather_as;
+use crate::files::{read_file, read_weather_as};
 use crate::outputs::pictures::exr::exr;
 use crate::outputs::pictures::fisheye::{Overlay, fisheye};
 use crate::outputs::pictures::panel::{PanelSun, panel};
@@ -15,6 +15,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::writer::files_of;
 use crate::outputs::view_factors::ViewFactorTable;
+use crate::outputs::viewer_page::ViewerPage;
 use heliotile_builder::spill::TempFiles;
 use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_builder::writing::copy::folder_of;
@@ -26,6 +27,7 @@ use heliotile_core::replay::maps::{Illumination, Map as LayerMap, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::site::north::North;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::sun_path::SunPath;
@@ -53,15 +55,16 @@ impl Image {
 
 /// `heliotile export`.
 pub fn run(args: &ExportArgs) -> Result<Outcome> {
-    if args.output != Path::new("-") {
+    if args.output() != Path::new("-") {
         let inputs: Vec<&Path> =
             [Some(args.archive.as_path()), args.weather.as_deref()].into_iter().flatten().collect();
-        files_of(&args.output).iter().try_for_each(|file| guard_output(file, &inputs))?;
+        files_of(args.output()).iter().try_for_each(|file| guard_output(file, &inputs))?;
     }
     match &args.receiver {
+        None if args.html.is_some() => page(args),
         None => view_factors(args),
         Some(id) => {
-            let image = Image::of(&args.output)?;
+            let image = Image::of(args.output())?;
             // Before the archive: a wrong weather file is found at once.
             let (mut overlay, about) = overlay(args, &image)?;
             let archive = Archive::open_with(&args.archive, args.io)?;
@@ -82,8 +85,8 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
                 (Image::Png, _) => fisheye(&view, &overlay, &about)?,
                 (Image::Exr, _) => layers(args, (&archive, &site), &view, &about)?,
             };
-            let mut sink = Sink::file(&args.output)?;
-            sink.write_all(&bytes).map_err(Error::io(&args.output, "write to"))?;
+            let mut sink = Sink::file(args.output())?;
+            sink.write_all(&bytes).map_err(Error::io(args.output(), "write to"))?;
             sink.finish()?;
             Ok(Outcome::Fine)
         }
@@ -117,7 +120,7 @@ fn lit_maps(args: &ExportArgs, (archive, site): (&Archive, &OpenSite), view: &Re
             Some(Illumination::new(site, condition, args.sky, patches, args.bounces)?)
         }
     };
-    let storage = TempFiles::new(folder_of(&args.output));
+    let storage = TempFiles::new(folder_of(args.output()));
     maps(site, view, light.as_ref(), MemoryBudget::new(args.memory.0), &storage)
 }
 
@@ -151,14 +154,14 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
     if matches!(image, Image::Exr) && args.panel {
         return Err(Error::Unsupported {
             what: "a panel".into(),
-            found: format!("`{}`", args.output.display()),
+            found: format!("`{}`", args.output().display()),
             supported: "it as a .png".into(),
         });
     }
     if matches!(image, Image::Exr) && (args.weather.is_some() || args.latitude.is_some()) {
         return Err(Error::Unsupported {
             what: "paths of the sun (--weather, --latitude)".into(),
-            found: format!("`{}`", args.output.display()),
+            found: format!("`{}`", args.output().display()),
             supported: "them in a .png".into(),
         });
     }
@@ -193,11 +196,29 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
     Ok((overlay, provenance))
 }
 
+/// A page that shows the archive.
+fn page(args: &ExportArgs) -> Result<Outcome> {
+    let archive = Archive::open_with(&args.archive, args.io)?;
+    OpenSite::of(&archive)?;
+    let mut page = ViewerPage::default().with_archive(&args.archive)?;
+    if let Some(file) = &args.weather {
+        let weather = read_weather_as(file, &WeatherOptions::default(), &mut || Ok(archive.manifest().place))?;
+        weather.report.warnings.iter().for_each(|w| warn(w));
+        archive.manifest().place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
+        page = page.with_weather(file, &read_file(file)?)?;
+    }
+    if !page.holds_archive() {
+        warn(&format!("{} is larger than 50 MB: the page asks for it", args.archive.display()));
+    }
+    page.write(args.output())?;
+    Ok(Outcome::Fine)
+}
+
 /// View factors of all receivers as CSV.
 fn view_factors(args: &ExportArgs) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, args.io)?;
     let about = invocation::provenance().with_archive(&args.archive, &archive);
-    let mut table = ViewFactorTable::create(&args.output, about)?;
+    let mut table = ViewFactorTable::create(args.output(), about)?;
     for row in ArchiveReceivers::<()>::new(&OpenSite::of(&archive)?) {
         let row = row?;
         table.row(&row.receiver.id, row.views)?;

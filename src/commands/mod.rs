@@ -23,6 +23,7 @@ pub mod study;
 mod traced;
 pub mod tradeoff;
 pub mod transfer;
+pub mod view;
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -78,6 +79,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Extract(args) => transfer::extract(args),
         Command::Merge(args) => transfer::merge(args),
         Command::Diff(args) => transfer::diff(args),
+        Command::View(args) => view::run(args),
         Command::Export(args) => export::run(args),
         Command::Study(args) => study::run(args),
         Command::Completions(args) => shells::completions(args),

@@ -17,3 +17,4 @@ pub mod receivers;
 pub mod sink;
 pub mod tables;
 pub mod view_factors;
+pub mod viewer_page;

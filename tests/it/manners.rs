@@ -37,14 +37,14 @@ fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// Other spacing, accuracy, one setting, another scene, or an edited table of receivers: 5 runs into a folder that holds something else are
-/// refused with what differs and what to do, and no byte of its 6 files changes; `--replace` puts the new results there.
+/// refused with what differs and what to do, and no byte of its 7 files changes; `--replace` puts the new results there.
 #[test]
 fn other_inputs_are_kept() {
     let folder = town();
     good(&folder, RUN);
     let made = folder.path("a.sun");
     let before = bytes(&made);
-    assert_eq!(before.len(), 6);
+    assert_eq!(before.len(), 7);
     let to_do = ["a.sun: holds results of other inputs", "--output FOLDER", "--replace"];
     let refused = |arguments: &str, parts: &[&str]| {
         folder.refused(arguments, &[&to_do, parts].concat());
@@ -64,12 +64,12 @@ fn other_inputs_are_kept() {
     let (said, _) = good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
     assert!(said.contains("root") && !said.contains("up to date"), "{said}");
     let after = bytes(&made);
-    assert!(after.iter().zip(&before).filter(|(a, b)| a.0 == b.0 && a.1 != b.1).count() == 6);
+    assert!(after.iter().zip(&before).filter(|(a, b)| a.0 == b.0 && a.1 != b.1).count() == 7);
     let (said, _) = good(&folder, &RUN.replace("5m", "4m"));
     assert!(said.contains("up to date, nothing is traced again") && bytes(&made) == after, "{said}");
 }
 
-/// Each weather has a folder of its own: a second one leaves the first's 3 files alone, another one of the same name is refused before any
+/// Each weather has a folder of its own: a second one leaves the first's 4 files alone, another one of the same name is refused before any
 /// work, and so is a folder that does not say what it is from. A new archive warns of results of the old one.
 #[test]
 fn weather_is_kept_apart() {
@@ -84,7 +84,7 @@ fn weather_is_kept_apart() {
     let (said, _) = good(&folder, &RUN.replace("golden.epw", "pvgis.epw"));
     assert!(said.contains("pvgis/annual.csv, pvgis/annual.ply"), "{said}");
     assert_eq!(names(&made), ["golden", "pvgis", "receivers.csv", "site.helio"]);
-    assert!(bytes(&made.join("golden")) == first && first.len() == 4);
+    assert!(bytes(&made.join("golden")) == first && first.len() == 5);
     let other = RUN.replace("golden.epw", "other/golden.epw");
     folder.refused(&other, &["a.sun/golden: holds results of other weather, read from golden.epw", "--replace"]);
     assert!(bytes(&made.join("golden")) == first);
@@ -115,6 +115,7 @@ fn run_writes_the_tables_of_replay() {
             "days.csv",
             "days.csv-metadata.json",
             "hours.surface.parquet",
+            "index.html",
             "made-from.json",
             "months.csv",
             "months.csv-metadata.json"
@@ -130,7 +131,7 @@ fn run_writes_the_tables_of_replay() {
     }
     // Results of what is replaced go with it.
     good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
-    assert_eq!(names(&made), ["annual.csv", "annual.csv-metadata.json", "annual.ply", "made-from.json"]);
+    assert_eq!(names(&made), ["annual.csv", "annual.csv-metadata.json", "annual.ply", "index.html", "made-from.json"]);
 }
 
 /// What is said of the clock of `--weather` leaves `--error-weather` alone: with a shift of 3 hours an archive keeps its bytes where errors are
@@ -336,7 +337,7 @@ fn tables_of_other_countries() {
     folder.refused("query site.helio -c c.csv", &["c.csv, line 1", "commas in place of semicolons"]);
 }
 
-/// 5 shells get a script that names all commands, bash takes its own, and 26 pages of the manual begin as man pages do.
+/// 5 shells get a script that names all commands, bash takes its own, and 27 pages of the manual begin as man pages do.
 #[test]
 fn completions_and_manual() {
     let folder = Folder::new();
@@ -353,8 +354,8 @@ fn completions_and_manual() {
 
     let (said, _) = good(&folder, "man -o deep/pages");
     let pages = names(&folder.path("deep/pages"));
-    assert_eq!(pages.len(), 26, "{pages:?}");
-    assert!(said.contains("26 pages"), "{said}");
+    assert_eq!(pages.len(), 27, "{pages:?}");
+    assert!(said.contains("27 pages"), "{said}");
     for page in &pages {
         let text = fs::read_to_string(folder.path("deep/pages").join(page)).expect("a page");
         assert!(text.contains(".TH ") && text.contains(".SH NAME"), "{page}");

@@ -130,10 +130,14 @@ impl<'a> Files<'a> {
                 self.read(&args.first, Wanted::Archive);
                 self.read(&args.second, Wanted::Archive);
             }
+            Command::View(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.read_if(&args.weather, Wanted::Weather);
+            }
             Command::Export(args) => {
                 self.read(&args.archive, Wanted::Archive);
                 self.read_if(&args.weather, Wanted::Weather);
-                self.write(&args.output, Written::File);
+                self.write(args.output(), Written::File);
             }
             Command::Study(args) => match &args.command {
                 StudyCommand::Wall(args) => self.write(&args.output, Written::Folder),

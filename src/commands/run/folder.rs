@@ -26,6 +26,8 @@ pub struct Files {
     pub results: PathBuf,
     pub table: PathBuf,
     pub map: PathBuf,
+    /// Shows the archive in a browser, under this weather.
+    pub page: PathBuf,
 }
 
 impl Files {
@@ -38,6 +40,7 @@ impl Files {
             archive: folder.join("site.helio"),
             table: results.join("annual.csv"),
             map: results.join("annual.ply"),
+            page: results.join("index.html"),
             results,
             folder,
         }
@@ -59,7 +62,7 @@ impl Files {
     /// All that is written into the weather's folder.
     fn written(&self, args: &RunArgs) -> Vec<PathBuf> {
         let periods = args.every.iter().map(|every| self.periods(*every, args));
-        [self.table.clone(), self.map.clone()].into_iter().chain(periods).collect()
+        [&self.table, &self.map, &self.page].into_iter().cloned().chain(periods).collect()
     }
 
     /// The same with what is said of them beside them.
@@ -164,7 +167,7 @@ impl Files {
         let word = |path: &Path| quoted(&path.to_string_lossy());
         let year = args.year.map_or(String::new(), |year| format!(" --year {year}"));
         format!(
-            "{}: {}; annual.ply is the map\n{next}heliotile replay {} --weather {}{}{year} --every hour -o hours.parquet\n",
+            "{}: {}; annual.ply is the map, index.html shows all of it in a browser\n{next}heliotile replay {} --weather {}{}{year} --every hour -o hours.parquet\n",
             self.folder.display(),
             files.join(", "),
             word(&self.archive),

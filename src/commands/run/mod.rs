@@ -21,6 +21,7 @@ use crate::outputs::kinds_and_sides::by_kind_and_side;
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
+use crate::outputs::viewer_page::ViewerPage;
 use folder::Files;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::observer::Stage;
@@ -92,6 +93,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     write_table(Sink::file(&files.table)?, &rows, north, &about)?;
     write_map(&files.map, &rows, covered.as_ref(), &about)?;
     periods::write(args, &files, &archive, &weather)?;
+    write_page(&files, args)?;
     say(&format!(
         "\nIrradiation through {}, kWh/m2 (means by area):\n{}",
         args.weather.display(),
@@ -141,6 +143,14 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>, about: 
         })
         .collect();
     write_ply(Sink::file(path)?, &patches, about)
+}
+
+/// The page that shows the archive under this weather; a large one it reads from beside it.
+fn write_page(files: &Files, args: &RunArgs) -> Result<()> {
+    let page =
+        ViewerPage::default().with_archive(&files.archive)?.with_weather(&args.weather, &read_file(&args.weather)?)?;
+    let page = if page.holds_archive() { page } else { page.with_option("archive", "../site.helio") };
+    page.write(&files.page)
 }
 
 fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, &Piece> {

@@ -1,0 +1,24 @@
+//! The command line of `view`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// What `view --help` says at its end.
+const ABOUT: &str = "\
+The page is served on 127.0.0.1 only, to this machine, until Ctrl-C; it reads what it shows from the archive, which is not changed. To look at an
+archive from elsewhere, put it on any web server that answers ranges and open the page with ?url=ADDRESS, or write a page that holds it with
+`heliotile export SITE.helio --html PAGE.html`. On a machine without a screen: `ssh -L 8017:127.0.0.1:8017 MACHINE`.";
+
+#[derive(Args, Debug)]
+#[command(after_long_help = ABOUT)]
+pub struct ViewArgs {
+    /// Archive to look at
+    pub archive: PathBuf,
+    /// Weather file whose hours and sums are shown: EPW, TMY3, SAM, PVGIS or CSV, packed with gzip or not
+    #[arg(long, short)]
+    pub weather: Option<PathBuf>,
+    /// Port of the address; without it 8017, or any that is free
+    #[arg(long, value_name = "PORT")]
+    pub port: Option<u16>,
+}

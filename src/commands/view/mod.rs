@@ -1,0 +1,62 @@
+//! `heliotile view`: an archive in the browser. In: an archive, weather. Out: a page on an address of this machine, until Ctrl-C.
+
+mod server;
+
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+
+use super::{Outcome, remark, warn};
+use crate::cli::ViewArgs;
+use crate::files::{read_file, read_weather_as};
+use crate::outputs::viewer_page::ViewerPage;
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::weather::distance::far_apart;
+use heliotile_core::weather::options::WeatherOptions;
+use server::{Served, serve};
+
+/// Where the page is, unless something else is there already.
+const PORT: u16 = 8017;
+
+/// `heliotile view`.
+pub fn run(args: &ViewArgs) -> Result<Outcome> {
+    let archive = Archive::open_with(&args.archive, Access::Read)?;
+    OpenSite::of(&archive)?;
+    let mut page =
+        ViewerPage::default().with_option("archive", server::ARCHIVE).with_option("name", name(&args.archive));
+    let mut weather = None;
+    if let Some(path) = &args.weather {
+        let place = archive.manifest().place;
+        let read = read_weather_as(path, &WeatherOptions::default(), &mut || Ok(place))?;
+        read.report.warnings.iter().for_each(|w| warn(w));
+        place.and_then(|place| far_apart(&place, &read)).iter().for_each(|apart| warn(apart));
+        page = page.with_option("weather", server::WEATHER).with_option("weatherName", name(path));
+        weather = Some(read_file(path)?);
+    }
+    let listener = listen(args.port)?;
+    let address = listener.local_addr().map_err(Error::io(&args.archive, "find an address for"))?;
+    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", args.archive.display()))?;
+    serve(listener, Served { page: page.html(), archive: args.archive.clone(), weather })?;
+    Ok(Outcome::Fine)
+}
+
+fn name(path: &std::path::Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The port that was asked for, or the usual one, or any.
+fn listen(port: Option<u16>) -> Result<TcpListener> {
+    let bind = |port| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    match port {
+        Some(port) => bind(port).map_err(|error| {
+            Error::argument(
+                "--port",
+                format!("nothing can be served on {port}: {error}"),
+                "leave it out to take one that is free",
+            )
+        }),
+        None => bind(PORT).or_else(|_| bind(0)).map_err(|error| {
+            Error::argument("--port", format!("this machine gives no port: {error}"), "name one with --port")
+        }),
+    }
+}

@@ -1,0 +1,74 @@
+//! The page and its files on an address of this machine. In: a listener, what is served. Out: answers to browsers of this machine, for ever.
+
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+
+use axum::Router;
+use axum::body::Bytes;
+use axum::extract::{Request, State};
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use tower_http::services::ServeFile;
+
+use heliotile_core::error::{Error, Result};
+
+/// Addresses of the page's files, relative to it.
+pub const ARCHIVE: &str = "site.helio";
+pub const WEATHER: &str = "weather";
+
+/// What is served; everything else is not found.
+pub struct Served {
+    pub page: String,
+    pub archive: PathBuf,
+    pub weather: Option<Vec<u8>>,
+}
+
+/// Serves until the process ends.
+pub fn serve(listener: TcpListener, served: Served) -> Result<()> {
+    let failed = |error| Error::io(Path::new("the page"), "serve")(error);
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().map_err(failed)?;
+    runtime.block_on(async {
+        listener.set_nonblocking(true).map_err(failed)?;
+        let port = listener.local_addr().map_err(failed)?.port();
+        let listener = tokio::net::TcpListener::from_std(listener).map_err(failed)?;
+        axum::serve(listener, router(served, port)).await.map_err(failed)
+    })
+}
+
+fn router(served: Served, port: u16) -> Router {
+    let page = Bytes::from(served.page);
+    let html = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
+    let router = Router::new()
+        .route("/", get(async move || (html, page.clone())))
+        .route_service(&format!("/{ARCHIVE}"), ServeFile::new(served.archive));
+    let router = match served.weather.map(Bytes::from) {
+        Some(bytes) => router.route(&format!("/{WEATHER}"), get(async move || bytes.clone())),
+        None => router,
+    };
+    let hosts = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    router.layer(middleware::from_fn_with_state(hosts, guard))
+}
+
+/// Answers only to the address that was printed: a page of elsewhere whose name leads to this machine gets nothing. What is answered is
+/// neither guessed at nor kept nor shown inside other pages.
+async fn guard(State(hosts): State<[String; 2]>, request: Request, next: Next) -> Response {
+    let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
+    if !hosts.iter().any(|own| own.eq_ignore_ascii_case(host)) {
+        let said = format!("this page is served at http://{} only\n", hosts[0]);
+        return (StatusCode::FORBIDDEN, said).into_response();
+    }
+    let mut response = next.run(request).await;
+    for (name, value) in [
+        (header::CACHE_CONTROL, "no-cache"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::X_FRAME_OPTIONS, "DENY"),
+        (header::REFERRER_POLICY, "no-referrer"),
+    ] {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    let same = HeaderValue::from_static("same-origin");
+    response.headers_mut().insert("cross-origin-resource-policy", same);
+    response
+}

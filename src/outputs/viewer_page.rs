@@ -1,0 +1,112 @@
+//! The page that shows an archive, with what it is to show put inside. In: files' names and bytes, or addresses. Out: one HTML file that
+//! needs no other.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde_json::{Value, json};
+
+use super::page::escaped;
+use super::sink::Sink;
+use heliotile_core::error::{Error, Result};
+
+/// As `src/viewer/build` makes it.
+const PAGE: &str = include_str!("../viewer/page.html");
+/// Where data go.
+const MARKER: &str = "<!-- heliotile: data -->";
+
+/// Larger archives do not go into a page: browsers take seconds to read them.
+pub const MOST_BYTES: u64 = 50_000_000;
+
+/// What goes into a page.
+#[derive(Default)]
+pub struct ViewerPage {
+    scripts: String,
+    options: serde_json::Map<String, Value>,
+}
+
+impl ViewerPage {
+    /// An archive, if it is small enough.
+    pub fn with_archive(mut self, path: &Path) -> Result<Self> {
+        let name = name_of(path);
+        let mut file = File::open(path).map_err(Error::io(path, "open"))?;
+        let length = file.metadata().map_err(Error::io(path, "read the length of"))?.len();
+        if length <= MOST_BYTES {
+            let mut bytes = Vec::new();
+            file.read_to_end(&mut bytes).map_err(Error::io(path, "read"))?;
+            self.add("archive", &name, "", &bytes);
+        }
+        self.options.insert("name".into(), json!(name));
+        Ok(self)
+    }
+
+    /// A weather file's bytes, unpacked.
+    pub fn with_weather(mut self, path: &Path, bytes: &[u8]) -> Result<Self> {
+        let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+        let packed = packed.write_all(bytes).and_then(|()| packed.finish()).map_err(Error::io(path, "pack"))?;
+        self.add("weather", &name_of(path), " data-packed=\"gzip\"", &packed);
+        Ok(self)
+    }
+
+    /// Something that the page is told: `archive` and `weather`, addresses that it reads from.
+    pub fn with_option(mut self, name: &str, value: impl Into<Value>) -> Self {
+        self.options.insert(name.into(), value.into());
+        self
+    }
+
+    /// Whether the archive went in.
+    pub fn holds_archive(&self) -> bool {
+        self.scripts.contains("id=\"archive\"")
+    }
+
+    fn add(&mut self, id: &str, name: &str, more: &str, bytes: &[u8]) {
+        let name = escaped(name).replace('"', "&quot;");
+        self.scripts
+            .push_str(&format!("<script type=\"application/octet-stream\" id=\"{id}\" data-name=\"{name}\"{more}>"));
+        BASE64_STANDARD.encode_string(bytes, &mut self.scripts);
+        self.scripts.push_str("</script>\n");
+    }
+
+    /// Writes the page.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let mut sink = Sink::file(path)?;
+        sink.write_all(self.html().as_bytes()).map_err(Error::io(path, "write to"))?;
+        sink.finish().map(|_| ())
+    }
+
+    /// The page.
+    pub fn html(&self) -> String {
+        // No text ends a script.
+        let options = Value::Object(self.options.clone()).to_string().replace('<', "\\u003c");
+        let data = format!("<script type=\"application/json\" id=\"options\">{options}</script>\n{}", self.scripts);
+        PAGE.replacen(MARKER, &data, 1)
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The page has one place for data, and names with `<`, `>` and quotes cannot leave theirs: one script of each kind is in it.
+    #[test]
+    fn names_stay_in_their_place() {
+        assert_eq!(PAGE.matches(MARKER).count(), 1);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("\"><script>alert(1)<.helio");
+        std::fs::write(&path, b"not an archive").expect("written");
+        let page = ViewerPage::default().with_archive(&path).expect("read");
+        let html = page.with_option("archive", "</script><script>alert(1)").html();
+        let count = |text: &str| html.matches(text).count() - PAGE.matches(text).count();
+        assert_eq!((count("<script>alert"), count("<script type="), count("id=\"archive\"")), (0, 2, 1));
+        assert!(html.contains(&BASE64_STANDARD.encode(b"not an archive")));
+    }
+}
