@@ -111,17 +111,18 @@ fn files_are_short() {
     assert!(lengths[lengths.len() / 2] < 300, "median {}", lengths[lengths.len() / 2]);
 }
 
-/// `unsafe` stands in one file: 0 others hold it.
+/// `unsafe` stands in two files, the mapping and what the engine of the page asks its host: 0 others hold it.
 #[test]
-fn unsafe_in_one_file() {
+fn unsafe_in_two_files() {
     let word = concat!("un", "safe ");
     let holders: Vec<_> = sources()
         .into_iter()
         .filter(|(path, text)| text.contains(word) && !path.ends_with("tidy.rs"))
         .map(|s| s.0)
         .collect();
-    assert!(holders.iter().all(|p| p.ends_with("archive/mapping.rs")), "{holders:?}");
-    assert!(holders.len() <= 1);
+    let known = ["archive/mapping.rs", "viewer/engine/src/host.rs"];
+    assert!(holders.iter().all(|path| known.iter().any(|file| path.ends_with(file))), "{holders:?}");
+    assert!(holders.len() <= known.len());
 }
 
 /// Every test opens with the sentence it proves, and none is switched off: over 60 tests, 0 without.

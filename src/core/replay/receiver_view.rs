@@ -5,10 +5,12 @@ use glam::DVec3;
 use crate::archive::format::{RECEIVERS, block_name};
 use crate::archive::tables::ReceiversTable;
 use crate::error::{Error, Result};
+use crate::hemisphere::texel_of;
 use crate::layers::canopy::{Canopy, Powers};
 use crate::layers::mirror::MirrorPath;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
+use crate::layers::sides::TextureSides;
 use crate::light::canopies::stored;
 use crate::light::mirrors::MirrorTable;
 use crate::light::response::Viewer;
@@ -47,6 +49,8 @@ pub struct ReceiverView {
     pub(super) mirrors: Vec<MirrorView>,
     /// The materials, by the numbers in cell keys.
     pub materials: Vec<Material>,
+    /// Sides of its textures.
+    pub(super) sides: TextureSides,
     /// Whether mirrors of the scene were traced.
     has_mirrors: bool,
     tile: u32,
@@ -57,6 +61,20 @@ impl ReceiverView {
     /// Reads the receiver of a name; an unknown one is an error that names those like it.
     pub fn load(site: &OpenSite, id: &str) -> Result<Self> {
         let (tile, row, table) = find(site, id)?;
+        ReceiverView::of(site, tile, row, table)
+    }
+
+    /// Reads the receiver of a row of a tile, and no other tile; a row that does not exist is an error.
+    pub fn at(site: &OpenSite, tile: u32, row: usize) -> Result<Self> {
+        let table = site.tile_receivers(tile)?;
+        if row >= table.rows() {
+            let what = format!("tile {tile} has {} receivers, there is no row {row}", table.rows());
+            return Err(Error::input(site.path(), None, what, "name a row of the tile, the first is 0"));
+        }
+        ReceiverView::of(site, tile, row, table)
+    }
+
+    fn of(site: &OpenSite, tile: u32, row: usize, table: ReceiversTable) -> Result<Self> {
         let cut_off =
             |field| Error::defect(site.path(), block_name(RECEIVERS, tile), field, format!("has no row {row}"));
         let (receiver, views) = (table.receivers().into_iter().nth(row), table.views().nth(row));
@@ -82,6 +100,7 @@ impl ReceiverView {
             paths: paths.unwrap_or_default(),
             mirrors: layers.mirrors.into_iter().nth(row).unwrap_or_default(),
             materials: site.materials().to_vec(),
+            sides: site.settings().sides(),
             has_mirrors,
             tile,
             row,
@@ -133,6 +152,19 @@ impl ReceiverView {
     /// The class of what it meets.
     pub fn class(&self, texel: usize) -> Option<Class> {
         self.material(texel).map(|material| material.class)
+    }
+
+    /// The texel of the hit texture that holds what is seen in a direction, by the surface's axes, where it is no sky. The texture is coarse: a
+    /// texel at the edge of the sky may hold the sky, the nearest that does not holds what is seen.
+    pub fn nearest_seen(&self, local: DVec3) -> Option<usize> {
+        let n = self.texels.len().isqrt();
+        let (column, row) = texel_of(local, n);
+        let around = |far: usize| {
+            let near = |at: usize| at.saturating_sub(far)..(at + far + 1).min(n);
+            let mut texels = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
+            texels.find(|texel| self.class(*texel).is_some())
+        };
+        (0..n).find_map(around)
     }
 }
 

@@ -59,8 +59,9 @@ fn bins_place(sums: &mut Vec<(usize, Vec<f64>)>, bin: usize, len: usize) -> &mut
     &mut sums[place].1
 }
 
+/// The sum of the products of two lists of one length.
 #[inline(always)]
-fn product(a: &[f32], b: &[f32]) -> f32 {
+pub(super) fn product(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0.0_f32; SIDE_BY_SIDE];
     let (mut a, mut b) = (a.chunks_exact(SIDE_BY_SIDE), b.chunks_exact(SIDE_BY_SIDE));
     for (a, b) in a.by_ref().zip(b.by_ref()) {

@@ -35,7 +35,7 @@ use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
 /// Points per texel side when textures are projected on patches.
-const PROJECTION_SAMPLES: usize = 8;
+pub(super) const PROJECTION_SAMPLES: usize = 8;
 
 /// Weather made ready once for all tiles.
 pub(super) struct Forcing {

@@ -4,16 +4,13 @@
 //! x is right, N stands where true north is, as on a map that the picture is laid on and as on printed sun-path diagrams; who looks up has east at
 //! the left hand.
 
-use std::f64::consts::FRAC_PI_2;
-
 use glam::DVec3;
 
 use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
 use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
-use heliotile_core::hemisphere::{Frame, texel_of};
 use heliotile_core::replay::receiver_view::ReceiverView;
-use heliotile_core::site::material::Class;
+use heliotile_core::replay::seen::{Seen, SkyDisc};
 use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::time::sun_path::{DAYS, SunPath};
@@ -26,6 +23,8 @@ const RADIUS: f64 = 390.0;
 
 /// Open sky.
 pub const SKY: Rgb = [198, 225, 247];
+/// Sky through leaves or screens.
+pub const CANOPY: Rgb = [176, 208, 164];
 /// Surfaces of class obstruction.
 pub const OBSTRUCTION: Rgb = [172, 170, 178];
 /// Surfaces of class ground.
@@ -57,8 +56,9 @@ pub struct Overlay {
 
 /// The picture as PNG.
 pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) -> Result<Vec<u8>> {
-    let frame = Frame::of(view.receiver.normal);
-    let paint = |x: f64, y: f64| direction_at(x, y).map_or(PAPER, |direction| seen(view, &frame, direction));
+    let disc = SkyDisc::of(view);
+    let at = |x: f64, y: f64| SkyDisc::direction_at((x - CENTRE.0) / RADIUS, (CENTRE.1 - y) / RADIUS);
+    let paint = |x: f64, y: f64| at(x, y).map_or(PAPER, |direction| colour_of(disc.seen(direction)));
     let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
     draw_grid(&mut canvas, overlay.north);
     if let Some((path, _)) = &overlay.path {
@@ -75,51 +75,20 @@ pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) 
 
 /// Where a direction above the horizon is drawn: x to the right, y down.
 pub fn place_of(direction: DVec3) -> (f64, f64) {
-    let horizontal = direction.x.hypot(direction.y);
-    let r = RADIUS * horizontal.atan2(direction.z) / FRAC_PI_2;
-    let scale = if horizontal > 0.0 { r / horizontal } else { 0.0 };
-    (CENTRE.0 + direction.x * scale, CENTRE.1 - direction.y * scale)
+    let (x, y) = SkyDisc::place_of(direction);
+    (CENTRE.0 + RADIUS * x, CENTRE.1 - RADIUS * y)
 }
 
-/// The direction that is drawn at a place; `None` outside the horizon.
-fn direction_at(x: f64, y: f64) -> Option<DVec3> {
-    let (east, north) = (x - CENTRE.0, CENTRE.1 - y);
-    let r = east.hypot(north);
-    let zenith_rad = r / RADIUS * FRAC_PI_2;
-    let scale = if r > 0.0 { zenith_rad.sin() / r } else { 0.0 };
-    (r <= RADIUS).then(|| DVec3::new(east * scale, north * scale, zenith_rad.cos()))
-}
-
-/// The colour of what is seen in a direction; that of obstructions where nothing is.
-pub(super) fn seen(view: &ReceiverView, frame: &Frame, direction: DVec3) -> Rgb {
-    let local = frame.to_local(direction);
-    if local.z <= 0.0 {
-        return BEHIND;
+/// The colour of what is seen.
+pub(super) fn colour_of(seen: Seen) -> Rgb {
+    match seen {
+        Seen::Sky => SKY,
+        Seen::Canopy => CANOPY,
+        Seen::Ground => GROUND,
+        Seen::Obstruction => OBSTRUCTION,
+        Seen::Mirror => MIRROR,
+        Seen::Behind => BEHIND,
     }
-    // The sky's texture ends at the horizon.
-    let (column, row) = texel_of(direction, view.sky.side() * view.sky.block());
-    if direction.z > 0.0 && view.sky.get(column, row) {
-        return SKY;
-    }
-    let texel = nearest_seen(view, local);
-    match texel.map(|texel| (view.class(texel), view.is_mirror(texel))) {
-        Some((_, true)) => MIRROR,
-        Some((Some(Class::Ground), _)) => GROUND,
-        _ => OBSTRUCTION,
-    }
-}
-
-/// The texel of the hit texture that holds what is seen in a direction, by the surface's axes, where it is no sky. The texture is coarse: a
-/// texel at the edge of the sky may hold the sky, the nearest that does not holds what is seen.
-pub(super) fn nearest_seen(view: &ReceiverView, local: DVec3) -> Option<usize> {
-    let n = view.texels.len().isqrt();
-    let (column, row) = texel_of(local, n);
-    let around = |far: usize| {
-        let near = |at: usize| at.saturating_sub(far)..(at + far + 1).min(n);
-        let mut texels = near(row).flat_map(|r| near(column).map(move |c| r * n + c));
-        texels.find(|texel| view.class(*texel).is_some())
-    };
-    (0..n).find_map(around)
 }
 
 /// Altitude rings every 15 degrees, azimuth rays every 30, from true north.
@@ -228,28 +197,5 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
     }
     if let Some((_, clock)) = &overlay.path {
         canvas.word(clock, (right, low), Side::Right, DAY);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The zenith is in the middle, north up, east right; 45 degrees of altitude is half way; places of 500 directions lead back to them.
-    #[test]
-    fn equidistant() {
-        assert_eq!(place_of(DVec3::Z), CENTRE);
-        for (azimuth, x, y) in [(0.0, 0.0, -1.0), (90.0, 1.0, 0.0), (180.0, 0.0, 1.0), (270.0, -1.0, 0.0)] {
-            for (altitude, r) in [(0.0, RADIUS), (45.0, RADIUS / 2.0)] {
-                let at = place_of(direction_from_degrees(azimuth, altitude));
-                assert!((at.0 - CENTRE.0 - r * x).abs() < 1e-9 && (at.1 - CENTRE.1 - r * y).abs() < 1e-9, "{at:?}");
-            }
-        }
-        for i in 0..500 {
-            let d = direction_from_degrees(f64::from(i) * 137.5, f64::from(i % 90) + 0.5);
-            let (x, y) = place_of(d);
-            assert!(direction_at(x, y).is_some_and(|back| (back - d).length() < 1e-12));
-        }
-        assert_eq!(direction_at(CENTRE.0 + RADIUS + 1.0, CENTRE.1), None);
     }
 }

@@ -10,12 +10,13 @@ use glam::DVec3;
 
 use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
 use crate::outputs::pictures::colours::inferno;
-use crate::outputs::pictures::fisheye::{nearest_seen, seen};
+use crate::outputs::pictures::fisheye::colour_of;
 use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{Frame, texel_of};
 use heliotile_core::replay::maps::Map;
 use heliotile_core::replay::receiver_view::ReceiverView;
+use heliotile_core::replay::seen::SkyDisc;
 use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
 
@@ -78,7 +79,7 @@ impl Radiances<'_> {
             return [sky, 0.0, 0.0, 0.0];
         }
         let local = self.frame.to_local(direction);
-        let texel = nearest_seen(self.view, local);
+        let texel = self.view.nearest_seen(local);
         let on_texel = |channel| {
             let value = |(_, values): (usize, &[f32])| texel.and_then(|texel| values.get(texel).copied());
             self.channel("hit", channel).and_then(value).map_or(0.0, f64::from)
@@ -101,7 +102,7 @@ impl Radiances<'_> {
 /// The panel as PNG. `maps` are those of a light.
 pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, about: &Provenance) -> Result<Vec<u8>> {
     let frame = Frame::of(view.receiver.normal);
-    let radiances = Radiances { view, maps, frame };
+    let (radiances, disc) = (Radiances { view, maps, frame }, SkyDisc::of(view));
     let (width, height) = (3.0 * CELL.0, HEAD + 2.0 * CELL.1 + FOOT);
     let paint = |x: f64, y: f64| {
         let (column, row) = ((x / CELL.0).floor(), ((y - HEAD) / CELL.1).floor());
@@ -112,7 +113,7 @@ pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, ab
         let at = (x - column * CELL.0 - MIDDLE.0, y - HEAD - row * CELL.1 - MIDDLE.1);
         let Some(direction) = direction_at(&radiances.frame, at) else { return PAPER };
         if picture == 0 {
-            return seen(view, &radiances.frame, direction);
+            return colour_of(disc.seen(direction));
         }
         let [sky, of_sun, mirrored, of_sky] = radiances.of(direction);
         colour(match picture {

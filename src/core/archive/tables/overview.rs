@@ -1,5 +1,6 @@
 //! What is drawn of the receivers of one tile before anything else is read.
 
+use glam::DVec3;
 use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::Blocks;
@@ -59,6 +60,16 @@ impl OverviewTable {
     /// Number of receivers.
     pub fn rows(&self) -> usize {
         self.position.len()
+    }
+
+    /// The receivers' normals.
+    pub fn normals(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.normal.iter().map(|steps| DVec3::from(steps.map(f64::from)).normalize_or_zero())
+    }
+
+    /// Their shares of sky.
+    pub fn sky_views(&self) -> impl Iterator<Item = f32> + '_ {
+        self.sky_view.iter().map(|steps| f32::from(*steps) / 255.0)
     }
 
     /// The receivers' patches; empty where nobody knows them.

@@ -27,6 +27,11 @@ impl CanopyTransmittance {
         CanopyTransmittance::new(vec![1.0; side * side], sides)
     }
 
+    /// Bytes that its shares take.
+    pub fn bytes(&self) -> usize {
+        self.shares.len() * size_of::<f32>()
+    }
+
     /// Share at a fine texel (column, row).
     #[inline]
     pub fn at_fine(&self, (column, row): (usize, usize)) -> f32 {

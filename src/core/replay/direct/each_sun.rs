@@ -173,6 +173,19 @@ impl EachSun {
         }
     }
 
+    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`: for few suns, which no masks are made for.
+    pub fn direct_seen(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
+        for sun in &self.suns {
+            let cos = normal.dot(sun.direction);
+            if cos > 0.0 {
+                let parts = self.parts[sun.parts.clone()].iter();
+                let visible: f32 =
+                    parts.map(|part| self.share(part, sky.texel(part.column as usize, part.row as usize))).sum();
+                out[sun.bin] += sun.strength * cos * f64::from(visible);
+            }
+        }
+    }
+
     /// The same behind a veil.
     pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
         for sun in &self.suns {

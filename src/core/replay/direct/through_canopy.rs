@@ -101,7 +101,7 @@ impl DirectThroughCanopy {
 }
 
 /// [`crate::sky::skies::sky_coefficients`] behind a veil.
-fn coefficients_behind(
+pub fn coefficients_behind(
     projection: &Projection,
     normal: DVec3,
     sky: &Mosaic,

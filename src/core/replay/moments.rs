@@ -1,0 +1,166 @@
+//! Moments: receivers under one sun and sky after another, as a page asks for that lets the sun move. In: an archive, one state of its
+//! reflectances, later conditions. Out: the components of [`Replay`](crate::replay::run::Replay), the same to the rounding of f32.
+//!
+//! A replay reads a tile and forgets it, for the light of many hours. Here a tile is made ready once ([`MomentTile`]), and then costs a few
+//! products and look-ups for each condition.
+
+use std::sync::Arc;
+
+use crate::error::{Error, Result};
+use crate::layers::canopy::Powers;
+use crate::layers::response::Response;
+use crate::light::canopies::{TransmittanceStates, stored};
+use crate::light::mirrors::MirrorTable;
+use crate::light::radiosity::MaxBounces;
+use crate::light::reflector::Reflector;
+use crate::light::response_solver::ResponseSolver;
+use crate::light::scratch::InMemory;
+use crate::light::states::{Schedule, States};
+use crate::light::tables::Tables;
+use crate::light::tile_view::TileView;
+use crate::memory::MemoryBudget;
+use crate::opened::OpenSite;
+use crate::replay::moment_light::SkyGrids;
+use crate::replay::tile_layers::{Reads, TileLayers};
+use crate::sky::model::SkyModel;
+use crate::weather::conditions::Condition;
+
+pub use crate::replay::moment_light::MomentLight;
+pub use crate::replay::moment_tile::MomentTile;
+
+/// A site in one state of its reflectances, ready to give tile after tile.
+pub struct Moments<'a> {
+    site: OpenSite<'a>,
+    grids: Arc<SkyGrids>,
+    /// What canopies let through; none if there are none.
+    powers: Powers,
+    mirrors: Option<MirrorTable>,
+    /// Only where the archive's own responses do not serve.
+    responder: Option<(Tables<'a>, ResponseSolver)>,
+}
+
+impl<'a> Moments<'a> {
+    /// With skies of 145, 577 or 2305 `patches`, and the reflectances and transmittances of schedules over one condition, those of the
+    /// archive where there are none. Errors as of [`Replay::scheduled`](crate::replay::run::Replay::scheduled).
+    pub fn new(site: &OpenSite<'a>, patches: usize, schedules: &[Schedule]) -> Result<Self> {
+        Moments::on(site, Arc::new(SkyGrids::new(patches, site.settings().sides())?), schedules)
+    }
+
+    /// The same site with other reflectances.
+    pub fn reflecting(&self, schedules: &[Schedule]) -> Result<Self> {
+        Moments::on(&self.site, Arc::clone(&self.grids), schedules)
+    }
+
+    fn on(site: &OpenSite<'a>, grids: Arc<SkyGrids>, schedules: &[Schedule]) -> Result<Self> {
+        let diffuse = site.settings().diffuse;
+        let mut powers = stored(site.materials());
+        if !schedules.is_empty() && !diffuse && powers.is_empty() {
+            let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
+            return Err(Error::input(site.path(), None, what, "build it with `--effects all`"));
+        }
+        let mirrors = (!site.orientations().is_empty()).then(|| MirrorTable::of(site));
+        let mut responder = None;
+        if !schedules.is_empty() {
+            let tables = Tables::of(site)?;
+            let reflectors = &tables.mirrors.reflectors;
+            let lets_through: Vec<bool> = reflectors.iter().map(|r| r.transmittance.is_some()).collect();
+            let kept = reflectors.iter().map(Reflector::variable).collect();
+            let states = States::new(&kept, &lets_through, schedules, 1, false)?.reflectances;
+            let leafage = TransmittanceStates::split(reflectors, &mut states.clone()).powers.pop();
+            powers = leafage.unwrap_or(powers);
+            if diffuse {
+                let memory = MemoryBudget::DEFAULT;
+                let solver = ResponseSolver::with_states(&tables, states, MaxBounces::All, memory, &InMemory)?;
+                responder = Some((tables, solver));
+            }
+        }
+        Ok(Moments { site: site.clone(), grids, powers, mirrors, responder })
+    }
+
+    /// A condition, whose suns go by true north, with its sky.
+    pub fn light(&self, condition: &Condition, sky: SkyModel) -> MomentLight {
+        let condition = condition.clone().in_axes(self.site.north());
+        MomentLight::new(condition, sky, &self.grids, self.site.settings().sides())
+    }
+
+    /// Makes some tiles ready, which had better be neighbours if reflectances are not those of the archive. A damaged block is an error of
+    /// all of them.
+    pub fn tiles(&self, tiles: &[u32]) -> Result<Vec<MomentTile>> {
+        let reads = Reads { sky: true, mirrors: self.mirrors.as_ref() };
+        let ready = |(_, layers): (Vec<String>, TileLayers)| {
+            MomentTile::new(layers, &self.powers, &self.grids, self.site.settings().sides())
+        };
+        let Some((tables, responder)) = &self.responder else {
+            let read = |tile: &u32| {
+                let diffuse = self.site.settings().diffuse;
+                let responses = if diffuse { vec![self.site.tile_responses(*tile)?] } else { Vec::new() };
+                Ok(ready(TileLayers::read(&self.site, *tile, reads, responses)?))
+            };
+            return tiles.iter().map(read).collect();
+        };
+        let views = tiles.iter().map(|tile| TileView::read(&self.site, *tile)).collect::<Result<Vec<_>>>()?;
+        let responses: Vec<Vec<Vec<Response>>> = responder.derive(tables, &views)?;
+        let derived = |(view, responses)| Ok(ready(TileLayers::of_view(&self.site, view, reads, responses)?));
+        views.into_iter().zip(responses).map(derived).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    use crate::archive::Archive;
+    use crate::replay::components::Component;
+    use crate::replay::run::{Replay, ReplaySettings};
+    use crate::units::direction_from_degrees;
+    use crate::weather::time::bins::Bins;
+
+    /// Largest difference from a replay, as a share of the largest value, over 6 suns and 4 skies.
+    fn off(name: &str, schedules: &[Schedule]) -> (usize, f64) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/archives").join(name);
+        let archive = Archive::open(&path).expect("an archive");
+        let site = OpenSite::of(&archive).expect("a site");
+        let moments = Moments::new(&site, 577, &[]).and_then(|kept| kept.reflecting(schedules)).expect("moments");
+        let (mut compared, mut worst, mut largest) = (0, 0.0_f64, 0.0_f64);
+        for (azimuth_deg, altitude_deg) in
+            [(90.0, 5.0), (135.0, 30.0), (180.0, 60.0), (222.0, 41.0), (300.0, 12.0), (0.0, -3.0)]
+        {
+            for sky in ["perez", "perez1990", "uniform", "cie:12"].map(|name| name.parse::<SkyModel>().expect("a sky"))
+            {
+                let sun = direction_from_degrees(azimuth_deg, altitude_deg);
+                let condition = Condition::new("c".into(), &[sun], sun, 800.0, 120.0);
+                let settings = ReplaySettings { sky, ..ReplaySettings::default() };
+                let conditions = [condition];
+                let replay =
+                    Replay::scheduled(&site, &conditions, settings, &Bins::each(1), schedules).expect("replay");
+                let light = moments.light(&conditions[0], sky);
+                for tile in 0..site.tiles() {
+                    let ready = moments.tiles(&[tile]).expect("a tile").pop().expect("one");
+                    let (found, expected) =
+                        (ready.irradiance(&light), replay.run([tile]).expect("a tile").pop().expect("one").1);
+                    for (found, expected) in
+                        Component::ALL.iter().flat_map(|&c| found.component(c).iter().zip(expected.component(c)))
+                    {
+                        compared += 1;
+                        worst = worst.max(f64::from((found - expected).abs()));
+                        largest = largest.max(f64::from(*expected));
+                    }
+                }
+            }
+        }
+        (compared, worst / largest)
+    }
+
+    /// Moments of archives with mirrors and canopies are those of replays within 3e-7 of the largest value, under 6 suns and 4 skies, with
+    /// the stored reflectances and with others: 4 comparisons of 500 values or more.
+    #[test]
+    fn as_replayed() {
+        for name in ["v1.3-experimental.helio", "v1.0-experimental.helio"] {
+            for schedules in [Vec::new(), vec![Schedule { materials: vec![0], values: vec![0.55] }]] {
+                let (compared, worst) = off(name, &schedules);
+                assert!(compared > 500 && worst < 3e-7, "{name}: {compared} {worst:e}");
+            }
+        }
+    }
+}
