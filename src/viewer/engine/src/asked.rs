@@ -1,0 +1,87 @@
+//! What the page asks to be recombined: light, a sky, changed reflectances, columns. Equal asks have equal answers, so that what is made for
+//! one is kept for the next tile.
+
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::reflectances::{self, ConstantOrFile};
+use heliotile_core::sky::model::SkyModel;
+use serde::Deserialize;
+
+/// Reflectances and transmittances, as `--reflectance` and `--transmittance` take them.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+pub struct Changes {
+    pub reflectance: Vec<(String, f64)>,
+    pub transmittance: Vec<(String, f64)>,
+}
+
+impl Changes {
+    /// As the core takes them, in range.
+    pub fn checked(&self) -> Result<reflectances::Changes> {
+        for (option, values) in [("reflectance", &self.reflectance), ("transmittance", &self.transmittance)] {
+            if let Some((name, value)) = values.iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
+                let what = format!("`{name}` is {value}");
+                return Err(Error::argument(option, what, "give a number from 0 to 1"));
+            }
+        }
+        let through = |(name, value): &(String, f64)| (name.clone(), ConstantOrFile::Value(*value));
+        Ok(reflectances::Changes {
+            constant: self.reflectance.clone(),
+            transmittance: self.transmittance.iter().map(through).collect(),
+            ..reflectances::Changes::default()
+        })
+    }
+}
+
+/// Where the light of a moment comes from.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "camelCase", tag = "kind")]
+pub enum Light {
+    /// A row of the weather file.
+    Weather { hour: usize },
+    /// A sun by degrees from true north and above the horizon, W/m2.
+    Sun { azimuth: f64, altitude: f64, dni: f64, dhi: f64 },
+}
+
+/// Part of the weather file that is summed.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "kind")]
+pub enum Span {
+    Year,
+    Month { month: u32 },
+    Day { day_of_year: u32 },
+}
+
+/// A moment.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+pub struct MomentAsk {
+    pub light: Light,
+    pub sky: String,
+    pub changes: Changes,
+    pub components: Vec<String>,
+}
+
+/// Sums.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+pub struct SumAsk {
+    pub span: Span,
+    pub sky: String,
+    pub changes: Changes,
+    pub components: Vec<String>,
+}
+
+/// Columns by their names, in the order asked for.
+pub fn columns(names: &[String]) -> Result<Vec<Component>> {
+    let of = |name: &String| Component::ALL.into_iter().find(|component| component.name() == name);
+    match names.iter().find(|name| of(name).is_none()) {
+        Some(unknown) => {
+            let known = Component::ALL.map(Component::name).join(", ");
+            Err(Error::argument("components", format!("`{unknown}` is none"), format!("name some of {known}")))
+        }
+        None => Ok(names.iter().filter_map(of).collect()),
+    }
+}
+
+/// A sky by the name that `--sky` takes.
+pub fn sky_of(name: &str) -> Result<SkyModel> {
+    name.parse()
+}

@@ -1,0 +1,97 @@
+//! One engine: an archive, a weather file, what was recombined. In: a request. Out: its answer.
+
+use crate::Answered;
+use crate::answer::Answer;
+use crate::asked::{Span, SumAsk, columns};
+use crate::failure::{Failure, Kind};
+use crate::light::Every;
+use crate::moments::MomentTiles;
+use crate::open::Opened;
+use crate::recombined::{Key, Recombinations, of_receiver, of_tile};
+use crate::request::Request;
+use crate::site::Site;
+use crate::weather::LoadedWeather;
+use crate::{fisheye, geometry, light, receivers, weather};
+
+/// Months of a year.
+const MONTHS: u32 = 12;
+
+/// What a worker works with.
+#[derive(Default)]
+pub struct Engine {
+    opened: Option<Opened>,
+    weather: Option<LoadedWeather>,
+    recombinations: Recombinations,
+    moments: MomentTiles,
+}
+
+impl Engine {
+    /// Answers a request, JSON, with the bytes that go with it.
+    pub fn answer(&mut self, request: &[u8], bytes: Vec<u8>) -> Answered {
+        let request: Request = serde_json::from_slice(request)
+            .map_err(|error| Failure::new(Kind::Other, format!("the request cannot be read: {error}"), ""))?;
+        if let Request::Open { name, bytes } = request {
+            return self.open(&name, bytes);
+        }
+        let Engine { opened, weather, recombinations, moments } = self;
+        let opened = opened.as_ref().ok_or_else(|| Failure::new(Kind::Other, "no archive is open", "open one"))?;
+        let manifest = opened.archive.manifest();
+        match request {
+            Request::Open { .. } => Err(Failure::new(Kind::Other, "an archive is open", "")),
+            Request::Scene { chunk } => geometry::scene(opened, chunk),
+            Request::Overview { tile } => geometry::overview(opened, tile),
+            Request::Receivers { tile } => receivers::receivers(opened, tile),
+            Request::LoadWeather { name } => {
+                let loaded = LoadedWeather::read(&name, &bytes, manifest.place, manifest.settings.steps())?;
+                recombinations.clear();
+                moments.clear();
+                Ok(weather.insert(loaded).info(&name))
+            }
+            Request::Sun { day_of_year, minutes } => {
+                Ok(weather::sun(weather.as_ref(), manifest.place, day_of_year, minutes)?)
+            }
+            Request::Clear { day_of_year, minutes } => {
+                Ok(weather::clear(weather.as_ref(), manifest.place, day_of_year, minutes)?)
+            }
+            Request::Moment { ask, tile, next } => {
+                let columns = columns(&ask.components)?;
+                let force = || light::moment(opened, weather.as_ref(), ask.light, &ask.changes);
+                let values = moments.values(opened, &ask, (tile, &next), force)?;
+                of_tile(opened, tile, &columns, &values)
+            }
+            Request::Sums { ask, tile } => {
+                let SumAsk { span, changes, .. } = ask.clone();
+                let force = || light::span(opened, weather.as_mut(), (span, Every::Total), &changes);
+                let key = Key::Sums(ask);
+                let values = recombinations.values(opened, &key, tile, force)?;
+                of_tile(opened, tile, &key.columns()?, &values)
+            }
+            Request::Months { tile, row, sky, changes } => {
+                let force = || light::span(opened, weather.as_mut(), (Span::Year, Every::Month), &changes);
+                let key = Key::Months { sky, changes: changes.clone() };
+                let values = recombinations.values(opened, &key, tile, force)?;
+                let labels: Vec<String> = (1..=MONTHS).map(|month| format!("{month:02}")).collect();
+                of_receiver(&labels, row, &values)
+            }
+            Request::Day { tile, row, day_of_year, sky, changes } => {
+                let span = Span::Day { day_of_year };
+                let labels = weather.as_ref().map_or_else(Vec::new, |loaded| loaded.labels(span));
+                let force = || light::span(opened, weather.as_mut(), (span, Every::Hour), &changes);
+                let key = Key::Day { day_of_year, sky, changes: changes.clone() };
+                let values = recombinations.values(opened, &key, tile, force)?;
+                of_receiver(&labels, row, &values)
+            }
+            Request::Fisheye { tile, row, side } => fisheye::fisheye(opened, weather.as_ref(), (tile, row), side),
+        }
+    }
+
+    fn open(&mut self, name: &str, bytes: u64) -> Answered {
+        if self.opened.is_some() {
+            return Err(Failure::new(Kind::Other, "this engine has an archive", "start another one"));
+        }
+        let opened = Opened::of(name, bytes)?;
+        let site = Site::of(&opened, bytes);
+        self.opened = Some(opened);
+        Ok(Answer::of(site))
+    }
+}

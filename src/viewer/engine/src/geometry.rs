@@ -1,0 +1,97 @@
+//! Geometry for the page. In: blocks of the archive. Out: the scene's triangles, places and patches of receivers, relative to the scene's
+//! origin, metres.
+
+use glam::DVec3;
+use heliotile_core::archive::{format, tables};
+use heliotile_core::site::patch::Patch;
+
+use crate::Answered;
+use crate::answer::{Answer, Numbers};
+use crate::open::Opened;
+
+/// Patches of receivers whose area nobody gave, m2.
+const AREA_M2: f64 = 1.0;
+
+/// A chunk of the scene's triangles.
+pub fn scene(opened: &Opened, chunk: u32) -> Answered {
+    let table = tables::GeometryTable::from_block(&opened.site.block(format::SCENE, chunk)?)?;
+    Ok(Answer::of(())
+        .with("vertices", Numbers::F32(table.vertex.as_flattened()))
+        .with("corners", Numbers::U32(table.corner.as_flattened()))
+        .with("materials", Numbers::U16(&table.material)))
+}
+
+/// What is drawn of the receivers of a tile: from their overview, or else from their places; a square of its area for each whose patch nobody
+/// knows.
+pub fn overview(opened: &Opened, tile: u32) -> Answered {
+    let tile = opened.tile(tile)?;
+    let rows = opened.archive.entries_of(format::RECEIVERS).iter().find(|entry| entry.tile == tile);
+    match opened.site.tile_overview(tile, rows.map_or(0, |entry| entry.items as usize))? {
+        Some(table) => Ok(Drawn {
+            places: table.position.clone(),
+            normals: table.normals().map(|normal| normal.as_vec3().to_array()).collect(),
+            areas: table.area.clone(),
+            patches: table.patches(),
+            sky: table.sky_views().collect(),
+            clear_year: table.clear_year,
+        }
+        .answer()),
+        None => {
+            let table = opened.site.tile_receivers(tile)?;
+            let origin = DVec3::from(opened.archive.manifest().scene.origin_m);
+            let place = |place: &[f64; 3]| (DVec3::from(*place) - origin).as_vec3().to_array();
+            Ok(Drawn {
+                places: table.position.iter().map(place).collect(),
+                normals: table.normal.iter().map(|normal| normal.map(|x| x as f32)).collect(),
+                areas: table.area.iter().map(|area| *area as f32).collect(),
+                patches: vec![Patch::default(); table.rows()],
+                sky: table.sky_view.clone(),
+                clear_year: Vec::new(),
+            }
+            .answer())
+        }
+    }
+}
+
+/// The receivers of a tile; places relative to the scene's origin.
+struct Drawn {
+    places: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    /// m2, 0 where nobody says.
+    areas: Vec<f32>,
+    /// Empty where nobody says.
+    patches: Vec<Patch>,
+    sky: Vec<f32>,
+    /// kWh/m2; empty where nobody says.
+    clear_year: Vec<f32>,
+}
+
+impl Drawn {
+    fn answer(&self) -> Answer {
+        let (mut points, mut corners): (Vec<[f32; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
+        let mut owner: Vec<u32> = Vec::new();
+        let facing = self.normals.iter().zip(&self.areas);
+        for (row, (place, (patch, (normal, area)))) in (0..).zip(self.places.iter().zip(self.patches.iter().zip(facing))) {
+            let area_m2 = if *area > 0.0 { f64::from(*area) } else { AREA_M2 };
+            let square = patch.is_empty().then(|| Patch::square(DVec3::from(normal.map(f64::from)), area_m2));
+            for polygon in square.as_ref().unwrap_or(patch).polygons() {
+                let first = points.len() as u32;
+                points.extend(polygon.iter().map(|mm| [0, 1, 2].map(|axis| place[axis] + mm[axis] as f32 * 1e-3)));
+                for last in 2..polygon.len() as u32 {
+                    corners.push([first, first + last - 1, first + last]);
+                    owner.push(row);
+                }
+            }
+        }
+        let unknown = vec![f32::NAN; self.places.len()];
+        let reference = if self.clear_year.is_empty() { &unknown } else { &self.clear_year };
+        Answer::of(())
+            .with("middle", Numbers::F32(self.places.as_flattened()))
+            .with("normal", Numbers::F32(self.normals.as_flattened()))
+            .with("points", Numbers::F32(points.as_flattened()))
+            .with("corners", Numbers::U32(corners.as_flattened()))
+            .with("owner", Numbers::U32(&owner))
+            .with("sky", Numbers::F32(&self.sky))
+            .with("reference", Numbers::F32(reference))
+    }
+}

@@ -1,0 +1,143 @@
+//! Tiles that are ready for moments. In: an ask, a tile. Out: its irradiances. Tiles are kept as long as there is room, so that a sun that
+//! moves only multiplies.
+
+use std::collections::HashMap;
+
+use heliotile_core::error::Result;
+use heliotile_core::light::states::Schedule;
+use heliotile_core::replay::moments::{MomentLight, MomentTile, Moments};
+use heliotile_core::replay::values::TileValues;
+
+use crate::asked::{MomentAsk, sky_of};
+use crate::failure::{Failure, Kind};
+use crate::light::Forced;
+use crate::open::Opened;
+
+/// Bytes of tiles that are kept.
+const ROOM: usize = 250 << 20;
+
+/// States of the reflectances that are kept: what is stored, what is set, what was set before.
+const STATES: usize = 3;
+
+/// The site in one state of its reflectances.
+struct State {
+    schedules: Vec<Schedule>,
+    moments: Moments<'static>,
+    ready: HashMap<u32, Ready>,
+}
+
+/// A tile, and when it was asked for last.
+struct Ready {
+    tile: MomentTile,
+    turn: u64,
+}
+
+/// The light of the last ask.
+struct Lit {
+    ask: MomentAsk,
+    light: MomentLight,
+}
+
+/// What moments are made of.
+#[derive(Default)]
+pub struct MomentTiles {
+    /// The one in use first.
+    states: Vec<State>,
+    lit: Option<Lit>,
+    /// Number of the ask.
+    turn: u64,
+    bytes: usize,
+}
+
+impl MomentTiles {
+    /// Forgets the light: the weather is another.
+    pub fn clear(&mut self) {
+        self.lit = None;
+    }
+
+    /// The values of a tile; `force` makes the light where the ask is a new one. `next`: tiles that will be asked for, which are made ready
+    /// together where that is cheaper.
+    pub fn values(
+        &mut self,
+        opened: &Opened,
+        ask: &MomentAsk,
+        (tile, next): (u32, &[u32]),
+        force: impl FnOnce() -> Result<Forced>,
+    ) -> std::result::Result<TileValues, Failure> {
+        let tile = opened.tile(tile)?;
+        if self.lit.as_ref().is_none_or(|lit| lit.ask != *ask) {
+            self.light(opened, ask, force()?)?;
+        }
+        let none = || Failure::new(Kind::Other, "there is no light", "");
+        let (Some(state), Some(lit)) = (self.states.first_mut(), &self.lit) else { return Err(none()) };
+        if let Some(ready) = state.ready.get_mut(&tile) {
+            ready.turn = self.turn;
+            return Ok(ready.tile.irradiance(&lit.light));
+        }
+        // What several tiles see is read and solved once for all of them; a damaged block is an error of its own tile only.
+        let mut group = vec![tile];
+        if !state.schedules.is_empty() {
+            let missing = |other: &&u32| **other < opened.site.tiles() && !state.ready.contains_key(*other);
+            group.extend(next.iter().filter(missing));
+        }
+        let made = match state.moments.tiles(&group) {
+            Err(_) if group.len() > 1 => {
+                group.truncate(1);
+                state.moments.tiles(&group)
+            }
+            made => made,
+        }?;
+        let values = made.first().map(|made| made.irradiance(&lit.light));
+        for (tile, made) in group.into_iter().zip(made) {
+            self.keep(tile, made);
+        }
+        values.ok_or_else(none)
+    }
+
+    /// Makes the light of an ask, and the state of its reflectances the one in use.
+    fn light(&mut self, opened: &Opened, ask: &MomentAsk, forced: Forced) -> std::result::Result<(), Failure> {
+        let Forced { conditions, schedules, .. } = forced;
+        let sky = sky_of(&ask.sky)?;
+        match self.states.iter().position(|state| state.schedules == schedules) {
+            Some(place) => self.states[..=place].rotate_right(1),
+            None => {
+                let moments = match self.states.first() {
+                    Some(state) => state.moments.reflecting(&schedules)?,
+                    None => {
+                        let patches = opened.archive.manifest().settings.patches();
+                        Moments::new(&opened.site, patches, &schedules)?
+                    }
+                };
+                self.states.insert(0, State { schedules, moments, ready: HashMap::new() });
+                for old in self.states.drain(STATES.min(self.states.len())..) {
+                    self.bytes -= old.ready.values().map(|ready| ready.tile.bytes()).sum::<usize>();
+                }
+            }
+        }
+        let of = self.states.first().zip(conditions.first());
+        self.lit = of.map(|(state, condition)| Lit { ask: ask.clone(), light: state.moments.light(condition, sky) });
+        self.turn += 1;
+        Ok(())
+    }
+
+    /// Keeps a tile of the state in use, if there is room, or some that was not asked for of late gives it.
+    fn keep(&mut self, tile: u32, made: MomentTile) {
+        let bytes = made.bytes();
+        while self.bytes + bytes > ROOM {
+            let all = self
+                .states
+                .iter()
+                .enumerate()
+                .flat_map(|(place, state)| state.ready.iter().map(move |(tile, ready)| (ready.turn, place, *tile)));
+            // Of tiles that are asked for in turn, those that were first are those that come next.
+            let Some((_, place, oldest)) = all.min().filter(|(turn, ..)| turn + 1 < self.turn) else { return };
+            let gone = self.states[place].ready.remove(&oldest);
+            self.bytes -= gone.map_or(0, |gone| gone.tile.bytes());
+        }
+        if let Some(state) = self.states.first_mut() {
+            self.bytes += bytes;
+            let before = state.ready.insert(tile, Ready { tile: made, turn: self.turn });
+            self.bytes -= before.map_or(0, |before| before.tile.bytes());
+        }
+    }
+}

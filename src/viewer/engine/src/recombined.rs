@@ -1,0 +1,104 @@
+//! Replays over weather that are ready to give tile after tile. In: an ask. Out: irradiances of a tile. The last few asks are kept, since a page asks for
+//! many tiles of each.
+
+use heliotile_core::error::Result;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::replay::values::TileValues;
+
+use crate::Answered;
+use crate::answer::{Answer, Numbers};
+use crate::asked::{Changes, SumAsk, columns, sky_of};
+use crate::failure::{Failure, Kind};
+use crate::light::Forced;
+use crate::open::Opened;
+
+/// Asks that are kept.
+const KEPT: usize = 4;
+
+/// What a replay is for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Key {
+    Sums(SumAsk),
+    Months { sky: String, changes: Changes },
+    Day { day_of_year: u32, sky: String, changes: Changes },
+}
+
+impl Key {
+    fn sky(&self) -> &str {
+        match self {
+            Key::Sums(SumAsk { sky, .. }) => sky,
+            Key::Months { sky, .. } | Key::Day { sky, .. } => sky,
+        }
+    }
+
+    /// The columns that are asked for: of a receiver, all.
+    pub fn columns(&self) -> Result<Vec<Component>> {
+        match self {
+            Key::Sums(SumAsk { components, .. }) => columns(components),
+            Key::Months { .. } | Key::Day { .. } => Ok(Component::ALL.to_vec()),
+        }
+    }
+}
+
+/// The last replays, the newest first.
+#[derive(Default)]
+pub struct Recombinations {
+    kept: Vec<(Key, Replay<'static>)>,
+}
+
+impl Recombinations {
+    /// Forgets what was made: the weather is another.
+    pub fn clear(&mut self) {
+        self.kept.clear();
+    }
+
+    /// The values of a tile by what is asked for; `force` makes the light where it is not at hand.
+    pub fn values(
+        &mut self,
+        opened: &Opened,
+        key: &Key,
+        tile: u32,
+        force: impl FnOnce() -> Result<Forced>,
+    ) -> std::result::Result<TileValues, Failure> {
+        let tile = opened.tile(tile)?;
+        match self.kept.iter().position(|(other, _)| other == key) {
+            Some(place) => self.kept.swap(0, place),
+            None => {
+                let settings = ReplaySettings {
+                    sky: sky_of(key.sky())?,
+                    patches: opened.archive.manifest().settings.patches(),
+                    components: ComponentSet::of(&key.columns()?),
+                    ..ReplaySettings::default()
+                };
+                let Forced { conditions, bins, schedules } = force()?;
+                let replay = Replay::scheduled(&opened.site, &conditions, settings, &bins, &schedules)?;
+                self.kept.insert(0, (key.clone(), replay));
+                self.kept.truncate(KEPT);
+            }
+        }
+        let none = || Failure::new(Kind::Other, "nothing was recombined", "");
+        let (_, replay) = self.kept.first().ok_or_else(none)?;
+        let (_, values) = replay.run([tile])?.pop().ok_or_else(none)?;
+        Ok(values)
+    }
+}
+
+/// Columns of a tile of one result.
+pub fn of_tile(opened: &Opened, tile: u32, columns: &[Component], values: &TileValues) -> Answered {
+    let first = opened.first(tile);
+    let answer = Answer::of(serde_json::json!({ "tile": tile, "first": first }));
+    let with = |answer: Answer, column: &Component| answer.with(column.name(), Numbers::F32(values.component(*column)));
+    Ok(columns.iter().fold(answer, with))
+}
+
+/// All columns of one receiver.
+pub fn of_receiver(labels: &[String], row: usize, values: &TileValues) -> Answered {
+    if row >= values.receivers() {
+        let what = format!("there is no receiver {row} of {} in the tile", values.receivers());
+        return Err(Failure::new(Kind::Other, what, ""));
+    }
+    let answer = Answer::of(serde_json::json!({ "labels": labels }));
+    let with = |answer: Answer, column: Component| answer.with(column.name(), Numbers::F32(values.row(column, row)));
+    Ok(Component::ALL.into_iter().fold(answer, with))
+}

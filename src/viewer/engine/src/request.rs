@@ -1,0 +1,40 @@
+//! Requests of the worker, as they stand in JSON.
+
+use serde::Deserialize;
+
+use crate::asked::{Changes, MomentAsk, SumAsk};
+
+/// A request; names of fields are those of the worker.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "request")]
+pub enum Request {
+    /// Opens the archive of the host, `bytes` long.
+    Open { name: String, bytes: u64 },
+    /// A chunk of the scene's triangles.
+    Scene { chunk: u32 },
+    /// Places and patches of a tile's receivers.
+    Overview { tile: u32 },
+    /// What a tile's receivers are.
+    Receivers { tile: u32 },
+    /// Reads the weather file whose bytes go with the request.
+    LoadWeather { name: String },
+    /// Where the sun stands.
+    Sun { day_of_year: u32, minutes: f64 },
+    /// DNI and DHI under a clear sky.
+    Clear { day_of_year: u32, minutes: f64 },
+    /// A tile at one moment; `next` will be asked for after it.
+    Moment {
+        ask: MomentAsk,
+        tile: u32,
+        #[serde(default)]
+        next: Vec<u32>,
+    },
+    /// A tile's sums over weather.
+    Sums { ask: SumAsk, tile: u32 },
+    /// Sums of one receiver by month.
+    Months { tile: u32, row: usize, sky: String, changes: Changes },
+    /// The hours of a day of one receiver.
+    Day { tile: u32, row: usize, day_of_year: u32, sky: String, changes: Changes },
+    /// What a receiver sees.
+    Fisheye { tile: u32, row: usize, side: usize },
+}

@@ -1,0 +1,174 @@
+//! What the page is told of an archive when it is opened. In: its manifest and tables. Out: a [`Site`].
+
+use std::collections::BTreeSet;
+
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::format;
+use heliotile_core::replay::components::Component;
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::sky::model::{CieType, SkyModel};
+use serde::Serialize;
+
+use crate::open::Opened;
+
+/// Where the archive lies.
+#[derive(Debug, Serialize)]
+pub struct SitePlace {
+    latitude: f64,
+    longitude: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    crs: Option<String>,
+}
+
+/// A material.
+#[derive(Debug, Serialize)]
+pub struct SiteMaterial {
+    name: String,
+    group: String,
+    class: &'static str,
+    reflectance: f64,
+    changeable: bool,
+    canopy: bool,
+    transmittance: Option<f64>,
+    mirror: bool,
+}
+
+/// A name that changes take, and the mean of what it stands for.
+#[derive(Debug, Serialize)]
+pub struct SiteGroup {
+    name: String,
+    kind: &'static str,
+    value: f64,
+    materials: usize,
+}
+
+/// An archive as the page knows it.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Site {
+    name: String,
+    root: String,
+    format_version: String,
+    creator: String,
+    bytes: u64,
+    receivers: u64,
+    tiles: u32,
+    tile_size: u32,
+    origin: [f64; 3],
+    bounds: [[f64; 3]; 2],
+    place: Option<SitePlace>,
+    north_deg: f64,
+    materials: Vec<SiteMaterial>,
+    groups: Vec<SiteGroup>,
+    components: Vec<&'static str>,
+    patches: usize,
+    accuracy: Option<String>,
+    scene_chunks: usize,
+    has_reference: bool,
+    skies: Vec<String>,
+}
+
+/// The name of a class, as changes take it.
+fn class_name(class: Class) -> &'static str {
+    match class {
+        Class::Ground => "ground",
+        Class::Obstruction => "obstruction",
+    }
+}
+
+impl Site {
+    /// Of an archive of so many bytes.
+    pub fn of(opened: &Opened, bytes: u64) -> Self {
+        let (archive, manifest) = (opened.archive, opened.archive.manifest());
+        let slot = &archive.header().slot;
+        let (materials, diffuse) = (opened.site.materials(), opened.site.settings().diffuse);
+        let material = |material: &Material| SiteMaterial {
+            name: material.name.clone(),
+            group: material.group.clone().unwrap_or_default(),
+            class: class_name(material.class),
+            reflectance: material.diffuse,
+            changeable: material.transmittance.is_some() || diffuse,
+            canopy: material.transmittance.is_some(),
+            transmittance: material.transmittance,
+            mirror: material.mirrors(),
+        };
+        let place = manifest.place.map(|place| SitePlace {
+            latitude: place.latitude_deg,
+            longitude: place.longitude_deg,
+            crs: place.epsg.map(|epsg| format!("EPSG:{epsg}")),
+        });
+        Site {
+            name: archive.path().display().to_string(),
+            root: format::hex(&archive.root()),
+            format_version: format!("{}.{}", slot.major, slot.minor),
+            creator: format!("{} {}", manifest.creator.name, manifest.creator.version),
+            bytes,
+            receivers: manifest.receivers.count,
+            tiles: manifest.receivers.tiles,
+            tile_size: manifest.receivers.tile_size,
+            origin: manifest.scene.origin_m,
+            bounds: manifest.scene.bounds_m,
+            place,
+            // From y to true north is the way back from true north to y.
+            north_deg: -opened.site.north().y_deg(),
+            materials: materials.iter().map(material).collect(),
+            groups: groups(materials, diffuse),
+            components: Component::ALL.map(Component::name).to_vec(),
+            patches: manifest.settings.patches(),
+            accuracy: manifest.accuracy.as_ref().map(stated),
+            scene_chunks: archive.entries_of(format::SCENE).len(),
+            has_reference: archive.has(format::OVERVIEW, 0) && manifest.place.is_some(),
+            skies: skies().map(|sky| sky.to_string()).collect(),
+        }
+    }
+}
+
+/// All skies.
+fn skies() -> impl Iterator<Item = SkyModel> {
+    let general = (1..=15).filter_map(CieType::new).map(SkyModel::Cie);
+    [SkyModel::Perez, SkyModel::Perez1990, SkyModel::Uniform].into_iter().chain(general)
+}
+
+/// What changes take by group, and by class where no group or material has its name: what reflects, then canopies.
+fn groups(materials: &[Material], diffuse: bool) -> Vec<SiteGroup> {
+    let named: BTreeSet<&str> = materials.iter().filter_map(|material| material.group.as_deref()).collect();
+    let taken = |name: &str| named.contains(name) || materials.iter().any(|material| material.name == name);
+    let by_group = named.iter().map(|&name| {
+        let members: Vec<&Material> = materials.iter().filter(|m| m.group.as_deref() == Some(name)).collect();
+        (name, members)
+    });
+    let by_class = Class::ALL.into_iter().filter(|class| !taken(class_name(*class))).map(|class| {
+        let members: Vec<&Material> = materials.iter().filter(|m| m.class == class).collect();
+        (class_name(class), members)
+    });
+    let all: Vec<(&str, Vec<&Material>)> = by_group.chain(by_class).collect();
+    let of = |kind: &'static str, value: fn(&Material) -> Option<f64>| {
+        let group = move |(name, members): &(&str, Vec<&Material>)| {
+            let values: Vec<f64> = members.iter().filter_map(|material| value(material)).collect();
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            let of_name = SiteGroup { name: name.to_string(), kind, value: mean, materials: values.len() };
+            (!values.is_empty()).then_some(of_name)
+        };
+        all.iter().filter_map(group).collect::<Vec<_>>()
+    };
+    let mut found = match diffuse {
+        true => of("opaque", |material| material.transmittance.is_none().then_some(material.diffuse)),
+        false => Vec::new(),
+    };
+    found.extend(of("canopy", |material| material.transmittance));
+    found
+}
+
+/// The stated error, as `info` words it.
+fn stated(accuracy: &Accuracy) -> String {
+    format!(
+        "{} % of the mean total ({} W/m2), RMSE of hourly totals; bias {} %, means over all hours {} %; {} receivers, {} conditions ({})",
+        accuracy.rmse_percent,
+        accuracy.mean_w_m2,
+        accuracy.bias_percent,
+        accuracy.yearly_percent,
+        accuracy.sample,
+        accuracy.conditions,
+        accuracy.weather
+    )
+}

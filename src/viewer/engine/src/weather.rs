@@ -1,0 +1,167 @@
+//! The weather file of the page. In: its bytes, unpacked. Out: conditions of rows, and what the page shows of them.
+
+use std::path::Path;
+
+use glam::DVec3;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::place::Place;
+use heliotile_core::units::tilt_and_azimuth;
+use heliotile_core::weather::clear::clear_moment;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::distance::far_apart;
+use heliotile_core::weather::formats::weather_file::parse_weather_as;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_core::weather::row::WeatherRow;
+use heliotile_core::weather::series::{Weather, WeatherReport};
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::sun::Location;
+use serde_json::json;
+
+use crate::answer::{Answer, Numbers};
+use crate::asked::Span;
+
+/// Minutes of a day.
+const DAY_MIN: f64 = 1440.0;
+
+/// The year that the sun is shown of where no weather file has one, as for its paths.
+const YEAR: i32 = 2021;
+
+/// A weather file.
+pub struct LoadedWeather {
+    pub weather: Weather,
+    /// Sun positions of an interval.
+    steps: usize,
+    /// `[row]`: its condition, once it was asked for.
+    conditions: Vec<Option<Condition>>,
+}
+
+impl LoadedWeather {
+    /// Reads it as `heliotile replay` does; a file that does not say where it is from is of the scene's place.
+    pub fn read(name: &str, bytes: &[u8], place: Option<Place>, steps_an_hour: u16) -> Result<Self> {
+        let mut weather = parse_weather_as(Path::new(name), bytes, &WeatherOptions::default(), &mut || Ok(place))?;
+        let apart = place.and_then(|place| far_apart(&place, &weather));
+        weather.report.warnings.extend(apart);
+        Ok(LoadedWeather {
+            steps: weather.steps_of(steps_an_hour),
+            conditions: vec![None; weather.rows.len()],
+            weather,
+        })
+    }
+
+    /// The condition of one row.
+    pub fn condition(&self, row: usize) -> Result<(WeatherRow, Condition)> {
+        let found = self.weather.rows.get(row).copied();
+        let condition = self.of_rows(found.into_iter().collect()).pop();
+        found.zip(condition).ok_or_else(|| {
+            let what = format!("there is no row {row} of {}", self.weather.rows.len());
+            Error::argument("hour", what, "name a row of the weather file")
+        })
+    }
+
+    /// The conditions of some rows.
+    fn of_rows(&self, rows: Vec<WeatherRow>) -> Vec<Condition> {
+        let (place, air, report) = (String::new(), Vec::new(), WeatherReport::default());
+        Weather { place, rows, air, report, ..self.weather }.conditions(self.steps)
+    }
+
+    /// Starts of the intervals of a span.
+    pub fn labels(&self, span: Span) -> Vec<String> {
+        let rows = self.weather.rows.iter().filter(|row| counts(span, row));
+        rows.map(|row| row.interval.label()).collect()
+    }
+
+    /// The conditions of a span, and which rows they are of.
+    pub fn conditions(&mut self, span: Span) -> (Vec<Condition>, Vec<bool>) {
+        let chosen: Vec<bool> = self.weather.rows.iter().map(|row| counts(span, row)).collect();
+        let missing: Vec<usize> = (0..chosen.len()).filter(|&i| chosen[i] && self.conditions[i].is_none()).collect();
+        let made = self.of_rows(missing.iter().map(|&i| self.weather.rows[i]).collect());
+        missing.into_iter().zip(made).for_each(|(i, condition)| self.conditions[i] = Some(condition));
+        let taken = self.conditions.iter().zip(&chosen).filter(|(_, chosen)| **chosen);
+        (taken.filter_map(|(condition, _)| condition.clone()).collect(), chosen)
+    }
+
+    /// A date of the file on a day of the year.
+    fn date(&self, day_of_year: u32) -> Option<Date> {
+        let mut dates = self.weather.rows.iter().map(|row| row.interval.date);
+        dates.find(|date| date.day_of_year() == day_of_year)
+    }
+
+    /// What the page shows of it.
+    pub fn info(&self, name: &str) -> Answer {
+        let Weather { rows, site, report, place, .. } = &self.weather;
+        let of = |value: &dyn Fn(&WeatherRow) -> f64| rows.iter().map(|row| value(row) as f32).collect::<Vec<f32>>();
+        let day = |value: &dyn Fn(Date) -> u32| rows.iter().map(|row| value(row.interval.date)).collect::<Vec<u32>>();
+        let narrow = |values: Vec<u32>| values.iter().map(|value| *value as u8).collect::<Vec<u8>>();
+        let short = |values: Vec<u32>| values.iter().map(|value| *value as u16).collect::<Vec<u16>>();
+        let minutes = |row: &WeatherRow| row.interval.middle_min().rem_euclid(DAY_MIN) as u16;
+        let azimuths = of(&|row| tilt_and_azimuth(row.sun).1);
+        let altitudes = of(&|row| 90.0 - tilt_and_azimuth(row.sun).0);
+        Answer::of(json!({
+            "name": name,
+            "rows": rows.len(),
+            "labels": rows.iter().map(|row| row.interval.label()).collect::<Vec<_>>(),
+            "warnings": report.warnings,
+            "latitude": site.latitude_deg,
+            "longitude": site.longitude_deg,
+            "zone": site.zone_hours,
+            "place": place.split_whitespace().collect::<Vec<_>>().join(" "),
+        }))
+        .with("month", Numbers::U8(&narrow(day(&|date| date.month))))
+        .with("day", Numbers::U8(&narrow(day(&|date| date.day))))
+        .with("minutes", Numbers::U16(&rows.iter().map(minutes).collect::<Vec<u16>>()))
+        .with("dayOfYear", Numbers::U16(&short(day(&Date::day_of_year))))
+        .with("dni", Numbers::F32(&of(&|row| row.dni_w_m2)))
+        .with("dhi", Numbers::F32(&of(&|row| row.dhi_w_m2)))
+        .with("azimuth", Numbers::F32(&azimuths))
+        .with("altitude", Numbers::F32(&altitudes))
+    }
+}
+
+/// Whether a row lies in a span, by the day that it counts to.
+fn counts(span: Span, row: &WeatherRow) -> bool {
+    match span {
+        Span::Year => true,
+        Span::Month { month } => row.interval.date.month == month,
+        Span::Day { day_of_year } => row.interval.date.day_of_year() == day_of_year,
+    }
+}
+
+/// Where the sun is seen from, and its clock: that of the weather, or else of the scene with the zone of its longitude.
+pub fn location(weather: Option<&LoadedWeather>, place: Option<Place>) -> Result<Location> {
+    let of_place = |place: Place| {
+        let zone = (place.longitude_deg / 15.0).round();
+        Location::new(place.latitude_deg, place.longitude_deg, zone, 0.0).ok()
+    };
+    weather.map(|loaded| loaded.weather.site).or_else(|| place.and_then(of_place)).ok_or_else(|| {
+        let what = "neither the archive nor a weather file says where on Earth it is";
+        Error::argument("sun", what, "load a weather file, or set the sun by azimuth and altitude")
+    })
+}
+
+/// Where the sun stands on a day of the year: degrees from true north, and above the horizon.
+pub fn sun(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year: u32, minutes: f64) -> Result<Answer> {
+    let (tilt, azimuth) = tilt_and_azimuth(direction(weather, place, day_of_year, minutes)?);
+    Ok(Answer::of(json!({ "azimuth": azimuth, "altitude": 90.0 - tilt })))
+}
+
+/// DNI and DHI at that time under a clear sky, W/m2.
+pub fn clear(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year: u32, minutes: f64) -> Result<Answer> {
+    let condition = clear_moment(String::new(), direction(weather, place, day_of_year, minutes)?);
+    Ok(Answer::of(json!({ "dni": condition.dni_w_m2, "dhi": condition.dhi_w_m2 })))
+}
+
+fn direction(
+    weather: Option<&LoadedWeather>,
+    place: Option<Place>,
+    day_of_year: u32,
+    minutes: f64,
+) -> Result<DVec3> {
+    let location = location(weather, place)?;
+    let of_year = || {
+        let first = Date::new(YEAR, 1, 1)?.day_number();
+        Date::of_day_number(first.saturating_add(i32::try_from(day_of_year).ok()?.saturating_sub(1)))
+    };
+    let date = weather.and_then(|loaded| loaded.date(day_of_year)).or_else(of_year);
+    let date = date.ok_or_else(|| Error::argument("dayOfYear", day_of_year.to_string(), "give 1 to 366"))?;
+    Ok(location.sun(date, minutes))
+}

@@ -1,0 +1,168 @@
+// Keeps values in step with the state. One ask at a time: while it is under way the newest wishes wait, and they win.
+
+import type { Session } from "./session";
+import { shineOf, type Shine } from "./light";
+import { isSum, type State, type Store } from "./state";
+import { Values } from "./values";
+
+interface Hooks {
+  /** Point whose tiles come first, m from the scene's origin. */
+  target(): [number, number, number];
+  onShine(shine: Shine): void;
+  /** Values arrived, or are about to be asked for. */
+  onValues(progress: { done: number; of: number } | null): void;
+  onDamage(tile: number, message: string): void;
+  onError(error: unknown): void;
+}
+
+/** What has to change for other values to be needed. */
+function wish(state: State, weather: boolean): string {
+  const changes = [state.reflectance, state.transmittance, state.sky];
+  switch (state.show) {
+    case "sky":
+    case "reference":
+      return state.show;
+    case "year":
+      return JSON.stringify([state.show, weather, changes]);
+    case "month":
+      return JSON.stringify([state.show, weather, changes, state.month]);
+    case "day":
+      return JSON.stringify([state.show, weather, changes, state.dayOfYear]);
+    case "moment": {
+      const sun = state.sunBy === "angles" ? [state.azimuth, state.altitude] : [state.dayOfYear, state.minutes];
+      return JSON.stringify([state.show, weather, changes, state.light, sun, state.dni, state.dhi]);
+    }
+  }
+}
+
+export class Asker {
+  readonly values: Values;
+  /** True when all that can be known of the newest wish is known. */
+  settled = true;
+  shine: Shine | null = null;
+  private readonly stop: () => void;
+  private wished = "";
+  private shown = "";
+  private ask = 0;
+  private waiting = false;
+  private whenSettled: (() => void)[] = [];
+
+  constructor(
+    private readonly session: Session,
+    private readonly store: Store,
+    private readonly hooks: Hooks,
+  ) {
+    this.values = new Values(session.site.components, session.site.receivers);
+    this.stop = store.subscribe(() => this.update());
+  }
+
+  /** What still comes is of no use any more. */
+  close(): void {
+    this.stop();
+    this.ask += 1;
+    for (const resolve of this.whenSettled.splice(0)) resolve();
+  }
+
+  /** Asks again where the state wishes for other values. */
+  update(): void {
+    const now = wish(this.store.state, this.session.weather !== null);
+    if (now === this.wished) return;
+    this.wished = now;
+    this.settled = false;
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      void this.run();
+    });
+  }
+
+  /** The weather is another one: what depends on it is asked again. */
+  renew(): void {
+    this.wished = "";
+    this.shown = "";
+    this.update();
+  }
+
+  settling(): Promise<void> {
+    return this.settled ? Promise.resolve() : new Promise((resolve) => this.whenSettled.push(resolve));
+  }
+
+  private async run(): Promise<void> {
+    const ask = ++this.ask;
+    try {
+      const done = await this.askEngine(() => ask === this.ask);
+      if (!done || ask !== this.ask) return;
+    } catch (error) {
+      if (ask !== this.ask) return;
+      this.hooks.onError(error);
+    }
+    if (this.wished !== wish(this.store.state, this.session.weather !== null)) return;
+    this.settled = true;
+    this.hooks.onValues(null);
+    for (const resolve of this.whenSettled.splice(0)) resolve();
+  }
+
+  /** True when it came to its end, false when a newer ask took its place. */
+  private async askEngine(isNewest: () => boolean): Promise<boolean> {
+    const { session, values, hooks } = this;
+    const { engine, site } = session;
+    const state: State = { ...this.store.state };
+    const kind = state.show;
+    const forget = kind !== this.shown;
+    // What another kind of ask still computes is of no use any more.
+    if (forget && isSum(this.shown as State["show"]) && !isSum(kind)) void this.drop("sums");
+    if (forget && this.shown === "moment" && kind !== "moment") void this.drop("moment");
+    const sums = isSum(kind);
+    if (!sums && kind !== "moment") {
+      this.shown = kind;
+      return true;
+    }
+    const changes = { reflectance: Object.entries(state.reflectance), transmittance: Object.entries(state.transmittance) };
+    const common = { sky: state.sky, changes, components: [...site.components] };
+    const tiles = session.tilesNear(hooks.target());
+    const begin = (): void => {
+      values.begin(forget);
+      this.shown = kind;
+      hooks.onValues({ done: 0, of: site.receivers });
+    };
+    const onTile = (tile: Parameters<Values["put"]>[0]): void => {
+      if (!isNewest()) return;
+      values.put(tile);
+      hooks.onValues({ done: values.fresh, of: site.receivers });
+    };
+    const onDamage = (tile: number, message: string): void => {
+      if (!isNewest()) return;
+      const lost = session.tiles[tile];
+      if (lost) values.lose(lost.first, lost.count);
+      hooks.onDamage(tile, message);
+    };
+    if (sums) {
+      begin();
+      if (!session.weather) return true;
+      const span = kind === "month" ? { kind, month: state.month } : kind === "day" ? { kind, dayOfYear: state.dayOfYear } : { kind: "year" as const };
+      return engine.sums({ span, ...common, tiles }, onTile, onDamage);
+    }
+    if (state.light === "weather" && !session.weather) {
+      begin();
+      return true;
+    }
+    const shine = await shineOf(engine, state, session.weather);
+    if (!isNewest()) return false;
+    this.shine = shine;
+    hooks.onShine(shine);
+    begin();
+    return engine.moment({ light: shine.light, ...common, tiles }, onTile, onDamage);
+  }
+
+  private async drop(what: "sums" | "moment"): Promise<void> {
+    const nothing = { sky: this.store.state.sky, changes: { reflectance: [], transmittance: [] }, components: ["total"], tiles: [] };
+    const ignore = (): void => undefined;
+    try {
+      if (what === "sums") await this.session.engine.sums({ span: { kind: "year" }, ...nothing }, ignore, ignore);
+      else await this.session.engine.moment({ light: { kind: "sun", azimuth: 0, altitude: -1, dni: 0, dhi: 0 }, ...nothing }, ignore, ignore);
+    } catch {
+      // Whoever asks next gets the engine's error.
+    }
+  }
+}

@@ -1,0 +1,37 @@
+// Data that stand in the page itself as `<script type="application/octet-stream">`: the engine, and what the program put there.
+
+/** Bytes of a block, unpacked where it says that it is packed; none where the page has no such block. Its text is let go. */
+export async function takeBlock(id: string): Promise<{ bytes: ArrayBuffer; name: string } | null> {
+  const block = document.getElementById(id);
+  const text = block?.textContent?.trim();
+  if (!block || !text) return null;
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  block.textContent = "";
+  const name = block.dataset["name"] ?? id;
+  if (block.dataset["packed"] !== "gzip") return { bytes: packed.buffer, name };
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return { bytes: await new Response(stream).arrayBuffer(), name };
+}
+
+export interface Options {
+  archive?: string;
+  weather?: string;
+}
+
+/** Addresses of archive and weather: those of the page's own options, else those in its address. */
+export function readOptions(): Options {
+  const found: Options = {};
+  const text = document.getElementById("options")?.textContent;
+  if (text) {
+    const parsed: unknown = JSON.parse(text);
+    if (typeof parsed === "object" && parsed !== null) {
+      if ("archive" in parsed && typeof parsed.archive === "string") found.archive = parsed.archive;
+      if ("weather" in parsed && typeof parsed.weather === "string") found.weather = parsed.weather;
+    }
+  }
+  const query = new URLSearchParams(location.search);
+  const [url, weather] = [query.get("url"), query.get("weather")];
+  if (url && !found.archive) found.archive = url;
+  if (weather && !found.weather) found.weather = weather;
+  return found;
+}

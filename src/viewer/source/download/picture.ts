@@ -1,0 +1,40 @@
+// The 3D view with its legend, as PNG. In: the canvas as it is drawn, words of the legend, what it was made of.
+
+import type { Legend } from "../colour/legend";
+import { legendTicks } from "../colour/range";
+import { viridisCss } from "../colour/viridis";
+import { number } from "../words";
+
+const FOOT = 84;
+
+export async function picture(view: HTMLCanvasElement, scale: number, legend: Legend, lines: readonly string[]): Promise<Blob> {
+  const canvas = document.createElement("canvas");
+  canvas.width = view.width;
+  canvas.height = view.height + Math.round(FOOT * scale);
+  const draw = canvas.getContext("2d");
+  if (!draw) throw new Error("this browser draws no pictures");
+  draw.fillStyle = "#fff";
+  draw.fillRect(0, 0, canvas.width, canvas.height);
+  draw.drawImage(view, 0, 0);
+  draw.translate(0, view.height);
+  draw.scale(scale, scale);
+  const width = canvas.width / scale;
+  const [left, bar] = [16, Math.min(300, width / 2 - 40)];
+  draw.fillStyle = "#1f2933";
+  draw.font = "600 13px system-ui, sans-serif";
+  draw.fillText(`${legend.title} ${legend.unit}`, left, 22);
+  for (let x = 0; x < bar; x++) {
+    draw.fillStyle = viridisCss(x / (bar - 1));
+    draw.fillRect(left + x, 32, 1.5, 12);
+  }
+  draw.font = "11px system-ui, sans-serif";
+  draw.textAlign = "center";
+  draw.fillStyle = "#1f2933";
+  const [low, high] = legend.range;
+  for (const value of legendTicks(low, high)) draw.fillText(number(value), left + (bar * (value - low)) / (high - low), 58);
+  draw.textAlign = "left";
+  draw.fillStyle = "#5b6772";
+  const from = left + bar + 32;
+  lines.slice(0, 5).forEach((line, at) => draw.fillText(line, from, 20 + 14 * at, Math.max(10, width - from - 10)));
+  return new Promise((resolve, reject) => canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("the picture could not be written"))), "image/png"));
+}

@@ -1,0 +1,134 @@
+// The engine as the page calls it: everything runs in one worker, calls are promises.
+
+import { EngineError } from "./failure";
+import type { Call, FromWorker, ToWorker } from "./messages";
+import type {
+  Changes, ClearSky, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
+} from "./types";
+
+export { EngineError } from "./failure";
+export type { Kind } from "./failure";
+export type {
+  Changes, ClearSky, Fisheye, Group, Light, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Sky, Source, Span, SumAsk, Sun,
+  TileValues, Traffic, Vector, WeatherInfo,
+} from "./types";
+
+/** Nothing is changed. */
+export const UNCHANGED: Changes = { reflectance: [], transmittance: [] };
+
+interface Pending {
+  resolve(value: unknown): void;
+  reject(error: EngineError): void;
+  onTile?: (tile: TileValues) => void;
+  onDamage?: (tile: number, message: string) => void;
+}
+
+export class Engine {
+  private readonly pending = new Map<number, Pending>();
+  private last = 0;
+
+  private constructor(private readonly worker: Worker) {}
+
+  /** Starts the engine in a worker, or in one of the script at an address, with the bytes of the engine's WebAssembly. */
+  static async start(worker: Worker | string, wasm: BufferSource): Promise<Engine> {
+    const started = typeof worker === "string" ? new Worker(worker) : worker;
+    const module = await WebAssembly.compile(wasm);
+    const engine = new Engine(started);
+    await new Promise<void>((resolve, reject) => {
+      started.onerror = (event) =>
+        reject(new EngineError({ kind: "other", message: `the engine does not start: ${event.message}`, hint: "" }));
+      started.onmessage = () => resolve();
+      started.postMessage({ module } satisfies ToWorker);
+    });
+    started.onmessage = ({ data }: MessageEvent<FromWorker>) => engine.take(data);
+    started.onerror = (event) => engine.failAll(`the engine stopped: ${event.message}`);
+    return engine;
+  }
+
+  /** Opens an archive. The former one is closed, and weather has to be loaded again. */
+  open(source: Source): Promise<Site> {
+    const absolute = "url" in source ? { url: new URL(source.url, document.baseURI).href } : source;
+    return this.call("open", [absolute]);
+  }
+
+  scene(chunk: number): Promise<Scene> {
+    return this.call("scene", [chunk]);
+  }
+
+  overview(tile: number): Promise<Overview> {
+    return this.call("overview", [tile]);
+  }
+
+  receivers(tile: number): Promise<ReceiverInfo[]> {
+    return this.call("receivers", [tile]);
+  }
+
+  /** A weather file, packed with gzip or not. */
+  loadWeather(name: string, bytes: ArrayBuffer): Promise<WeatherInfo> {
+    return this.call("loadWeather", [name, bytes]);
+  }
+
+  /** At the place and by the clock of the weather file, or else of the site. */
+  sun(dayOfYear: number, minutes: number): Promise<Sun> {
+    return this.call("sun", [dayOfYear, minutes]);
+  }
+
+  /** Under a clear sky at that time. */
+  clear(dayOfYear: number, minutes: number): Promise<ClearSky> {
+    return this.call("clear", [dayOfYear, minutes]);
+  }
+
+  /** Tiles at one moment, in the order asked for; false if a newer moment came before all were done. Damaged tiles are told, the rest goes on. */
+  moment(
+    ask: MomentAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void,
+  ): Promise<boolean> {
+    return this.call("moment", [ask], { onTile, onDamage });
+  }
+
+  /** Sums over the weather file, likewise. */
+  sums(ask: SumAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
+    return this.call("sums", [ask], { onTile, onDamage });
+  }
+
+  /** Sums of one receiver by month. */
+  months(ask: ReceiverAsk): Promise<Series> {
+    return this.call("months", [ask]);
+  }
+
+  /** The hours of a day of one receiver. */
+  day(ask: ReceiverAsk & { dayOfYear: number }): Promise<Series> {
+    return this.call("day", [ask]);
+  }
+
+  fisheye(ask: { tile: number; row: number; side: number }): Promise<Fisheye> {
+    return this.call("fisheye", [ask]);
+  }
+
+  traffic(): Promise<Traffic> {
+    return this.call("traffic", []);
+  }
+
+  private call<T>(call: Call, args: unknown[], tell: Pick<Pending, "onTile" | "onDamage"> = {}): Promise<T> {
+    const number = ++this.last;
+    return new Promise<T>((resolve, reject) => {
+      this.pending.set(number, { resolve: resolve as (value: unknown) => void, reject, ...tell });
+      this.worker.postMessage({ number, call, args } satisfies ToWorker);
+    });
+  }
+
+  private take(message: FromWorker): void {
+    if ("ready" in message) return;
+    const pending = this.pending.get(message.number);
+    if (pending === undefined) return;
+    if ("tile" in message) return pending.onTile?.(message.tile);
+    if ("damaged" in message) return pending.onDamage?.(message.damaged, message.message);
+    this.pending.delete(message.number);
+    if ("failure" in message) pending.reject(new EngineError(message.failure));
+    else pending.resolve(message.value);
+  }
+
+  private failAll(message: string): void {
+    for (const { reject } of this.pending.values()) reject(new EngineError({ kind: "other", message, hint: "" }));
+    this.pending.clear();
+  }
+}

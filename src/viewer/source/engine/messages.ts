@@ -1,0 +1,19 @@
+// What goes between the page and the worker.
+
+import type { Failure } from "./failure";
+import type { TileValues } from "./types";
+
+/** Calls by name, with their arguments: those of `Tasks`. */
+export type Call =
+  | "open" | "scene" | "overview" | "receivers" | "loadWeather" | "sun" | "clear" | "moment" | "sums" | "months" | "day" | "fisheye" | "traffic";
+
+/** To the worker: first the module, then calls. */
+export type ToWorker = { module: WebAssembly.Module } | { number: number; call: Call; args: unknown[] };
+
+/** From the worker. */
+export type FromWorker =
+  | { ready: true }
+  | { number: number; tile: TileValues }
+  | { number: number; damaged: number; message: string }
+  | { number: number; value: unknown }
+  | { number: number; failure: Failure };

@@ -1,0 +1,156 @@
+// The work of the worker, one thing at a time. In: calls of the client. Out: their results. Long work goes tile by tile and lets messages in
+// between, so that what is newer supersedes it.
+
+import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
+import { EngineError } from "./failure";
+import type {
+  ClearSky, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
+} from "./types";
+import { UrlBytes } from "./url";
+import { Wasm, type Answer } from "./wasm";
+
+/** Work that takes longer lets messages in. */
+const SLICE_MS = 12;
+
+/** Tiles that the engine is told of at a time: where it has to solve for light, neighbours share the work. */
+const NEXT = 4;
+
+export type OnTile = (tile: TileValues) => void;
+export type OnDamage = (tile: number, message: string) => void;
+
+export class Tasks {
+  private wasm: Wasm | undefined;
+  private bytes: Bytes | undefined;
+  /** Columns of the archive that is open. */
+  private components: string[] = [];
+  /** Numbers of the last calls, which supersede those before. */
+  private readonly newest = { moment: 0, sums: 0, open: 0 };
+
+  constructor(private readonly module: WebAssembly.Module, private readonly pause: () => Promise<void>) {}
+
+  /** Opens an archive in a fresh engine; the former one is forgotten, its weather too. */
+  async open(source: Source): Promise<Site> {
+    const turn = ++this.newest.open;
+    this.newest.moment++;
+    this.newest.sums++;
+    this.wasm = undefined;
+    const bytes = bytesOf(source);
+    const wasm = await Wasm.start(this.module, bytes);
+    const { value } = wasm.call({ request: "open", name: bytes.name, bytes: bytes.length });
+    if (turn !== this.newest.open) throw new EngineError({ kind: "other", message: "another archive was opened", hint: "" });
+    [this.wasm, this.bytes] = [wasm, bytes];
+    const site = value as Site;
+    this.components = site.components;
+    return site;
+  }
+
+  scene(chunk: number): Scene {
+    return this.call({ request: "scene", chunk }).arrays as unknown as Scene;
+  }
+
+  overview(tile: number): Overview {
+    return this.call({ request: "overview", tile }).arrays as unknown as Overview;
+  }
+
+  receivers(tile: number): ReceiverInfo[] {
+    return this.call({ request: "receivers", tile }).value as ReceiverInfo[];
+  }
+
+  async loadWeather(name: string, bytes: ArrayBuffer): Promise<WeatherInfo> {
+    const unpacked = await unpack(bytes);
+    const { value, arrays } = this.engine().call({ request: "loadWeather", name }, unpacked);
+    return { ...(value as object), ...arrays } as unknown as WeatherInfo;
+  }
+
+  sun(dayOfYear: number, minutes: number): Sun {
+    return this.call({ request: "sun", dayOfYear, minutes }).value as Sun;
+  }
+
+  clear(dayOfYear: number, minutes: number): ClearSky {
+    return this.call({ request: "clear", dayOfYear, minutes }).value as ClearSky;
+  }
+
+  moment(ask: MomentAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    const { tiles, ...rest } = ask;
+    return this.each("moment", rest, ask.components, tiles, onTile, onDamage);
+  }
+
+  sums(ask: SumAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    const { tiles, ...rest } = ask;
+    return this.each("sums", rest, ask.components, tiles, onTile, onDamage);
+  }
+
+  months(ask: ReceiverAsk): Series {
+    return this.series(this.call({ request: "months", ...ask }));
+  }
+
+  day(ask: ReceiverAsk & { dayOfYear: number }): Series {
+    return this.series(this.call({ request: "day", ...ask }));
+  }
+
+  fisheye(ask: { tile: number; row: number; side: number }): Fisheye {
+    const { value, arrays } = this.call({ request: "fisheye", ...ask });
+    const { side, paths } = value as { side: number; paths: [string, number, number][] };
+    const points = arrays["points"] as Float32Array;
+    const path = ([label, first, count]: [string, number, number]) => ({ label, points: points.slice(first, first + count) });
+    return { side, classes: arrays["classes"] as Uint8Array, paths: paths.map(path) };
+  }
+
+  traffic(): Traffic {
+    const { bytes, wasm } = this;
+    return { requests: bytes?.requests ?? 0, bytes: bytes?.received ?? 0, memory: wasm?.memory ?? 0 };
+  }
+
+  /** Tile after tile of an ask, until a newer one comes. */
+  private async each(
+    request: "moment" | "sums", ask: object, components: string[], tiles: number[], onTile: OnTile, onDamage: OnDamage,
+  ): Promise<boolean> {
+    const turn = ++this.newest[request];
+    let started = performance.now();
+    for (const [place, tile] of tiles.entries()) {
+      try {
+        const next = tiles.slice(place + 1, place + NEXT);
+        const { value, arrays } = this.call({ request, ask, tile, next });
+        const { first } = value as { first: number };
+        onTile({ tile, first, values: components.map((name) => arrays[name] as Float32Array) });
+      } catch (error) {
+        if (!(error instanceof EngineError) || error.kind !== "damaged") throw error;
+        onDamage(tile, error.message);
+      }
+      if (performance.now() - started > SLICE_MS) {
+        await this.pause();
+        started = performance.now();
+      }
+      if (turn !== this.newest[request]) return false;
+    }
+    return true;
+  }
+
+  private series({ value, arrays }: Answer): Series {
+    const { labels } = value as { labels: string[] };
+    return { labels, values: this.components.map((name) => arrays[name] as Float32Array) };
+  }
+
+  private engine(): Wasm {
+    if (this.wasm === undefined) throw new EngineError({ kind: "other", message: "no archive is open", hint: "" });
+    return this.wasm;
+  }
+
+  private call(request: Record<string, unknown>): Answer {
+    return this.engine().call(request);
+  }
+}
+
+function bytesOf(source: Source): Bytes {
+  if ("url" in source) return new UrlBytes(source.url);
+  if ("file" in source) return new FileBytes(source.file);
+  return new MemoryBytes(source.name, source.bytes);
+}
+
+/** What gzip packed, unpacked. */
+async function unpack(bytes: ArrayBuffer): Promise<Uint8Array> {
+  const [first, second] = new Uint8Array(bytes, 0, Math.min(2, bytes.byteLength));
+  if (first !== 0x1f || second !== 0x8b) return new Uint8Array(bytes);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}

@@ -1,0 +1,193 @@
+// What the page and the engine speak of. Angles are degrees, irradiances W/m2, sums kWh/m2; numbers are made by heliotile-core only.
+
+/** Where an archive comes from. */
+export type Source = { url: string } | { file: File } | { bytes: ArrayBuffer; name: string };
+
+export interface Material {
+  name: string;
+  group: string;
+  class: string;
+  reflectance: number;
+  changeable: boolean;
+  canopy: boolean;
+  transmittance: number | null;
+  mirror: boolean;
+}
+
+/** A name that changes take, with the mean of what it stands for. */
+export interface Group {
+  name: string;
+  kind: "opaque" | "canopy";
+  value: number;
+  materials: number;
+}
+
+export type Vector = [number, number, number];
+
+export interface Site {
+  name: string;
+  root: string;
+  formatVersion: string;
+  creator: string;
+  bytes: number;
+  receivers: number;
+  tiles: number;
+  tileSize: number;
+  /** Input coordinates of the scene's origin. */
+  origin: Vector;
+  /** Input coordinates. */
+  bounds: [Vector, Vector];
+  place: { latitude: number; longitude: number; crs?: string } | null;
+  /** Azimuth of true north from +y, clockwise; 0 where it is not known. */
+  northDeg: number;
+  materials: Material[];
+  groups: Group[];
+  /** Columns of light; the last is the total. */
+  components: string[];
+  patches: number;
+  accuracy: string | null;
+  /** 0: the archive holds no triangles. */
+  sceneChunks: number;
+  hasReference: boolean;
+  /** Names that `sky` takes. */
+  skies: string[];
+}
+
+/** As the option --sky takes it. */
+export type Sky = string;
+
+export type Light =
+  | { kind: "weather"; hour: number }
+  | { kind: "sun"; azimuth: number; altitude: number; dni: number; dhi: number };
+
+export interface Changes {
+  reflectance: [string, number][];
+  transmittance: [string, number][];
+}
+
+export type Span =
+  | { kind: "year" }
+  | { kind: "month"; month: number }
+  | { kind: "day"; dayOfYear: number };
+
+export interface WeatherInfo {
+  name: string;
+  rows: number;
+  /** Starts of the intervals. */
+  labels: string[];
+  month: Uint8Array;
+  day: Uint8Array;
+  /** Middle of the interval, minutes of the clock. */
+  minutes: Uint16Array;
+  dayOfYear: Uint16Array;
+  dni: Float32Array;
+  dhi: Float32Array;
+  /** The sun at the middle of the interval. */
+  azimuth: Float32Array;
+  altitude: Float32Array;
+  warnings: string[];
+  latitude: number;
+  longitude: number;
+  zone: number;
+  place: string;
+}
+
+export interface Scene {
+  vertices: Float32Array;
+  corners: Uint32Array;
+  materials: Uint16Array;
+}
+
+/** Places are relative to the scene's origin, metres, x east, y north, z up; row by row of a tile's receivers. */
+export interface Overview {
+  middle: Float32Array;
+  normal: Float32Array;
+  points: Float32Array;
+  corners: Uint32Array;
+  /** Of each triangle: the row of its receiver. */
+  owner: Uint32Array;
+  sky: Float32Array;
+  reference: Float32Array;
+}
+
+export interface ReceiverInfo {
+  id: string;
+  position: Vector;
+  normal: Vector;
+  area: number | null;
+  surface: string | null;
+  object: string;
+  building: string;
+  kind: string;
+  objectType: string;
+  face: string;
+  tilt: number;
+  /** From true north. */
+  azimuth: number;
+  /** Shares of the hemisphere: sky, ground, obstructions. */
+  views: Vector;
+}
+
+export interface Sun {
+  azimuth: number;
+  altitude: number;
+}
+
+/** W/m2. */
+export interface ClearSky {
+  dni: number;
+  dhi: number;
+}
+
+export interface MomentAsk {
+  light: Light;
+  sky: Sky;
+  changes: Changes;
+  components: string[];
+  tiles: number[];
+}
+
+export interface SumAsk {
+  span: Span;
+  sky: Sky;
+  changes: Changes;
+  components: string[];
+  tiles: number[];
+}
+
+export interface TileValues {
+  tile: number;
+  /** Number of the tile's first receiver in the archive. */
+  first: number;
+  /** One array a column that was asked for, one value a receiver. */
+  values: Float32Array[];
+}
+
+export interface ReceiverAsk {
+  tile: number;
+  row: number;
+  sky: Sky;
+  changes: Changes;
+}
+
+/** Columns of one receiver: `[component][label]`. */
+export interface Series {
+  labels: string[];
+  values: Float32Array[];
+}
+
+export interface Fisheye {
+  side: number;
+  /** By rows from the top: 0 outside, 1 sky, 2 ground, 3 obstruction, 4 mirror, 5 canopy, 6 behind the surface. */
+  classes: Uint8Array;
+  /** Runs of the sun's paths above the horizon: pairs of x to the right and y up, -1 to 1. A label may have several. */
+  paths: { label: string; points: Float32Array }[];
+}
+
+export interface Traffic {
+  /** Since the archive was opened. */
+  requests: number;
+  bytes: number;
+  /** Of the engine, bytes. */
+  memory: number;
+}

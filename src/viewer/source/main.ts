@@ -1,0 +1,279 @@
+// The page: starts the engine, opens what the page or its address names, and wires controls to it.
+
+import { keepAddress, parseAddress } from "./address";
+import { readOptions, takeBlock } from "./blocks";
+import { Legend } from "./colour/legend";
+import { byId, download, el } from "./dom";
+import { csv, provenance } from "./download/csv";
+import { picture } from "./download/picture";
+import { Engine, type Site, type Source, type WeatherInfo } from "./engine/client";
+import { knowsClearSkies } from "./light";
+import { OpenedSite, type Page } from "./opened";
+import { listenForFiles } from "./panel/files";
+import { LightPanel } from "./panel/light";
+import { Messages } from "./panel/messages";
+import { Player } from "./panel/play";
+import { ShowPanel } from "./panel/show";
+import { SurfacesPanel } from "./panel/surfaces";
+import { listenToTabs } from "./panel/tabs";
+import { Session } from "./session";
+import { DEFAULTS, isSum, Store, type State } from "./state";
+import { listenToView } from "./view/keys";
+import { Stage } from "./view/stage";
+import { bytes } from "./words";
+
+declare global {
+  interface Window {
+    /** For automation and tests. `ready`, asked at any time, resolves when all that is wished for is on the page, or its failure is told. */
+    heliotile?: { readonly engine: Engine | null; readonly state: Readonly<State>; readonly ready: Promise<void> };
+  }
+}
+
+class Main {
+  readonly store = new Store();
+  readonly messages = new Messages();
+  engine: Engine | null = null;
+  private given = parseAddress(location.hash);
+  private readonly stage = new Stage(byId("view", HTMLCanvasElement));
+  private readonly surfaces = new SurfacesPanel(this.store);
+  private readonly page: Page;
+  private readonly player: Player;
+  private opened: OpenedSite | null = null;
+  private keeping = false;
+
+  constructor() {
+    this.player = new Player(this.store, () => this.opened);
+    this.page = {
+      store: this.store,
+      stage: this.stage,
+      legend: new Legend(),
+      messages: this.messages,
+      show: new ShowPanel(this.store),
+      light: new LightPanel(this.store),
+      playing: () => this.player.playing,
+      say: (text) => (byId("live", HTMLElement).textContent = text),
+      openTab: listenToTabs(),
+    };
+    listenToView(this.stage, (x, y) => this.opened?.pick(x, y));
+    listenForFiles((file) => void this.anotherArchive(file), (file) => void this.anotherWeather(file));
+    addEventListener("keydown", (event) => {
+      if (event.key === "Escape") this.store.set({ selected: null, pinned: null });
+    });
+    byId("save-csv", HTMLButtonElement).addEventListener("click", () => void this.saveCsv());
+    byId("save-picture", HTMLButtonElement).addEventListener("click", () => void this.savePicture());
+    byId("go-home", HTMLButtonElement).addEventListener("click", () => this.stage.goHome());
+    this.stage.onMove(() => {
+      if (!this.opened) return;
+      const { camera, controls } = this.stage;
+      this.store.set({ camera: [...camera.position.toArray(), ...controls.target.toArray()] });
+    });
+  }
+
+  async start(): Promise<void> {
+    const [engine, worker] = await Promise.all([takeBlock("engine"), takeBlock("worker")]);
+    if (!engine || !worker) throw new Error("this page was built without its engine");
+    const address = URL.createObjectURL(new Blob([worker.bytes], { type: "text/javascript" }));
+    this.engine = await Engine.start(address, engine.bytes);
+    const options = readOptions();
+    const [archive, weather] = [await takeBlock("archive"), await takeBlock("weather")];
+    const local = location.protocol === "file:";
+    const source: Source | null = archive ? archive : options.archive && !local ? { url: options.archive } : null;
+    if (!source) {
+      byId("welcome", HTMLElement).hidden = false;
+      if (options.archive) this.messages.tell([`A page opened from a file cannot load ${options.archive} by itself: open it here.`], false);
+      return;
+    }
+    await this.open(source, async () => {
+      try {
+        if (weather) return await this.loadWeather(weather.name, weather.bytes);
+        if (options.weather && !local) return await this.fetchWeather(options.weather);
+      } catch (error) {
+        this.messages.error("reading the weather", error);
+      }
+      return null;
+    });
+  }
+
+  async settled(): Promise<void> {
+    await this.opened?.settled();
+  }
+
+  /** Opens an archive in place of the present one. */
+  private async open(source: Source, weather: () => Promise<WeatherInfo | null>): Promise<void> {
+    const { engine } = this;
+    if (!engine) return;
+    byId("welcome", HTMLElement).hidden = true;
+    const name = "url" in source ? source.url : "file" in source ? source.file.name : source.name;
+    let site: Site;
+    try {
+      site = await engine.open(source);
+    } catch (error) {
+      this.messages.error(`opening ${name}`, error);
+      byId("welcome", HTMLElement).hidden = this.opened !== null;
+      return;
+    }
+    this.opened?.close();
+    const session = new Session(engine, site);
+    this.describe(site);
+    this.store.set({ ...this.fallbacks(site), ...this.sensible(site) });
+    this.opened = new OpenedSite(this.page, session);
+    document.body.dataset["state"] = "open";
+    this.surfaces.open(site);
+    this.page.show.open(session);
+    this.page.light.open(session);
+    if (!this.keeping) keepAddress(this.store);
+    this.keeping = true;
+    // Weather is read first where the address asks for what needs it, else the picture comes first.
+    const found = weather();
+    const reading = this.opened.read();
+    this.takeWeather(await found);
+    await reading;
+    await this.opened.asker.settling();
+  }
+
+  /** Where the address says nothing: what this archive can show. */
+  private fallbacks(site: Site): Partial<State> {
+    const clear = this.engine !== null && knowsClearSkies(this.engine) && site.place !== null;
+    return {
+      show: site.hasReference ? "reference" : "sky",
+      sunBy: site.place ? "clock" : "angles",
+      light: clear ? "clear" : "own",
+    };
+  }
+
+  /** What the address says, without what this archive does not have. */
+  private sensible(site: Site): Partial<State> {
+    const given = { ...this.given };
+    if (given.component !== undefined && !site.components.includes(given.component)) delete given.component;
+    if (given.sky !== undefined && !site.skies.includes(given.sky)) delete given.sky;
+    if (given.show === "reference" && !site.hasReference) delete given.show;
+    for (const key of ["reflectance", "transmittance"] as const) {
+      const known = new Set(site.groups.filter((group) => (group.kind === "canopy") === (key === "transmittance")).map(({ name }) => name));
+      const changes = given[key];
+      if (changes) given[key] = Object.fromEntries(Object.entries(changes).filter(([name]) => known.has(name)));
+    }
+    return given;
+  }
+
+  private describe(site: Site): void {
+    document.title = `${site.name} – heliotile`;
+    byId("site-name", HTMLElement).textContent = site.name;
+    byId("site-line", HTMLElement).textContent = `${site.receivers.toLocaleString("en")} receivers, ${bytes(site.bytes)}`;
+    const facts: [string, string][] = [["Root", `${site.root.slice(0, 16)}…`], ["Written by", `${site.creator}, format ${site.formatVersion}`]];
+    if (site.place) facts.push(["Place", `${site.place.latitude.toFixed(3)}°, ${site.place.longitude.toFixed(3)}°${site.place.crs ? `, ${site.place.crs}` : ""}`]);
+    facts.push(["Error", site.accuracy ?? "not estimated"]);
+    byId("site-facts", HTMLElement).replaceChildren(...facts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
+  }
+
+  private async loadWeather(name: string, data: ArrayBuffer): Promise<WeatherInfo> {
+    if (!this.engine) throw new Error("the engine has not started");
+    return this.engine.loadWeather(name, data);
+  }
+
+  private async fetchWeather(url: string): Promise<WeatherInfo> {
+    const answer = await fetch(url);
+    if (!answer.ok) throw new Error(`${url}: the server says ${answer.status}`);
+    return this.loadWeather(new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer());
+  }
+
+  private takeWeather(weather: WeatherInfo | null): void {
+    const { opened } = this;
+    if (!opened) return;
+    opened.session.weather = weather;
+    if (!weather) {
+      if (isSum(this.store.state.show)) this.store.set({ show: opened.session.site.hasReference ? "reference" : "sky" });
+      if (this.store.state.light === "weather") this.store.set({ light: this.fallbacks(opened.session.site).light ?? "own" });
+      opened.renewWeather();
+      return;
+    }
+    byId("site-facts", HTMLElement).append(el("dt", { text: "Weather" }), el("dd", { text: [weather.name, weather.place].filter((text) => text !== "").join(", ") }));
+    if (weather.warnings.length > 0) this.messages.tell(weather.warnings.slice(0, 3), false, "weather");
+    // The view that the address gives stays as it is.
+    const changes: Partial<State> = {};
+    if (this.given.light === undefined && this.given.sunBy === undefined) [changes.sunBy, changes.light] = ["clock", "weather"];
+    if (this.given.show === undefined && this.store.state.show !== "moment") [changes.show, changes.range] = ["year", this.given.range ?? null];
+    this.store.set(changes);
+    opened.renewWeather();
+  }
+
+  private async anotherArchive(file: File): Promise<void> {
+    this.messages.clear();
+    if (this.opened) {
+      // The address speaks of the former archive.
+      this.given = {};
+      this.store.set({ ...DEFAULTS });
+    }
+    await this.open({ file }, () => Promise.resolve(null));
+  }
+
+  private async anotherWeather(file: File): Promise<void> {
+    if (!this.opened) {
+      this.messages.tell(["Open an archive first, then its weather."], false);
+      return;
+    }
+    try {
+      delete this.given.show;
+      delete this.given.light;
+      this.takeWeather(await this.loadWeather(file.name, await file.arrayBuffer()));
+    } catch (error) {
+      this.messages.error(`reading ${file.name}`, error);
+    }
+  }
+
+  private async saveCsv(): Promise<void> {
+    const { opened } = this;
+    if (!opened) return;
+    const button = byId("save-csv", HTMLButtonElement);
+    button.disabled = true;
+    try {
+      await opened.asker.settling();
+      const blob = await csv({ ...this.store.state }, opened.session, opened.quantity(), opened.asker.shine, (share) => {
+        button.textContent = share < 1 ? `Save CSV (${Math.round(100 * share)} %)` : "Save CSV";
+      });
+      download(blob, `${this.baseName()}.csv`);
+    } catch (error) {
+      this.messages.error("writing the CSV", error);
+    }
+    button.textContent = "Save CSV";
+    button.disabled = false;
+  }
+
+  private async savePicture(): Promise<void> {
+    const { opened, stage } = this;
+    if (!opened) return;
+    stage.drawNow();
+    try {
+      const lines = provenance(this.store.state, opened.session, opened.asker.shine);
+      download(await picture(stage.canvas, stage.renderer.getPixelRatio(), this.page.legend, lines), `${this.baseName()}.png`);
+    } catch (error) {
+      this.messages.error("drawing the picture", error);
+    }
+  }
+
+  private baseName(): string {
+    const { state } = this.store;
+    const name = this.opened?.session.site.name.replace(/\.helio$/, "") ?? "site";
+    return `${name}.${state.show}${state.show === "moment" || isSum(state.show) ? `.${state.component}` : ""}`;
+  }
+}
+
+function begin(): Main {
+  try {
+    return new Main();
+  } catch (error) {
+    new Messages().tell([`This page needs WebGL 2, which this browser does not give: ${error instanceof Error ? error.message : String(error)}`, "Allow graphics acceleration, or use a newer browser."], true, "webgl");
+    throw error;
+  }
+}
+
+const main = begin();
+const started = main.start().catch((error: unknown) => main.messages.error("starting the page", error));
+window.heliotile = {
+  get engine() {
+    return main.engine;
+  },
+  state: main.store.state,
+  get ready() {
+    return started.then(() => main.settled());
+  },
+};

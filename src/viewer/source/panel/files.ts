@@ -1,0 +1,33 @@
+// Files from this computer: pickers and dropping. What they are is told by their names, and by the engine.
+
+import { byId } from "../dom";
+
+export function listenForFiles(onArchive: (file: File) => void, onWeather: (file: File) => void): void {
+  const archive = byId("file-archive", HTMLInputElement);
+  const weather = byId("file-weather", HTMLInputElement);
+  const drop = byId("drop", HTMLElement);
+  for (const id of ["open-archive", "welcome-open"]) byId(id, HTMLButtonElement).addEventListener("click", () => archive.click());
+  byId("open-weather", HTMLButtonElement).addEventListener("click", () => weather.click());
+  for (const [input, take] of [[archive, onArchive], [weather, onWeather]] as const) {
+    input.addEventListener("change", () => {
+      const file = input.files?.[0];
+      input.value = "";
+      if (file) take(file);
+    });
+  }
+  const isFile = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
+  addEventListener("dragover", (event) => {
+    if (!isFile(event)) return;
+    event.preventDefault();
+    drop.hidden = false;
+  });
+  addEventListener("dragleave", (event) => {
+    if (event.relatedTarget === null) drop.hidden = true;
+  });
+  addEventListener("drop", (event) => {
+    if (!isFile(event)) return;
+    event.preventDefault();
+    drop.hidden = true;
+    for (const file of event.dataTransfer?.files ?? []) (file.name.endsWith(".helio") ? onArchive : onWeather)(file);
+  });
+}

@@ -1,0 +1,139 @@
+// Controls of sun and sky. In: the state. Out: the state; what the sun then does is the engine's word.
+
+import { byId, el, options } from "../dom";
+import type { Session } from "../session";
+import { knowsClearSkies, type Shine } from "../light";
+import type { LightFrom, Store } from "../state";
+import { clock, dayName, skyLabel, W_M2 } from "../words";
+import { Dial } from "./dial";
+
+const SLIDERS = ["day", "clock", "azimuth", "altitude", "dni", "dhi"] as const;
+const KEYS = { day: "dayOfYear", clock: "minutes", azimuth: "azimuth", altitude: "altitude", dni: "dni", dhi: "dhi" } as const;
+
+export class LightPanel {
+  private readonly from = byId("light-from", HTMLSelectElement);
+  private readonly sky = byId("sky-model", HTMLSelectElement);
+  private readonly radios = [...document.querySelectorAll<HTMLInputElement>('input[name="sun-by"]')];
+  private readonly facts = byId("sun-facts", HTMLElement);
+  private readonly dial: Dial;
+  private session: Session | null = null;
+  private wayOf = "";
+
+  constructor(private readonly store: Store) {
+    this.dial = new Dial((direction) => this.change({ ...direction, ...this.anglesNeed() }));
+    for (const id of SLIDERS) {
+      const slider = byId(id, HTMLInputElement);
+      slider.addEventListener("input", () => this.change({ [KEYS[id]]: slider.valueAsNumber }));
+    }
+    this.from.addEventListener("change", () => {
+      const light = this.from.value as LightFrom;
+      this.change(light === "weather" || light === "clear" ? { light, sunBy: "clock" } : { light });
+    });
+    this.sky.addEventListener("change", () => store.set({ sky: this.sky.value }));
+    for (const radio of this.radios) {
+      radio.addEventListener("change", () => this.change(radio.value === "angles" ? this.anglesNeed() : { sunBy: "clock" }));
+    }
+    store.subscribe(() => this.refresh());
+  }
+
+  open(session: Session): void {
+    this.session = session;
+    this.wayOf = "";
+    options(this.sky, session.site.skies.map((value) => ({ value, label: skyLabel(value) })));
+    this.refresh();
+  }
+
+  /** The weather is another one. */
+  renew(): void {
+    this.wayOf = "";
+    this.refresh();
+  }
+
+  showShine(shine: Shine): void {
+    this.dial.showSun(shine);
+    const rows: [string, string][] = [
+      ["Azimuth", `${shine.azimuth.toFixed(1)}°`],
+      ["Altitude", `${shine.altitude.toFixed(1)}°`],
+      ["DNI", `${Math.round(shine.dni)} ${W_M2}`],
+      ["DHI", `${Math.round(shine.dhi)} ${W_M2}`],
+    ];
+    if (shine.label !== null) rows.push(["Hour", shine.label.replace("T", " ")]);
+    this.facts.replaceChildren(...rows.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
+  }
+
+  /** Touching the sun or the sky shows the moment, unless sums are shown that depend on it. */
+  private change(changes: Parameters<Store["set"]>[0]): void {
+    const { show } = this.store.state;
+    const ofDay = show === "day" && Object.keys(changes).every((key) => key === "dayOfYear");
+    this.store.set(ofDay ? changes : { ...changes, show: "moment", ...(show === "moment" ? {} : { range: null }) });
+  }
+
+  /** A sun by angles has no hour of a weather file and no clear sky of a date: it shines by DNI and DHI. */
+  private anglesNeed(): Parameters<Store["set"]>[0] {
+    const { light } = this.store.state;
+    return { sunBy: "angles", light: light === "overcast" ? light : "own" };
+  }
+
+  private refresh(): void {
+    const { session } = this;
+    if (!session) return;
+    const { state } = this.store;
+    const placed = session.site.place !== null || session.weather !== null;
+    options(this.from, [
+      { value: "weather", label: session.weather ? "Hour of the weather file" : "Hour of weather – needs weather", disabled: !session.weather },
+      ...(knowsClearSkies(session.engine) ? [{ value: "clear", label: placed ? "Clear sky" : "Clear sky – needs a place", disabled: !placed }] : []),
+      { value: "overcast", label: "Overcast: no sun" },
+      { value: "own", label: "Own DNI and DHI" },
+    ]);
+    this.from.value = state.light;
+    if (state.show !== "moment") this.facts.replaceChildren(el("dt", { class: "hint", text: "Move the sun to see one moment." }));
+    this.sky.value = state.sky;
+    for (const radio of this.radios) {
+      radio.checked = radio.value === state.sunBy;
+      radio.disabled = radio.value === "clock" && !placed;
+    }
+    const byClock = state.sunBy === "clock";
+    byId("by-clock", HTMLElement).hidden = !byClock;
+    byId("by-angles", HTMLElement).hidden = byClock;
+    byId("own-light", HTMLElement).hidden = state.light === "weather" || state.light === "clear";
+    byId("row-dni", HTMLElement).hidden = state.light === "overcast";
+    byId("play", HTMLElement).hidden = !byClock;
+    const texts = {
+      day: dayName(state.dayOfYear),
+      clock: clock(state.minutes),
+      azimuth: `${state.azimuth}°`,
+      altitude: `${state.altitude}°`,
+      dni: `${state.dni} ${W_M2}`,
+      dhi: `${state.dhi} ${W_M2}`,
+    };
+    for (const id of SLIDERS) {
+      const slider = byId(id, HTMLInputElement);
+      slider.value = String(state[KEYS[id]]);
+      slider.setAttribute("aria-valuetext", texts[id]);
+      byId(`${id}-text`, HTMLOutputElement).textContent = texts[id];
+    }
+    void this.followSun(session, placed);
+  }
+
+  /** The way of the sun on the chosen day, and the sun where no moment is asked for. */
+  private async followSun(session: Session, placed: boolean): Promise<void> {
+    const { state } = this.store;
+    if (state.sunBy === "angles") {
+      this.dial.showSun(state);
+      this.dial.showWay([]);
+      this.wayOf = "";
+      return;
+    }
+    if (!placed || this.wayOf === String(state.dayOfYear)) return;
+    const day = state.dayOfYear;
+    this.wayOf = String(day);
+    const halfHours = Array.from({ length: 49 }, (_, at) => Math.min(1439, 30 * at));
+    try {
+      const way = await Promise.all(halfHours.map((minutes) => session.engine.sun(day, minutes)));
+      if (this.wayOf === String(day)) this.dial.showWay(way);
+      if (state.show !== "moment") this.dial.showSun(await session.engine.sun(day, state.minutes));
+    } catch {
+      this.dial.showWay([]);
+    }
+  }
+}

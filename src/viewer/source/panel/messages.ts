@@ -1,0 +1,77 @@
+// What went wrong, in a sentence and with what to do, on the page. In: errors of the engine. Texts are shown as text, whatever they hold.
+
+import { byId, el } from "../dom";
+
+interface Told {
+  kind: string;
+  message: string;
+  hint: string;
+}
+
+function told(error: unknown): Told {
+  if (typeof error === "object" && error !== null) {
+    const found = error as Partial<Record<keyof Told, unknown>>;
+    const text = (value: unknown): string => (typeof value === "string" ? value : "");
+    return { kind: text(found.kind) || "other", message: text(found.message), hint: text(found.hint) };
+  }
+  return { kind: "other", message: String(error), hint: "" };
+}
+
+const ADVICE: Record<string, { what: string; todo: string }> = {
+  "not-found": { what: "There is no archive at this address.", todo: "Check the address, or open the file from this computer." },
+  network: { what: "The archive could not be loaded.", todo: "Check the connection and that the server lets other sites read it (CORS), then reload the page." },
+  "no-archive": { what: "This file is not an archive of heliotile.", todo: "Open a .helio file, as `heliotile run` and `heliotile build` write them." },
+  version: { what: "This archive is of a format version that this page does not read.", todo: "Use the page that comes with the program that wrote it, or build it again." },
+  cut: { what: "This archive is cut off: its end is missing.", todo: "Copy or download it again; `heliotile verify` says whether it is whole." },
+  damaged: { what: "A part of this archive is damaged.", todo: "`heliotile verify` lists what is damaged, `heliotile repair` traces it again." },
+  "too-large": { what: "The server sends only whole files, and this one is too large for that.", todo: "Use a server that answers byte ranges (`heliotile view` does), or open the file from this computer." },
+};
+
+const MOST = 4;
+
+export class Messages {
+  private readonly box = byId("messages", HTMLElement);
+  private readonly damage = byId("damage", HTMLElement);
+  private readonly damages = byId("damage-list", HTMLElement);
+  private readonly damaged = new Set<string>();
+
+  /** `what` is what was being done: "opening x.epw". What to do is the page's own word where it knows the kind, else the engine's. */
+  error(what: string, error: unknown): void {
+    const { kind, message, hint } = told(error);
+    const advice = ADVICE[kind];
+    const lines = [advice ? advice.what : `Failed: ${what}.`, message ? `${what[0]!.toUpperCase()}${what.slice(1)}: ${message}.` : "", advice?.todo ?? hint];
+    this.tell(lines.filter((line) => line !== ""), true, kind);
+  }
+
+  tell(lines: string[], bad: boolean, kind = "note"): void {
+    const close = el("button", { type: "button", class: "bare", "aria-label": "Close this message", text: "×" });
+    const message = el(
+      "div",
+      { class: bad ? "message bad" : "message", role: bad ? "alert" : "status", "data-kind": kind },
+      el("div", {}, ...lines.map((line) => el("p", { text: line }))),
+      close,
+    );
+    close.addEventListener("click", () => message.remove());
+    this.box.append(message);
+    while (this.box.children.length > MOST) this.box.firstElementChild?.remove();
+  }
+
+  clear(): void {
+    this.box.replaceChildren();
+    this.damages.replaceChildren();
+    this.damaged.clear();
+    this.damage.hidden = true;
+  }
+
+  /** A part that cannot be read: it is listed once, the rest goes on. */
+  lost(tile: number, error: unknown): void {
+    const message = typeof error === "string" ? error : told(error).message;
+    if (this.damaged.has(message)) return;
+    if (this.damaged.size === 0) {
+      this.tell([`Tile ${tile} cannot be shown: ${message}`, "All damaged parts are listed below Site; the rest is shown. `heliotile repair` traces them again."], true, "damaged");
+    }
+    this.damaged.add(message);
+    this.damage.hidden = false;
+    this.damages.append(el("li", { text: message }));
+  }
+}

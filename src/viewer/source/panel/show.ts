@@ -1,0 +1,78 @@
+// Controls of what is shown: quantity, component, range of the legend.
+
+import { byId, options } from "../dom";
+import type { Session } from "../session";
+import { isSum, type Show, type Store } from "../state";
+import { componentLabel, dayName, KWH_M2, MONTHS, W_M2 } from "../words";
+
+export class ShowPanel {
+  private readonly what = byId("show-what", HTMLSelectElement);
+  private readonly component = byId("show-component", HTMLSelectElement);
+  private readonly month = byId("show-month", HTMLSelectElement);
+  private readonly low = byId("range-low", HTMLInputElement);
+  private readonly high = byId("range-high", HTMLInputElement);
+  private readonly auto = byId("range-auto", HTMLInputElement);
+  private readonly note = byId("show-note", HTMLElement);
+  private session: Session | null = null;
+
+  constructor(private readonly store: Store) {
+    options(this.month, MONTHS.map((label, at) => ({ value: String(at + 1), label })));
+    this.what.addEventListener("change", () => store.set({ show: this.what.value as Show, range: null }));
+    this.component.addEventListener("change", () => store.set({ component: this.component.value, range: null }));
+    this.month.addEventListener("change", () => store.set({ month: Number(this.month.value) }));
+    const byHand = (): void => {
+      const [low, high] = [this.low.valueAsNumber, this.high.valueAsNumber];
+      const senseless = !(low < high);
+      this.low.setCustomValidity(senseless ? "The range must grow from left to right." : "");
+      if (!senseless) store.set({ range: [low, high] });
+    };
+    this.low.addEventListener("change", byHand);
+    this.high.addEventListener("change", byHand);
+    this.auto.addEventListener("change", () => (this.auto.checked ? store.set({ range: null }) : byHand()));
+    store.subscribe(() => this.refresh());
+  }
+
+  open(session: Session): void {
+    this.session = session;
+    const total = session.site.components.filter((name) => name === "total");
+    const parts = session.site.components.filter((name) => name !== "total");
+    options(this.component, [...total, ...parts].map((name) => ({ value: name, label: componentLabel(name) })));
+    this.refresh();
+  }
+
+  /** The range that the legend has now. */
+  showRange(range: readonly [number, number]): void {
+    if (document.activeElement !== this.low) this.low.value = String(range[0]);
+    if (document.activeElement !== this.high) this.high.value = String(range[1]);
+  }
+
+  refresh(): void {
+    const { session } = this;
+    if (!session) return;
+    const { state } = this.store;
+    const dry = session.weather === null;
+    const hint = dry ? " – needs weather" : "";
+    options(this.what, [
+      { value: "reference", label: `Clear year, ${KWH_M2}`, disabled: !session.site.hasReference },
+      { value: "sky", label: "Sky view, %" },
+      { value: "moment", label: `This moment, ${W_M2}` },
+      { value: "day", label: `Day, ${KWH_M2}${hint}`, disabled: dry },
+      { value: "month", label: `Month, ${KWH_M2}${hint}`, disabled: dry },
+      { value: "year", label: `Year, ${KWH_M2}${hint}`, disabled: dry },
+    ]);
+    this.what.value = state.show;
+    this.component.value = state.component;
+    this.month.value = String(state.month);
+    byId("row-month", HTMLElement).hidden = state.show !== "month";
+    byId("row-component", HTMLElement).hidden = state.show !== "moment" && !isSum(state.show);
+    this.auto.checked = state.range === null;
+    const notes: Partial<Record<Show, string>> = {
+      reference: "A year of cloudless days at this site, made with the archive: for a first look.",
+      sky: "How much of an open sky each receiver sees.",
+      day: `The weather file's ${dayName(state.dayOfYear)}; the day is chosen below.`,
+    };
+    const note = dry && state.show === "reference" && this.session ? `${notes.reference} Drop an EPW file for the year of a weather.` : notes[state.show];
+    this.note.textContent = note ?? "";
+    this.note.hidden = note === undefined;
+  }
+}

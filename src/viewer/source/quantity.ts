@@ -1,0 +1,57 @@
+// What is shown now, as numbers and words: title, unit, a value for each receiver, all components of one.
+
+import type { Asker } from "./asker";
+import type { Session } from "./session";
+import { isSum, type State } from "./state";
+import { componentLabel, dayName, KWH_M2, MONTHS, number, W_M2 } from "./words";
+
+export interface Quantity {
+  /** "Year", "This moment" ... */
+  title: string;
+  /** With the component. */
+  shownTitle: string;
+  unit: string;
+  /** Unit of value x area. */
+  wholeUnit: string;
+  components: readonly string[];
+  /** The component that colours show. */
+  shown: string;
+  /** By receiver; NaN where there is none yet. */
+  column: Float32Array | null;
+  of(index: number): readonly number[] | null;
+  label(value: number): string;
+}
+
+/** What is shown in any case: of those that need weather, nothing without it. */
+export function quantityOf(state: State, session: Session, asker: Asker): Quantity {
+  const { show } = state;
+  if (show === "sky") {
+    const percent = session.skyView.map((share) => 100 * share);
+    return single("Sky view", "%", "%·m²", "sky_view_percent", percent);
+  }
+  if (show === "reference") return single("Clear year", KWH_M2, "kWh", "reference_kwh_m2", session.reference);
+  const titles = { year: "Year", month: MONTHS[state.month - 1] ?? "Month", day: dayName(state.dayOfYear), moment: "This moment" };
+  const sums = isSum(show);
+  const unit = sums ? KWH_M2 : W_M2;
+  const { values } = asker;
+  const component = values.components.includes(state.component) ? state.component : "total";
+  return {
+    title: titles[show],
+    shownTitle: `${titles[show]}, ${componentLabel(component).toLowerCase()}`,
+    unit,
+    wholeUnit: sums ? "kWh" : "W",
+    components: values.components,
+    shown: component,
+    column: values.column(component),
+    of: (index) => values.of(index),
+    label: (value) => `${number(value)} ${unit}`,
+  };
+}
+
+function single(title: string, unit: string, wholeUnit: string, name: string, column: Float32Array): Quantity {
+  return {
+    title, shownTitle: title, unit, wholeUnit, components: [name], shown: name, column,
+    of: (index) => (Number.isFinite(column[index]) ? [column[index]!] : null),
+    label: (value) => `${number(value)} ${unit}`,
+  };
+}

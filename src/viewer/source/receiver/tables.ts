@@ -1,0 +1,82 @@
+// Tables of the chosen receiver, and of a second one beside it.
+
+import { el } from "../dom";
+import type { ReceiverInfo } from "../engine/client";
+import { bearing, componentLabel, number } from "../words";
+import { swatch } from "./chart";
+import type { Sum } from "./groups";
+
+export function letter(which: number): HTMLElement {
+  return el("span", { class: which === 0 ? "letter" : "letter second", text: which === 0 ? "A" : "B" });
+}
+
+function head(first: string, count: number): HTMLElement {
+  const letters = count > 1 ? [el("th", { scope: "col" }, letter(0)), el("th", { scope: "col" }, letter(1))] : [el("th", { scope: "col" })];
+  return el("thead", {}, el("tr", {}, el("th", { scope: "col", text: first }), ...letters));
+}
+
+/** A name without the beginning that stands in the row above. */
+function beyond(name: string, above: string): string {
+  return above !== "" && name !== above && name.startsWith(above) ? `…${name.slice(above.length)}` : name === above ? "" : name;
+}
+
+/** Who they are and where they look. */
+export function facts(receivers: readonly ReceiverInfo[], skyViews: readonly number[]): HTMLTableElement {
+  const level = (r: ReceiverInfo): boolean => r.tilt < 0.05 || r.tilt > 179.95;
+  const rows: [string, (r: ReceiverInfo, at: number) => string][] = [
+    ["Building", (r) => r.building],
+    ["Object", (r) => beyond(r.object, r.building)],
+    ["Surface", (r) => beyond(r.surface ?? "", r.object)],
+    ["Kind", (r) => [r.kind, r.objectType].filter((word) => word !== "").join(", ")],
+    ["Area", (r) => (r.area === null ? "" : `${number(r.area)} m²`)],
+    ["Tilt", (r) => `${r.tilt.toFixed(1)}°`],
+    ["Azimuth", (r) => (level(r) ? "–" : `${r.azimuth.toFixed(1)}° (${bearing(r.azimuth)})`)],
+    ["Sky view", (_, at) => (Number.isFinite(skyViews[at]) ? `${(100 * skyViews[at]!).toFixed(1)} %` : "")],
+    ["Sees", (r) => ["sky", "ground", "obstructions"].map((name, at) => `${name}\u00a0${(100 * r.views[at]!).toFixed(0)}\u00a0%`).join(", ")],
+  ];
+  const body = rows
+    .map(([name, text]) => ({ name, texts: receivers.map(text) }))
+    .filter(({ texts }) => texts.some((text) => text !== ""))
+    .map(({ name, texts }) => el("tr", {}, el("th", { scope: "row", text: name }), ...texts.map((text) => el("td", { class: "text", text }))));
+  return el("table", { id: "receiver-facts" }, ...(receivers.length > 1 ? [head("", receivers.length)] : []), el("tbody", {}, ...body));
+}
+
+/** All components of each; numbers as they are in `data-value`. */
+export function values(caption: string, unit: string, components: readonly string[], columns: readonly (readonly number[] | null)[]): HTMLTableElement {
+  const pair = columns.length > 1;
+  const body = components.map((name, at) => {
+    const cells = columns.map((column) => {
+      const value = column?.[at];
+      return value === undefined ? el("td", { text: "…" }) : el("td", { "data-value": value, text: number(value) });
+    });
+    const [a, b] = columns.map((column) => column?.[at]);
+    if (pair) cells.push(el("td", { text: a !== undefined && b !== undefined ? number(a - b) : "…" }));
+    return el("tr", { "data-component": name, class: name === "total" ? "total" : "part" }, el("th", { scope: "row" }, swatch(name), componentLabel(name)), ...cells);
+  });
+  const heading = head(unit, columns.length);
+  if (pair) heading.firstElementChild?.append(el("th", { scope: "col", text: "A − B" }));
+  return el("table", { id: "receiver-values" }, el("caption", { text: caption }), heading, el("tbody", {}, ...body));
+}
+
+/** Means and sums of surface and building. */
+export function sums(unit: string, wholeUnit: string, rows: readonly { kind: string; name: string; sum: Sum }[], part: number): HTMLElement {
+  const body = rows.map(({ kind, name, sum }) =>
+    el(
+      "tr",
+      { "data-kind": kind },
+      el("th", { scope: "row", title: name, text: `${kind[0]!.toUpperCase()}${kind.slice(1)}` }),
+      el("td", { text: String(sum.receivers) }),
+      el("td", { text: sum.area === null ? "–" : `${number(sum.area)}` }),
+      el("td", { "data-value": sum.mean, text: number(sum.mean) }),
+      el("td", { "data-value": sum.whole ?? NaN, text: sum.whole === null ? "–" : number(sum.whole) }),
+    ),
+  );
+  const titles = ["", "receivers", "m²", `mean, ${unit}`, wholeUnit];
+  const table = el(
+    "table",
+    { class: "receiver-sums" },
+    el("thead", {}, el("tr", {}, ...titles.map((text) => el("th", { scope: "col", text })))),
+    el("tbody", {}, ...body),
+  );
+  return el("div", {}, table, ...(part < 1 ? [el("p", { class: "note", text: `Names of ${Math.floor(100 * part)} % of the receivers read so far.` })] : []));
+}

@@ -1,0 +1,81 @@
+// What the user has chosen, and who wants to know. All of it goes into the address and comes back from there (address.ts).
+
+export type Show = "sky" | "reference" | "year" | "month" | "day" | "moment";
+export type LightFrom = "weather" | "clear" | "overcast" | "own";
+export interface Place {
+  tile: number;
+  row: number;
+}
+
+export interface State {
+  show: Show;
+  component: string;
+  month: number;
+  dayOfYear: number;
+  minutes: number;
+  /** Where the sun stands by: the clock, or its own angles. */
+  sunBy: "clock" | "angles";
+  azimuth: number;
+  altitude: number;
+  light: LightFrom;
+  dni: number;
+  dhi: number;
+  sky: string;
+  /** By name of a group; only what differs from the archive's values. */
+  reflectance: Readonly<Record<string, number>>;
+  transmittance: Readonly<Record<string, number>>;
+  /** None: chosen from the values. */
+  range: readonly [number, number] | null;
+  /** Position and target, m from the scene's origin. */
+  camera: readonly number[] | null;
+  selected: Place | null;
+  pinned: Place | null;
+}
+
+export const DEFAULTS: Readonly<State> = {
+  show: "reference",
+  component: "total",
+  month: 6,
+  dayOfYear: 172,
+  minutes: 720,
+  sunBy: "clock",
+  azimuth: 180,
+  altitude: 45,
+  light: "clear",
+  dni: 800,
+  dhi: 120,
+  sky: "perez",
+  reflectance: {},
+  transmittance: {},
+  range: null,
+  camera: null,
+  selected: null,
+  pinned: null,
+};
+
+type Listener = (changed: ReadonlySet<keyof State>) => void;
+
+export class Store {
+  readonly state: State = { ...DEFAULTS };
+  private readonly listeners = new Set<Listener>();
+
+  set(changes: Partial<State>): void {
+    const changed = new Set<keyof State>();
+    for (const key of Object.keys(changes) as (keyof State)[]) {
+      if (JSON.stringify(this.state[key]) !== JSON.stringify(changes[key])) changed.add(key);
+    }
+    if (changed.size === 0) return;
+    Object.assign(this.state, changes);
+    for (const listener of this.listeners) listener(changed);
+  }
+
+  /** Returns how to stop. */
+  subscribe(listener: Listener): () => void {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+}
+
+export function isSum(show: Show): boolean {
+  return show === "year" || show === "month" || show === "day";
+}

@@ -1,0 +1,107 @@
+// Colours of receivers on the graphics card: a texture of values by receiver, a colour map and a range. A new range costs nothing, new values
+// one small upload. In: values by row of the archive. Out: a material for patches whose attribute `owner` is that row.
+
+import { DataTexture, FloatType, FrontSide, GLSL3, NearestFilter, RedFormat, RGBAFormat, ShaderMaterial, UnsignedByteType, Vector2 } from "three";
+import { VIRIDIS } from "../colour/viridis";
+
+const WIDTH = 1024;
+/** Stands for "no value": what NaN is on a card differs from card to card. */
+const NONE = -1e30;
+
+// Later ways to colour (textures of the hemispheres) replace this function alone.
+const VALUE_OF = /* glsl */ `
+  uniform highp sampler2D values;
+  float valueOf(int owner) { return texelFetch(values, ivec2(owner % ${WIDTH}, owner / ${WIDTH}), 0).r; }
+`;
+
+const VERTEX = /* glsl */ `
+  precision highp float;
+  precision highp int;
+  in float owner;
+  flat out float value;
+  flat out float marked;
+  flat out float shade;
+  in vec3 face;
+  uniform vec2 marks;
+  ${VALUE_OF}
+  void main() {
+    value = valueOf(int(owner + 0.5));
+    marked = owner == marks.x || owner == marks.y ? 1.0 : 0.0;
+    // Nearly none, so that colours can be read off the legend, but enough to tell walls apart.
+    shade = 0.95 + 0.05 * dot(face, vec3(0.35, -0.25, 0.9));
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  }
+`;
+
+const FRAGMENT = /* glsl */ `
+  precision highp float;
+  flat in float value;
+  flat in float marked;
+  flat in float shade;
+  uniform sampler2D map;
+  uniform vec2 range;
+  layout(location = 0) out vec4 colour;
+  void main() {
+    vec3 rgb = vec3(0.72, 0.74, 0.76);
+    if (value > ${(NONE / 10).toExponential()}) {
+      float share = clamp((value - range.x) / max(range.y - range.x, 1e-9), 0.0, 1.0);
+      rgb = texelFetch(map, ivec2(int(share * 255.0 + 0.5), 0), 0).rgb;
+    }
+    colour = vec4(mix(rgb * shade, vec3(1.0, 0.25, 0.45), 0.65 * marked), 1.0);
+  }
+`;
+
+export class Paint {
+  readonly material: ShaderMaterial;
+  private readonly texture: DataTexture;
+  private readonly data: Float32Array;
+
+  constructor(readonly receivers: number) {
+    const height = Math.max(1, Math.ceil(receivers / WIDTH));
+    this.data = new Float32Array(WIDTH * height).fill(NONE);
+    this.texture = new DataTexture(this.data, WIDTH, height, RedFormat, FloatType);
+    const map = new DataTexture(VIRIDIS, 256, 1, RGBAFormat, UnsignedByteType);
+    for (const texture of [this.texture, map]) {
+      texture.minFilter = texture.magFilter = NearestFilter;
+      texture.needsUpdate = true;
+    }
+    this.material = new ShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      side: FrontSide,
+      polygonOffset: true,
+      polygonOffsetFactor: -1,
+      polygonOffsetUnits: -2,
+      uniforms: {
+        values: { value: this.texture },
+        map: { value: map },
+        range: { value: new Vector2(0, 1) },
+        marks: { value: new Vector2(-1, -1) },
+      },
+    });
+  }
+
+  /** Takes the values of all receivers; NaN where there is none. */
+  show(values: Float32Array): void {
+    for (let index = 0; index < this.receivers; index++) {
+      const value = values[index]!;
+      this.data[index] = Number.isFinite(value) ? value : NONE;
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  range(low: number, high: number): void {
+    (this.material.uniforms["range"]!.value as Vector2).set(low, high);
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+    this.material.dispose();
+  }
+
+  /** Receivers that stand out; -1 for none. */
+  mark(first: number, second: number): void {
+    (this.material.uniforms["marks"]!.value as Vector2).set(first, second);
+  }
+}

@@ -1,0 +1,180 @@
+// The 3D view's renderer, camera and orbit. Draws only when something changed. Axes: x east, y north, z up, metres from the scene's origin.
+
+import { Box3, Color, MOUSE, PerspectiveCamera, Scene, Spherical, TOUCH, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+const UP = new Vector3(0, 0, 1);
+
+function isSoftware(): boolean {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const names = probe?.getExtension("WEBGL_debug_renderer_info");
+  const name: unknown = probe && names ? probe.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
+}
+
+export class Stage {
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(40, 1, 0.1, 1e5);
+  readonly controls: OrbitControls;
+  readonly renderer: WebGLRenderer;
+  /** Radius of what there is to see, m; bounds how far one can go. */
+  private radius = 100;
+  private home: { position: Vector3; target: Vector3 } | null = null;
+  private asked = false;
+  /** Without a graphics card smooth edges cost more than they are worth. */
+  private readonly plain: boolean;
+  private readonly afterDrawing = new Set<() => void>();
+  private readonly afterMoving: (() => void)[] = [];
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    this.plain = isSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.plain, powerPreference: "high-performance" });
+    this.renderer.setClearColor(new Color("#eef2f5"));
+    this.camera.up.copy(UP);
+    this.camera.position.set(0, -100, 60);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = false;
+    this.controls.screenSpacePanning = false;
+    this.controls.maxPolarAngle = Math.PI * 0.55;
+    this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: MOUSE.PAN };
+    this.controls.touches = { ONE: TOUCH.ROTATE, TWO: TOUCH.DOLLY_PAN };
+    this.controls.addEventListener("change", () => this.moved());
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
+    canvas.addEventListener("webglcontextrestored", () => this.draw());
+    this.resize();
+  }
+
+  /** Returns how to stop. */
+  onDraw(listener: () => void): () => void {
+    this.afterDrawing.add(listener);
+    return () => this.afterDrawing.delete(listener);
+  }
+
+  /** After the camera moved, by whomever. */
+  onMove(listener: () => void): void {
+    this.afterMoving.push(listener);
+  }
+
+  /** Draws before the next frame is shown; however often it is asked, once. */
+  draw(): void {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.drawNow();
+    });
+  }
+
+  drawNow(): void {
+    const far = this.camera.position.distanceTo(this.controls.target) + 4 * this.radius;
+    this.camera.near = Math.max(0.05, far / 4000);
+    this.camera.far = far * 2;
+    this.camera.updateProjectionMatrix();
+    this.renderer.render(this.scene, this.camera);
+    for (const listener of this.afterDrawing) listener();
+  }
+
+  /** Looks from the south, half from above, at a box of the scene. */
+  frame(box: Box3): void {
+    const middle = box.getCenter(new Vector3());
+    const radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
+    this.radius = radius;
+    this.controls.maxDistance = radius * 12;
+    this.controls.minDistance = Math.min(0.5, radius / 20);
+    // From the south-south-east; three's sphere has y up, ours z.
+    const towards = new Vector3().setFromSphericalCoords(1, 0.95, 0.45);
+    const back = new Vector3(towards.x, -towards.z, towards.y);
+    const right = new Vector3().crossVectors(UP, back).normalize();
+    const above = new Vector3().crossVectors(back, right);
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.9;
+    const wide = tall * this.camera.aspect;
+    // Near enough that all corners of the box are seen, and no nearer.
+    let distance = radius / 10;
+    for (let corner = 0; corner < 8; corner++) {
+      const at = new Vector3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z).sub(middle);
+      const least = Math.max(Math.abs(at.dot(right)) / wide, Math.abs(at.dot(above)) / tall);
+      distance = Math.max(distance, least + at.dot(back));
+    }
+    this.home = { position: middle.clone().addScaledVector(back, distance), target: middle };
+    this.goHome();
+  }
+
+  goHome(): void {
+    if (this.home) this.look(this.home.position, this.home.target);
+  }
+
+  look(position: Vector3, target: Vector3): void {
+    this.camera.position.copy(position);
+    this.controls.target.copy(target);
+    this.controls.update();
+    this.moved();
+  }
+
+  /** Radius of what there is to see, when a view is given and need not be framed. */
+  setRadius(box: Box3): void {
+    this.radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
+    this.controls.maxDistance = this.radius * 12;
+  }
+
+  /** Turns the camera round its target, radians. */
+  orbit(aside: number, upwards: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const sphere = new Spherical().setFromVector3(new Vector3(offset.x, offset.z, -offset.y));
+    sphere.theta += aside;
+    sphere.phi = Math.min(this.controls.maxPolarAngle, Math.max(0.01, sphere.phi - upwards));
+    const turned = new Vector3().setFromSpherical(sphere);
+    this.look(this.controls.target.clone().add(new Vector3(turned.x, -turned.z, turned.y)), this.controls.target.clone());
+  }
+
+  /** Moves camera and target over the ground by shares of their distance. */
+  pan(right: number, forward: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const ahead = new Vector3(-offset.x, -offset.y, 0);
+    if (ahead.lengthSq() < 1e-9) ahead.set(0, 1, 0);
+    ahead.normalize();
+    const step = ahead.clone().multiplyScalar(forward).addScaledVector(new Vector3().crossVectors(ahead, UP), right).multiplyScalar(offset.length());
+    this.look(this.camera.position.clone().add(step), this.controls.target.clone().add(step));
+  }
+
+  zoom(factor: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const length = Math.min(this.controls.maxDistance, Math.max(this.controls.minDistance, offset.length() * factor));
+    this.look(this.controls.target.clone().add(offset.setLength(length)), this.controls.target.clone());
+  }
+
+  /** Metres that a pixel of the page covers where the camera looks. */
+  metresPerPixel(): number {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    return (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
+  }
+
+  /** Direction that the camera looks in, degrees clockwise from +y. */
+  heading(): number {
+    const { position } = this.camera;
+    const { target } = this.controls;
+    return (Math.atan2(target.x - position.x, target.y - position.y) * 180) / Math.PI;
+  }
+
+  /** Place on the canvas in pixels of the page; none behind the camera. */
+  project(point: Vector3): { x: number; y: number } | null {
+    const seen = point.clone().project(this.camera);
+    if (seen.z > 1 || Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1) return null;
+    return { x: ((seen.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - seen.y) / 2) * this.canvas.clientHeight };
+  }
+
+  private moved(): void {
+    for (const listener of this.afterMoving) listener();
+    this.draw();
+  }
+
+  private resize(): void {
+    const box = (this.canvas.parentElement ?? this.canvas).getBoundingClientRect();
+    const [width, height] = [Math.max(1, Math.floor(box.width)), Math.max(1, Math.floor(box.height))];
+    this.renderer.setPixelRatio(this.plain ? 1 : Math.min(2, devicePixelRatio));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.drawNow();
+  }
+}
