@@ -36,13 +36,13 @@ test("Under 20 random suns, skies and reflectances, all receivers of the page's 
     const sky = skies[at % skies.length];
     const [ground, obstruction] = [Math.floor(100 * next()) / 100, Math.floor(95 * next()) / 100];
     await wish(page, [
-      ["show", "moment"], ["light", "own"], ["sun", "angles"], ["sky", sky], ["reflectance", `ground=${ground}`], ["reflectance", `obstruction=${obstruction}`],
+      ["show", "moment"], ["light", "own"], ["sun", "angles"], ["sky", sky], ["reflectance", `TINRelief=${ground}`], ["reflectance", `WallSurface=${obstruction}`],
       ...Object.entries(sun).map(([name, value]) => [name, String(value)]),
     ]);
     const text = await savedCsv(page);
     assert.match(text, new RegExp(`# sky: ${sky}`));
     writeFileSync(`${out}conditions.csv`, `condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nc,${sun.azimuth},${sun.altitude},${sun.dni},${sun.dhi}\n`);
-    const program = heliotile("query", HAGUE, "--conditions", `${out}conditions.csv`, "--sky", sky, "--reflectance", `ground=${ground}`, "--reflectance", `obstruction=${obstruction}`, "-o", "-");
+    const program = heliotile("query", HAGUE, "--conditions", `${out}conditions.csv`, "--sky", sky, "--reflectance", `TINRelief=${ground}`, "--reflectance", `WallSurface=${obstruction}`, "-o", "-");
     const { most, share } = apart(parseCsv(text), parseCsv(program));
     assert.ok(most > 1, `${most} W/m2`);
     worst = Math.max(worst, share);

@@ -86,18 +86,18 @@ test("Arrow keys turn the view, plus comes nearer, and the address follows and b
   await page.selectOption("#show-component", "sky_direct");
   await page.fill("#range-high", "150");
   await page.press("#range-high", "Enter");
-  await page.$eval('[data-group="ground"] input', (slider) => {
+  await page.$eval('[data-group="TINRelief"] input', (slider) => {
     slider.value = "0.5";
     slider.dispatchEvent(new Event("input", { bubbles: true }));
   });
-  await page.waitForFunction(() => location.hash.includes("ground=0.5") || location.hash.includes("ground%3D0.5"));
+  await page.waitForFunction(() => location.hash.includes("TINRelief=0.5") || location.hash.includes("TINRelief%3D0.5"));
   const hash = await page.evaluate(() => location.hash);
   const again = await open();
   await go(again, `${address}${hash}`);
   const state = await again.evaluate(() => ({ ...window.heliotile.state }));
   assert.equal(state.component, "sky_direct");
   assert.equal(state.range[1], 150);
-  assert.equal(state.reflectance.ground, 0.5);
+  assert.equal(state.reflectance.TINRelief, 0.5);
   near.forEach((metres, at) => assert.ok(Math.abs(state.camera[at] - metres) < 0.02));
   assert.deepEqual([...page.complaints, ...again.complaints], []);
 });

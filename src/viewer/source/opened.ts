@@ -111,7 +111,7 @@ export class OpenedSite {
     if (camera) {
       stage.setRadius(box);
       stage.look(new Vector3(camera[0], camera[1], camera[2]), new Vector3(camera[3], camera[4], camera[5]));
-    } else stage.frame(box);
+    } else stage.frame(box, box);
     let framed = camera !== null;
     const started = stage.camera.position.clone();
     const sceneDone = this.readScene();
@@ -128,7 +128,7 @@ export class OpenedSite {
     this.progress(null);
     // The receivers are what is looked at; nobody who has moved is moved.
     if (!framed && stage.camera.position.equals(started) && !this.patches.box.isEmpty()) {
-      stage.frame(this.patches.box);
+      stage.frame(this.patches.box, box);
       framed = true;
     }
     this.follow(new Set(["selected", "pinned"]));

@@ -71,7 +71,9 @@ impl Drawn {
         let (mut points, mut corners): (Vec<[f32; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
         let mut owner: Vec<u32> = Vec::new();
         let facing = self.normals.iter().zip(&self.areas);
-        for (row, (place, (patch, (normal, area)))) in (0..).zip(self.places.iter().zip(self.patches.iter().zip(facing))) {
+        for (row, (place, (patch, (normal, area)))) in
+            (0..).zip(self.places.iter().zip(self.patches.iter().zip(facing)))
+        {
             let area_m2 = if *area > 0.0 { f64::from(*area) } else { AREA_M2 };
             let square = patch.is_empty().then(|| Patch::square(DVec3::from(normal.map(f64::from)), area_m2));
             for polygon in square.as_ref().unwrap_or(patch).polygons() {

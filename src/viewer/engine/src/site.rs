@@ -129,19 +129,26 @@ fn skies() -> impl Iterator<Item = SkyModel> {
     [SkyModel::Perez, SkyModel::Perez1990, SkyModel::Uniform].into_iter().chain(general)
 }
 
-/// What changes take by group, and by class where no group or material has its name: what reflects, then canopies.
+/// Materials that are listed one by one; of more the classes are.
+const MOST_MATERIALS: usize = 8;
+
+/// What changes take: groups, and materials without one, or if those are many, their classes. What reflects, then canopies.
 fn groups(materials: &[Material], diffuse: bool) -> Vec<SiteGroup> {
     let named: BTreeSet<&str> = materials.iter().filter_map(|material| material.group.as_deref()).collect();
+    let alone: Vec<&Material> = materials.iter().filter(|material| material.group.is_none()).collect();
     let taken = |name: &str| named.contains(name) || materials.iter().any(|material| material.name == name);
     let by_group = named.iter().map(|&name| {
         let members: Vec<&Material> = materials.iter().filter(|m| m.group.as_deref() == Some(name)).collect();
         (name, members)
     });
-    let by_class = Class::ALL.into_iter().filter(|class| !taken(class_name(*class))).map(|class| {
-        let members: Vec<&Material> = materials.iter().filter(|m| m.class == class).collect();
-        (class_name(class), members)
-    });
-    let all: Vec<(&str, Vec<&Material>)> = by_group.chain(by_class).collect();
+    let rest: Vec<(&str, Vec<&Material>)> = if alone.len() <= MOST_MATERIALS {
+        let of_its_own = alone.iter().filter(|material| !named.contains(material.name.as_str()));
+        of_its_own.map(|material| (material.name.as_str(), vec![*material])).collect()
+    } else {
+        let by_class = Class::ALL.into_iter().filter(|class| !taken(class_name(*class)));
+        by_class.map(|class| (class_name(class), materials.iter().filter(|m| m.class == class).collect())).collect()
+    };
+    let all: Vec<(&str, Vec<&Material>)> = by_group.chain(rest).collect();
     let of = |kind: &'static str, value: fn(&Material) -> Option<f64>| {
         let group = move |(name, members): &(&str, Vec<&Material>)| {
             let values: Vec<f64> = members.iter().filter_map(|material| value(material)).collect();

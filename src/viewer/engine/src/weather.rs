@@ -150,12 +150,7 @@ pub fn clear(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year:
     Ok(Answer::of(json!({ "dni": condition.dni_w_m2, "dhi": condition.dhi_w_m2 })))
 }
 
-fn direction(
-    weather: Option<&LoadedWeather>,
-    place: Option<Place>,
-    day_of_year: u32,
-    minutes: f64,
-) -> Result<DVec3> {
+fn direction(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year: u32, minutes: f64) -> Result<DVec3> {
     let location = location(weather, place)?;
     let of_year = || {
         let first = Date::new(YEAR, 1, 1)?.day_number();

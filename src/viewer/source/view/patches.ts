@@ -4,6 +4,11 @@
 import { Box3, BufferAttribute, BufferGeometry, Mesh, type Group, type ShaderMaterial, Vector3 } from "three";
 import type { Overview } from "../engine/client";
 
+/** Patches are drawn so much wider on each side, by their size and at least in m: neighbours' corners are rounded to mm, and what is behind
+ * would shine through. */
+const OVERLAP = 0.01;
+const LEAST_OVERLAP_M = 0.004;
+
 /** Triangles that are gathered before they become a mesh. */
 const ENOUGH = 40_000;
 /** And how long they wait for others, ms. */
@@ -37,7 +42,7 @@ export class Patches {
     const faces = new Int8Array(9 * this.triangles);
     let corner = 0;
     for (const { overview, first } of this.waiting) {
-      const { points, corners, owner, normal } = overview;
+      const { points, corners, owner, normal, middle } = overview;
       const along = (from: number, to: number, axis: number): number => points[3 * to + axis]! - points[3 * from + axis]!;
       for (let triangle = 0; triangle < owner.length; triangle++) {
         const row = owner[triangle]!;
@@ -48,8 +53,12 @@ export class Patches {
           normal[3 * row + 2]! * (along(a, b, 0) * along(a, c, 1) - along(a, b, 1) * along(a, c, 0));
         if (facing < 0) [b, c] = [c, b];
         for (const point of [a, b, c]) {
+          const from = (axis: number): number => points[3 * point + axis]! - middle[3 * row + axis]!;
+          const off = from(0) * normal[3 * row]! + from(1) * normal[3 * row + 1]! + from(2) * normal[3 * row + 2]!;
+          const out = (axis: number): number => from(axis) - off * normal[3 * row + axis]!;
+          const wider = Math.max(OVERLAP, LEAST_OVERLAP_M / Math.max(0.01, Math.hypot(out(0), out(1), out(2))));
           for (let axis = 0; axis < 3; axis++) {
-            positions[3 * corner + axis] = points[3 * point + axis]!;
+            positions[3 * corner + axis] = points[3 * point + axis]! + wider * out(axis);
             faces[3 * corner + axis] = Math.round(127 * normal[3 * row + axis]!);
           }
           owners[corner] = first + row;

@@ -29,7 +29,7 @@ const FRAGMENT = /* glsl */ `
   layout(location = 0) out vec4 colour;
   void main() {
     vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
-    float light = 0.86 + 0.10 * abs(normal.z) + 0.04 * abs(dot(normal, vec3(0.6, 0.8, 0.0)));
+    float light = 0.62 + 0.20 * abs(normal.z) + 0.18 * abs(dot(normal, vec3(-0.53, -0.45, 0.72)));
     colour = vec4(base * light, alpha);
   }
 `;

@@ -30,7 +30,7 @@ export class Stage {
   constructor(readonly canvas: HTMLCanvasElement) {
     this.plain = isSoftware();
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.plain, powerPreference: "high-performance" });
-    this.renderer.setClearColor(new Color("#eef2f5"));
+    this.renderer.setClearColor(new Color("#d9e3ec"));
     this.camera.up.copy(UP);
     this.camera.position.set(0, -100, 60);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -75,19 +75,19 @@ export class Stage {
     for (const listener of this.afterDrawing) listener();
   }
 
-  /** Looks from the south, half from above, at a box of the scene. */
-  frame(box: Box3): void {
+  /** Looks from the south, half from above, at a box of the scene; with some of what is around it, if there is much. */
+  frame(box: Box3, around: Box3): void {
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
     this.radius = radius;
-    this.controls.maxDistance = radius * 12;
+    this.controls.maxDistance = Math.max(radius * 12, around.getSize(new Vector3()).length());
     this.controls.minDistance = Math.min(0.5, radius / 20);
     // From the south-south-east; three's sphere has y up, ours z.
     const towards = new Vector3().setFromSphericalCoords(1, 0.95, 0.45);
     const back = new Vector3(towards.x, -towards.z, towards.y);
     const right = new Vector3().crossVectors(UP, back).normalize();
     const above = new Vector3().crossVectors(back, right);
-    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.9;
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * (around.getSize(new Vector3()).length() > 3 * radius ? 0.68 : 0.9);
     const wide = tall * this.camera.aspect;
     // Near enough that all corners of the box are seen, and no nearer.
     let distance = radius / 10;
