@@ -49,6 +49,9 @@ pub mod longwave {}
 #[doc = include_str!("energyplus.md")]
 pub mod energyplus {}
 
+#[doc = include_str!("viewing.md")]
+pub mod viewing {}
+
 #[doc = include_str!("export.md")]
 pub mod export {}
 
