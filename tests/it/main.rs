@@ -38,4 +38,5 @@ mod tidy;
 mod tilted;
 mod times;
 mod transfer;
+mod view;
 mod weather;

@@ -1,0 +1,118 @@
+//! The page: served, and as a file.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+
+use crate::cli::{Folder, golden, stdout};
+
+/// A program that serves, until the test ends.
+struct Served {
+    child: Child,
+    address: String,
+}
+
+impl Served {
+    fn new(folder: &Folder, arguments: &str) -> Self {
+        let mut child = folder.command(arguments).stdout(Stdio::piped()).spawn().expect("the program");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().expect("an output")).read_line(&mut line).expect("a line");
+        let address = line.split("http://").nth(1).and_then(|rest| rest.split('/').next()).expect("an address");
+        Served { address: address.to_owned(), child }
+    }
+
+    /// Status, headers in lower case, and body of a request with some headers.
+    fn ask(&self, method: &str, path: &str, headers: &[(&str, &str)]) -> (u16, String, Vec<u8>) {
+        let mut stream = TcpStream::connect(&self.address).expect("a connection");
+        let host = headers.iter().all(|header| header.0 != "Host").then(|| format!("Host: {}\r\n", self.address));
+        let more: String = headers.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
+        let request =
+            format!("{method} {path} HTTP/1.1\r\n{}{more}Connection: close\r\n\r\n", host.unwrap_or_default());
+        stream.write_all(request.as_bytes()).expect("asked");
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).expect("an answer");
+        let end = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n").expect("a head");
+        let head = String::from_utf8_lossy(&answer[..end]).to_lowercase();
+        let status = head.split(' ').nth(1).and_then(|status| status.parse().ok()).expect("a status");
+        (status, head, answer[end + 4..].to_vec())
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// `view` answers on 127.0.0.1 with the page, the archive by ranges with an ETag, and the weather; 6 other paths, 3 foreign hosts, other
+/// methods and what lies in the folder get nothing of it.
+#[test]
+fn view_serves_its_own_files() {
+    let folder = Folder::new();
+    folder.build();
+    let weather = fs::read(golden()).expect("weather");
+    fs::write(folder.path("w.epw"), &weather).expect("written");
+    let served = Served::new(&folder, "view site.helio --weather w.epw --port 0");
+    assert!(served.address.starts_with("127.0.0.1:"), "{}", served.address);
+    let archive = fs::read(folder.path("site.helio")).expect("an archive");
+    let (status, head, body) = served.ask("GET", "/", &[]);
+    let page = String::from_utf8(body).expect("text");
+    assert!(status == 200 && head.contains("text/html") && head.contains("nosniff"), "{head}");
+    assert!(page.contains("\"archive\":\"site.helio\"") && page.contains("\"weather\":\"weather\""));
+    assert!(page.contains("Content-Security-Policy"));
+    let (status, head, body) = served.ask("GET", "/site.helio", &[("Range", "bytes=100-299")]);
+    assert!(status == 206 && head.contains("etag:") && head.contains(&format!("bytes 100-299/{}", archive.len())));
+    assert!(body == archive[100..300]);
+    assert!(served.ask("GET", "/site.helio", &[]).2 == archive);
+    assert!(served.ask("GET", "/weather", &[]).2 == weather);
+    for path in ["/scene.obj", "/receivers.csv", "/../scene.obj", "/%2e%2e/scene.obj", "/site.helio/..", "//etc/passwd"]
+    {
+        assert_eq!(served.ask("GET", path, &[]).0, 404, "{path}");
+    }
+    for host in ["example.org", "127.0.0.1", "localhost:1"] {
+        let (status, _, body) = served.ask("GET", "/site.helio", &[("Host", host)]);
+        assert!(status == 403 && body.len() < 100, "{host}: {status}");
+    }
+    let local = served.address.replace("127.0.0.1", "localhost");
+    assert_eq!(served.ask("GET", "/", &[("Host", &local)]).0, 200);
+    assert!([404, 405].contains(&served.ask("POST", "/site.helio", &[]).0));
+    assert!(fs::read(folder.path("site.helio")).expect("an archive") == archive);
+}
+
+/// What cannot be shown is refused before anything is served: 5 of 5, with what to do.
+#[test]
+fn what_cannot_be_shown() {
+    let folder = Folder::new();
+    folder.build();
+    fs::write(folder.path("cut.helio"), &fs::read(folder.path("site.helio")).expect("an archive")[..3000])
+        .expect("written");
+    folder.refused("view nowhere.helio", &["nowhere.helio"]);
+    folder.refused("view scene.obj", &["scene.obj"]);
+    folder.refused("view cut.helio", &["cut.helio"]);
+    folder.refused("view site.helio --weather scene.obj", &["scene.obj"]);
+    folder.refused("export site.helio --html nowhere/page.html", &["nowhere"]);
+}
+
+/// `export --html` writes one file that holds the archive's bytes and those of the weather, and no address of elsewhere; names with tags stay
+/// text.
+#[test]
+fn a_page_as_a_file() {
+    let folder = Folder::new();
+    folder.build();
+    let name = "a<script>b.helio";
+    fs::copy(folder.path("site.helio"), folder.path(name)).expect("copied");
+    fs::copy(golden(), folder.path("w.epw")).expect("copied");
+    let output = folder.run(&format!("export {name} --html page.html --weather w.epw"));
+    assert!(output.status.success() && stdout(&output).is_empty());
+    let page = fs::read_to_string(folder.path("page.html")).expect("a page");
+    let archive = fs::read(folder.path("site.helio")).expect("an archive");
+    assert!(page.contains("data-name=\"a&lt;script&gt;b.helio\"") && !page.contains(name));
+    let packed = page.split("id=\"weather\"").nth(1).expect("weather").split('>').nth(1).expect("bytes");
+    assert!(page.len() > archive.len() * 4 / 3 && packed.len() > 1000);
+    for from in ["src=\"http", "href=\"http", "url(http", "import(\"http"] {
+        assert!(!page.contains(from), "{from}");
+    }
+}
