@@ -6,7 +6,7 @@ pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Format version that this release reads and writes.
 pub const MAJOR: u16 = 1;
 /// Minor format version that this release writes; readers take larger ones, and read what they know.
-pub const MINOR: u16 = 3;
+pub const MINOR: u16 = 4;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 /// Bytes of a slot, its checksum included.
