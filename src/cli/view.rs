@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::{ClockArgs, clock_of};
 use clap::Args;
 
 /// What `view --help` says at its end.
@@ -12,12 +13,15 @@ archive from elsewhere, put it on any web server that answers ranges and open th
 
 #[derive(Args, Debug)]
 #[command(after_long_help = ABOUT)]
+#[command(group(clock_of("weather")))]
 pub struct ViewArgs {
     /// Archive to look at
     pub archive: PathBuf,
     /// Weather file whose hours and sums are shown: EPW, TMY3, SAM, PVGIS or CSV, packed with gzip or not
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
     /// Port of the address; without it 8017, or any that is free
     #[arg(long, value_name = "PORT")]
     pub port: Option<u16>,

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use clap::Args;
+use serde_json::Value;
 
 use super::choice::choice;
 use super::scene::{parse_latitude, parse_longitude};
@@ -55,6 +56,22 @@ impl ClockArgs {
             with_air,
             ..WeatherOptions::default()
         }
+    }
+}
+
+impl ClockArgs {
+    /// The same for a page, in the words of the command line.
+    pub fn json(&self) -> Value {
+        let shift = self.shift.map(|shift| match shift {
+            TimeShift::Auto => "auto".to_owned(),
+            TimeShift::Minutes(minutes) => format!("{minutes}min"),
+        });
+        let said = [
+            ("timeZone", self.time_zone.map(|zone| zone.to_string())),
+            ("shift", shift),
+            ("stamp", self.weather_stamp.map(|at| at.name().to_owned())),
+        ];
+        said.into_iter().filter_map(|(name, said)| Some((name.to_owned(), Value::from(said?)))).collect()
     }
 }
 

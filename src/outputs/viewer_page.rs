@@ -9,7 +9,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::page::escaped;
 use super::sink::Sink;
@@ -41,7 +41,6 @@ impl ViewerPage {
             file.read_to_end(&mut bytes).map_err(Error::io(path, "read"))?;
             self.add("archive", &name, "", &bytes);
         }
-        self.options.insert("name".into(), json!(name));
         Ok(self)
     }
 

@@ -31,8 +31,13 @@ use crate::scenes::*;
 type Arrays = Vec<(&'static str, Vec<u8>)>;
 
 /// The golden archives, one of every format that there was: their versions, and how many arrays each holds.
-const GOLDEN: [(&str, usize); 5] =
-    [("v1.0-experimental", 44), ("v1.1-experimental", 64), ("v1.2-experimental", 66), ("v1.3-experimental", 66), ("v1.4-experimental", 77)];
+const GOLDEN: [(&str, usize); 5] = [
+    ("v1.0-experimental", 44),
+    ("v1.1-experimental", 64),
+    ("v1.2-experimental", 66),
+    ("v1.3-experimental", 66),
+    ("v1.4-experimental", 77),
+];
 
 /// A file of a golden archive: `.helio`, what was made from it by `reader.py` and by `query`, and the conditions.
 fn golden(version: &str, extension: &str) -> PathBuf {

@@ -149,6 +149,7 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>, about: 
 fn write_page(files: &Files, args: &RunArgs) -> Result<()> {
     let page =
         ViewerPage::default().with_archive(&files.archive)?.with_weather(&args.weather, &read_file(&args.weather)?)?;
+    let page = page.with_option("clock", args.about_weather.json());
     let page = if page.holds_archive() { page } else { page.with_option("archive", "../site.helio") };
     page.write(&files.page)
 }

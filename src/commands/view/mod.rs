@@ -12,7 +12,6 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::weather::distance::far_apart;
-use heliotile_core::weather::options::WeatherOptions;
 use server::{Served, serve};
 
 /// Where the page is, unless something else is there already.
@@ -22,15 +21,16 @@ const PORT: u16 = 8017;
 pub fn run(args: &ViewArgs) -> Result<Outcome> {
     let archive = Archive::open_with(&args.archive, Access::Read)?;
     OpenSite::of(&archive)?;
-    let mut page =
-        ViewerPage::default().with_option("archive", server::ARCHIVE).with_option("name", name(&args.archive));
+    let mut page = ViewerPage::default().with_option("archive", server::ARCHIVE);
     let mut weather = None;
     if let Some(path) = &args.weather {
         let place = archive.manifest().place;
-        let read = read_weather_as(path, &WeatherOptions::default(), &mut || Ok(place))?;
+        let read = read_weather_as(path, &args.about_weather.options(false), &mut || Ok(place))?;
         read.report.warnings.iter().for_each(|w| warn(w));
         place.and_then(|place| far_apart(&place, &read)).iter().for_each(|apart| warn(apart));
-        page = page.with_option("weather", server::WEATHER).with_option("weatherName", name(path));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        page = page.with_option("weather", server::WEATHER).with_option("weatherName", name);
+        page = page.with_option("clock", args.about_weather.json());
         weather = Some(read_file(path)?);
     }
     let listener = listen(args.port)?;
@@ -38,10 +38,6 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", args.archive.display()))?;
     serve(listener, Served { page: page.html(), archive: args.archive.clone(), weather })?;
     Ok(Outcome::Fine)
-}
-
-fn name(path: &std::path::Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The port that was asked for, or the usual one, or any.

@@ -1,5 +1,7 @@
 // Data that stand in the page itself as `<script type="application/octet-stream">`: the engine, and what the program put there.
 
+import type { Clock } from "./engine/client";
+
 /** Bytes of a block, unpacked where it says that it is packed; none where the page has no such block. Its text is let go. */
 export async function takeBlock(id: string): Promise<{ bytes: ArrayBuffer; name: string } | null> {
   const block = document.getElementById(id);
@@ -16,16 +18,22 @@ export async function takeBlock(id: string): Promise<{ bytes: ArrayBuffer; name:
 export interface Options {
   archive?: string;
   weather?: string;
+  /** What the weather file is called, if not as its address ends. */
+  weatherName?: string;
+  /** Of the weather that comes with the page. */
+  clock: Clock;
 }
 
 /** Addresses of archive and weather: those of the page's own options, else those in its address. */
 export function readOptions(): Options {
-  const found: Options = {};
+  const found: Options = { clock: {} };
   const text = document.getElementById("options")?.textContent;
   if (text) {
     const parsed: unknown = JSON.parse(text);
     if (typeof parsed === "object" && parsed !== null) {
       if ("archive" in parsed && typeof parsed.archive === "string") found.archive = parsed.archive;
+      if ("weatherName" in parsed && typeof parsed.weatherName === "string") found.weatherName = parsed.weatherName;
+      if ("clock" in parsed && typeof parsed.clock === "object" && parsed.clock !== null) found.clock = parsed.clock;
       if ("weather" in parsed && typeof parsed.weather === "string") found.weather = parsed.weather;
     }
   }

@@ -6,7 +6,7 @@ import { Legend } from "./colour/legend";
 import { byId, download, el } from "./dom";
 import { csv, provenance } from "./download/csv";
 import { picture } from "./download/picture";
-import { Engine, type Site, type Source, type WeatherInfo } from "./engine/client";
+import { Engine, type Clock, type Site, type Source, type WeatherInfo } from "./engine/client";
 import { knowsClearSkies } from "./light";
 import { OpenedSite, type Page } from "./opened";
 import { listenForFiles } from "./panel/files";
@@ -85,8 +85,8 @@ class Main {
     }
     await this.open(source, async () => {
       try {
-        if (weather) return await this.loadWeather(weather.name, weather.bytes);
-        if (options.weather && !local) return await this.fetchWeather(options.weather);
+        if (weather) return await this.loadWeather(weather.name, weather.bytes, options.clock);
+        if (options.weather && !local) return await this.fetchWeather(options.weather, options.clock, options.weatherName);
       } catch (error) {
         this.messages.error("reading the weather", error);
       }
@@ -165,15 +165,15 @@ class Main {
     byId("site-facts", HTMLElement).replaceChildren(...facts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
   }
 
-  private async loadWeather(name: string, data: ArrayBuffer): Promise<WeatherInfo> {
+  private async loadWeather(name: string, data: ArrayBuffer, clock: Clock = {}): Promise<WeatherInfo> {
     if (!this.engine) throw new Error("the engine has not started");
-    return this.engine.loadWeather(name, data);
+    return this.engine.loadWeather(name, data, clock);
   }
 
-  private async fetchWeather(url: string): Promise<WeatherInfo> {
+  private async fetchWeather(url: string, clock: Clock, name?: string): Promise<WeatherInfo> {
     const answer = await fetch(url);
     if (!answer.ok) throw new Error(`${url}: the server says ${answer.status}`);
-    return this.loadWeather(new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer());
+    return this.loadWeather(name ?? new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer(), clock);
   }
 
   private takeWeather(weather: WeatherInfo | null): void {

@@ -47,7 +47,7 @@ test("3 changed reflectances have the values of query within 1e-6 of the largest
 });
 
 test("archives of 5 formats, with mirrors and canopies, have the values of query within 1e-6, leaves at 0.2 and as stored", async () => {
-  for (const version of ["1.0", "1.1", "1.2", "1.3"]) {
+  for (const version of ["1.0", "1.1", "1.2", "1.3", "1.4"]) {
     const { site } = await opened(readFileSync(SMALL(version)));
     const canopy = site.groups.find(({ kind }) => kind === "canopy");
     const leaves = canopy ? [[{ reflectance: [], transmittance: [[canopy.name, 0.2]] }, ["--transmittance", `${canopy.name}=0.2`]]] : [];

@@ -5,6 +5,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{self, ConstantOrFile};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::{StampedAt, WeatherOptions, parse_zone};
 use serde::Deserialize;
 
 /// Reflectances and transmittances, as `--reflectance` and `--transmittance` take them.
@@ -28,6 +29,36 @@ impl Changes {
             constant: self.reflectance.clone(),
             transmittance: self.transmittance.iter().map(through).collect(),
             ..reflectances::Changes::default()
+        })
+    }
+}
+
+/// How a weather file reads the clock, in the words of the command line; what is not said is the file's.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct Clock {
+    time_zone: Option<String>,
+    shift: Option<String>,
+    stamp: Option<String>,
+}
+
+impl Clock {
+    /// What the reader of the file is told.
+    pub fn options(&self) -> Result<WeatherOptions> {
+        let zone = self.time_zone.as_deref().map(|text| {
+            parse_zone(text).ok_or_else(|| Error::argument("timeZone", format!("`{text}`"), "give hours ahead of UTC"))
+        });
+        let shift = self.shift.as_deref().map(|text| text.parse().map_err(|why| Error::argument("shift", why, "")));
+        let stamp = self.stamp.as_deref().map(|text| {
+            let all = [StampedAt::Start, StampedAt::Middle, StampedAt::End];
+            let found = all.into_iter().find(|at| at.name() == text);
+            found.ok_or_else(|| Error::argument("stamp", format!("`{text}`"), "give start, middle or end"))
+        });
+        Ok(WeatherOptions {
+            zone_hours: zone.transpose()?,
+            shift: shift.transpose()?.unwrap_or_default(),
+            stamped_at: stamp.transpose()?,
+            ..WeatherOptions::default()
         })
     }
 }

@@ -41,8 +41,8 @@ impl Engine {
             Request::Scene { chunk } => geometry::scene(opened, chunk),
             Request::Overview { tile } => geometry::overview(opened, tile),
             Request::Receivers { tile } => receivers::receivers(opened, tile),
-            Request::LoadWeather { name } => {
-                let loaded = LoadedWeather::read(&name, &bytes, manifest.place, manifest.settings.steps())?;
+            Request::LoadWeather { name, clock } => {
+                let loaded = LoadedWeather::read(&name, &bytes, &clock.options()?, manifest)?;
                 recombinations.clear();
                 moments.clear();
                 Ok(weather.insert(loaded).info(&name))

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::asked::{Changes, MomentAsk, SumAsk};
+use crate::asked::{Changes, Clock, MomentAsk, SumAsk};
 
 /// A request; names of fields are those of the worker.
 #[derive(Debug, Deserialize)]
@@ -17,7 +17,11 @@ pub enum Request {
     /// What a tile's receivers are.
     Receivers { tile: u32 },
     /// Reads the weather file whose bytes go with the request.
-    LoadWeather { name: String },
+    LoadWeather {
+        name: String,
+        #[serde(default)]
+        clock: Clock,
+    },
     /// Where the sun stands.
     Sun { day_of_year: u32, minutes: f64 },
     /// DNI and DHI under a clear sky.

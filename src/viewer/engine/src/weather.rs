@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
+use heliotile_core::archive::Manifest;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
 use heliotile_core::units::tilt_and_azimuth;
@@ -37,8 +38,9 @@ pub struct LoadedWeather {
 
 impl LoadedWeather {
     /// Reads it as `heliotile replay` does; a file that does not say where it is from is of the scene's place.
-    pub fn read(name: &str, bytes: &[u8], place: Option<Place>, steps_an_hour: u16) -> Result<Self> {
-        let mut weather = parse_weather_as(Path::new(name), bytes, &WeatherOptions::default(), &mut || Ok(place))?;
+    pub fn read(name: &str, bytes: &[u8], options: &WeatherOptions, manifest: &Manifest) -> Result<Self> {
+        let (place, steps_an_hour) = (manifest.place, manifest.settings.steps());
+        let mut weather = parse_weather_as(Path::new(name), bytes, options, &mut || Ok(place))?;
         let apart = place.and_then(|place| far_apart(&place, &weather));
         weather.report.warnings.extend(apart);
         Ok(LoadedWeather {

@@ -3,13 +3,13 @@
 import { EngineError } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import type {
-  Changes, ClearSky, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
+  Changes, ClearSky, Clock, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
 } from "./types";
 
 export { EngineError } from "./failure";
 export type { Kind } from "./failure";
 export type {
-  Changes, ClearSky, Fisheye, Group, Light, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Sky, Source, Span, SumAsk, Sun,
+  Changes, ClearSky, Clock, Fisheye, Group, Light, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Sky, Source, Span, SumAsk, Sun,
   TileValues, Traffic, Vector, WeatherInfo,
 } from "./types";
 
@@ -64,8 +64,8 @@ export class Engine {
   }
 
   /** A weather file, packed with gzip or not. */
-  loadWeather(name: string, bytes: ArrayBuffer): Promise<WeatherInfo> {
-    return this.call("loadWeather", [name, bytes]);
+  loadWeather(name: string, bytes: ArrayBuffer, clock: Clock = {}): Promise<WeatherInfo> {
+    return this.call("loadWeather", [name, bytes, clock]);
   }
 
   /** At the place and by the clock of the weather file, or else of the site. */

@@ -4,7 +4,7 @@
 import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
 import type {
-  ClearSky, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
+  ClearSky, Clock, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
 } from "./types";
 import { UrlBytes } from "./url";
 import { Wasm, type Answer } from "./wasm";
@@ -56,9 +56,9 @@ export class Tasks {
     return this.call({ request: "receivers", tile }).value as ReceiverInfo[];
   }
 
-  async loadWeather(name: string, bytes: ArrayBuffer): Promise<WeatherInfo> {
+  async loadWeather(name: string, bytes: ArrayBuffer, clock: Clock = {}): Promise<WeatherInfo> {
     const unpacked = await unpack(bytes);
-    const { value, arrays } = this.engine().call({ request: "loadWeather", name }, unpacked);
+    const { value, arrays } = this.engine().call({ request: "loadWeather", name, clock }, unpacked);
     return { ...(value as object), ...arrays } as unknown as WeatherInfo;
   }
 

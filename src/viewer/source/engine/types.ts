@@ -133,6 +133,13 @@ export interface Sun {
   altitude: number;
 }
 
+/** How a weather file reads the clock, in the words of the command line; what is not said is the file's. */
+export interface Clock {
+  timeZone?: string;
+  shift?: string;
+  stamp?: string;
+}
+
 /** W/m2. */
 export interface ClearSky {
   dni: number;
