@@ -114,6 +114,12 @@ impl Mosaic {
         (at(&self.open), at(&self.mixed))
     }
 
+    /// All of them: base texels that are sky throughout, and those that are in part, by rows of words, lowest bit first; by word, how many are in
+    /// part in those before; the fine bits of these.
+    pub fn bits(&self) -> (&[u64], &[u64], &[u32], &[u64]) {
+        (&self.open.words, &self.mixed.words, &self.ranks, &self.blocks)
+    }
+
     #[inline]
     fn mixed_at(&self, place: usize, bit: usize) -> &[u64] {
         let rank = (self.ranks[place] + (self.mixed.words[place] & ((1 << bit) - 1)).count_ones()) as usize;

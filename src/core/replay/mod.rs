@@ -8,6 +8,7 @@ pub mod factors;
 mod longwave;
 pub mod maps;
 mod moment_light;
+mod moment_textures;
 mod moment_tile;
 pub mod moments;
 pub mod receiver_view;

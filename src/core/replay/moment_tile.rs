@@ -22,21 +22,21 @@ use crate::sky::skies::{response_coefficients, sky_coefficients};
 
 /// A tile whose receivers are asked for one moment after another.
 pub struct MomentTile {
-    receivers: Vec<ReadyReceiver>,
+    pub(super) receivers: Vec<ReadyReceiver>,
 }
 
 /// What a receiver makes of light.
-struct ReadyReceiver {
-    normal: DVec3,
-    sky: Mosaic,
+pub(super) struct ReadyReceiver {
+    pub(super) normal: DVec3,
+    pub(super) sky: Mosaic,
     /// What canopies let through, if they stand before its sky.
-    veil: Option<CanopyTransmittance>,
-    mirrors: Vec<MirrorView>,
+    pub(super) veil: Option<CanopyTransmittance>,
+    pub(super) mirrors: Vec<MirrorView>,
     /// `[patch]`, then the band at the horizon, of the sky seen directly, in mirrors and by way of surfaces: irradiance per unit of each
     /// source. Empty where nothing is seen.
-    of_sky: [Vec<f32>; 3],
+    pub(super) of_sky: [Vec<f32>; 3],
     /// `[texel][axis]`; empty where nothing reflects.
-    response: Vec<[f32; 3]>,
+    pub(super) response: Vec<[f32; 3]>,
 }
 
 impl MomentTile {

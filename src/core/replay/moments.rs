@@ -26,6 +26,7 @@ use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 
 pub use crate::replay::moment_light::MomentLight;
+pub use crate::replay::moment_textures::{LightTexels, Shape, TileTextures};
 pub use crate::replay::moment_tile::MomentTile;
 
 /// A site in one state of its reflectances, ready to give tile after tile.

@@ -89,16 +89,19 @@ export function formatAddress(state: State): string {
 /** Keeps the address up to date, a few times a second at most, and follows it when the user changes it. */
 export function keepAddress(store: Store): void {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let written = "";
+  let written = location.hash;
   store.subscribe(() => {
     clearTimeout(timer);
     timer = setTimeout(() => {
-      written = formatAddress(store.state);
-      history.replaceState(null, "", written);
+      // A change by hand is about to be told, and counts.
+      if (location.hash !== written) return;
+      history.replaceState(null, "", formatAddress(store.state));
+      written = location.hash;
     }, 300);
   });
   addEventListener("hashchange", () => {
     if (location.hash === written) return;
+    written = location.hash;
     const found = parseAddress(location.hash);
     if (Object.keys(found).length > 0) store.set({ ...DEFAULTS, camera: store.state.camera, ...found });
   });

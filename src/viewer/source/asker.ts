@@ -1,9 +1,15 @@
 // Keeps values in step with the state. One ask at a time: while it is under way the newest wishes wait, and they win.
 
+import type { Card } from "./card/card";
+import { Loader } from "./card/loader";
+import type { Changes } from "./engine/client";
 import type { Session } from "./session";
 import { shineOf, type Shine } from "./light";
 import { isSum, type State, type Store } from "./state";
 import { Values } from "./values";
+
+/** A sun that does not move for so long rests, ms: then the core's values replace those of the card. */
+const REST_MS = 180;
 
 interface Hooks {
   /** Point whose tiles come first, m from the scene's origin. */
@@ -11,6 +17,8 @@ interface Hooks {
   onShine(shine: Shine): void;
   /** Values arrived, or are about to be asked for. */
   onValues(progress: { done: number; of: number } | null): void;
+  /** The card has the colours of the newest light. */
+  onCard(): void;
   onDamage(tile: number, message: string): void;
   onError(error: unknown): void;
 }
@@ -45,13 +53,19 @@ export class Asker {
   private shown = "";
   private ask = 0;
   private waiting = false;
+  /** True when the card has drawn the newest wish. */
+  private drawn = false;
   private whenSettled: (() => void)[] = [];
+  private whenSeen: (() => void)[] = [];
+  private readonly loader: Loader | null;
 
   constructor(
     private readonly session: Session,
     private readonly store: Store,
     private readonly hooks: Hooks,
+    readonly card: Card | null,
   ) {
+    this.loader = card && new Loader(card, session);
     this.values = new Values(session.site.components, session.site.receivers);
     this.stop = store.subscribe(() => this.update());
   }
@@ -59,8 +73,9 @@ export class Asker {
   /** What still comes is of no use any more. */
   close(): void {
     this.stop();
+    this.loader?.stop();
     this.ask += 1;
-    for (const resolve of this.whenSettled.splice(0)) resolve();
+    for (const resolve of [...this.whenSettled.splice(0), ...this.whenSeen.splice(0)]) resolve();
   }
 
   /** Asks again where the state wishes for other values. */
@@ -68,7 +83,8 @@ export class Asker {
     const now = wish(this.store.state, this.session.weather !== null);
     if (now === this.wished) return;
     this.wished = now;
-    this.settled = false;
+    this.settled = this.drawn = false;
+    this.loader?.stop();
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => {
@@ -88,6 +104,11 @@ export class Asker {
     return this.settled ? Promise.resolve() : new Promise((resolve) => this.whenSettled.push(resolve));
   }
 
+  /** Resolves when colours are those of the newest wish, even if not all numbers are. */
+  seeing(): Promise<void> {
+    return this.settled || this.drawn ? Promise.resolve() : new Promise((resolve) => this.whenSeen.push(resolve));
+  }
+
   private async run(): Promise<void> {
     const ask = ++this.ask;
     try {
@@ -99,8 +120,10 @@ export class Asker {
     }
     if (this.wished !== wish(this.store.state, this.session.weather !== null)) return;
     this.settled = true;
+    if (this.card) this.card.shown = null;
     this.hooks.onValues(null);
-    for (const resolve of this.whenSettled.splice(0)) resolve();
+    this.load();
+    for (const resolve of [...this.whenSettled.splice(0), ...this.whenSeen.splice(0)]) resolve();
   }
 
   /** True when it came to its end, false when a newer ask took its place. */
@@ -151,8 +174,41 @@ export class Asker {
     if (!isNewest()) return false;
     this.shine = shine;
     hooks.onShine(shine);
-    begin();
-    return engine.moment({ light: shine.light, ...common, tiles }, onTile, onDamage);
+    const ask = { light: shine.light, ...common };
+    const { card } = this;
+    if (card && this.loader && !forget && shine.light.kind === "sun" && card.serves(JSON.stringify(changes), state.component)) {
+      begin();
+      // Only what the card does not have, and what is read in tables, keeps in step with a sun that moves.
+      const chosen = [state.selected, state.pinned].flatMap((place) => (place ? [place.tile] : []));
+      const some = engine.moment({ ...ask, tiles: [...new Set([...chosen, ...this.loader.missing])] }, onTile, onDamage);
+      // Its failure is told where it is waited for.
+      some.catch(() => undefined);
+      const light = await engine.light({ ...ask, tiles: [] });
+      if (!isNewest()) return false;
+      // What is shown may have become another component since.
+      const { component } = this.store.state;
+      if (card.serves(JSON.stringify(changes), component)) {
+        card.draw(light, component);
+        hooks.onCard();
+      }
+      if (!(await some) || !isNewest()) return false;
+      this.drawn = true;
+      for (const resolve of this.whenSeen.splice(0)) resolve();
+      await new Promise((resolve) => setTimeout(resolve, REST_MS));
+      if (!isNewest()) return false;
+    } else {
+      if (card) card.shown = null;
+      begin();
+    }
+    return engine.moment({ ...ask, tiles }, onTile, onDamage);
+  }
+
+  /** Brings receivers to the card for the next time that the sun moves. */
+  private load(): void {
+    const { state } = this.store;
+    if (!this.loader || state.show !== "moment" || state.light === "weather") return;
+    const changes: Changes = { reflectance: Object.entries(state.reflectance), transmittance: Object.entries(state.transmittance) };
+    void this.loader.load(changes, this.hooks.target());
   }
 
   private async drop(what: "sums" | "moment"): Promise<void> {

@@ -22,6 +22,8 @@ export interface Options {
   weatherName?: string;
   /** Of the weather that comes with the page. */
   clock: Clock;
+  /** Most memory of the graphics card for textures of receivers, MB; 0: none. Else as the card is. */
+  card?: number;
 }
 
 /** Addresses of archive and weather: those of the page's own options, else those in its address. */
@@ -41,5 +43,7 @@ export function readOptions(): Options {
   const [url, weather] = [query.get("url"), query.get("weather")];
   if (url && !found.archive) found.archive = url;
   if (weather && !found.weather) found.weather = weather;
+  const card = Number.parseFloat(query.get("card") ?? "");
+  if (card >= 0) found.card = card;
   return found;
 }

@@ -4,6 +4,7 @@ import { keepAddress, parseAddress } from "./address";
 import { readOptions, takeBlock } from "./blocks";
 import { Legend } from "./colour/legend";
 import { byId, download, el } from "./dom";
+import type { Card } from "./card/card";
 import { csv, provenance } from "./download/csv";
 import { picture } from "./download/picture";
 import { Engine, type Clock, type Site, type Source, type WeatherInfo } from "./engine/client";
@@ -24,8 +25,8 @@ import { bytes } from "./words";
 
 declare global {
   interface Window {
-    /** For automation and tests. `ready`, asked at any time, resolves when all that is wished for is on the page, or its failure is told. */
-    heliotile?: { readonly engine: Engine | null; readonly state: Readonly<State>; readonly ready: Promise<void> };
+    /** For automation and tests. `card`: what the graphics card does by itself. `ready`, asked at any time, resolves when all that is wished for is on the page, or its failure is told. */
+    heliotile?: { readonly engine: Engine | null; readonly card: Card | null; readonly state: Readonly<State>; readonly ready: Promise<void> };
   }
 }
 
@@ -92,6 +93,10 @@ class Main {
       }
       return null;
     });
+  }
+
+  get card(): Card | null {
+    return this.opened?.asker.card ?? null;
   }
 
   async settled(): Promise<void> {
@@ -271,6 +276,9 @@ const started = main.start().catch((error: unknown) => main.messages.error("star
 window.heliotile = {
   get engine() {
     return main.engine;
+  },
+  get card() {
+    return main.card;
   },
   state: main.store.state,
   get ready() {

@@ -2,8 +2,10 @@
 
 import { Box3, type BufferGeometry, Group, LineSegments, Mesh, Vector3 } from "three";
 import { Asker } from "./asker";
+import { BUDGET_MB, Card } from "./card/card";
 import { autoRange } from "./colour/range";
 import type { Legend } from "./colour/legend";
+import { readOptions } from "./blocks";
 import { byId } from "./dom";
 import type { LightPanel } from "./panel/light";
 import type { Messages } from "./panel/messages";
@@ -66,6 +68,9 @@ export class OpenedSite {
     this.overlay = new Overlay(stage, site.northDeg);
     this.root.add(this.patchGroup);
     stage.scene.add(this.root);
+    // Where the processor has to do the work of a card, the core is faster at it.
+    const budgetMb = readOptions().card ?? (stage.software ? 0 : BUDGET_MB);
+    const card = Card.of(stage.renderer, this.paint.texture, site.receivers, budgetMb);
     this.asker = new Asker(session, store, {
       target: () => stage.controls.target.toArray(),
       onShine: (shine) => {
@@ -76,9 +81,13 @@ export class OpenedSite {
         this.progress(progress && isSum(store.state.show) ? progress : null);
         this.repaint();
       },
+      onCard: () => {
+        this.paint.use(card?.values ?? null);
+        stage.draw();
+      },
       onDamage: (tile, message) => messages.lost(tile, message),
       onError: (error) => messages.error("replaying the archive", error),
-    });
+    }, card);
     this.receiver = new ReceiverPanel(session, store, this.asker, () => this.quantity(), (what, error) => messages.error(what, error), page.say);
     this.stop = store.subscribe((changed) => this.follow(changed));
   }
@@ -94,6 +103,7 @@ export class OpenedSite {
     this.root.traverse((object) => {
       if (object instanceof Mesh || object instanceof LineSegments) (object.geometry as BufferGeometry).dispose();
     });
+    this.asker.card?.dispose();
     this.paint.dispose();
     this.page.stage.draw();
   }
@@ -232,13 +242,30 @@ export class OpenedSite {
     const { store, legend, stage, show, playing } = this.page;
     const quantity = this.quantity();
     const { column } = quantity;
-    if (column) this.paint.show(column);
+    if (!this.byCard(quantity) && column) {
+      this.paint.use(null);
+      this.paint.show(column);
+    }
     const range = this.rangeFor(quantity, playing());
     this.paint.range(range[0], range[1]);
     legend.show(quantity.shownTitle, quantity.unit, range);
     show.showRange(range);
     if (store.state.selected) this.receiver.showValues();
     stage.draw();
+  }
+
+  /** Whether the card has the newest colours: then no value of a receiver is touched but those that it leaves to the core. */
+  private byCard(quantity: Quantity): boolean {
+    const { card } = this.asker;
+    if (!card?.shown || !quantity.column || this.page.store.state.show !== "moment") return false;
+    const { light, component } = card.shown;
+    const same = component === quantity.shown;
+    if (card.complete && card.whole && same) return true;
+    if (!card.serves(card.changes, quantity.shown)) return false;
+    this.paint.show(quantity.column);
+    card.draw(light, quantity.shown);
+    this.paint.use(card.values);
+    return true;
   }
 
   /** By hand, else from the values; while the sun moves it stands still, so that one sees light change and not the legend. */

@@ -50,6 +50,18 @@ struct Passage {
     passing: Range<usize>,
 }
 
+/// A part of a sun's disc, for those who add up by themselves.
+pub struct DiscPart<'s> {
+    /// Normal irradiance x direction of the sun.
+    pub light: DVec3,
+    /// Base texel.
+    pub column: u32,
+    pub row: u32,
+    /// Share of the disc, and by place in the base texel.
+    pub share: f32,
+    pub fine: &'s [(u32, f32)],
+}
+
 /// Suns one by one.
 #[derive(Default)]
 pub struct EachSun {
@@ -106,6 +118,19 @@ impl EachSun {
     /// Whether there is no sun.
     pub fn is_empty(&self) -> bool {
         self.suns.is_empty()
+    }
+
+    /// The parts of all discs.
+    pub fn parts(&self) -> impl Iterator<Item = DiscPart<'_>> {
+        self.suns.iter().flat_map(|sun| {
+            self.parts[sun.parts.clone()].iter().map(|part| DiscPart {
+                light: sun.direction * sun.strength,
+                column: part.column,
+                row: part.row,
+                share: part.share,
+                fine: &self.fine[part.fine.clone()],
+            })
+        })
     }
 
     /// Adds up the suns that pass a base texel, of `side` to a side, on their way through a result.

@@ -11,7 +11,7 @@ use crate::recombined::{Key, Recombinations, of_receiver, of_tile};
 use crate::request::Request;
 use crate::site::Site;
 use crate::weather::LoadedWeather;
-use crate::{fisheye, geometry, light, receivers, weather};
+use crate::{fisheye, geometry, light, receivers, textures, weather};
 
 /// Months of a year.
 const MONTHS: u32 = 12;
@@ -58,6 +58,16 @@ impl Engine {
                 let force = || light::moment(opened, weather.as_ref(), ask.light, &ask.changes);
                 let values = moments.values(opened, &ask, (tile, &next), force)?;
                 of_tile(opened, tile, &columns, &values)
+            }
+            Request::Light { ask } => {
+                let force = || light::moment(opened, weather.as_ref(), ask.light, &ask.changes);
+                let light = moments.light(opened, &ask, force)?;
+                Ok(textures::light(&light.texels(opened.site.settings().sky_base, manifest.settings.patches())))
+            }
+            Request::Textures { changes, tile, next } => {
+                let schedules = light::changed(opened, &changes)?;
+                let made = moments.textures(opened, schedules, (tile, &next))?;
+                Ok(textures::tile(opened.first(tile), made))
             }
             Request::Sums { ask, tile } => {
                 let SumAsk { span, changes, .. } = ask.clone();

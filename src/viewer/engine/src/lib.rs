@@ -18,6 +18,7 @@ mod receivers;
 mod recombined;
 mod request;
 mod site;
+mod textures;
 mod weather;
 
 use std::cell::RefCell;

@@ -59,11 +59,15 @@ pub fn moment(opened: &Opened, weather: Option<&LoadedWeather>, light: Light, ch
             // At altitude 0 the sine may round to above 0.
             let suns = if altitude > 0.0 { &[sun][..] } else { &[] };
             let condition = Condition::new("moment".into(), suns, sun, dni, dhi);
-            let changeable = Changeable::of(&opened.site, opened.archive.manifest());
-            let schedules = changes.checked()?.undated(&changeable, 1, &no_files)?;
-            Ok(Forced { conditions: vec![condition], bins: Bins::each(1), schedules })
+            Ok(Forced { conditions: vec![condition], bins: Bins::each(1), schedules: changed(opened, changes)? })
         }
     }
+}
+
+/// Schedules of changes where no weather file says more.
+pub fn changed(opened: &Opened, changes: &Changes) -> Result<Vec<Schedule>> {
+    let changeable = Changeable::of(&opened.site, opened.archive.manifest());
+    changes.checked()?.undated(&changeable, 1, &no_files)
 }
 
 /// A span of the weather file.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use heliotile_core::error::Result;
 use heliotile_core::light::states::Schedule;
-use heliotile_core::replay::moments::{MomentLight, MomentTile, Moments};
+use heliotile_core::replay::moments::{MomentLight, MomentTile, Moments, TileTextures};
 use heliotile_core::replay::values::TileValues;
 
 use crate::asked::{MomentAsk, sky_of};
@@ -65,14 +65,37 @@ impl MomentTiles {
         force: impl FnOnce() -> Result<Forced>,
     ) -> std::result::Result<TileValues, Failure> {
         let tile = opened.tile(tile)?;
-        if self.lit.as_ref().is_none_or(|lit| lit.ask != *ask) {
-            self.light(opened, ask, force()?)?;
+        self.light(opened, ask, force)?;
+        self.made(opened, (tile, next), |lit, made| lit.map(|lit| made.irradiance(&lit.light)))?.ok_or_else(none)
+    }
+
+    /// A tile with these reflectances, for whatever light.
+    pub fn textures(
+        &mut self,
+        opened: &Opened,
+        schedules: Vec<Schedule>,
+        (tile, next): (u32, &[u32]),
+    ) -> std::result::Result<Option<TileTextures>, Failure> {
+        let tile = opened.tile(tile)?;
+        if self.states.first().is_none_or(|state| state.schedules != schedules) {
+            self.lit = None;
+            self.reflecting(opened, schedules)?;
         }
-        let none = || Failure::new(Kind::Other, "there is no light", "");
-        let (Some(state), Some(lit)) = (self.states.first_mut(), &self.lit) else { return Err(none()) };
+        let response = opened.site.settings().sides().response;
+        self.made(opened, (tile, next), |_, made| made.textures(response))
+    }
+
+    /// What `of` makes of a tile in the state in use, which is made ready where it is not.
+    fn made<T>(
+        &mut self,
+        opened: &Opened,
+        (tile, next): (u32, &[u32]),
+        of: impl Fn(Option<&Lit>, &MomentTile) -> T,
+    ) -> std::result::Result<T, Failure> {
+        let state = self.states.first_mut().ok_or_else(none)?;
         if let Some(ready) = state.ready.get_mut(&tile) {
             ready.turn = self.turn;
-            return Ok(ready.tile.irradiance(&lit.light));
+            return Ok(of(self.lit.as_ref(), &ready.tile));
         }
         // What several tiles see is read and solved once for all of them; a damaged block is an error of its own tile only.
         let mut group = vec![tile];
@@ -87,17 +110,34 @@ impl MomentTiles {
             }
             made => made,
         }?;
-        let values = made.first().map(|made| made.irradiance(&lit.light));
+        let found = made.first().map(|made| of(self.lit.as_ref(), made));
         for (tile, made) in group.into_iter().zip(made) {
             self.keep(tile, made);
         }
-        values.ok_or_else(none)
+        found.ok_or_else(none)
     }
 
-    /// Makes the light of an ask, and the state of its reflectances the one in use.
-    fn light(&mut self, opened: &Opened, ask: &MomentAsk, forced: Forced) -> std::result::Result<(), Failure> {
-        let Forced { conditions, schedules, .. } = forced;
-        let sky = sky_of(&ask.sky)?;
+    /// The light of an ask, made where the ask is a new one; the state of its reflectances is then the one in use.
+    pub fn light(
+        &mut self,
+        opened: &Opened,
+        ask: &MomentAsk,
+        force: impl FnOnce() -> Result<Forced>,
+    ) -> std::result::Result<&MomentLight, Failure> {
+        if self.lit.as_ref().is_none_or(|lit| lit.ask != *ask) {
+            let Forced { conditions, schedules, .. } = force()?;
+            let sky = sky_of(&ask.sky)?;
+            self.reflecting(opened, schedules)?;
+            let of = self.states.first().zip(conditions.first());
+            self.lit =
+                of.map(|(state, condition)| Lit { ask: ask.clone(), light: state.moments.light(condition, sky) });
+            self.turn += 1;
+        }
+        self.lit.as_ref().map(|lit| &lit.light).ok_or_else(none)
+    }
+
+    /// Makes a state of the reflectances the one in use.
+    fn reflecting(&mut self, opened: &Opened, schedules: Vec<Schedule>) -> std::result::Result<(), Failure> {
         match self.states.iter().position(|state| state.schedules == schedules) {
             Some(place) => self.states[..=place].rotate_right(1),
             None => {
@@ -114,9 +154,6 @@ impl MomentTiles {
                 }
             }
         }
-        let of = self.states.first().zip(conditions.first());
-        self.lit = of.map(|(state, condition)| Lit { ask: ask.clone(), light: state.moments.light(condition, sky) });
-        self.turn += 1;
         Ok(())
     }
 
@@ -140,4 +177,8 @@ impl MomentTiles {
             self.bytes -= before.map_or(0, |before| before.tile.bytes());
         }
     }
+}
+
+fn none() -> Failure {
+    Failure::new(Kind::Other, "there is no light", "")
 }

@@ -33,6 +33,15 @@ pub enum Request {
         #[serde(default)]
         next: Vec<u32>,
     },
+    /// The light of a moment for a graphics card.
+    Light { ask: MomentAsk },
+    /// A tile for a graphics card, for moments of a sun with these changes; `next` as of a moment.
+    Textures {
+        changes: Changes,
+        tile: u32,
+        #[serde(default)]
+        next: Vec<u32>,
+    },
     /// A tile's sums over weather.
     Sums { ask: SumAsk, tile: u32 },
     /// Sums of one receiver by month.

@@ -3,14 +3,15 @@
 import { EngineError } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import type {
-  Changes, ClearSky, Clock, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
+  Changes, ClearSky, Clock, Fisheye, LightTexels, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues,
+  Traffic, WeatherInfo,
 } from "./types";
 
 export { EngineError } from "./failure";
 export type { Kind } from "./failure";
 export type {
-  Changes, ClearSky, Clock, Fisheye, Group, Light, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Sky, Source, Span, SumAsk, Sun,
-  TileValues, Traffic, Vector, WeatherInfo,
+  Changes, ClearSky, Clock, Fisheye, Group, Light, LightTexels, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Sky, Source, Span,
+  SumAsk, Sun, TileTextures, TileValues, Traffic, Vector, WeatherInfo,
 } from "./types";
 
 /** Nothing is changed. */
@@ -83,6 +84,16 @@ export class Engine {
     ask: MomentAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void,
   ): Promise<boolean> {
     return this.call("moment", [ask], { onTile, onDamage });
+  }
+
+  /** The light of a moment for the graphics card; tiles do not matter. */
+  light(ask: MomentAsk): Promise<LightTexels> {
+    return this.call("light", [ask]);
+  }
+
+  /** A tile for the graphics card, for moments with `Light` of kind `sun`. */
+  textures(ask: { changes: Changes; tile: number; next: number[] }): Promise<TileTextures> {
+    return this.call("textures", [ask]);
   }
 
   /** Sums over the weather file, likewise. */

@@ -4,7 +4,8 @@
 import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
 import type {
-  ClearSky, Clock, Fisheye, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileValues, Traffic, WeatherInfo,
+  Changes, ClearSky, Clock, Fisheye, LightTexels, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues,
+  Traffic, WeatherInfo,
 } from "./types";
 import { UrlBytes } from "./url";
 import { Wasm, type Answer } from "./wasm";
@@ -73,6 +74,16 @@ export class Tasks {
   moment(ask: MomentAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
     const { tiles, ...rest } = ask;
     return this.each("moment", rest, ask.components, tiles, onTile, onDamage);
+  }
+
+  light(ask: MomentAsk): LightTexels {
+    const { value, arrays } = this.call({ request: "light", ask });
+    return { ...(value as Omit<LightTexels, "numbers">), numbers: arrays["numbers"] as Float32Array };
+  }
+
+  textures(ask: { changes: Changes; tile: number; next: number[] }): TileTextures {
+    const { value, arrays } = this.call({ request: "textures", ...ask });
+    return { ...(value as Omit<TileTextures, "words" | "starts">), words: arrays["words"] as Uint32Array, starts: arrays["starts"] as Uint32Array };
   }
 
   sums(ask: SumAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {

@@ -154,6 +154,25 @@ export interface MomentAsk {
   tiles: number[];
 }
 
+/** A light for the graphics card, as the core's `moment_textures` says. */
+export interface LightTexels {
+  numbers: Float32Array;
+  parts: number;
+  reflected: [number, number, number];
+  radiances: [number, number];
+}
+
+/** A tile for the graphics card. */
+export interface TileTextures {
+  first: number;
+  /** False where mirrors or canopies take part: the engine's moments have to serve. */
+  served: boolean;
+  /** Texels of patches, response, groups of base texels; words of the bits of one. */
+  shape: [number, number, number, number];
+  words: Uint32Array;
+  starts: Uint32Array;
+}
+
 export interface SumAsk {
   span: Span;
   sky: Sky;

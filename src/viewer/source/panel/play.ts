@@ -55,7 +55,7 @@ export class Player {
       }
       if (turn !== this.turn) return;
       this.store.set({ minutes: Math.floor(minutes / 10) * 10 });
-      await asker.settling();
+      await asker.seeing();
       const left = (calm ? STILL_FRAME : FRAME) - (performance.now() - shown);
       if (left > 0) await new Promise((resolve) => setTimeout(resolve, left));
     }

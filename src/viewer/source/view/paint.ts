@@ -1,14 +1,14 @@
 // Colours of receivers on the graphics card: a texture of values by receiver, a colour map and a range. A new range costs nothing, new values
 // one small upload. In: values by row of the archive. Out: a material for patches whose attribute `owner` is that row.
 
-import { DataTexture, FloatType, FrontSide, GLSL3, NearestFilter, RedFormat, RGBAFormat, ShaderMaterial, UnsignedByteType, Vector2 } from "three";
+import { DataTexture, FloatType, FrontSide, GLSL3, NearestFilter, RedFormat, RGBAFormat, ShaderMaterial, type Texture, UnsignedByteType, Vector2 } from "three";
 import { VIRIDIS } from "../colour/viridis";
 
-const WIDTH = 1024;
+/** Receivers in a row of the texture of values. */
+export const WIDTH = 1024;
 /** Stands for "no value": what NaN is on a card differs from card to card. */
 const NONE = -1e30;
 
-// Later ways to colour (textures of the hemispheres) replace this function alone.
 const VALUE_OF = /* glsl */ `
   uniform highp sampler2D values;
   float valueOf(int owner) { return texelFetch(values, ivec2(owner % ${WIDTH}, owner / ${WIDTH}), 0).r; }
@@ -53,7 +53,8 @@ const FRAGMENT = /* glsl */ `
 
 export class Paint {
   readonly material: ShaderMaterial;
-  private readonly texture: DataTexture;
+  /** Of the core, [row of the archive]; what the card makes has the same places. */
+  readonly texture: DataTexture;
   private readonly data: Float32Array;
 
   constructor(readonly receivers: number) {
@@ -89,6 +90,11 @@ export class Paint {
       this.data[index] = Number.isFinite(value) ? value : NONE;
     }
     this.texture.needsUpdate = true;
+  }
+
+  /** Colours what the card made, or the core's values again. */
+  use(made: Texture | null): void {
+    this.material.uniforms["values"]!.value = made ?? this.texture;
   }
 
   range(low: number, high: number): void {

@@ -23,13 +23,13 @@ export class Stage {
   private home: { position: Vector3; target: Vector3 } | null = null;
   private asked = false;
   /** Without a graphics card smooth edges cost more than they are worth. */
-  private readonly plain: boolean;
+  readonly software: boolean;
   private readonly afterDrawing = new Set<() => void>();
   private readonly afterMoving: (() => void)[] = [];
 
   constructor(readonly canvas: HTMLCanvasElement) {
-    this.plain = isSoftware();
-    this.renderer = new WebGLRenderer({ canvas, antialias: !this.plain, powerPreference: "high-performance" });
+    this.software = isSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, powerPreference: "high-performance" });
     this.renderer.setClearColor(new Color("#d9e3ec"));
     this.camera.up.copy(UP);
     this.camera.position.set(0, -100, 60);
@@ -171,7 +171,7 @@ export class Stage {
   private resize(): void {
     const box = (this.canvas.parentElement ?? this.canvas).getBoundingClientRect();
     const [width, height] = [Math.max(1, Math.floor(box.width)), Math.max(1, Math.floor(box.height))];
-    this.renderer.setPixelRatio(this.plain ? 1 : Math.min(2, devicePixelRatio));
+    this.renderer.setPixelRatio(this.software ? 1 : Math.min(2, devicePixelRatio));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
