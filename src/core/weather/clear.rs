@@ -71,16 +71,17 @@ pub fn clear_year(place: &Place) -> (Vec<Condition>, Bins) {
 mod tests {
     use super::*;
 
-    /// GHI of the clear year lies within 10 % of what clear-sky models give (Ineichen, Linke turbidity 3): 1,650 kWh/m2 at 52 degrees
-    /// north, 2,450 at the equator; the pole has 4,300 to 4,460 lit hours, and every DNI is below 1,000 W/m2.
+    /// GHI of the clear year lies within 6 % of the sums of Haurwitz' clear sky (1945) that pvlib gives for all half hours of 2001: 1,722
+    /// kWh/m2 at 52 degrees north, 2,680 at the equator, 2,188 at 35 degrees south; the pole has 4,300 to 4,460 lit hours, and every DNI is
+    /// below 1,000 W/m2.
     #[test]
     fn sums_of_clear_years() {
-        for (latitude_deg, expected) in [(52.0, 1650.0), (0.0, 2450.0)] {
+        for (latitude_deg, expected) in [(52.0, 1722.0), (0.0, 2680.0), (-35.0, 2188.0)] {
             let (conditions, bins) =
                 clear_year(&Place { latitude_deg, longitude_deg: 4.3, convergence_deg: 0.0, epsg: None });
             let ghi = |c: &Condition| c.dni_w_m2 * c.sky_sun.z + c.dhi_w_m2;
             let sum: f64 = conditions.iter().zip(&bins.of_condition).map(|(c, bin)| ghi(c) * bin.1).sum();
-            assert!((sum / expected - 1.0).abs() < 0.1, "{latitude_deg}: {sum}");
+            assert!((sum / expected - 1.0).abs() < 0.06, "{latitude_deg}: {sum}");
             assert!(conditions.iter().all(|c| (0.0..1000.0).contains(&c.dni_w_m2)));
         }
         let (_, bins) = clear_year(&Place { latitude_deg: 90.0, longitude_deg: 0.0, convergence_deg: 0.0, epsg: None });
