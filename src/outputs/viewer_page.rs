@@ -2,7 +2,7 @@
 //! needs no other.
 
 use std::fs::File;
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use base64::Engine;
@@ -28,6 +28,7 @@ pub const MOST_BYTES: u64 = 50_000_000;
 pub struct ViewerPage {
     scripts: String,
     options: serde_json::Map<String, Value>,
+    holds_archive: bool,
 }
 
 impl ViewerPage {
@@ -40,14 +41,14 @@ impl ViewerPage {
             let mut bytes = Vec::new();
             file.read_to_end(&mut bytes).map_err(Error::io(path, "read"))?;
             self.add("archive", &name, "", &bytes);
+            self.holds_archive = true;
         }
         Ok(self)
     }
 
     /// A weather file's bytes, unpacked.
     pub fn with_weather(mut self, path: &Path, bytes: &[u8]) -> Result<Self> {
-        let mut packed = GzEncoder::new(Vec::new(), Compression::best());
-        let packed = packed.write_all(bytes).and_then(|()| packed.finish()).map_err(Error::io(path, "pack"))?;
+        let packed = packed(bytes).map_err(Error::io(path, "pack"))?;
         self.add("weather", &name_of(path), " data-packed=\"gzip\"", &packed);
         Ok(self)
     }
@@ -60,7 +61,7 @@ impl ViewerPage {
 
     /// Whether the archive went in.
     pub fn holds_archive(&self) -> bool {
-        self.scripts.contains("id=\"archive\"")
+        self.holds_archive
     }
 
     fn add(&mut self, id: &str, name: &str, more: &str, bytes: &[u8]) {
@@ -85,6 +86,13 @@ impl ViewerPage {
         let data = format!("<script type=\"application/json\" id=\"options\">{options}</script>\n{}", self.scripts);
         PAGE.replacen(MARKER, &data, 1)
     }
+}
+
+/// Bytes as browsers unpack them themselves.
+pub fn packed(bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(bytes)?;
+    packed.finish()
 }
 
 fn name_of(path: &Path) -> String {

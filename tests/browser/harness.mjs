@@ -11,6 +11,8 @@ export const path = (relative) => new URL(relative, top).pathname;
 export const out = path("target/browser/");
 export const PAGE = readFileSync(path("src/viewer/page.html"), "utf8");
 export const HAGUE = path("target/browser/hague.sun/site.helio");
+/** With 2,035 receivers. */
+export const DENSE = path("target/browser/dense.sun/site.helio");
 export const EPW = path("tests/data/weather/golden_tmy3.epw");
 mkdirSync(out, { recursive: true });
 

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { after, test } from "node:test";
 import { close, EPW, go, HAGUE, heliotile, inlined, open, out, PAGE, path, ready, valuesOnPage } from "./harness.mjs";
+import { later } from "./engine/blake3.mjs";
 import { closeServers, serve } from "./server.mjs";
 
 after(async () => {
@@ -11,7 +12,7 @@ after(async () => {
 });
 const site = readFileSync(HAGUE);
 const OLDEST = path("tests/data/archives/v1.1-experimental.helio");
-const files = { "/page.html": Buffer.from(PAGE), "/site.helio": site, "/x.epw": readFileSync(EPW), "/text.helio": Buffer.from("no archive at all, only words ".repeat(400)), "/cut.helio": site.subarray(0, site.length >> 1) };
+const files = { "/page.html": Buffer.from(PAGE), "/site.helio": site, "/x.epw": readFileSync(EPW), "/text.helio": Buffer.from("no archive at all, only words ".repeat(400)), "/cut.helio": site.subarray(0, site.length >> 1), "/later.helio": later(site) };
 
 /** The page's message for an archive at an address. */
 async function messageFor(query, server) {
@@ -60,15 +61,36 @@ test("A slow server shows the site all the same.", async () => {
   assert.match(await page.textContent("#site-line"), /1,228 receivers/);
 });
 
-test("What is missing, no archive or cut off is told as such, and what to do.", async () => {
+test("What is missing, no archive, cut off or of a later format is told as such, and what to do.", async () => {
   const server = await serve(files, { ranges: true });
-  for (const [name, kinds] of [["none.helio", /not-found/], ["text.helio", /no-archive/], ["cut.helio", /cut|damaged/]]) {
+  for (const [name, kinds] of [["none.helio", /not-found/], ["text.helio", /no-archive/], ["cut.helio", /cut|damaged/], ["later.helio", /version/]]) {
     const { kind, text } = await messageFor(`?url=${name}`, server);
     assert.match(kind, kinds, `${name}: ${text}`);
     assert.match(text, /Check|Open|Copy|verify/);
   }
   const dead = await messageFor("?url=http://127.0.0.1:9/site.helio", server);
   assert.equal(dead.kind, "network");
+});
+
+test("Of 60 MB on a server without ranges the page says that they are too large before a tenth of them has come.", async () => {
+  const server = await serve({ "/page.html": Buffer.from(PAGE), "/site.helio": Buffer.alloc(60e6) }, { ranges: false, pace: 4e6 });
+  const { kind, text } = await messageFor("?url=site.helio", server);
+  assert.equal(kind, "too-large");
+  assert.match(text, /sends no ranges/);
+  const { sent } = server.asked.find(({ path }) => path === "/site.helio");
+  assert.ok(sent < 6e6, `${sent} bytes`);
+});
+
+test("An archive that cannot be opened leaves the one before it as it was.", async () => {
+  const page = await open();
+  await go(page, `${inlined("before", HAGUE)}#show=moment&light=own&sun=angles&receiver=0.0`);
+  writeFileSync(`${out}text.helio`, files["/text.helio"]);
+  await page.setInputFiles("#file-archive", `${out}text.helio`);
+  await page.waitForSelector(".message.bad");
+  await page.evaluate(() => (location.hash = "#show=moment&light=own&sun=angles&altitude=41&receiver=0.0"));
+  await page.waitForFunction(() => Number(document.querySelector("#receiver-values tr.total [data-value]")?.dataset.value) > 0);
+  assert.match(await page.textContent("#site-line"), /1,228 receivers/);
+  assert.deepEqual(page.complaints, []);
 });
 
 test("Without an archive there is a picker, and a file that is chosen opens; a second one takes its place.", async () => {

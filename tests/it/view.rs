@@ -47,7 +47,7 @@ impl Drop for Served {
     }
 }
 
-/// `view` answers on 127.0.0.1 with the page, the archive by ranges with an ETag, and the weather; 6 other paths, 3 foreign hosts, other
+/// `view` answers on 127.0.0.1 with the page, packed below 1.3 MB for whom takes that, the archive by ranges with an ETag, and the weather; 6 other paths, 3 foreign hosts, other
 /// methods and what lies in the folder get nothing of it.
 #[test]
 fn view_serves_its_own_files() {
@@ -63,6 +63,17 @@ fn view_serves_its_own_files() {
     assert!(status == 200 && head.contains("text/html") && head.contains("nosniff"), "{head}");
     assert!(page.contains("\"archive\":\"site.helio\"") && page.contains("\"weather\":\"weather\""));
     assert!(page.contains("Content-Security-Policy"));
+    for (accepted, is_packed) in [("br, gzip;q=0.8", true), ("gzip", true), ("gzip;q=0, br", false), ("br", false)] {
+        let (_, head, body) = served.ask("GET", "/", &[("Accept-Encoding", accepted)]);
+        assert_eq!(head.contains("content-encoding: gzip"), is_packed, "{accepted}");
+        let mut unpacked = String::new();
+        match is_packed {
+            true => flate2::read::GzDecoder::new(body.as_slice()).read_to_string(&mut unpacked),
+            false => body.as_slice().read_to_string(&mut unpacked),
+        }
+        .expect("the page");
+        assert!(unpacked == page && (body.len() < 1_300_000) == is_packed, "{accepted}: {}", body.len());
+    }
     let (status, head, body) = served.ask("GET", "/site.helio", &[("Range", "bytes=100-299")]);
     assert!(status == 206 && head.contains("etag:") && head.contains(&format!("bytes 100-299/{}", archive.len())));
     assert!(body == archive[100..300]);

@@ -7,7 +7,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use super::{Outcome, remark, warn};
 use crate::cli::ViewArgs;
 use crate::files::{read_file, read_weather_as};
-use crate::outputs::viewer_page::ViewerPage;
+use crate::outputs::viewer_page::{ViewerPage, packed};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -36,7 +36,9 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     let listener = listen(args.port)?;
     let address = listener.local_addr().map_err(Error::io(&args.archive, "find an address for"))?;
     remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", args.archive.display()))?;
-    serve(listener, Served { page: page.html(), archive: args.archive.clone(), weather })?;
+    let page = page.html();
+    let packed_page = packed(page.as_bytes()).map_err(Error::io(&args.archive, "pack the page of"))?;
+    serve(listener, Served { page, packed_page, archive: args.archive.clone(), weather })?;
     Ok(Outcome::Fine)
 }
 

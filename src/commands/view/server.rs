@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use axum::Router;
 use axum::body::Bytes;
 use axum::extract::{Request, State};
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
@@ -21,6 +21,8 @@ pub const WEATHER: &str = "weather";
 /// What is served; everything else is not found.
 pub struct Served {
     pub page: String,
+    /// The page packed by gzip, for browsers that take it.
+    pub packed_page: Vec<u8>,
     pub archive: PathBuf,
     pub weather: Option<Vec<u8>>,
 }
@@ -38,17 +40,30 @@ pub fn serve(listener: TcpListener, served: Served) -> Result<()> {
 }
 
 fn router(served: Served, port: u16) -> Router {
-    let page = Bytes::from(served.page);
-    let html = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
-    let router = Router::new()
-        .route("/", get(async move || (html, page.clone())))
-        .route_service(&format!("/{ARCHIVE}"), ServeFile::new(served.archive));
+    let [plain, packed] = [Bytes::from(served.page), Bytes::from(served.packed_page)];
+    let html = (header::CONTENT_TYPE, "text/html; charset=utf-8");
+    let page = async move |headers: HeaderMap| match takes_gzip(&headers) {
+        true => ([html, (header::CONTENT_ENCODING, "gzip")], packed.clone()).into_response(),
+        false => ([html], plain.clone()).into_response(),
+    };
+    let router =
+        Router::new().route("/", get(page)).route_service(&format!("/{ARCHIVE}"), ServeFile::new(served.archive));
     let router = match served.weather.map(Bytes::from) {
         Some(bytes) => router.route(&format!("/{WEATHER}"), get(async move || bytes.clone())),
         None => router,
     };
     let hosts = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
     router.layer(middleware::from_fn_with_state(hosts, guard))
+}
+
+/// Whether a browser names gzip among what it unpacks, and not as what it refuses.
+fn takes_gzip(headers: &HeaderMap) -> bool {
+    let named = headers.get(header::ACCEPT_ENCODING).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let refused = |weight: &str| weight.trim().strip_prefix("q=").is_some_and(|q| q.parse() == Ok(0.0));
+    named.split(',').any(|one| match one.split_once(';') {
+        None => one.trim() == "gzip",
+        Some((name, weight)) => name.trim() == "gzip" && !refused(weight),
+    })
 }
 
 /// Answers only to the address that was printed: a page of elsewhere whose name leads to this machine gets nothing. What is answered is
@@ -65,6 +80,7 @@ async fn guard(State(hosts): State<[String; 2]>, request: Request, next: Next) -
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::X_FRAME_OPTIONS, "DENY"),
         (header::REFERRER_POLICY, "no-referrer"),
+        (header::VARY, "accept-encoding"),
     ] {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
     }

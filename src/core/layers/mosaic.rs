@@ -30,6 +30,19 @@ pub enum Texel<'a> {
     Mixed(&'a [u64]),
 }
 
+/// Skies whose base texels can be asked for, one at a time.
+pub trait BaseTexels {
+    /// What a base texel holds.
+    fn texel(&mut self, column: usize, row: usize) -> Texel<'_>;
+}
+
+impl BaseTexels for &Mosaic {
+    #[inline]
+    fn texel(&mut self, column: usize, row: usize) -> Texel<'_> {
+        Mosaic::texel(self, column, row)
+    }
+}
+
 impl Mosaic {
     /// The mosaics of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<Mosaic>> {

@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 
 import { UNCHANGED, WORK, all, engineOf, memoryOf, opened } from "./engine.mjs";
-import { checksum } from "./blake3.mjs";
+import { later } from "./blake3.mjs";
 
 const HAGUE = readFileSync(join(WORK, "hague.sun/site.helio"));
 const noon = { light: { kind: "sun", azimuth: 180, altitude: 50, dni: 800, dhi: 100 }, sky: "perez", changes: UNCHANGED, components: ["total"] };
@@ -33,11 +33,6 @@ test("one flipped bit in the sky of tile 3 names block sky/3, and the 19 other t
 });
 
 test("5 things that are no whole archive of this format are refused with their kinds and a hint where one helps", async () => {
-  const later = Buffer.from(HAGUE);
-  for (const slot of [0, 4096]) {
-    later.writeUInt16LE(2, slot + 8);
-    checksum(later.subarray(slot, slot + 504)).copy(later, slot + 504);
-  }
   const header = Buffer.from(HAGUE);
   header[20] ^= 1;
   header[4096 + 20] ^= 1;
@@ -45,7 +40,7 @@ test("5 things that are no whole archive of this format are refused with their k
     [Buffer.alloc(20_000, "text"), "no-archive", /is not a heliotile archive/],
     [Buffer.from("short"), "no-archive", /5 bytes/],
     [HAGUE.subarray(0, 900_000), "cut", /truncated/],
-    [later, "version", /found format 2\.\d+, this release supports format 1/],
+    [later(HAGUE), "version", /found format 2\.\d+, this release supports format 1/],
     [header, "damaged", /block header/],
   ];
   for (const [bytes, kind, message] of cases) {

@@ -22,7 +22,7 @@ function compress(value, words, length, flags) {
   return s.slice(0, 8).map((x, i) => x ^ s[i + 8]);
 }
 
-export function checksum(bytes) {
+function checksum(bytes) {
   let value = IV;
   for (let at = 0; at < bytes.length; at += 64) {
     const part = Buffer.alloc(64);
@@ -34,4 +34,14 @@ export function checksum(bytes) {
   const out = Buffer.alloc(8);
   value.slice(0, 2).forEach((word, i) => out.writeInt32LE(word | 0, 4 * i));
   return out;
+}
+
+/** An archive whose header's slots say format 2. */
+export function later(archive) {
+  const bytes = Buffer.from(archive);
+  for (const slot of [0, 4096]) {
+    bytes.writeUInt16LE(2, slot + 8);
+    checksum(bytes.subarray(slot, slot + 504)).copy(bytes, slot + 504);
+  }
+  return bytes;
 }

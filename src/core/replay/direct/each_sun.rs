@@ -6,7 +6,7 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::layers::mosaic::{Mosaic, Texel};
+use crate::layers::mosaic::{BaseTexels, Texel};
 use crate::layers::sides::TextureSides;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::sky_masks::{LANES, SkyMasks};
@@ -199,7 +199,7 @@ impl EachSun {
     }
 
     /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`: for few suns, which no masks are made for.
-    pub fn direct_seen(&self, normal: DVec3, sky: &Mosaic, out: &mut [f64]) {
+    pub fn direct_seen(&self, normal: DVec3, sky: &mut impl BaseTexels, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
             if cos > 0.0 {
@@ -212,7 +212,7 @@ impl EachSun {
     }
 
     /// The same behind a veil.
-    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
+    pub fn direct_behind(&self, normal: DVec3, sky: &mut impl BaseTexels, veil: &CanopyTransmittance, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
             if cos > 0.0 {
@@ -223,7 +223,7 @@ impl EachSun {
         }
     }
 
-    fn visible_behind(&self, part: &Part, sky: &Mosaic, veil: &CanopyTransmittance) -> f32 {
+    fn visible_behind(&self, part: &Part, sky: &mut impl BaseTexels, veil: &CanopyTransmittance) -> f32 {
         let place = (part.column as usize, part.row as usize);
         let fine = self.fine[part.fine.clone()].iter();
         let through = |&(i, share): &(u32, f32)| share * veil.at(place, i as usize);

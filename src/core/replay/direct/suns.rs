@@ -56,7 +56,7 @@ impl SunLookups {
     /// The first of them behind a veil.
     pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
         match self {
-            SunLookups::Each(each) => each.direct_behind(normal, sky, veil, out),
+            SunLookups::Each(each) => each.direct_behind(normal, &mut &*sky, veil, out),
             SunLookups::Summed(map) => map.direct_behind(normal, sky, veil, out),
         }
     }

@@ -66,8 +66,7 @@ impl Engine {
             }
             Request::Textures { changes, tile, next } => {
                 let schedules = light::changed(opened, &changes)?;
-                let made = moments.textures(opened, schedules, (tile, &next))?;
-                Ok(textures::tile(opened.first(tile), made))
+                moments.textures(opened, schedules, (tile, &next), |made| textures::tile(opened.first(tile), made))
             }
             Request::Sums { ask, tile } => {
                 let SumAsk { span, changes, .. } = ask.clone();

@@ -14,7 +14,7 @@ use crate::light::Forced;
 use crate::open::Opened;
 
 /// Bytes of tiles that are kept.
-const ROOM: usize = 250 << 20;
+const ROOM: usize = 360 << 20;
 
 /// States of the reflectances that are kept: what is stored, what is set, what was set before.
 const STATES: usize = 3;
@@ -69,20 +69,20 @@ impl MomentTiles {
         self.made(opened, (tile, next), |lit, made| lit.map(|lit| made.irradiance(&lit.light)))?.ok_or_else(none)
     }
 
-    /// A tile with these reflectances, for whatever light.
-    pub fn textures(
+    /// What `of` makes of a tile with these reflectances, for whatever light.
+    pub fn textures<T>(
         &mut self,
         opened: &Opened,
         schedules: Vec<Schedule>,
         (tile, next): (u32, &[u32]),
-    ) -> std::result::Result<Option<TileTextures>, Failure> {
+        of: impl Fn(Option<TileTextures<'_>>) -> T,
+    ) -> std::result::Result<T, Failure> {
         let tile = opened.tile(tile)?;
         if self.states.first().is_none_or(|state| state.schedules != schedules) {
             self.lit = None;
             self.reflecting(opened, schedules)?;
         }
-        let response = opened.site.settings().sides().response;
-        self.made(opened, (tile, next), |_, made| made.textures(response))
+        self.made(opened, (tile, next), |_, made| of(made.textures()))
     }
 
     /// What `of` makes of a tile in the state in use, which is made ready where it is not.

@@ -6,18 +6,18 @@ use serde_json::json;
 use crate::answer::{Answer, Numbers};
 
 /// A tile's receivers, of which the first is number `first` of the archive; `served` is false where the core has to serve them.
-pub fn tile(first: u64, made: Option<TileTextures>) -> Answer {
+pub fn tile(first: u64, made: Option<TileTextures<'_>>) -> Answer {
     let served = made.is_some();
     let TileTextures { shape, words, starts } = made.unwrap_or_default();
-    let shape = [shape.patches, shape.response, shape.groups, shape.block];
+    let shape = [shape.patches, shape.response, shape.groups, shape.block, shape.steps];
     Answer::of(json!({ "first": first, "served": served, "shape": shape }))
-        .with("words", Numbers::U32(&words))
-        .with("starts", Numbers::U32(&starts))
+        .with("words", Numbers::U32(words))
+        .with("starts", Numbers::U32(starts))
 }
 
 /// A light.
 pub fn light(light: &LightTexels) -> Answer {
-    let LightTexels { numbers, parts, reflected, radiances } = light;
-    Answer::of(json!({ "parts": parts, "reflected": reflected, "radiances": radiances }))
+    let LightTexels { numbers, parts, reflected, field, radiances } = light;
+    Answer::of(json!({ "parts": parts, "reflected": reflected, "field": field, "radiances": radiances }))
         .with("numbers", Numbers::F32(numbers))
 }

@@ -58,7 +58,7 @@ export class Card {
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, depthTest: false, depthWrite: false, blending: NoBlending,
       uniforms: {
         page: uniform<Texture | null>(null), places: uniform<Texture | null>(null), light: uniform<Texture | null>(null), values: uniform(values),
-        number: uniform(0), shape: uniform(new Vector4()), parts: uniform(0), reflected: uniform(new Vector3()), radiances: uniform(new Vector2()), chosen: uniform(new Vector4()),
+        number: uniform(0), shape: uniform(new Vector3()), block: uniform(new Vector2()), parts: uniform(0), reflected: uniform(new Vector2()), field: uniform(0), radiances: uniform(new Vector2()), chosen: uniform(new Vector4()),
       },
     });
     const geometry = new BufferGeometry();
@@ -117,9 +117,12 @@ export class Card {
     const set = (name: string, value: unknown): void => void (uniforms[name]!.value = value);
     set("places", places);
     set("light", this.lightTexture);
-    set("shape", new Vector4(...shape));
+    const [patches, response, groups, block, steps] = shape;
+    set("shape", new Vector3(patches, response, groups));
+    set("block", new Vector2(block, steps));
     set("parts", light.parts);
-    set("reflected", new Vector3(...light.reflected));
+    set("reflected", new Vector2(...light.reflected));
+    set("field", light.field);
     set("radiances", new Vector2(...light.radiances));
     set("chosen", counts);
     const { renderer } = this;

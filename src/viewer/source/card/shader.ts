@@ -1,4 +1,4 @@
-// Adds up what the core made of receivers and of one light, texels as its `moment_textures` says. There is no formula of sun, sky or geometry
+// Adds up what the core made of receivers and of one light, texels as its `moments` say. There is no formula of sun, sky or geometry
 // here: sums of products, and the core's rule that no component is below 0.
 
 export const ROW = 1024;
@@ -17,10 +17,13 @@ export const FRAGMENT = /* glsl */ `
   uniform highp sampler2D light;
   uniform highp sampler2D values;
   uniform int number;
-  /** Texels of patches, response, groups; words of fine bits. */
-  uniform ivec4 shape;
+  /** Texels of patches, response, groups. */
+  uniform ivec3 shape;
+  /** Side of a base texel, words of its steps. */
+  uniform ivec2 block;
   uniform int parts;
-  uniform ivec3 reflected;
+  uniform ivec2 reflected;
+  uniform int field;
   uniform ivec2 radiances;
   /** 1 for each component that counts: sun and sky directly, then by way of surfaces. */
   uniform vec4 chosen;
@@ -29,8 +32,9 @@ export const FRAGMENT = /* glsl */ `
   uvec4 words(int at) { return texelFetch(page, ivec2(at & ${ROW - 1}, at >> 10), 0); }
   uint word(int first, int at) { return words(first + (at >> 2))[at & 3]; }
   vec4 lit(int at) { return texelFetch(light, ivec2(at & ${ROW - 1}, at >> 10), 0); }
-  vec4 bytes(uint w) { return vec4(ivec4(int(w << 24) >> 24, int(w << 16) >> 24, int(w << 8) >> 24, int(w) >> 24)); }
-  vec3 tens(uint w) { return vec3(ivec3(int(w << 22) >> 22, int(w << 12) >> 22, int(w << 2) >> 22)); }
+  vec4 bytes(uint w) { return vec4(uvec4(w, w >> 8, w >> 16, w >> 24) & 255u); }
+  /** Along a texel's direction, and twice across. */
+  vec3 vector(uint w) { return vec3(ivec3(int(w << 18) >> 18, int(w << 9) >> 23, int(w) >> 23)); }
   int count(uint w) {
     w = w - ((w >> 1) & 0x55555555u);
     w = (w & 0x33333333u) + ((w >> 2) & 0x33333333u);
@@ -49,22 +53,42 @@ export const FRAGMENT = /* glsl */ `
     int before = high ? count(of.z) + count(of.w & (bit - 1u)) : count(of.z & (bit - 1u));
     int ranks = groups + shape.z;
     int first = ranks + ((shape.z + 3) >> 2);
-    int block = (int(word(ranks, group)) + before) * shape.w;
+    int number = int(word(ranks, group)) + before;
+    int bits = 2 * ((block.x * block.x + 63) / 64);
+    int place = number * (block.y == 0 ? bits : block.y);
+    uint last = block.y == 0 ? 0u : word(first, place + block.y - 1);
+    bool rows = block.y > 0 && (last >> 31) == 0u;
+    if (block.y > 0 && !rows) place = int(word(first, place) & 0x7fffffffu);
+    bool right = (last >> 30 & 1u) != 0u;
+    int wide = 1;
+    while (block.x >> wide > 0) wide++;
     float sum = 0.0;
+    int row = -1;
+    int length = 0;
     for (int at = int(part.z); at < int(part.z + part.w); at++) {
       vec4 fine = lit(at);
-      int place = int(fine.x);
-      if ((word(first, block + (place >> 5)) >> uint(place & 31) & 1u) != 0u) sum += fine.y;
+      int inside = int(fine.x);
+      if (rows) {
+        if (inside / block.x != row) {
+          row = inside / block.x;
+          int bit = row * wide;
+          uint low = word(first, place + (bit >> 5)) >> uint(bit & 31);
+          uint high = (bit & 31) == 0 ? 0u : word(first, place + (bit >> 5) + 1) << uint(32 - (bit & 31));
+          length = int((low | high) & ((1u << uint(wide)) - 1u));
+        }
+        int column = inside % block.x;
+        if (right ? column >= block.x - length : column < length) sum += fine.y;
+      } else if ((word(first, place + (inside >> 5)) >> uint(inside & 31) & 1u) != 0u) sum += fine.y;
     }
     return sum;
   }
 
   float valueOf(int start) {
     vec4 head = uintBitsToFloat(words(start));
-    vec4 steps = uintBitsToFloat(words(start + 1));
+    vec4 more = uintBitsToFloat(words(start + 1));
     int direct = start + 2;
-    int response = direct + 2 * shape.x;
-    int groups = response + shape.y;
+    int response = direct + shape.x;
+    int groups = response + shape.y + (shape.y + 3) / 4;
     vec4 sums = vec4(0.0);
 
     for (int at = 0; at < parts; at++) {
@@ -72,22 +96,27 @@ export const FRAGMENT = /* glsl */ `
       float strength = dot(head.xyz, sun.xyz);
       if (strength > 0.0) sums[int(sun.w)] += strength * seen(groups, lit(2 * at + 1));
     }
-    for (int at = 0; at < reflected.y + reflected.z; at++) {
-      vec4 source = lit(reflected.x + at);
-      float sum = head.w * dot(source.xyz, tens(word(response, int(source.w))));
-      sums[at < reflected.y ? 2 : 3] += sum;
+    if (shape.y > 0) {
+      // What words leave is too little to be seen.
+      vec3 steps = vec3(4.0 * head.w, 8.0 * more.xx);
+      for (int at = 0; at < reflected.y; at++) {
+        vec4 source = lit(reflected.x + at);
+        sums.z += dot(source.xyz, steps * vector(word(response, int(source.w))));
+      }
+      vec3 sky = vec3(0.0);
+      for (int at = 0; at < shape.y; at++) {
+        uvec4 of = words(response + at);
+        for (int texel = 0; texel < 4; texel++) sky += lit(field + 4 * at + texel).xyz * vector(of[texel]);
+      }
+      sums.w += dot(sky, steps);
     }
-    vec2 sky = vec2(0.0);
+    float sky = 0.0;
     int patches = radiances.x + 1;
     for (int at = 0; at < radiances.y; at++) {
-      uvec4 a = words(direct + at);
-      uvec4 b = words(direct + shape.x + at);
-      for (int four = 0; four < 4; four++) {
-        vec4 radiance = lit(patches + 4 * at + four);
-        sky += vec2(dot(bytes(a[four]), radiance), dot(bytes(b[four]), radiance));
-      }
+      uvec4 of = words(direct + at);
+      for (int four = 0; four < 4; four++) sky += dot(bytes(of[four]), lit(patches + 4 * at + four));
     }
-    sums.yw += sky * steps.xy + lit(radiances.x).x * steps.zw;
+    sums.y += sky * more.y + lit(radiances.x).x * more.z;
     return dot(chosen, max(sums, 0.0));
   }
 

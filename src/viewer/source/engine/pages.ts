@@ -8,7 +8,7 @@ export type Fetch = (offset: number, length: number) => Uint8Array;
 export const PAGE = 1 << 17;
 
 /** Bytes that are kept. */
-const LIMIT = 96 << 20;
+const LIMIT = 32 << 20;
 
 /** Bytes of one request at most. */
 const LONGEST = 16 << 20;

@@ -29,13 +29,12 @@ export class Tasks {
 
   constructor(private readonly module: WebAssembly.Module, private readonly pause: () => Promise<void>) {}
 
-  /** Opens an archive in a fresh engine; the former one is forgotten, its weather too. */
+  /** Opens an archive in a fresh engine; if that succeeds the former one is forgotten, its weather too. */
   async open(source: Source): Promise<Site> {
     const turn = ++this.newest.open;
     this.newest.moment++;
     this.newest.sums++;
-    this.wasm = undefined;
-    const bytes = bytesOf(source);
+    const bytes = await bytesOf(source);
     const wasm = await Wasm.start(this.module, bytes);
     const { value } = wasm.call({ request: "open", name: bytes.name, bytes: bytes.length });
     if (turn !== this.newest.open) throw new EngineError({ kind: "other", message: "another archive was opened", hint: "" });
@@ -152,8 +151,8 @@ export class Tasks {
   }
 }
 
-function bytesOf(source: Source): Bytes {
-  if ("url" in source) return new UrlBytes(source.url);
+async function bytesOf(source: Source): Promise<Bytes> {
+  if ("url" in source) return UrlBytes.open(source.url);
   if ("file" in source) return new FileBytes(source.file);
   return new MemoryBytes(source.name, source.bytes);
 }

@@ -158,7 +158,8 @@ export interface MomentAsk {
 export interface LightTexels {
   numbers: Float32Array;
   parts: number;
-  reflected: [number, number, number];
+  reflected: [number, number];
+  field: number;
   radiances: [number, number];
 }
 
@@ -167,8 +168,8 @@ export interface TileTextures {
   first: number;
   /** False where mirrors or canopies take part: the engine's moments have to serve. */
   served: boolean;
-  /** Texels of patches, response, groups of base texels; words of the bits of one. */
-  shape: [number, number, number, number];
+  /** Texels of patches, response, groups of base texels; side of one, and words of the steps of one in part. */
+  shape: [number, number, number, number, number];
   words: Uint32Array;
   starts: Uint32Array;
 }

@@ -1,5 +1,5 @@
 // An archive on a web server, read by ranges. Ranges are found out by a GET that is answered 206; a server without them sends all at once,
-// which is kept if it is small. A file that changes in the meantime is an error.
+// which is kept if it is small and else told of before it has come. A file that changes in the meantime is an error.
 
 import type { Bytes } from "./bytes";
 import { EngineError } from "./failure";
@@ -19,18 +19,37 @@ export class UrlBytes implements Bytes {
   private readonly etag: string | null;
   private readonly pages: Pages;
 
-  constructor(private readonly url: string) {
-    this.name = nameOf(url);
-    const first = this.get(`bytes=0-${FIRST - 1}`);
-    const body = bytesOf(first);
-    this.etag = first.getResponseHeader("ETag");
-    if (first.status === 206) {
-      this.length = totalOf(first) ?? this.refuse("network", "does not say how long it is", "let the server expose Content-Range");
-    } else {
-      this.length = body.length;
+  /** Asks for the first bytes; of a server without ranges all come. */
+  static async open(url: string): Promise<UrlBytes> {
+    const refuse = refusing(url);
+    const first = await fetch(url, { headers: { Range: `bytes=0-${FIRST - 1}` } }).catch(() => refuse("network", ...UNREACHED));
+    check(first.status, first.statusText, refuse);
+    const total = totalOf(first.headers.get("Content-Range"));
+    const ranges = first.status === 206;
+    if (ranges && total === undefined) refuse("network", "does not say how long it is", "let the server expose Content-Range");
+    const parts: Uint8Array[] = [];
+    let length = 0;
+    const reader = first.body?.getReader();
+    const tooLarge = (bytes: number): boolean => !ranges && bytes > WHOLE_LIMIT;
+    for (let all = reader === undefined; !all; ) {
+      if (tooLarge(Math.max(length, Number(first.headers.get("Content-Length") ?? 0)))) {
+        await reader!.cancel();
+        refuse("too-large", "is larger than 50 MB, and its server sends no ranges", "use a server with byte ranges, or open the file from disk");
+      }
+      const { done, value } = await reader!.read().catch(() => refuse("network", "was cut off on its way", "load the page again"));
+      all = done;
+      if (value) [length] = [length + value.length, parts.push(value)];
     }
-    this.pages = new Pages(this.length, (offset, length) => this.range(offset, length), first.status === 206 ? undefined : Infinity);
-    this.pages.put(0, body);
+    const body = new Uint8Array(length);
+    parts.reduce((at, part) => (body.set(part, at), at + part.length), 0);
+    return new UrlBytes(url, total ?? length, first.headers.get("ETag"), body, ranges);
+  }
+
+  private constructor(private readonly url: string, length: number, etag: string | null, first: Uint8Array, ranges: boolean) {
+    [this.name, this.length, this.etag] = [nameOf(url), length, etag];
+    [this.requests, this.received] = [1, first.length];
+    this.pages = new Pages(length, (offset, count) => this.range(offset, count), ranges ? undefined : Infinity);
+    this.pages.put(0, first);
   }
 
   read(offset: number, into: Uint8Array): void {
@@ -38,44 +57,41 @@ export class UrlBytes implements Bytes {
   }
 
   private range(offset: number, length: number): Uint8Array {
-    const answer = this.get(`bytes=${offset}-${offset + length - 1}`);
-    const [etag, total] = [answer.getResponseHeader("ETag"), totalOf(answer)];
-    const body = bytesOf(answer);
-    if (answer.status !== 206 || etag !== this.etag || total !== this.length || body.length !== length) {
-      this.refuse("network", "has changed on the server", "load the page again");
-    }
-    return body;
-  }
-
-  private get(range: string): XMLHttpRequest {
+    const refuse = refusing(this.url);
     const request = new XMLHttpRequest();
     request.open("GET", this.url, false);
     request.responseType = "arraybuffer";
-    request.setRequestHeader("Range", range);
+    request.setRequestHeader("Range", `bytes=${offset}-${offset + length - 1}`);
     this.requests += 1;
     try {
       request.send();
     } catch {
-      this.refuse("network", "cannot be reached", "is the server there, and does it let this page read it (CORS)?");
+      refuse("network", ...UNREACHED);
     }
-    if (request.status === 404 || request.status === 410) this.refuse("not-found", "is not there (404)", "is the address right?");
-    if (request.status !== 200 && request.status !== 206) {
-      this.refuse("network", `cannot be had: the server answers ${request.status} ${request.statusText}`.trimEnd(), "");
-    }
-    if (request.status === 200 && Number(request.getResponseHeader("Content-Length") ?? 0) > WHOLE_LIMIT) {
-      this.refuse("too-large", "is larger than 50 MB, and its server sends no ranges", "use a server with byte ranges, or open the file from disk");
-    }
+    check(request.status, request.statusText, refuse);
+    const [etag, total] = [request.getResponseHeader("ETag"), totalOf(request.getResponseHeader("Content-Range"))];
     const body = bytesOf(request);
     this.received += body.length;
-    if (request.status === 200 && body.length > WHOLE_LIMIT) {
-      this.refuse("too-large", "is larger than 50 MB, and its server sends no ranges", "use a server with byte ranges, or open the file from disk");
+    if (request.status !== 206 || etag !== this.etag || total !== this.length || body.length !== length) {
+      refuse("network", "has changed on the server", "load the page again");
     }
-    return request;
+    return body;
   }
+}
 
-  private refuse(kind: "network" | "not-found" | "too-large", what: string, hint: string): never {
-    throw new EngineError({ kind, message: `${this.url} ${what}`, hint });
-  }
+type Refuse = (kind: "network" | "not-found" | "too-large", what: string, hint: string) => never;
+
+const UNREACHED = ["cannot be reached", "is the server there, and does it let this page read it (CORS)?"] as const;
+
+function refusing(url: string): Refuse {
+  return (kind, what, hint) => {
+    throw new EngineError({ kind, message: `${url} ${what}`, hint });
+  };
+}
+
+function check(status: number, text: string, refuse: Refuse): void {
+  if (status === 404 || status === 410) refuse("not-found", "is not there (404)", "is the address right?");
+  if (status !== 200 && status !== 206) refuse("network", `cannot be had: the server answers ${status} ${text}`.trimEnd(), "");
 }
 
 function bytesOf(request: XMLHttpRequest): Uint8Array {
@@ -84,8 +100,8 @@ function bytesOf(request: XMLHttpRequest): Uint8Array {
 }
 
 /** Length of the whole by `Content-Range: bytes 0-99/1234`. */
-function totalOf(request: XMLHttpRequest): number | undefined {
-  const total = /\/(\d+)$/.exec(request.getResponseHeader("Content-Range") ?? "")?.[1];
+function totalOf(range: string | null): number | undefined {
+  const total = /\/(\d+)$/.exec(range ?? "")?.[1];
   return total === undefined ? undefined : Number(total);
 }
 

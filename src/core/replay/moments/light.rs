@@ -2,8 +2,10 @@
 //! radiances of patches.
 
 use crate::error::Result;
+use crate::hemisphere::Frame;
 use crate::layers::sides::TextureSides;
 use crate::replay::direct::each_sun::EachSun;
+use crate::replay::moments::words::{frames, in_frame};
 use crate::replay::shine::Shine;
 use crate::replay::sources::Sources;
 use crate::replay::tile::PROJECTION_SAMPLES;
@@ -11,6 +13,7 @@ use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::sky::skies::Skies;
+use crate::sky::sky_field::SkyField;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
@@ -19,6 +22,8 @@ pub struct SkyGrids {
     pub patches: Patches,
     pub sky: Projection,
     pub response: Projection,
+    /// Of the texels of responses.
+    pub frames: Vec<Frame>,
 }
 
 impl SkyGrids {
@@ -27,7 +32,7 @@ impl SkyGrids {
         let patches = Patches::new(patches)?;
         let of = |side| Projection::new(&patches, side, PROJECTION_SAMPLES).under(SkyModel::Perez1990);
         let (sky, response) = (of(sides.sky_base), of(sides.response));
-        Ok(SkyGrids { patches, sky, response })
+        Ok(SkyGrids { patches, sky, response, frames: frames(sides.response) })
     }
 }
 
@@ -36,8 +41,10 @@ pub struct MomentLight {
     pub(super) suns: EachSun,
     /// Light of the sky from where the suns are.
     pub(super) circumsolar: EachSun,
-    /// The same of both, on responses.
-    pub(super) reflected: [Sources; 2],
+    /// The suns on responses: texel, irradiance x direction in its frame.
+    pub(super) reflected: Vec<(u32, [f32; 3])>,
+    /// `[part][texel]`: the same of the sky and of its light from where the suns are.
+    pub(super) reflected_sky: [Vec<f32>; 3],
     /// `[patch]`, then the band at the horizon, if the sky has one; empty without a sky.
     pub(super) radiances: Vec<f32>,
 }
@@ -48,14 +55,27 @@ impl MomentLight {
         let (conditions, bins) = ([condition], Bins::each(1));
         let suns = Shine::of_suns(&conditions, &bins);
         let circumsolar = Shine::of_circumsolar(&conditions, &bins, sky);
-        let reflected = [&suns, &circumsolar].map(|suns| Sources::new(suns, sides.response));
-        let skies = Skies::new(&conditions, &[&bins], sky, &grids.patches, &grids.sky.open_horizontal_sr);
-        let radiances = skies.first().and_then(|skies| skies.radiances().next());
+        let skies = Skies::new(&conditions, &[&bins], sky, &grids.patches, &grids.sky.open_horizontal_sr).pop();
+        let skies = skies.unwrap_or_default();
+        let in_frame_of = |texel: usize, vector: [f64; 3]| in_frame(&grids.frames[texel], vector);
+        let mut reflected = Vec::new();
+        Sources::new(&suns, sides.response)
+            .vectors(|_, texel, vector| reflected.push((texel as u32, in_frame_of(texel, vector))));
+        let mut field = vec![[0.0_f64; 3]; grids.frames.len()];
+        let mut add = |_: usize, texel: usize, vector: [f64; 3]| {
+            field[texel].iter_mut().zip(vector).for_each(|(sum, part)| *sum += part);
+        };
+        Sources::new(&circumsolar, sides.response).vectors(&mut add);
+        if let Some(sky) = SkyField::of(&skies, &grids.response) {
+            sky.vectors(&grids.response, |bin, texel, vector| add(bin, texel, vector.to_array()));
+        }
+        let field: Vec<[f32; 3]> = field.into_iter().enumerate().map(|(t, vector)| in_frame_of(t, vector)).collect();
         MomentLight {
             suns: EachSun::new(suns, sides),
             circumsolar: EachSun::new(circumsolar, sides),
             reflected,
-            radiances: radiances.map_or_else(Vec::new, <[f32]>::to_vec),
+            reflected_sky: [0, 1, 2].map(|part| field.iter().map(|vector| vector[part]).collect()),
+            radiances: skies.radiances().next().map_or_else(Vec::new, <[f32]>::to_vec),
         }
     }
 }

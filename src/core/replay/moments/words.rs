@@ -1,0 +1,334 @@
+//! What a receiver makes of light, as words of 32 bits. In: its layers. Out: words, and where what is in them; numbers from them. The
+//! core and the graphics card read the same ones.
+//!
+//! A receiver has whole texels, [`WORDS`] words each, one part after another:
+//! - f32: its normal and the step of its response along; then the steps of its response across and of its coefficients, the band at the
+//!   horizon's coefficient, 0;
+//! - `[patch]`: coefficients of the sky seen directly, bytes in steps, the first lowest, see [`Shape::patches`];
+//! - `[texel]`: its response along the texel's direction and twice across it, signed, 14 bits and 9 and 9 in units of 4 and 8 steps, see
+//!   [`Shape::response`]; then a byte each, see [`Shape::rest`]: what these leave, 2 bits and 3 and 3 in steps;
+//! - its sky, see [`sky_words`](crate::replay::moments::sky_words).
+//!
+//! A source in direction s meets texels whose directions are close to s: what is across counts by the angle between, so it has fewer bits.
+
+use glam::DVec3;
+use pulp::Arch;
+
+use crate::hemisphere::{Frame, texel_centres};
+use crate::layers::mosaic::Mosaic;
+use crate::replay::moments::sky_words;
+
+/// Words of a texel.
+pub(super) const WORDS: usize = 4;
+/// Patches in a texel of coefficients.
+pub(super) const PATCHES: usize = 16;
+/// Texels of the head.
+const HEAD: usize = 2;
+/// Largest value of a byte.
+const BYTE: f32 = 255.0;
+/// Bits of the parts of a response in words, and behind these in bytes.
+const WORD_BITS: [u32; 3] = [14, 9, 9];
+const BYTE_BITS: [u32; 3] = [2, 3, 3];
+/// Terms that are added side by side, in a fixed order.
+const SIDE_BY_SIDE: usize = 16;
+
+/// Sizes of the parts of receivers; the same in all tiles of an archive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shape {
+    /// Texels of the coefficients.
+    pub patches: usize,
+    /// Texels of the response; 0 where nothing reflects.
+    pub response: usize,
+    /// Texels of the sky's base texels, of which each holds 64.
+    pub groups: usize,
+    /// Groups to a row of base texels: rows start new ones.
+    pub stride: usize,
+    /// Fine texels to a side of a base texel.
+    pub block: usize,
+    /// Words of a base texel in part whose rows are steps; 0 where all are bits.
+    pub steps: usize,
+}
+
+impl Shape {
+    /// Of skies of so many patches, responses with so many texels to a side, and the mosaics of a tile.
+    pub(super) fn new(patches: usize, response: usize, sky: &Mosaic) -> Self {
+        Shape {
+            patches: patches.div_ceil(PATCHES),
+            response: (response * response).div_ceil(WORDS),
+            groups: sky.bits().0.len(),
+            stride: sky.side().div_ceil(64),
+            block: sky.block(),
+            steps: sky_words::step_words(sky.block()),
+        }
+    }
+
+    fn patches_at(self) -> usize {
+        HEAD * WORDS
+    }
+
+    fn response_at(self) -> usize {
+        (HEAD + self.patches) * WORDS
+    }
+
+    /// First word of what the words of the response leave.
+    fn rest_at(self) -> usize {
+        (HEAD + self.patches + self.response) * WORDS
+    }
+
+    /// First word of the sky.
+    pub(super) fn sky_at(self) -> usize {
+        self.rest_at() + self.rest()
+    }
+
+    /// Words of what the words of the response leave: byte k of word i is of texel k times as many + i.
+    pub(super) fn rest(self) -> usize {
+        self.response.div_ceil(WORDS) * WORDS
+    }
+}
+
+/// A receiver on its way to words.
+pub(super) struct Unpacked<'r> {
+    pub normal: DVec3,
+    /// `[patch]`, irradiance per radiance, none below 0; then that of the band at the horizon.
+    pub coefficients: &'r [f32],
+    /// `[texel][axis]`; empty where nothing reflects.
+    pub response: &'r [[f32; 3]],
+    pub sky: &'r Mosaic,
+}
+
+impl Unpacked<'_> {
+    /// Appends its words; `frames` of the texels of responses.
+    pub fn pack(&self, shape: Shape, frames: &[Frame], words: &mut Vec<u32>) {
+        let (band, patches) = self.coefficients.split_last().map_or((0.0, &[][..]), |(band, patches)| (*band, patches));
+        let parts: Vec<[f32; 3]> =
+            self.response.iter().zip(frames).map(|(g, frame)| in_frame(frame, g.map(f64::from))).collect();
+        let along = step(parts.iter().map(|part| part[0]), most(0));
+        let across = step(parts.iter().flat_map(|part| [part[1], part[2]]), most(1));
+        let coefficient = step(patches.iter().copied(), BYTE);
+        let [x, y, z] = self.normal.as_vec3().to_array();
+        words.extend([x, y, z, along, across, coefficient, band, 0.0].map(f32::to_bits));
+        let bytes = rounded_in_turn(patches, coefficient);
+        padded(words, shape.patches, in_words(&bytes).into_iter());
+        let split = parts.iter().map(|[a, u, v]| in_two([whole(*a, along), whole(*u, across), whole(*v, across)]));
+        let (of_words, of_bytes): (Vec<u32>, Vec<u8>) = split.unzip();
+        padded(words, shape.response, of_words.into_iter());
+        words.extend(side_by_side(&of_bytes, shape.rest()));
+        sky_words::pack(self.sky, shape, words);
+    }
+}
+
+/// The words of a receiver.
+#[derive(Clone, Copy)]
+pub(super) struct Packed<'w> {
+    pub words: &'w [u32],
+    pub shape: Shape,
+}
+
+impl Packed<'_> {
+    fn word(&self, place: usize) -> u32 {
+        self.words.get(place).copied().unwrap_or_default()
+    }
+
+    fn number(&self, place: usize) -> f32 {
+        f32::from_bits(self.word(place))
+    }
+
+    /// Its normal.
+    pub fn normal(&self) -> DVec3 {
+        DVec3::new(self.number(0).into(), self.number(1).into(), self.number(2).into())
+    }
+
+    /// What it gets of a sky: radiances of patches, then of the band at the horizon; those that a sky does not have are the last, and there
+    /// may be no sky.
+    pub fn of_sky(&self, radiances: &[f32], patches: usize) -> f32 {
+        let (of_patches, band) = radiances.split_at(patches.min(radiances.len()));
+        let words = self.words.get(self.shape.patches_at()..).unwrap_or_default();
+        let sum = Arch::new().dispatch(|| byte_products(words, of_patches));
+        sum * self.number(5) + band.first().map_or(0.0, |band| band * self.number(6))
+    }
+
+    /// What it gets of sources by way of surfaces: texels, and irradiance x direction in their frames.
+    pub fn of_sources(&self, sources: &[(u32, [f32; 3])]) -> f32 {
+        let words = self.response();
+        let term = |&(texel, [a, u, v]): &(u32, [f32; 3])| {
+            let (word, byte) = (texel as usize % self.shape.rest(), texel as usize / self.shape.rest());
+            let rest = self.word(self.shape.rest_at() + word) >> (8 * byte) & 255;
+            let [along, first, second] = joined(words.get(texel as usize).copied().unwrap_or_default(), rest);
+            f64::from(a * along * self.number(3) + (u * first + v * second) * self.number(4))
+        };
+        if words.is_empty() { 0.0 } else { sources.iter().map(term).sum::<f64>() as f32 }
+    }
+
+    /// The same of sources in all texels: `[part][texel]`.
+    pub fn of_field(&self, [a, u, v]: &[Vec<f32>; 3]) -> f32 {
+        let words = self.response();
+        let rest = self.words.get(self.shape.rest_at()..self.shape.sky_at()).unwrap_or_default();
+        let (along, across) = Arch::new().dispatch(|| field_products(words, rest, [a, u, v]));
+        along * self.number(3) + across * self.number(4)
+    }
+
+    fn response(&self) -> &[u32] {
+        self.words.get(self.shape.response_at()..self.shape.rest_at()).unwrap_or_default()
+    }
+}
+
+/// Frames of the texels of n x n: n along the direction, u and v across.
+pub(super) fn frames(n: usize) -> Vec<Frame> {
+    texel_centres(n).into_iter().map(Frame::of).collect()
+}
+
+/// A vector along the direction of a texel, and across.
+pub(super) fn in_frame(frame: &Frame, vector: [f64; 3]) -> [f32; 3] {
+    let vector = DVec3::from(vector);
+    [frame.n, frame.u, frame.v].map(|axis| axis.dot(vector) as f32)
+}
+
+/// What the largest value is so many of; 0 where all are 0.
+fn step(values: impl Iterator<Item = f32>, largest: f32) -> f32 {
+    values.fold(0.0, |most: f32, value| most.max(value.abs())) / largest
+}
+
+/// The nearest number of steps.
+fn whole(value: f32, step: f32) -> i32 {
+    if step > 0.0 { (value / step).round() as i32 } else { 0 }
+}
+
+/// Numbers of steps of which each makes good what those before it were off: radiances of neighbours are alike, so errors of sums stay within
+/// one step.
+fn rounded_in_turn(values: &[f32], step: f32) -> Vec<u8> {
+    let mut owed = 0.0_f32;
+    let next = |value: &f32| {
+        let due = value / step + owed;
+        let found = due.round().clamp(0.0, BYTE);
+        owed = due - found;
+        found as u8
+    };
+    if step > 0.0 { values.iter().map(next).collect() } else { vec![0; values.len()] }
+}
+
+/// Steps of a part of a response that its bits in words count in.
+fn unit(part: usize) -> f32 {
+    (1 << BYTE_BITS[part]) as f32
+}
+
+/// Most steps of a part, so that what is nearest in words and in bytes has room there.
+fn most(part: usize) -> f32 {
+    let [word, byte] = [WORD_BITS[part], BYTE_BITS[part]];
+    (((1 << (word - 1)) - 1) * (1 << byte) + (1 << (byte - 1)) - 1) as f32
+}
+
+/// The steps of a texel as a word, and a byte of what that leaves.
+fn in_two(steps: [i32; 3]) -> (u32, u8) {
+    let (mut word, mut byte, mut word_at, mut byte_at) = (0, 0, 0, 0);
+    for (part, steps) in steps.into_iter().enumerate() {
+        let [of_word, of_byte] = [WORD_BITS[part], BYTE_BITS[part]];
+        let nearest = (steps + (1 << (of_byte - 1))) >> of_byte;
+        let rest = steps - (nearest << of_byte);
+        word |= (nearest as u32 & ((1 << of_word) - 1)) << word_at;
+        byte |= (rest as u32 & ((1 << of_byte) - 1)) << byte_at;
+        (word_at, byte_at) = (word_at + of_word, byte_at + of_byte);
+    }
+    (word, byte as u8)
+}
+
+/// Bytes, the first lowest.
+fn in_words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks(4).map(|four| four.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte))).collect()
+}
+
+/// Bytes in so many words, the first of all before the second.
+fn side_by_side(bytes: &[u8], words: usize) -> impl Iterator<Item = u32> {
+    let byte = move |place: usize| u32::from(bytes.get(place).copied().unwrap_or_default());
+    (0..words).map(move |word| (0..4).fold(0, |all, k| all | byte(k * words + word) << (8 * k)))
+}
+
+/// The signed parts of a word of a response, in units.
+#[inline(always)]
+fn parts(word: u32) -> [f32; 3] {
+    let word = word as i32;
+    [(word << 18 >> 18) as f32, (word << 9 >> 23) as f32, (word >> 23) as f32]
+}
+
+/// The same with what the word leaves, in steps.
+fn joined(word: u32, rest: u32) -> [f32; 3] {
+    let [a, u, v] = parts(word);
+    let signed = |at: u32, bits: u32| ((rest << (32 - at - bits)) as i32 >> (32 - bits)) as f32;
+    [a * unit(0) + signed(0, 2), u * unit(1) + signed(2, 3), v * unit(2) + signed(5, 3)]
+}
+
+/// The sum of products of bytes with numbers.
+#[inline(always)]
+fn byte_products(words: &[u32], numbers: &[f32]) -> f32 {
+    let mut sums = [0.0_f32; SIDE_BY_SIDE];
+    let term = |word: u32, place: usize| (word >> (8 * place) & 255) as f32;
+    let (whole, rest) = numbers.as_chunks::<SIDE_BY_SIDE>();
+    let (of_whole, of_rest) = words.as_chunks::<{ SIDE_BY_SIDE / 4 }>();
+    for (words, numbers) in of_whole.iter().zip(whole) {
+        for (place, (sum, number)) in sums.iter_mut().zip(numbers).enumerate() {
+            *sum += term(words[place / 4], place % 4) * number;
+        }
+    }
+    let after = of_whole.get(whole.len()).map_or(of_rest, |words| &words[..]);
+    let of_place =
+        |(place, number): (usize, &f32)| after.get(place / 4).map_or(0.0, |word| term(*word, place % 4) * number);
+    sums.iter().sum::<f32>() + rest.iter().enumerate().map(of_place).sum::<f32>()
+}
+
+/// Sums of products of the parts of a response, of words and what they leave: along, and across.
+#[inline(always)]
+fn field_products(words: &[u32], rest: &[u32], [a, u, v]: [&[f32]; 3]) -> (f32, f32) {
+    let (mut along, mut across) = ([0.0_f32; SIDE_BY_SIDE], [0.0_f32; SIDE_BY_SIDE]);
+    for (number, words) in words.chunks(rest.len().max(1)).enumerate() {
+        let first = number * rest.len();
+        let [a, u, v] = [a, u, v].map(|part| part.get(first..).unwrap_or_default());
+        let parts = a.iter().zip(u).zip(v);
+        for (place, ((word, rest), ((a, u), v))) in words.iter().zip(rest).zip(parts).enumerate() {
+            let [of_a, of_u, of_v] = joined(*word, rest >> (8 * number as u32) & 255);
+            along[place % SIDE_BY_SIDE] += of_a * a;
+            across[place % SIDE_BY_SIDE] += of_u * u + of_v * v;
+        }
+    }
+    (along.iter().sum(), across.iter().sum())
+}
+
+/// Appends words, filled up with 0 to so many texels.
+pub(super) fn padded(words: &mut Vec<u32>, texels: usize, of: impl Iterator<Item = u32>) {
+    let end = words.len() + texels * WORDS;
+    words.extend(of.take(texels * WORDS));
+    words.resize(end, 0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All steps along and across up to the most there are come back from a word and a byte, 65,531 and 4,087 of them; sums of bytes and
+    /// of fields are those of plain loops, for 0 to 40 numbers.
+    #[test]
+    fn as_packed() {
+        let [along, across] = [0, 1].map(|part| most(part) as i32);
+        assert_eq!((along, across), (32_765, 2_043));
+        let back = |steps: [i32; 3]| {
+            let (word, rest) = in_two(steps);
+            joined(word, rest.into()).map(|part| part as i32)
+        };
+        assert!((-along..=along).all(|a| back([a, 7, -9]) == [a, 7, -9]));
+        assert!((-across..=across).all(|u| back([-3, u, -u]) == [-3, u, -u]));
+        for count in 0..40_u32 {
+            let numbers: Vec<f32> = (0..count).map(|i| (i * i % 17) as f32).collect();
+            let bytes: Vec<u8> = (0..count).map(|i| (i * 37 % 256) as u8).collect();
+            let words = in_words(&bytes);
+            let plain: f32 = bytes.iter().zip(&numbers).map(|(b, n)| f32::from(*b) * n).sum();
+            assert_eq!(byte_products(&words, &numbers), plain);
+            let steps = |i: u32| [i as i32 * 7, 16 - i as i32 * 5, 24];
+            let fields: Vec<u32> = (0..count).map(|i| in_two(steps(i)).0).collect();
+            let bytes: Vec<u8> = (0..count).map(|i| in_two(steps(i)).1).collect();
+            let rest: Vec<u32> = side_by_side(&bytes, count.div_ceil(4) as usize).collect();
+            let plain = (0..count).zip(&numbers).fold((0.0, 0.0), |(along, across), (i, n)| {
+                let [a, u, v] = steps(i).map(|part| part as f32);
+                (along + a * n, across + u * n + v * n)
+            });
+            assert_eq!(field_products(&fields, &rest, [&numbers; 3].map(Vec::as_slice)), plain);
+        }
+    }
+}
