@@ -159,6 +159,14 @@ pub struct ReplayArgs {
     /// column `temperature_c`; may be repeated, the last one counts [default: the weather file's dry bulb temperature]
     #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
     pub temperature: Vec<Temperature>,
+    /// City model (CityJSON or a sequence of features) that the receivers were put on: with an output that ends with .city.json or
+    /// .city.jsonl it is written again with these sums, and with a material theme `irradiation`
+    #[arg(long, value_name = "INPUT.city.json", conflicts_with = "honeybee")]
+    pub model: Option<PathBuf>,
+    /// Write a folder of hourly results as Honeybee and Pollination read them, a grid an object (a room, a city object), in place of a table;
+    /// --by building, surface or kind makes other grids
+    #[arg(long, value_name = "FOLDER", conflicts_with = "output")]
+    pub honeybee: Option<PathBuf>,
     #[command(flatten)]
     pub about_weather: WeatherArgs,
 }

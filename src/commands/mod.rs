@@ -3,10 +3,12 @@
 pub mod audit;
 pub mod build;
 mod chosen;
+mod city_model;
 mod console;
 pub mod energyplus;
 pub mod export;
 pub mod factors;
+mod grids;
 mod horizon;
 pub mod inspect;
 mod invocation;

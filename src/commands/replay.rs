@@ -5,9 +5,10 @@ use std::path::Path;
 use super::chosen::{Chosen, guard, open, say_north, site_of};
 use super::terminal::Terminal;
 use super::voice::note;
-use super::{Outcome, invocation, temporary_files, warn};
+use super::{Outcome, city_model, grids, invocation, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather_as};
+use crate::outputs::city_model::is_city_model;
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
@@ -21,9 +22,10 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::rounded;
 use heliotile_core::weather::conditions::{Condition, Stamp};
@@ -39,16 +41,16 @@ use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
 /// What results are made of.
-struct Series<'a> {
-    conditions: &'a [Condition],
+pub(super) struct Series<'a> {
+    pub conditions: &'a [Condition],
     kind: Labels,
-    labels: RowLabels,
+    pub labels: RowLabels,
     /// Which label a condition adds to.
     bins: &'a Bins,
     changes: Changes,
     /// Rows of the weather file, and which of them the conditions are; none in a query.
     rows: (&'a [WeatherRow], &'a [bool]),
-    provenance: Provenance,
+    pub provenance: Provenance,
 }
 
 /// `heliotile query`.
@@ -119,8 +121,31 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let mut inputs = vec![args.weather.as_path()];
     inputs.extend(args.common.schedules());
     inputs.extend(args.temperature.iter().filter_map(|temperature| temperature.file()));
+    inputs.extend(args.model.as_deref());
     guard(&args.common.table, &inputs)?;
-    Format::of(&args.common.table.output)?;
+    match (&args.model, &args.honeybee) {
+        (Some(model), _) => city_model::check(args, model)?,
+        (_, Some(folder)) => grids::check(args, folder)?,
+        _ if is_city_model(&args.common.table.output) => {
+            let hint = "give the city model that the receivers were put on: --model INPUT.city.json";
+            return Err(Error::argument("--output", "a city model is written from another one", hint));
+        }
+        _ => drop(Format::of(&args.common.table.output)?),
+    }
+    let (archive, weather, dated) = opened(args)?;
+    match (&args.model, &args.honeybee) {
+        (Some(model), _) => {
+            with_series(args, &archive, &weather, &dated, |series| city_model::write(args, &archive, series, model))
+        }
+        (_, Some(folder)) => {
+            with_series(args, &archive, &weather, &dated, |series| grids::write(args, &archive, series, folder))
+        }
+        _ => replay_rows(args, &archive, &weather, &dated),
+    }
+}
+
+/// The archive of a replay, its weather and the rows of it that are asked for; says what is odd about them.
+pub(super) fn opened(args: &ReplayArgs) -> Result<(Archive, Weather, DatedRows)> {
     let longwave = asks_longwave(&args.common);
     if !longwave && !args.temperature.is_empty() {
         return Err(Error::Unsupported {
@@ -142,7 +167,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     apart.iter().for_each(|apart| warn(apart));
     say_north(&args.common.table, &archive);
     say_left_out(&archive, Some(&args.weather));
-    replay_rows(args, &archive, &weather, &dated)
+    Ok((archive, weather, dated))
 }
 
 /// Replays the chosen rows of a weather file that was read already, with its air if longwave is asked for.
@@ -152,6 +177,17 @@ pub(super) fn replay_rows(
     weather: &Weather,
     dated: &DatedRows,
 ) -> Result<Outcome> {
+    with_series(args, archive, weather, dated, |series| run(&args.common, archive, series))
+}
+
+/// Hands the chosen rows of a weather file on as conditions with labels and bins.
+pub(super) fn with_series<T>(
+    args: &ReplayArgs,
+    archive: &Archive,
+    weather: &Weather,
+    dated: &DatedRows,
+    then: impl FnOnce(&Series) -> Result<T>,
+) -> Result<T> {
     let chosen = &dated.chosen;
     let steps = args.steps.map_or_else(|| weather.steps_of(archive.manifest().settings.steps()), usize::from);
     let mut conditions: Vec<Condition> = {
@@ -181,7 +217,7 @@ pub(super) fn replay_rows(
     };
     let series =
         Series { conditions: &conditions, kind, labels: periods.labels, bins: &bins, changes, rows, provenance };
-    run(&args.common, archive, &series)
+    then(&series)
 }
 
 /// The rows that are asked for, with the dates that results give them; says what is odd about these.
@@ -257,43 +293,81 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
             Some(GroupMeans::new(groups, layout.components(), labels.len(), memory)?)
         }
     };
-    let storage = temporary_files();
-    let settings = ReplaySettings {
-        sky: args.sky,
-        patches: args.patches.unwrap_or_else(|| archive.manifest().settings.patches()),
-        paths: args.light()?,
-        components: layout.components.set(),
-        memory: MemoryBudget::new(asked.memory.0),
-        storage: &storage,
-    };
-    let schedules = schedules(archive, &site, series)?;
-    let replay = Replay::scheduled(&site, series.conditions, settings, series.bins, &schedules)?;
-    let names = || match &means {
-        Some(means) => Ok(means.groups().names().to_vec()),
+    let names = means.as_ref().map(|means| means.groups().names().to_vec());
+    let all_names = || match &names {
+        Some(names) => Ok(names.clone()),
         None => chosen.receivers(archive, &site).map(|receiver| Ok(receiver?.id)).collect(),
     };
-    let count = means.as_ref().map_or(chosen.count(), |means| means.groups().names().len() as u64);
-    let about =
-        series.provenance.clone().with_archive(&asked.archive, archive).with_option("patches", settings.patches);
-    let mut table = TableWriter::create(&asked.output, &layout, labels, &Places { count, names: &names }, &about)?;
-    let terminal = Terminal::default();
-    let progress = Stage::begin(&terminal, "receivers", Some(chosen.count()));
-    let results = replay.results(chosen.tiles().iter().map(|tile| tile.number));
-    for (tile, result) in chosen.tiles().iter().zip(results) {
-        let (receivers, values) = chosen.results(*tile, result?);
+    let count = names.as_ref().map_or(chosen.count(), |names| names.len() as u64);
+    let about = series.about(args, archive);
+    let start = || TableWriter::create(&asked.output, &layout, labels, &Places { count, names: &all_names }, &about);
+    let streamed = Streamed { archive, site: &site, chosen: &chosen, components: layout.components.set() };
+    let mut table = streamed.each_tile(args, series, start, |table, receivers, values| {
         match &mut means {
-            Some(means) => means.add(&values),
-            None => table.write_tile(&receivers, &values, &[])?,
+            Some(means) => means.add(values),
+            None => table.write_tile(receivers, values, &[])?,
         }
-        progress.advance(receivers.len() as u64);
-        if table.is_closed() {
-            break;
-        }
-    }
+        Ok(!table.is_closed())
+    })?;
     for (names, values, extents) in means.iter().flat_map(GroupMeans::tiles) {
         table.write_tile(&names, &values, extents)?;
     }
-    drop(progress);
     table.finish()?;
     Ok(Outcome::Fine)
+}
+
+impl Series<'_> {
+    /// What results were made from.
+    pub fn about(&self, args: &RecombineArgs, archive: &Archive) -> Provenance {
+        let about = self.provenance.clone().with_archive(&args.table.archive, archive);
+        about.with_option("patches", patches(args, archive))
+    }
+}
+
+fn patches(args: &RecombineArgs, archive: &Archive) -> usize {
+    args.patches.unwrap_or_else(|| archive.manifest().settings.patches())
+}
+
+/// Which receivers and components of an archive are recombined.
+pub(super) struct Streamed<'a> {
+    pub archive: &'a Archive,
+    pub site: &'a OpenSite<'a>,
+    pub chosen: &'a Chosen,
+    pub components: ComponentSet,
+}
+
+impl Streamed<'_> {
+    /// Hands on the results tile by tile until `each` gives false. What takes them starts once the replay is known to work.
+    pub fn each_tile<T>(
+        &self,
+        args: &RecombineArgs,
+        series: &Series,
+        start: impl FnOnce() -> Result<T>,
+        mut each: impl FnMut(&mut T, &[String], &TileValues) -> Result<bool>,
+    ) -> Result<T> {
+        let storage = temporary_files();
+        let settings = ReplaySettings {
+            sky: args.sky,
+            patches: patches(args, self.archive),
+            paths: args.light()?,
+            components: self.components,
+            memory: MemoryBudget::new(args.table.memory.0),
+            storage: &storage,
+        };
+        let schedules = schedules(self.archive, self.site, series)?;
+        let replay = Replay::scheduled(self.site, series.conditions, settings, series.bins, &schedules)?;
+        let mut taker = start()?;
+        let terminal = Terminal::default();
+        let progress = Stage::begin(&terminal, "receivers", Some(self.chosen.count()));
+        let results = replay.results(self.chosen.tiles().iter().map(|tile| tile.number));
+        for (tile, result) in self.chosen.tiles().iter().zip(results) {
+            let (receivers, values) = self.chosen.results(*tile, result?);
+            let goes_on = each(&mut taker, &receivers, &values)?;
+            progress.advance(receivers.len() as u64);
+            if !goes_on {
+                break;
+            }
+        }
+        Ok(taker)
+    }
 }

@@ -5,9 +5,11 @@
 //! sums.
 
 pub mod annual;
+pub mod city_model;
 pub mod energyplus;
 pub mod factors;
 pub mod groups;
+pub mod honeybee;
 pub mod kinds_and_sides;
 pub mod page;
 pub mod periods;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::starts_as_archive;
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs};
+use crate::outputs::city_model::is_city_model;
 use crate::outputs::tables::writer::Format;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::error::{Error, Result};
@@ -96,6 +97,8 @@ impl<'a> Files<'a> {
                 self.read(&args.weather, Wanted::Weather);
                 let temperatures = args.temperature.iter().filter_map(Temperature::file);
                 self.inputs.extend(temperatures.map(|table| (table, Wanted::Other)));
+                self.read_if(&args.model, Wanted::Other);
+                self.write_if(&args.honeybee, Written::Folder);
             }
             Command::Factors(args) => self.table(&args.table),
             Command::Info(args) => {
@@ -192,6 +195,8 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
             let what = "is no name of an archive: it ends with .helio";
             return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("helio").display())));
         }
+        // `replay` says what else it takes.
+        Written::Table if is_city_model(path) => {}
         Written::Table => drop(Format::of(path)?),
         Written::Csv if has("csv") || path.exists() && !path.is_file() => {}
         Written::Csv => {

@@ -16,3 +16,4 @@ pub mod writer;
 mod zone_name;
 
 pub use csv::quoted;
+pub use npy::header as npy_header;

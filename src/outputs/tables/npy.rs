@@ -21,7 +21,7 @@ use heliotile_core::error::{Error, Result};
 const ALIGNMENT: usize = 64;
 
 /// What stands before the values of an array; `kind` as NumPy's `dtype.str`.
-pub(super) fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
+pub fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
     let sizes = match shape {
         [one] => format!("{one},"),
         more => more.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),

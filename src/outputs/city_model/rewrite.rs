@@ -1,0 +1,347 @@
+//! The text of a city model, with additions. In: a CityJSON object or one line of a sequence; sums. Out: the same text, in which only objects
+//! that get something are written anew: their attributes, those of their semantic surfaces and the theme of their geometries.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use serde::de::IgnoredAny;
+use serde_json::Value;
+use serde_json::value::RawValue;
+
+use super::fields::{Fields, Members, parsed};
+use super::sums::{Means, ModelSums, ObjectSums, PREFIX};
+use super::theme::Theme;
+use heliotile_scene::semantics::{FaceNote, FaceSource, SourceFace};
+
+/// What went wrong.
+#[derive(Debug)]
+pub enum RewriteError {
+    /// The text is no city model.
+    Model(String),
+    Write(io::Error),
+}
+
+impl From<serde_json::Error> for RewriteError {
+    fn from(error: serde_json::Error) -> Self {
+        RewriteError::Model(error.to_string())
+    }
+}
+
+impl From<io::Error> for RewriteError {
+    fn from(error: io::Error) -> Self {
+        RewriteError::Write(error)
+    }
+}
+
+type Result<T> = std::result::Result<T, RewriteError>;
+
+/// How many objects and faces of the sums are those of the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fitting {
+    pub objects: usize,
+    pub faces: usize,
+}
+
+/// Writes city models with sums.
+pub struct CityModelWriter<'s> {
+    sums: &'s ModelSums,
+    theme: Theme,
+    fitting: Fitting,
+}
+
+/// Places in the boundaries of a geometry, with how many faces stand there: `[solid][shell]`, of which some geometries have fewer.
+enum Faces {
+    Surfaces(Vec<IgnoredAny>),
+    Shells(Vec<Vec<IgnoredAny>>),
+    Solids(Vec<Vec<Vec<IgnoredAny>>>),
+}
+
+impl<'s> CityModelWriter<'s> {
+    pub fn new(sums: &'s ModelSums) -> Self {
+        CityModelWriter { sums, theme: Theme::up_to(sums.largest()), fitting: Fitting::default() }
+    }
+
+    /// What was found so far.
+    pub fn fitting(&self) -> Fitting {
+        self.fitting
+    }
+
+    /// Writes a CityJSON object, or a line of a sequence; `about` is the provenance that a header bears.
+    pub fn write(&mut self, text: &str, about: Option<&Value>, out: &mut impl Write) -> Result<()> {
+        let root: Fields = serde_json::from_str(text)?;
+        let kind = root.text("type").unwrap_or_default();
+        let wanted = if about.is_some() { "CityJSON" } else { "CityJSONFeature" };
+        if kind != wanted {
+            return Err(RewriteError::Model(format!("its `type` is `{kind}`, not {wanted}")));
+        }
+        // Versions 1.0 and 2.0 let metadata say more, 1.1 lets only the object itself.
+        let version = root.text("version").unwrap_or_default();
+        let (in_metadata, about) = (!version.starts_with("1.1"), about.map(Value::to_string));
+        let objects: Fields = root.get("CityObjects").map_or(Ok(Fields::default()), parsed)?;
+        let sums = self.sums;
+        let coloured = objects.0.iter().any(|(id, _)| sums.object(id).is_some_and(|object| !object.faces.is_empty()));
+        let appearance: Fields = root.get("appearance").map_or(Ok(Fields::default()), parsed)?;
+        let materials: Vec<&RawValue> = appearance.get("materials").map_or(Ok(Vec::new()), parsed)?;
+        let materials = foreign(&materials);
+        let mut members = Members::begin(out)?;
+        let (mut has_appearance, mut has_metadata) = (false, false);
+        for (key, value) in &root.0 {
+            let out = match key.as_str() {
+                // What an earlier run wrote.
+                "heliotile" if about.is_some() => continue,
+                _ => members.key(key)?,
+            };
+            match key.as_str() {
+                "CityObjects" => self.objects(&objects, materials.len(), out)?,
+                "appearance" if coloured => {
+                    has_appearance = true;
+                    self.appearance(&appearance, materials, out)?;
+                }
+                "metadata" if in_metadata => {
+                    has_metadata = true;
+                    match &about {
+                        Some(about) => with_member(&parsed(value)?, "heliotile", about, out)?,
+                        None => out.write_all(value.get().as_bytes())?,
+                    }
+                }
+                _ => out.write_all(value.get().as_bytes())?,
+            }
+        }
+        if coloured && !has_appearance {
+            self.appearance(&appearance, materials, members.key("appearance")?)?;
+        }
+        if let Some(about) = about.filter(|_| !has_metadata) {
+            match in_metadata {
+                true => with_member(&Fields::default(), "heliotile", &about, members.key("metadata")?)?,
+                false => members.member("heliotile", &about)?,
+            }
+        }
+        Ok(members.end()?)
+    }
+
+    fn appearance(&self, appearance: &Fields, materials: &[&RawValue], out: &mut impl Write) -> Result<()> {
+        let own = self.theme.materials();
+        let all = materials.iter().map(|material| material.get().to_owned()).chain(own.iter().map(Value::to_string));
+        let list = format!("[{}]", all.collect::<Vec<_>>().join(","));
+        Ok(with_member(appearance, "materials", &list, out)?)
+    }
+
+    /// Objects; `first` is the number of the first class's material.
+    fn objects(&mut self, objects: &Fields, first: usize, out: &mut impl Write) -> Result<()> {
+        let sums = self.sums;
+        let mut members = Members::begin(out)?;
+        for (id, value) in &objects.0 {
+            let out = members.key(id)?;
+            match sums.object(id) {
+                Some(known) => {
+                    self.fitting.objects += 1;
+                    self.object(value, known, first, out)?;
+                }
+                None => out.write_all(value.get().as_bytes())?,
+            }
+        }
+        Ok(members.end()?)
+    }
+
+    fn object(&mut self, text: &RawValue, known: &ObjectSums, first: usize, out: &mut impl Write) -> Result<()> {
+        let object: Fields = parsed(text)?;
+        let mut members = Members::begin(out)?;
+        let mut has_attributes = false;
+        for (key, value) in &object.0 {
+            let out = members.key(key)?;
+            match key.as_str() {
+                "attributes" => {
+                    has_attributes = true;
+                    self.attributed(&parsed(value)?, &known.all, out)?;
+                }
+                "geometry" if !known.faces.is_empty() => {
+                    let shapes: Vec<&RawValue> = parsed(value)?;
+                    out.write_all(b"[")?;
+                    for (number, shape) in shapes.iter().enumerate() {
+                        out.write_all(if number > 0 { b"," } else { b"" })?;
+                        self.shape(shape, number, known, first, out)?;
+                    }
+                    out.write_all(b"]")?;
+                }
+                _ => out.write_all(value.get().as_bytes())?,
+            }
+        }
+        if !has_attributes {
+            self.attributed(&Fields::default(), &known.all, members.key("attributes")?)?;
+        }
+        Ok(members.end()?)
+    }
+
+    /// An object with what it gets; what an earlier run wrote goes.
+    fn attributed(&self, fields: &Fields, means: &Means, out: &mut impl Write) -> Result<()> {
+        let mut members = Members::begin(out)?;
+        for (key, value) in fields.0.iter().filter(|(key, _)| !key.starts_with(PREFIX)) {
+            members.member(key, value.get())?;
+        }
+        for (key, number) in self.sums.attributes(means) {
+            members.member(&key, &number)?;
+        }
+        Ok(members.end()?)
+    }
+
+    /// A geometry: attributes of semantic surfaces, and a material for each face that gets something.
+    fn shape(
+        &mut self,
+        text: &RawValue,
+        number: usize,
+        known: &ObjectSums,
+        first: usize,
+        out: &mut impl Write,
+    ) -> Result<()> {
+        let shape: Fields = parsed(text)?;
+        let kind = shape.text("type").unwrap_or_default();
+        let places = shape.get("boundaries").map_or(Ok(None), |boundaries| Faces::of(&kind, boundaries))?;
+        let places = places.map(|places| places.paths()).unwrap_or_default();
+        // `[face]` of those that get something.
+        let mut lit: BTreeMap<Vec<u32>, &Means> = BTreeMap::new();
+        for path in places.iter() {
+            if let Some(means) = known.faces.get(&name_of(number, path)) {
+                lit.insert(path.clone(), means);
+            }
+        }
+        if lit.is_empty() {
+            return Ok(out.write_all(text.get().as_bytes())?);
+        }
+        self.fitting.faces += lit.len();
+        let mut members = Members::begin(out)?;
+        let mut has_material = false;
+        for (key, value) in &shape.0 {
+            let out = members.key(key)?;
+            match key.as_str() {
+                "semantics" => self.semantics(&parsed(value)?, &lit, out)?,
+                "material" => {
+                    has_material = true;
+                    with_member(&parsed(value)?, Theme::NAME, &self.material(&places, &lit, first), out)?;
+                }
+                _ => out.write_all(value.get().as_bytes())?,
+            }
+        }
+        if !has_material {
+            let theme = self.material(&places, &lit, first);
+            with_member(&Fields::default(), Theme::NAME, &theme, members.key("material")?)?;
+        }
+        Ok(members.end()?)
+    }
+
+    fn semantics(&self, semantics: &Fields, lit: &BTreeMap<Vec<u32>, &Means>, out: &mut impl Write) -> Result<()> {
+        let values: Value = semantics.get("values").map_or(Ok(Value::Null), |text| serde_json::from_str(text.get()))?;
+        let mut by_surface: BTreeMap<u64, Means> = BTreeMap::new();
+        for (path, means) in lit {
+            let value = path.iter().try_fold(&values, |value, place| value.get(*place as usize));
+            if let Some(surface) = value.and_then(Value::as_u64) {
+                by_surface.entry(surface).or_default().join(means);
+            }
+        }
+        let mut members = Members::begin(out)?;
+        for (key, value) in &semantics.0 {
+            let out = members.key(key)?;
+            if key != "surfaces" {
+                out.write_all(value.get().as_bytes())?;
+                continue;
+            }
+            let surfaces: Vec<&RawValue> = parsed(value)?;
+            out.write_all(b"[")?;
+            for (number, surface) in (0..).zip(surfaces) {
+                out.write_all(if number > 0 { b"," } else { b"" })?;
+                match by_surface.get(&number) {
+                    Some(means) => self.attributed(&parsed(surface)?, means, out)?,
+                    None => out.write_all(surface.get().as_bytes())?,
+                }
+            }
+            out.write_all(b"]")?;
+        }
+        Ok(members.end()?)
+    }
+
+    /// The theme of a geometry: numbers of materials, as deep as its boundaries without rings.
+    fn material(&self, places: &[Vec<u32>], lit: &BTreeMap<Vec<u32>, &Means>, first: usize) -> String {
+        let mut values = Value::Array(Vec::new());
+        for path in places {
+            let class =
+                lit.get(path).map(|means| first as u64 + u64::from(self.theme.class_of(self.sums.total(means))));
+            // Paths come in order, so that each list only grows at its end.
+            let mut list = &mut values;
+            for place in path.iter().take(path.len().saturating_sub(1)) {
+                let Value::Array(items) = list else { break };
+                while items.len() <= *place as usize {
+                    items.push(Value::Array(Vec::new()));
+                }
+                list = &mut items[*place as usize];
+            }
+            if let Value::Array(items) = list {
+                items.push(class.map_or(Value::Null, Value::from));
+            }
+        }
+        format!("{{\"values\":{values}}}")
+    }
+}
+
+impl Faces {
+    /// Of the boundaries of a geometry; none where it has no faces of its own.
+    fn of(kind: &str, boundaries: &RawValue) -> Result<Option<Faces>> {
+        Ok(match kind {
+            "MultiSurface" | "CompositeSurface" => Some(Faces::Surfaces(parsed(boundaries)?)),
+            "Solid" => Some(Faces::Shells(parsed(boundaries)?)),
+            "MultiSolid" | "CompositeSolid" => Some(Faces::Solids(parsed(boundaries)?)),
+            _ => None,
+        })
+    }
+
+    /// Where each face stands, in order.
+    fn paths(&self) -> Vec<Vec<u32>> {
+        let numbers = |list: &[IgnoredAny]| 0..list.len() as u32;
+        match self {
+            Faces::Surfaces(faces) => numbers(faces).map(|face| vec![face]).collect(),
+            Faces::Shells(shells) => {
+                let shells = (0..).zip(shells);
+                shells.flat_map(|(shell, faces)| numbers(faces).map(move |face| vec![shell, face])).collect()
+            }
+            Faces::Solids(solids) => {
+                let shells = (0..).zip(solids).flat_map(|(solid, shells)| (0..).zip(shells).map(move |s| (solid, s)));
+                shells
+                    .flat_map(|(solid, (shell, faces))| numbers(faces).map(move |face| vec![solid, shell, face]))
+                    .collect()
+            }
+        }
+    }
+}
+
+/// What receivers on a face call it.
+fn name_of(geometry: usize, place: &[u32]) -> String {
+    let mut path = [0; 3];
+    path.iter_mut().zip(place).for_each(|(to, from)| *to = *from);
+    let source = FaceSource::Boundary { geometry: geometry as u32, path, depth: place.len() as u8 };
+    SourceFace { note: FaceNote { source, ..FaceNote::default() }, ..SourceFace::default() }.name("")
+}
+
+/// Without the materials of an earlier run, which stand last.
+fn foreign<'l, 'a>(materials: &'l [&'a RawValue]) -> &'l [&'a RawValue] {
+    let own = |material: &&&RawValue| {
+        parsed::<Fields>(material)
+            .ok()
+            .and_then(|material| material.text("name"))
+            .is_some_and(|name| Theme::has_made(&name))
+    };
+    let count = materials.iter().rev().take_while(own).count();
+    materials.get(..materials.len() - count).unwrap_or_default()
+}
+
+/// Writes an object with one member more, or in the place of one of its name.
+fn with_member(fields: &Fields, key: &str, value: &str, out: &mut impl Write) -> io::Result<()> {
+    let mut members = Members::begin(out)?;
+    let mut is_there = false;
+    for (name, own) in &fields.0 {
+        let same = name == key;
+        is_there |= same;
+        members.member(name, if same { value } else { own.get() })?;
+    }
+    if !is_there {
+        members.member(key, value)?;
+    }
+    members.end()
+}

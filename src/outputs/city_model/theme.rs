@@ -1,0 +1,88 @@
+//! Colours of a city model. In: the largest sum of a face. Out: classes of equal width with a colour each, as materials of CityJSON.
+
+use serde_json::{Value, json};
+
+use crate::outputs::pictures::colours::inferno;
+
+/// More classes than this are not told apart.
+const MOST_CLASSES: f64 = 20.0;
+
+/// Names of materials begin and end so.
+const NAME: [&str; 2] = ["irradiation ", " kWh/m2"];
+
+/// Classes of irradiation, from 0 to the largest sum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Theme {
+    /// Width of a class.
+    width_kwh_m2: f64,
+    classes: u32,
+}
+
+impl Theme {
+    /// Its name in geometries.
+    pub const NAME: &'static str = "irradiation";
+
+    /// Of at most 20 classes of 1, 2 or 5 times a power of ten.
+    pub fn up_to(largest_kwh_m2: f64) -> Self {
+        let least = (largest_kwh_m2 / MOST_CLASSES).max(1e-6);
+        let power = 10_f64.powf(least.log10().floor());
+        let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= least * (1.0 - 1e-12));
+        let width_kwh_m2 = factor.unwrap_or(10.0) * power;
+        // At most 20 and a bit.
+        let classes = ((largest_kwh_m2 / width_kwh_m2).ceil() as u32).max(1);
+        Theme { width_kwh_m2, classes }
+    }
+
+    /// The class of a sum, counted from 0; a sum on a border belongs to the class above it.
+    pub fn class_of(&self, kwh_m2: f64) -> u32 {
+        // `as` saturates.
+        ((kwh_m2 / self.width_kwh_m2) as u32).min(self.classes - 1)
+    }
+
+    /// A material for each class.
+    pub fn materials(&self) -> Vec<Value> {
+        let [before, behind] = NAME;
+        // Widths below 1 are told with their decimals.
+        let border = |class: u32| format!("{}", (f64::from(class) * self.width_kwh_m2 * 1e6).round() / 1e6);
+        let colour = |class: u32| {
+            let share = (f64::from(class) + 0.5) / f64::from(self.classes);
+            inferno(share as f32).map(|part| (f64::from(part) / 255.0 * 1e3).round() / 1e3)
+        };
+        let material = |class| {
+            json!({
+                "name": format!("{before}{} to {}{behind}", border(class), border(class + 1)),
+                "diffuseColor": colour(class),
+            })
+        };
+        (0..self.classes).map(material).collect()
+    }
+
+    /// Whether a material is one of a theme like this.
+    pub fn has_made(name: &str) -> bool {
+        let [before, behind] = NAME;
+        name.starts_with(before) && name.ends_with(behind)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Up to 1,650 there are 17 classes of 100, up to 1,000 20 of 50, for all that is dark 1; a sum of 100 is in the second, the largest in the
+    /// last; the names know themselves.
+    #[test]
+    fn classes() {
+        for (largest, width, classes) in [(1650.0, 100.0, 17), (1000.0, 50.0, 20), (0.3, 0.02, 15), (999.0, 50.0, 20)] {
+            let theme = Theme::up_to(largest);
+            assert_eq!(theme.classes, classes, "{largest}");
+            assert!((theme.width_kwh_m2 / width - 1.0).abs() < 1e-9, "{largest}");
+            assert_eq!(theme.class_of(largest), classes - 1);
+        }
+        let theme = Theme::up_to(1650.0);
+        assert_eq!((theme.class_of(99.9), theme.class_of(100.0), Theme::up_to(0.0).classes), (0, 1, 1));
+        let materials = theme.materials();
+        assert_eq!(materials[16]["name"], "irradiation 1600 to 1700 kWh/m2");
+        assert!(materials.iter().all(|material| Theme::has_made(material["name"].as_str().unwrap_or_default())));
+        assert!(!Theme::has_made("brick"));
+    }
+}
