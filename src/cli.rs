@@ -2,6 +2,7 @@
 
 mod audit;
 mod build;
+mod buildings;
 mod choice;
 mod cover;
 mod energyplus;
@@ -31,6 +32,7 @@ use self::choice::choice;
 
 pub use self::audit::AuditArgs;
 pub use self::build::{BuildArgs, PlanArgs};
+pub use self::buildings::BuildingsArgs;
 pub use self::choice::name_of;
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
 pub use self::energyplus::{EnergyplusArgs, Physics};
@@ -77,6 +79,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors, as .csv or .parquet
     Factors(FactorsArgs),
+    /// What a solar cadastre says of buildings and roof faces: usable area, sums by orientation, regions in one piece
+    Buildings(BuildingsArgs),
     /// What is inside an archive, or a scene
     Info(InfoArgs),
     /// Check every block of an archive; exit code 1 if one is damaged

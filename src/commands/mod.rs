@@ -2,6 +2,7 @@
 
 pub mod audit;
 pub mod build;
+pub mod buildings;
 mod chosen;
 mod city_model;
 mod console;
@@ -73,6 +74,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args),
         Command::Factors(args) => factors::run(args),
+        Command::Buildings(args) => buildings::run(args),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),

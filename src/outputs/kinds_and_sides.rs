@@ -113,7 +113,8 @@ fn kind(row: &AnnualRow, tilt_deg: f64) -> String {
     }
 }
 
-fn side(tilt_deg: f64, azimuth_deg: f64) -> &'static str {
+/// `flat`, `underneath`, or the quarter of the horizon that a surface looks to; azimuths are from 0 to 360.
+pub fn side(tilt_deg: f64, azimuth_deg: f64) -> &'static str {
     if tilt_deg < FLAT_BELOW_DEG {
         return NO_SIDES[0];
     }

@@ -3,6 +3,7 @@
 mod accuracy;
 mod archive;
 mod audit;
+mod buildings;
 mod canopy;
 mod cityjson;
 mod cityjson_out;

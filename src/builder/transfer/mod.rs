@@ -23,7 +23,7 @@ pub use diff::{Differences, Names, Parted, diff};
 pub use extract::{Extracted, Whole, extract};
 pub use merge::{Merged, merge};
 pub use output::Assembled;
-pub use rows::{ArchiveReceivers, LayeredReceiver, Layers};
+pub use rows::{ArchiveReceivers, LayeredReceiver, Layers, Shown};
 pub use selection::{Bounds, Selection};
 
 use heliotile_core::error::{Error, Result};

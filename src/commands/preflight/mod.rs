@@ -101,6 +101,12 @@ impl<'a> Files<'a> {
                 self.write_if(&args.honeybee, Written::Folder);
             }
             Command::Factors(args) => self.table(&args.table),
+            Command::Buildings(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.read(&args.weather, Wanted::Weather);
+                self.write(&args.output, Written::File);
+                self.write_if(&args.faces, Written::File);
+            }
             Command::Info(args) => {
                 args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
                 self.read_if(&args.surfaces.materials, Wanted::Other);

@@ -23,8 +23,9 @@ pub struct CsvColumn {
 }
 
 /// Units by the ending of a column's name, or by the whole of it; longer endings first.
-const UNITS: [(&str, &str); 12] = [
+const UNITS: [(&str, &str); 13] = [
     ("_kwh_m2", "kWh/m2"),
+    ("_kwh", "kWh"),
     ("_w_m2", "W/m2"),
     ("_mwh", "MWh"),
     ("_percent", "%"),
@@ -41,6 +42,12 @@ const UNITS: [(&str, &str); 12] = [
 /// Places in metres, and normals.
 const PLACES: [(&str, &str); 6] = [("x", "m"), ("y", "m"), ("z", "m"), ("nx", "1"), ("ny", "1"), ("nz", "1")];
 
+/// The unit that a column's name says.
+pub fn unit_of(name: &str) -> Option<&'static str> {
+    let place = PLACES.iter().find(|(place, _)| *place == name);
+    place.or_else(|| UNITS.iter().find(|(ending, _)| name.ends_with(ending))).map(|(_, unit)| *unit)
+}
+
 impl CsvColumn {
     pub fn text(name: &str) -> Self {
         CsvColumn { name: name.into(), datatype: json!("string"), unit: None }
@@ -48,9 +55,7 @@ impl CsvColumn {
 
     /// A number, with the unit that its name says.
     pub fn number(name: &str) -> Self {
-        let place = PLACES.iter().find(|(place, _)| *place == name);
-        let unit = place.or_else(|| UNITS.iter().find(|(ending, _)| name.ends_with(ending))).map(|(_, unit)| *unit);
-        CsvColumn { name: name.into(), datatype: json!("number"), unit }
+        CsvColumn { name: name.into(), datatype: json!("number"), unit: unit_of(name) }
     }
 
     /// By its name: a number where that has a unit, text where it has none.

@@ -9,6 +9,7 @@ pub mod layout;
 mod npy;
 mod npz;
 mod parquet;
+pub mod records;
 pub mod row_labels;
 pub mod table;
 pub mod tile_columns;

@@ -1,0 +1,201 @@
+//! Buildings and their roof faces, being added up. In: all receivers once, for what they belong to; then again with their sums. Out: what
+//! tables tell of them. Kept are 8 bytes a receiver, numbers of each building and face, and patches of faces that are not complete.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use super::face::{Lit, OnRoof, RoofFace, Usable};
+use super::place::{Envelope, building_of, face_of};
+use crate::outputs::kinds_and_sides::side;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::north::North;
+use heliotile_core::site::patch::Patch;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::counted;
+use heliotile_core::units::tilt_and_azimuth;
+
+/// Names that a message holds at most.
+const NAMED: usize = 3;
+
+/// Orientations, in the order of columns.
+pub const SIDES: [&str; 5] = ["flat", "north", "east", "south", "west"];
+
+/// A building.
+#[derive(Clone, Debug, Default)]
+pub struct BuildingSums {
+    pub roof: Lit,
+    /// `[side]` of [`SIDES`], kWh.
+    pub roof_sides: [f64; 5],
+    pub facade: Lit,
+    pub facade_sides: [f64; 5],
+}
+
+/// Where the sum of a receiver goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    Face(u32),
+    Facade(u32),
+    Nowhere,
+}
+
+/// The buildings of a site.
+pub struct Cadastre {
+    pub usable: Usable,
+    north: North,
+    /// Sorted by name.
+    pub names: Vec<String>,
+    /// `[building]`
+    pub buildings: Vec<BuildingSums>,
+    pub faces: Vec<RoofFace>,
+    /// `[receiver]`
+    targets: Vec<Target>,
+    done: usize,
+    /// The highest sum of a receiver on a roof, kWh/m2.
+    pub best_kwh_m2: f64,
+}
+
+/// Receivers that cannot be counted.
+#[derive(Default)]
+struct Lacking {
+    count: u64,
+    named: Vec<String>,
+}
+
+impl Lacking {
+    fn push(&mut self, id: String) {
+        self.count += 1;
+        if self.named.len() < NAMED {
+            self.named.push(id);
+        }
+    }
+
+    fn check(&self, file: &Path, what: &str, hint: &str) -> Result<()> {
+        if self.count == 0 {
+            return Ok(());
+        }
+        let more = if self.count > self.named.len() as u64 { ", ..." } else { "" };
+        let what =
+            format!("{} of roofs and facades {what}: {}{more}", counted(self.count, "receiver"), self.named.join(", "));
+        Err(Error::input(file, None, what, hint))
+    }
+}
+
+impl Cadastre {
+    /// From the receivers of `file`, in the order in which their sums will come.
+    pub fn new(
+        receivers: impl Iterator<Item = Result<Receiver>>,
+        usable: Usable,
+        north: North,
+        file: &Path,
+    ) -> Result<Self> {
+        let mut numbers: BTreeMap<String, u32> = BTreeMap::new();
+        let mut faces: Vec<RoofFace> = Vec::new();
+        let mut face_numbers: HashMap<(u32, String), u32> = HashMap::new();
+        let mut targets = Vec::new();
+        let (mut homeless, mut without_area) = (Lacking::default(), Lacking::default());
+        let mut kinds: BTreeMap<String, u64> = BTreeMap::new();
+        for receiver in receivers {
+            let receiver = receiver?;
+            let envelope = Envelope::of(&receiver);
+            if envelope == Envelope::Neither {
+                targets.push(Target::Nowhere);
+                *kinds.entry(receiver.part.kind).or_default() += 1;
+                continue;
+            }
+            let Some(name) = building_of(&receiver) else {
+                homeless.push(receiver.id);
+                continue;
+            };
+            let next = numbers.len() as u32;
+            let building = *numbers.entry(name.to_owned()).or_insert(next);
+            if receiver.area.is_none() {
+                without_area.push(receiver.id);
+                continue;
+            }
+            if envelope == Envelope::Facade {
+                targets.push(Target::Facade(building));
+                *kinds.entry("wall".into()).or_default() += 1;
+                continue;
+            }
+            let name = face_of(&receiver).to_owned();
+            let number = *face_numbers.entry((building, name)).or_insert_with_key(|(building, name)| {
+                faces.push(RoofFace::new(*building, name.clone()));
+                faces.len() as u32 - 1
+            });
+            if let Some(face) = faces.get_mut(number as usize) {
+                face.receivers += 1;
+            }
+            targets.push(Target::Face(number));
+        }
+        let hint = "build with names in a column `building` or `object`, as `heliotile receivers` writes them";
+        homeless.check(file, "without a building or an object", hint)?;
+        without_area.check(
+            file,
+            "without an area",
+            "build with a column `area`, as `heliotile receivers` writes it",
+        )?;
+        if faces.is_empty() {
+            let found: Vec<String> =
+                kinds.iter().map(|(kind, count)| format!("{} on `{kind}`", counted(*count, "receiver"))).collect();
+            let what = format!("has no receivers on roofs, only {}", found.join(", "));
+            let hint = "cover roofs too: `heliotile run` does, and `heliotile receivers --on roof,wall`";
+            return Err(Error::input(file, None, what, hint));
+        }
+        // Numbers in order of appearance become places in the order of names.
+        let mut places = vec![0; numbers.len()];
+        for (place, number) in (0..).zip(numbers.values()) {
+            places[*number as usize] = place;
+        }
+        faces.iter_mut().for_each(|face| face.building = places[face.building as usize]);
+        for target in &mut targets {
+            if let Target::Facade(building) = target {
+                *building = places[*building as usize];
+            }
+        }
+        let buildings = vec![BuildingSums::default(); numbers.len()];
+        let names = numbers.into_keys().collect();
+        Ok(Cadastre { usable, north, names, buildings, faces, targets, done: 0, best_kwh_m2: 0.0 })
+    }
+
+    /// Adds the sum of the next receiver.
+    pub fn add(&mut self, receiver: &Receiver, patch: Patch, sky_view: f64, kwh_m2: f64) {
+        let target = self.targets.get(self.done).copied().unwrap_or(Target::Nowhere);
+        self.done += 1;
+        let area_m2 = receiver.area.unwrap_or_default();
+        let lit = Lit { area_m2, kwh: area_m2 * kwh_m2 };
+        let (tilt, azimuth) = tilt_and_azimuth(self.north.to_true(receiver.normal));
+        match target {
+            Target::Nowhere => {}
+            Target::Facade(building) => {
+                let sums = &mut self.buildings[building as usize];
+                sums.facade.add(lit);
+                // Leaning walls have a side too.
+                sums.facade_sides[place_of(side(90.0, azimuth))] += lit.kwh;
+            }
+            Target::Face(number) => {
+                let face = &mut self.faces[number as usize];
+                let sums = &mut self.buildings[face.building as usize];
+                sums.roof.add(lit);
+                sums.roof_sides[place_of(side(tilt, azimuth))] += lit.kwh;
+                self.best_kwh_m2 = self.best_kwh_m2.max(kwh_m2);
+                let (place, normal) = (receiver.position, receiver.normal);
+                face.add(OnRoof { place, normal, patch, sky_view, area_m2, kwh_m2 }, self.usable);
+            }
+        }
+    }
+
+    /// Tilt and azimuth of a face, degrees, the latter from true north.
+    pub fn direction(&self, face: &RoofFace) -> (f64, f64) {
+        tilt_and_azimuth(self.north.to_true(face.normal()))
+    }
+
+    /// Faces whose patches are not known and that count as one region.
+    pub fn vague(&self) -> usize {
+        self.faces.iter().filter(|face| face.is_vague).count()
+    }
+}
+
+/// What looks down is as flat as what looks up.
+fn place_of(side: &str) -> usize {
+    SIDES.iter().position(|name| *name == side).unwrap_or_default()
+}

@@ -1,0 +1,170 @@
+//! Tables of buildings and roof faces: sums that another command gives too, regions that one can count, and what is refused.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use crate::cli::{Folder, golden, stderr, stdout};
+
+type Row = BTreeMap<String, String>;
+
+fn table(text: &str) -> Vec<Row> {
+    let mut rows = csv::Reader::from_reader(text.as_bytes());
+    let names: Vec<String> = rows.headers().expect("names").iter().map(str::to_owned).collect();
+    let row = |row: csv::StringRecord| names.iter().cloned().zip(row.iter().map(str::to_owned)).collect();
+    rows.records().map(|record| row(record.expect("a row"))).collect()
+}
+
+fn number(text: &str) -> f64 {
+    text.parse().expect("a number")
+}
+
+/// A folder with receivers on the block of The Hague and their archive, coarse.
+fn block() -> Folder {
+    let folder = Folder::new();
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    for command in ["receivers MODEL -o r.csv", "build MODEL -r r.csv --quality draft -o site.helio"] {
+        let done = folder.run(&command.replace("MODEL", &model.display().to_string()));
+        assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+    }
+    folder
+}
+
+/// Rows of buildings and of faces, with a threshold in kWh/m2 of three days.
+fn rows(folder: &Folder, options: &str) -> (Vec<Row>, Vec<Row>) {
+    let done =
+        folder.run(&format!("buildings site.helio --weather {} -o b.csv --faces f.csv {options}", golden().display()));
+    assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+    let read = |name: &str| table(&fs::read_to_string(folder.path(name)).expect(name));
+    (read("b.csv"), read("f.csv"))
+}
+
+/// 19 buildings: areas, sums, sums by orientation and areas above a threshold of each and of each of its 59 roof faces are those that
+/// receivers of `replay --by receiver` add up to, within 1e-4; usable areas are at most those above the threshold and, without a least
+/// area, the same.
+#[test]
+fn sums_are_those_of_receivers() {
+    let folder = block();
+    let (buildings, faces) = rows(&folder, "--threshold 10 --min-area 0");
+    let replay =
+        format!("replay site.helio --weather {} --every total --columns total --grid-north", golden().display());
+    let sums = table(&stdout(&folder.run(&replay)));
+    let sums: BTreeMap<&str, f64> =
+        sums.iter().map(|row| (row["receiver"].as_str(), number(&row["total_kwh_m2"]))).collect();
+    let mut known = BTreeMap::<String, f64>::new();
+    for row in table(&fs::read_to_string(folder.path("r.csv")).expect("receivers")) {
+        let (area, mean) = (number(&row["area"]), sums[row["receiver"].as_str()]);
+        let normal = ["nx", "ny", "nz"].map(|axis| number(&row[axis]));
+        // Degrees from north by quarters, written another way than the program does.
+        let quarter = match (normal[0].abs() > normal[1].abs(), normal[0] > 0.0, normal[1] > 0.0) {
+            _ if row["kind"] == "roof" && normal[2] > f64::cos(10_f64.to_radians()) => "flat",
+            (true, east, _) => ["west", "east"][usize::from(east)],
+            (false, _, north) => ["south", "north"][usize::from(north)],
+        };
+        let part = if row["kind"] == "roof" { "roof" } else { "facade" };
+        let mut add = |key: String, amount: f64| *known.entry(key).or_default() += amount;
+        for name in [row["building"].clone()].into_iter().chain((part == "roof").then(|| row["surface"].clone())) {
+            add(format!("{name} {part}_area_m2"), area);
+            add(format!("{name} {part}_kwh"), area * mean);
+            add(format!("{name} {part}_{quarter}_kwh"), area * mean);
+            if part == "roof" && mean >= 10.0 {
+                add(format!("{name} above_threshold_m2"), area);
+            }
+        }
+    }
+    let close = |row: &Row, name: &str, column: &str, key: &str| {
+        let (found, known) = (number(&row[column]), known.get(&format!("{name} {key}")).copied().unwrap_or_default());
+        assert!((found - known).abs() <= 2e-3 + 1e-4 * known, "{name} {column}: {found} {known}");
+    };
+    assert_eq!((buildings.len(), faces.len()), (19, 59));
+    for row in &buildings {
+        for column in row.keys().filter(|name| name.ends_with("_kwh") && !name.starts_with("usable")) {
+            close(row, &row["building"], column, column);
+        }
+        for column in ["roof_area_m2", "facade_area_m2", "above_threshold_m2"] {
+            close(row, &row["building"], column, column);
+        }
+        assert_eq!(row["usable_area_m2"], row["above_threshold_m2"]);
+    }
+    for row in &faces {
+        close(row, &row["face"], "area_m2", "roof_area_m2");
+        close(row, &row["face"], "total_kwh", "roof_kwh");
+        close(row, &row["face"], "above_threshold_m2", "above_threshold_m2");
+        assert!((0.0..=1.0).contains(&number(&row["sky_view"])) && number(&row["share_of_best"]) <= 1.0);
+    }
+    let (larger, _) = rows(&folder, "--threshold 10 --min-area 40");
+    let usable = |rows: &[Row]| rows.iter().map(|row| number(&row["usable_area_m2"])).sum::<f64>();
+    assert!(usable(&larger) > 0.0 && usable(&larger) < usable(&buildings));
+}
+
+/// A house with a roof of 4 x 6 squares of 1 m2 in the open, in the third row of which a threshold leaves nothing: regions of 8 and 12
+/// m2, of which at least 10 m2 leaves one; tilt and azimuth are those of its normal, a table in Parquet has the same 2 rows.
+#[test]
+fn regions_of_a_roof() {
+    let folder = Folder::new();
+    let mut text = String::from("receiver,x,y,z,nx,ny,nz,area,surface,object,building,kind,object_type,face,patch\n");
+    let patch = "-500 -500 0;500 -500 0;500 500 0;-500 500 0";
+    for i in 0..24 {
+        let (x, y) = (0.5 + f64::from(i % 4), 0.5 + f64::from(i / 4));
+        // What looks down gets little.
+        let up = if i / 4 == 2 { "0,1,0.001" } else { "0,0,1" };
+        text += &format!("r{i},{x},{y},10.02,{up},1,top,hall,house,roof,,,{patch}\n");
+    }
+    text += "low,5,-0.02,2,0,-1,0,3,front,hall,house,wall,,,\n";
+    text += "shed,12,-20,0.02,0,0,1,5,lid,shed,,roof,,,\n";
+    text += "lawn,15,5,0.02,0,0,1,7,lawn,garden,,ground,,,\n";
+    folder.write("receivers.csv", &text);
+    assert_eq!(folder.build().status.code(), Some(0));
+    let (buildings, faces) = rows(&folder, "--threshold 8 --min-area 10");
+    let cells = |row: &Row, names: [&str; 6]| names.map(|name| row[name].clone());
+    let names = ["building", "roof_faces", "roof_area_m2", "above_threshold_m2", "usable_area_m2", "best_region_m2"];
+    assert_eq!(cells(&buildings[0], names), ["house", "1", "24.000", "20.000", "12.000", "12.000"]);
+    assert_eq!(cells(&buildings[1], names), ["shed", "1", "5.000", "5.000", "0.000", ""]);
+    let names = ["face", "receivers", "area_m2", "regions", "largest_region_m2", "best_face"];
+    let face = |row: &Row, name: &str| row.get(name).cloned().unwrap_or_default();
+    assert_eq!(names.map(|name| face(&faces[0], name)), ["top", "24", "24.000", "1", "12.000", ""]);
+    assert_eq!(buildings[0]["best_face"], "top");
+    let roof: f64 = ["flat", "north"].iter().map(|side| number(&buildings[0][&format!("roof_{side}_kwh")])).sum();
+    assert!((roof - number(&buildings[0]["roof_kwh"])).abs() < 0.01);
+    let parquet =
+        folder.run(&format!("buildings site.helio --weather {} -o b.parquet --threshold 8", golden().display()));
+    assert_eq!(parquet.status.code(), Some(0), "{}", stderr(&parquet));
+    let said = stderr(&parquet);
+    assert!(said.contains("72 of the 8760 hours") && said.contains("1 roof face of site.helio"), "{said}");
+    let bytes = fs::read(folder.path("b.parquet")).expect("the table");
+    let reader = parquet::file::reader::SerializedFileReader::new(bytes::Bytes::from(bytes)).expect("Parquet");
+    use parquet::file::reader::FileReader;
+    let about = reader.metadata().file_metadata();
+    assert_eq!((about.num_rows(), about.schema().get_fields().len()), (2, buildings[0].len()));
+}
+
+/// Thresholds below 0, of no number and of words, least areas below 0, another ending, one name for two tables, archives without roofs,
+/// without names and without areas are refused: 9 of 9.
+#[test]
+fn refusals() {
+    let folder = Folder::new();
+    let header = "receiver,x,y,z,nx,ny,nz,area,surface,object,building,kind\n";
+    let buildings = |rest: &str| format!("buildings site.helio --weather {} {rest}", golden().display());
+    let build = |rows: &str| {
+        folder.write("receivers.csv", &format!("{header}{rows}"));
+        assert_eq!(folder.build().status.code(), Some(0));
+    };
+    build("front,5,-0.02,2,0,-1,0,3,front,hall,house,wall\nlawn,15,5,0.02,0,0,1,7,lawn,garden,,ground\n");
+    folder
+        .refused(&buildings(""), &["site.helio: has no receivers on roofs", "1 receiver on `wall`", "--on roof,wall"]);
+    build("top,5,5,10.02,0,0,1,,top,hall,house,roof\n");
+    folder.refused(&buildings(""), &["1 receiver of roofs and facades without an area: top", "column `area`"]);
+    build("top,5,5,10.02,0,0,1,3,top,,,roof\n");
+    folder.refused(&buildings(""), &["without a building or an object: top", "`building` or `object`"]);
+    for (rest, parts) in [
+        ("--threshold -1", &["--threshold", "a number of 0 or more"][..]),
+        ("--threshold NaN", &["--threshold", "a number of 0 or more"]),
+        ("--threshold many", &["--threshold", "a number of 0 or more"]),
+        ("--min-area -3", &["--min-area", "a number of 0 or more"]),
+        ("-o b.npy", &["b.npy", ".csv and .parquet"]),
+        ("-o b.csv --faces b.csv", &["b.csv: is the table of buildings too"]),
+    ] {
+        folder.refused(&buildings(rest), parts);
+        assert!(!folder.path("b.csv").exists());
+    }
+}
