@@ -52,6 +52,9 @@ pub mod energyplus {}
 #[doc = include_str!("viewing.md")]
 pub mod viewing {}
 
+#[doc = include_str!("buildings.md")]
+pub mod buildings {}
+
 #[doc = include_str!("export.md")]
 pub mod export {}
 

@@ -345,3 +345,83 @@ fn with_member(fields: &Fields, key: &str, value: &str, out: &mut impl Write) ->
     }
     members.end()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use heliotile_core::replay::components::Component;
+    use heliotile_core::replay::values::TileValues;
+    use heliotile_core::site::receiver::Receiver;
+
+    /// Sums of 1,000 kWh/m2 on 2 m2 of some faces of objects.
+    fn sums(faces: &[(&str, &str)]) -> ModelSums {
+        let mut sums = ModelSums::new(&[Component::Total], &[]);
+        let mut values = TileValues::new(1, 1);
+        values.row_mut(Component::Total, 0).fill(1000.0);
+        for (object, face) in faces {
+            let mut receiver = Receiver { area: Some(2.0), ..Receiver::new("r".into(), DVec3::ZERO, DVec3::Z) };
+            (receiver.part.object, receiver.part.face) = ((*object).into(), (*face).into());
+            sums.add(&receiver, &values, 0);
+        }
+        sums
+    }
+
+    fn written(sums: &ModelSums, text: &str) -> (String, Fitting) {
+        let mut out = Vec::new();
+        let mut writer = CityModelWriter::new(sums);
+        writer.write(text, Some(&Value::from("here")), &mut out).expect("a city model");
+        (String::from_utf8(out).expect("text"), writer.fitting())
+    }
+
+    /// Faces of solids of solids and of plain surfaces get the class of 1,000 behind the 1 material that is there, all others none; semantic
+    /// surfaces that values name get their sums, where values are null none; attributes that are null become some; an object without sums
+    /// stays as it is, spaces and all; of version 1.1 provenance stands at the top.
+    #[test]
+    fn depths() {
+        let sums = sums(&[
+            ("a", "geometry[1].boundaries[0][1][0]"),
+            ("a", "geometry[0].boundaries[1]"),
+            ("b", "geometry[0].boundaries[7]"),
+        ]);
+        let text = r#"{"type":"CityJSON","version":"1.1","metadata":{"title": "t"},
+"CityObjects":{"c":{ "type" : "Bridge" },"a":{"type":"Building","attributes":null,"geometry":[
+{"type":"MultiSurface","lod":"1","boundaries":[[[0,1,2]],[[0,1,3]]],"semantics":{"surfaces":[{"type":"RoofSurface"}],"values":[null,0]}},
+{"type":"CompositeSolid","lod":"1","boundaries":[[[[[0,1,2]]],[[[0,1,3]],[[1,2,3]]]]],"material":{"":{"value":0}},"semantics":{"surfaces":[{"type":"RoofSurface"}],"values":[null]}}]}},
+"appearance":{"materials":[{"name":"brick"}]},"vertices":[]}"#;
+        let (out, fitting) = written(&sums, text);
+        assert_eq!(fitting, Fitting { objects: 1, faces: 2 });
+        let model: Value = serde_json::from_str(&out).expect("JSON");
+        let shapes = &model["CityObjects"]["a"]["geometry"];
+        assert_eq!(shapes[0]["material"]["irradiation"]["values"].to_string(), "[null,20]");
+        assert_eq!(shapes[1]["material"]["irradiation"]["values"].to_string(), "[[[null],[20,null]]]");
+        assert_eq!(shapes[1]["material"][""]["value"], 0);
+        assert_eq!(shapes[0]["semantics"]["surfaces"][0]["heliotile_total_kwh_m2"], 1000.0);
+        assert_eq!(shapes[1]["semantics"]["surfaces"][0].as_object().map(serde_json::Map::len), Some(1));
+        assert_eq!(model["CityObjects"]["a"]["attributes"]["heliotile_total_kwh"], 4000.0);
+        assert!(out.contains(r#""c":{ "type" : "Bridge" }"#) && out.contains(r#""metadata":{"title": "t"}"#), "{out}");
+        assert_eq!(
+            (&model["heliotile"], model["appearance"]["materials"].as_array().map(Vec::len)),
+            (&"here".into(), Some(21))
+        );
+        // A second time nothing is added again.
+        assert_eq!(written(&sums, &out).0, out);
+        let (newer, _) = written(&sums, &text.replace("\"1.1\"", "\"2.0\""));
+        assert!(newer.contains(r#""metadata":{"title":"t","heliotile":"here"}"#), "{newer}");
+    }
+
+    /// What is no city model is refused with what it is, 4 of 4.
+    #[test]
+    fn no_models() {
+        let sums = sums(&[("a", "geometry[0].boundaries[0]")]);
+        for (text, part) in [
+            ("[]", "an object"),
+            (r#"{"type":"Model"}"#, "`Model`"),
+            (r#"{"type":"CityJSON","CityObjects":[]}"#, "an object"),
+            (r#"{"type":"CityJSON","CityObjects":{"a":{"geometry":[{"type":"Solid","boundaries":[3]}]}}}"#, "sequence"),
+        ] {
+            let refused = CityModelWriter::new(&sums).write(text, Some(&Value::Null), &mut Vec::new());
+            assert!(matches!(&refused, Err(RewriteError::Model(what)) if what.contains(part)), "{text}: {refused:?}");
+        }
+    }
+}
