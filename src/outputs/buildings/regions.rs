@@ -32,7 +32,7 @@ pub fn regions(normal: DVec3, patches: &[(DVec3, &Patch)]) -> Vec<usize> {
         // Those behind begin farther along x: beyond the end of this one none touches it.
         let near = order[i + 1..].iter().take_while(|b| outlines[**b].low.x <= own.high.x + TOUCH_MM);
         for b in near {
-            let (roots, other) = ([root(&parents, *a), root(&parents, *b)], &outlines[*b]);
+            let (roots, other) = ([*a, *b].map(|i| root(&mut parents, i)), &outlines[*b]);
             if roots[0] != roots[1] && own.is_near(other) && own.touches(other) {
                 // The earlier one is the root.
                 parents[roots[0].max(roots[1])] = roots[0].min(roots[1]);
@@ -42,7 +42,7 @@ pub fn regions(normal: DVec3, patches: &[(DVec3, &Patch)]) -> Vec<usize> {
     let mut numbers = vec![None; patches.len()];
     let mut count = 0;
     let number = |i: usize| {
-        let own = root(&parents, i);
+        let own = root(&mut parents, i);
         *numbers[own].get_or_insert_with(|| {
             count += 1;
             count - 1
@@ -51,8 +51,10 @@ pub fn regions(normal: DVec3, patches: &[(DVec3, &Patch)]) -> Vec<usize> {
     (0..patches.len()).map(number).collect()
 }
 
-fn root(parents: &[usize], mut i: usize) -> usize {
+/// The root of a tree, whose paths become shorter on the way.
+fn root(parents: &mut [usize], mut i: usize) -> usize {
     while parents[i] != i {
+        parents[i] = parents[parents[i]];
         i = parents[i];
     }
     i
