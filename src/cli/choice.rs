@@ -6,6 +6,7 @@ use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::weather::options::StampedAt;
 
 use crate::outputs::periods::Every;
+use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -79,6 +80,16 @@ impl NamedValues for By {
         ("object", "One for each object of the model: city objects, zones and shades", By::Object),
         ("building", "One for each building, with all of its parts", By::Building),
         ("kind", "One for each kind of surface: roof, wall, window, ground, floor, shade", By::Kind),
+    ];
+}
+
+impl NamedValues for MapFormat {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("glb", "For Blender, three.js and Cesium, with the scene around", MapFormat::Glb),
+        ("fgb", "FlatGeobuf, for QGIS", MapFormat::FlatGeobuf),
+        ("geojson", "Longitude and latitude, for small maps in browsers", MapFormat::GeoJson),
+        ("geoparquet", "For geopandas and DuckDB: annual.parquet", MapFormat::GeoParquet),
+        ("vtu", "For ParaView and PyVista", MapFormat::Vtu),
     ];
 }
 

@@ -26,7 +26,8 @@ pub struct TableArgs {
     /// Archive to read
     pub archive: PathBuf,
     /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
-    /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output
+    /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output; of `query` and `replay` also maps: .glb, .fgb,
+    /// .geojson, .vtu, .pvd (hours for ParaView), .parquet with --geo
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
     /// Take the receivers of a CSV file only: ids in a column `receiver`
@@ -51,6 +52,9 @@ pub struct TableArgs {
 pub struct RecombineArgs {
     #[command(flatten)]
     pub table: TableArgs,
+    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    #[arg(long)]
+    pub geo: bool,
     /// Columns to write, in this order, such as total,sun_direct; sun_diffuse and sky_diffuse also by what is seen first, as
     /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]

@@ -3,15 +3,20 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 
 use super::choice::choice;
 use super::{AccuracyArgs, Bytes, ClockArgs, CoverArgs, Percent, SceneArgs, parse_memory, parse_negligible};
 use crate::outputs::periods::Every;
+use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
+use crate::outputs::tables::writer::Format;
 use heliotile_core::weather::options::StampedAt;
 
 /// Endings of tables that `replay` writes.
-const ENDINGS: [&str; 6] = ["csv", "parquet", "arrow", "feather", "npy", "npz"];
+fn endings() -> PossibleValuesParser {
+    PossibleValuesParser::new(Format::ENDINGS.map(|(ending, _)| ending))
+}
 
 #[derive(Args, Debug)]
 pub struct RunArgs {
@@ -50,8 +55,11 @@ pub struct RunArgs {
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999), requires = "every")]
     pub year: Option<i32>,
     /// Ending of these tables, which chooses their format
-    #[arg(long, value_parser = ENDINGS, default_value = "csv", requires = "every")]
+    #[arg(long, value_parser = endings(), default_value = "csv", requires = "every")]
     pub format: String,
+    /// Write the annual sums as a further map beside annual.ply, annual.glb and so on; may be repeated, or several with commas
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<MapFormat>(), value_delimiter = ',')]
+    pub map: Vec<MapFormat>,
     /// Replace what the folder holds of another scene, spacing, accuracy or weather, which is refused otherwise
     #[arg(long)]
     pub replace: bool,

@@ -8,7 +8,7 @@ use super::guard_output;
 use super::voice::remark_aside;
 use crate::cli::TableArgs;
 use crate::outputs::tables::writer::files_of;
-use heliotile_builder::transfer::{ArchiveReceivers, Selection};
+use heliotile_builder::transfer::{ArchiveReceivers, Selection, Shown};
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
@@ -81,6 +81,19 @@ impl Chosen {
             None => ArchiveReceivers::new(site),
         };
         rows.map(|row| Ok(row?.receiver))
+    }
+
+    /// The same with their patches.
+    pub fn shown<'a>(
+        &'a self,
+        archive: &'a Archive,
+        site: &OpenSite<'a>,
+    ) -> impl Iterator<Item = Result<Receiver>> + use<'a> {
+        let rows = match &self.kept {
+            Some(kept) => ArchiveReceivers::<Shown>::chosen(site, archive, kept),
+            None => ArchiveReceivers::new(site),
+        };
+        rows.map(|row| row.map(|row| Receiver { patch: row.layers.patch, ..row.receiver }))
     }
 
     /// The results of a tile that are asked for.

@@ -13,7 +13,7 @@ use crate::cli::Cli;
 use crate::outputs::provenance::Provenance;
 
 /// Options that change where results go and how long they take, never their values.
-const NEUTRAL: [&str; 6] = ["output", "faces", "honeybee", "memory", "io", "replace"];
+const NEUTRAL: [&str; 8] = ["output", "faces", "honeybee", "memory", "io", "replace", "geo", "map"];
 
 /// Of the command line of this process. Paths stand as they were typed.
 pub fn provenance() -> Provenance {

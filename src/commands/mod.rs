@@ -13,6 +13,7 @@ mod grids;
 mod horizon;
 pub mod inspect;
 mod invocation;
+mod mapped;
 mod original;
 mod preflight;
 pub mod receivers;

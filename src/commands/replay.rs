@@ -5,17 +5,18 @@ use std::path::Path;
 use super::chosen::{Chosen, guard, open, say_north, site_of};
 use super::terminal::Terminal;
 use super::voice::note;
-use super::{Outcome, city_model, grids, invocation, temporary_files, warn};
+use super::{Outcome, city_model, grids, invocation, mapped, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather_as};
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
+use crate::outputs::results::{ResultFormat, ResultWriter};
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Places;
-use crate::outputs::tables::writer::{Format, TableWriter};
+use crate::outputs::tables::writer::TableWriter;
 use heliotile_builder::observer::Stage;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
@@ -44,6 +45,8 @@ use heliotile_core::weather::time::years::Years;
 pub(super) struct Series<'a> {
     pub conditions: &'a [Condition],
     kind: Labels,
+    /// None in a query.
+    every: Option<Every>,
     pub labels: RowLabels,
     /// Which label a condition adds to.
     bins: &'a Bins,
@@ -64,7 +67,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     }
     let inputs: Vec<&Path> = args.common.schedules().chain([args.conditions.as_path()]).collect();
     guard(&args.common.table, &inputs)?;
-    Format::of(&args.common.table.output)?;
+    ResultFormat::of(&args.common.table.output, args.common.geo)?;
     let file = read_conditions(&args.conditions)?;
     let archive = open(&args.common.table)?;
     file.warnings.iter().for_each(|w| warn(w));
@@ -83,6 +86,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     let series = Series {
         conditions: &file.conditions,
         kind: Labels::Conditions,
+        every: None,
         bins: &Bins::each(labels.len()),
         labels,
         changes: changes(&args.common),
@@ -130,7 +134,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
             let hint = "give the city model that the receivers were put on: --model INPUT.city.json";
             return Err(Error::argument("--output", "a city model is written from another one", hint));
         }
-        _ => drop(Format::of(&args.common.table.output)?),
+        _ => drop(ResultFormat::of(&args.common.table.output, args.common.geo)?),
     }
     let (archive, weather, dated) = opened(args)?;
     match (&args.model, &args.honeybee) {
@@ -215,8 +219,8 @@ pub(super) fn with_series<T>(
         }
         _ => provenance.with("stamp", StampedAt::Start.name()),
     };
-    let series =
-        Series { conditions: &conditions, kind, labels: periods.labels, bins: &bins, changes, rows, provenance };
+    let (every, labels) = (Some(args.every), periods.labels);
+    let series = Series { conditions: &conditions, kind, every, labels, bins: &bins, changes, rows, provenance };
     then(&series)
 }
 
@@ -300,19 +304,36 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     };
     let count = names.as_ref().map_or(chosen.count(), |names| names.len() as u64);
     let about = series.about(args, archive);
-    let start = || TableWriter::create(&asked.output, &layout, labels, &Places { count, names: &all_names }, &about);
+    let storage = temporary_files();
+    let map = match ResultFormat::of(&asked.output, args.geo)? {
+        ResultFormat::Table(_) => None,
+        ResultFormat::Map(format) => {
+            let of = mapped::Source { archive, site: &site, chosen: &chosen };
+            let groups = means.as_ref().map(GroupMeans::groups);
+            Some(mapped::start(asked, format, (of, groups), (&layout, labels, series.every), about.clone(), &storage)?)
+        }
+    };
+    let start = || match map {
+        Some(map) => Ok(ResultWriter::Map(Box::new(map))),
+        None => {
+            let places = Places { count, names: &all_names };
+            TableWriter::create(&asked.output, &layout, labels, &places, &about).map(ResultWriter::Table)
+        }
+    };
     let streamed = Streamed { archive, site: &site, chosen: &chosen, components: layout.components.set() };
-    let mut table = streamed.each_tile(args, series, start, |table, receivers, values| {
+    let mut results = streamed.each_tile(args, series, start, |results, receivers, values| {
         match &mut means {
             Some(means) => means.add(values),
-            None => table.write_tile(receivers, values, &[])?,
+            None => results.write_tile(receivers, values, &[])?,
         }
-        Ok(!table.is_closed())
+        Ok(!results.is_closed())
     })?;
     for (names, values, extents) in means.iter().flat_map(GroupMeans::tiles) {
-        table.write_tile(&names, &values, extents)?;
+        results.write_tile(&names, &values, extents)?;
     }
-    table.finish()?;
+    if let Some(stats) = results.finish()? {
+        mapped::say_large(&asked.output, &stats);
+    }
     Ok(Outcome::Fine)
 }
 

@@ -19,6 +19,10 @@ pub enum Use {
     TileGroup,
     /// Sums by surface, while results are written.
     SurfaceSums,
+    /// Rows of a map, until all are there.
+    MapRows,
+    /// Patches of receivers, until those of a surface stand together.
+    MapPatches,
     /// The receivers of a list, and those of an archive, while they are matched.
     ReceiverList,
     /// Names of receivers, while archives are merged; of one of two archives that are compared.
@@ -33,7 +37,8 @@ impl Use {
         match self {
             Use::SortedReceivers | Use::CellKeys | Use::BounceCells => 2,
             Use::Radiosity | Use::TileGroup | Use::ReceiverList | Use::ReceiverIds | Use::ExtractedKeys => 4,
-            Use::SurfaceSums => 8,
+            Use::SurfaceSums => 6,
+            Use::MapRows | Use::MapPatches => 1,
         }
     }
 }
@@ -42,7 +47,7 @@ impl Use {
 pub const TOGETHER: [(&str, &[Use]); 6] = [
     ("build, cells", &[Use::SortedReceivers, Use::CellKeys, Use::BounceCells]),
     ("build, responses", &[Use::SortedReceivers, Use::Radiosity, Use::TileGroup]),
-    ("replay", &[Use::Radiosity, Use::TileGroup, Use::SurfaceSums]),
+    ("replay", &[Use::Radiosity, Use::TileGroup, Use::SurfaceSums, Use::MapRows, Use::MapPatches]),
     ("replay, choice of receivers", &[Use::ReceiverList]),
     ("merge, diff", &[Use::ReceiverIds, Use::ReceiverIds]),
     // Hits, what probes see, and two waves of what bounce cells see.

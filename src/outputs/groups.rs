@@ -19,7 +19,7 @@ use heliotile_core::site::receiver::Receiver;
 const GROUPS_AT_ONCE: usize = 64;
 
 /// The mean of unit normals is as long as this where they spread by about 25 degrees: on terrain, but not on all walls of a house.
-const ONE_WAY: f64 = 0.9;
+pub const ONE_WAY: f64 = 0.9;
 
 /// Receivers that a message names.
 const NAMED: usize = 3;
@@ -134,6 +134,11 @@ impl Groups {
 
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Place among the names of the group that a receiver belongs to.
+    pub fn place_of(&self, receiver: usize) -> u32 {
+        self.places.get(receiver).copied().unwrap_or_default()
     }
 
     /// What a table says of them besides: areas and sums where all have an area (sums, if totals are asked for), and where

@@ -17,6 +17,8 @@ pub mod periods;
 pub mod pictures;
 pub mod provenance;
 pub mod receivers;
+pub mod results;
+pub mod shapes;
 pub mod sink;
 pub mod tables;
 pub mod view_factors;

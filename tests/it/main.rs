@@ -19,6 +19,7 @@ mod interrupt;
 mod kaitai;
 mod longwave;
 mod manners;
+mod maps;
 mod mirrors;
 mod numerics;
 mod paths;

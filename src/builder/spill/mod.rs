@@ -9,6 +9,6 @@ mod run;
 mod scratch;
 mod sorter;
 
-pub(crate) use merge::Sorted;
+pub use merge::Sorted;
 pub use scratch::TempFiles;
-pub(crate) use sorter::Sorter;
+pub use sorter::Sorter;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::starts_as_archive;
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs};
 use crate::outputs::city_model::is_city_model;
+use crate::outputs::results::ResultFormat;
 use crate::outputs::tables::writer::Format;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::error::{Error, Result};
@@ -20,6 +21,10 @@ enum Written {
     Archive,
     /// In a format by its ending.
     Table,
+    /// A table or a map, likewise.
+    Results {
+        geo: bool,
+    },
     /// A table that is CSV.
     Csv,
     /// Any other file, whose command looks at the ending.
@@ -162,14 +167,19 @@ impl<'a> Files<'a> {
     }
 
     fn recombined(&mut self, args: &'a RecombineArgs) {
-        self.table(&args.table);
+        self.read_table(&args.table);
+        self.write(&args.table.output, Written::Results { geo: args.geo });
         self.inputs.extend(args.schedules().map(|table| (table, Wanted::Other)));
     }
 
     fn table(&mut self, args: &'a TableArgs) {
+        self.read_table(args);
+        self.write(&args.output, Written::Table);
+    }
+
+    fn read_table(&mut self, args: &'a TableArgs) {
         self.read(&args.archive, Wanted::Archive);
         self.read_if(&args.receivers, Wanted::Other);
-        self.write(&args.output, Written::Table);
     }
 
     fn read(&mut self, path: &'a Path, wanted: Wanted) {
@@ -204,6 +214,7 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
         // `replay` says what else it takes.
         Written::Table if is_city_model(path) => {}
         Written::Table => drop(Format::of(path)?),
+        Written::Results { geo } => drop(ResultFormat::of(path, *geo)?),
         Written::Csv if has("csv") || path.exists() && !path.is_file() => {}
         Written::Csv => {
             let what = "is no name of this table, which is CSV: it ends with .csv";

@@ -10,6 +10,7 @@ use crate::commands::console::shell_words::quoted;
 use crate::commands::traced::KEEP_OR_REPLACE;
 use crate::commands::{guard_archive, guard_site, warn};
 use crate::outputs::periods::Every;
+use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
 use crate::outputs::tables::writer::files_of;
 use heliotile_core::archive::Archive;
@@ -59,10 +60,16 @@ impl Files {
         self.results.join(format!("{stem}{by}.{}", args.format))
     }
 
+    /// A further map.
+    pub fn further_map(&self, format: MapFormat) -> PathBuf {
+        self.map.with_extension(format.ending())
+    }
+
     /// All that is written into the weather's folder.
     fn written(&self, args: &RunArgs) -> Vec<PathBuf> {
         let periods = args.every.iter().map(|every| self.periods(*every, args));
-        [&self.table, &self.map, &self.page].into_iter().cloned().chain(periods).collect()
+        let maps = args.map.iter().map(|format| self.further_map(*format));
+        [&self.table, &self.map, &self.page].into_iter().cloned().chain(maps).chain(periods).collect()
     }
 
     /// The same with what is said of them beside them.

@@ -3,6 +3,7 @@
 
 mod folder;
 mod made_from;
+mod maps;
 mod periods;
 
 use std::collections::HashMap;
@@ -57,6 +58,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     files.check_weather(&weather, args)?;
     let (scene, covered) = loaded.map_or_else(load, Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
+    maps::check(args, scene.place.as_ref())?;
     let under = match args.negligible {
         Some(percent) => Some(WeighedUnder {
             weather: ErrorConditions::of_weather(&args.weather, weather.clone())?,
@@ -92,6 +94,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     let north = North::of(archive.manifest().place.as_ref());
     write_table(Sink::file(&files.table)?, &rows, north, &about)?;
     write_map(&files.map, &rows, covered.as_ref(), &about)?;
+    maps::write(args, &files, &archive, &rows, &about)?;
     periods::write(args, &files, &archive, &weather)?;
     write_page(&files, args)?;
     say(&format!(

@@ -39,24 +39,40 @@ pub enum Format {
 }
 
 impl Format {
+    /// Endings of names.
+    pub const ENDINGS: [(&'static str, Format); 6] = [
+        ("csv", Format::Csv),
+        ("parquet", Format::Parquet),
+        ("arrow", Format::Arrow),
+        ("feather", Format::Feather),
+        ("npy", Format::Npy),
+        ("npz", Format::Npz),
+    ];
+
     /// `-` is CSV on the standard output, otherwise the ending of the name says it.
     pub fn of(path: &Path) -> Result<Self> {
-        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        match ending.as_deref() {
-            _ if path == Path::new("-") => Ok(Format::Csv),
-            Some("csv") => Ok(Format::Csv),
-            Some("parquet") => Ok(Format::Parquet),
-            Some("arrow") => Ok(Format::Arrow),
-            Some("feather") => Ok(Format::Feather),
-            Some("npy") => Ok(Format::Npy),
-            Some("npz") => Ok(Format::Npz),
-            _ => Err(Error::Unsupported {
-                what: "ending of the output file".into(),
-                found: format!("`{}`", path.display()),
-                supported: ".csv, .parquet, .arrow, .feather, .npy and .npz (or - for CSV on the standard output)"
-                    .into(),
-            }),
+        Format::known(path).ok_or_else(|| Error::Unsupported {
+            what: "ending of the output file".into(),
+            found: format!("`{}`", path.display()),
+            supported: Format::listed(),
+        })
+    }
+
+    /// The same, if there is one.
+    pub fn known(path: &Path) -> Option<Self> {
+        if path == Path::new("-") {
+            return Some(Format::Csv);
         }
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        Format::ENDINGS.iter().find(|(name, _)| *name == ending).map(|(_, format)| *format)
+    }
+
+    /// All endings in words.
+    pub fn listed() -> String {
+        let all: Vec<String> = Format::ENDINGS.iter().map(|(ending, _)| format!(".{ending}")).collect();
+        let text = all.join(", ");
+        let text = text.rsplit_once(", ").map_or(text.clone(), |(most, last)| format!("{most} and {last}"));
+        format!("{text} (or - for CSV on the standard output)")
     }
 }
 

@@ -1,0 +1,111 @@
+//! Results as a map. In: an archive, its chosen receivers, groups of them. Out: a map that waits for values; nothing is computed before it is
+//! known that it can be drawn.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::chosen::Chosen;
+use super::warn;
+use crate::cli::TableArgs;
+use crate::outputs::groups::Groups;
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::shapes::MapCrs;
+use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless, polygons};
+use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::row_labels::RowLabels;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::Result;
+use heliotile_core::light::scratch::ScratchSpace;
+use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::opened::OpenSite;
+
+/// GeoJSON with more polygons is slow wherever it is read.
+const MANY_POLYGONS: u64 = 10_000;
+
+/// Where the places of a map come from.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    pub archive: &'a Archive,
+    pub site: &'a OpenSite<'a>,
+    pub chosen: &'a Chosen,
+}
+
+/// Starts a map of groups, or of receivers where there are none; receivers that cannot be drawn are an error.
+pub fn start<'a>(
+    asked: &'a TableArgs,
+    format: MapFormat,
+    (of, groups): (Source<'a>, Option<&Groups>),
+    (layout, labels, every): (&'a Layout, &'a RowLabels, Option<Every>),
+    about: Provenance,
+    storage: &'a dyn ScratchSpace,
+) -> Result<MapWriter<'a>> {
+    let memory = MemoryBudget::new(asked.memory.0);
+    let folder = std::env::temp_dir();
+    let request = MapRequest {
+        path: &asked.output,
+        format,
+        layout,
+        labels,
+        every,
+        crs: crs_of(of.archive),
+        around: (format == MapFormat::Glb).then(|| surroundings(of.archive, of.site)).flatten(),
+        about,
+        folder: folder.clone(),
+        storage,
+        memory_bytes: memory.length(Use::MapRows),
+    };
+    request.columns()?;
+    let shown = || of.chosen.shown(of.archive, of.site);
+    let shapes = match groups {
+        Some(groups) => {
+            let mut patches = PatchSorter::new(&folder, memory.length(Use::MapPatches));
+            for (number, receiver) in shown().enumerate() {
+                patches.push(groups.place_of(number), receiver?)?;
+            }
+            PlaceShapes::Groups(patches.finish(&asked.archive)?)
+        }
+        None => {
+            let mut shapeless = Shapeless::default();
+            for receiver in shown() {
+                let receiver = receiver?;
+                if polygons(&receiver).is_none() {
+                    shapeless.add(receiver);
+                }
+            }
+            shapeless.check(&asked.archive)?;
+            PlaceShapes::Receivers(Box::new(shown()), of.site.north())
+        }
+    };
+    MapWriter::create(request, shapes)
+}
+
+/// The system of an archive's coordinates.
+pub fn crs_of(archive: &Archive) -> MapCrs {
+    let manifest = archive.manifest();
+    let [low, high] = manifest.scene.bounds_m.map(DVec3::from);
+    MapCrs::of(manifest.place.as_ref(), 0.5 * (low + high))
+}
+
+/// The triangles that an archive shows, if it shows any.
+pub fn surroundings<'a>(archive: &Archive, site: &OpenSite<'a>) -> Option<Surroundings<'a>> {
+    let chunks = archive.entries_of(format::SCENE).len() as u32;
+    let origin = DVec3::from(archive.manifest().scene.origin_m);
+    (chunks > 0).then(|| Surroundings { site: site.clone(), chunks, origin })
+}
+
+/// Warns of a GeoJSON file that is too large for what reads such files.
+pub fn say_large(path: &Path, MapStats { facts, bytes }: &MapStats) {
+    let is_geojson = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("geojson"));
+    if is_geojson && facts.polygons > MANY_POLYGONS {
+        warn(&format!(
+            "{} has {} polygons and {} MB, which browsers and text readers take long for: .fgb (QGIS) and .parquet with --geo (geopandas) \
+             hold the same in less",
+            path.display(),
+            facts.polygons,
+            bytes.div_ceil(1_000_000)
+        ));
+    }
+}

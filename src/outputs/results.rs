@@ -1,0 +1,75 @@
+//! Results in a format by the ending of their name: a table or a map. In: tiles of values. Out: a file, whole or not there.
+
+use std::path::Path;
+
+use crate::outputs::groups::Extent;
+use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
+use crate::outputs::tables::writer::{Format, TableWriter};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::values::TileValues;
+
+/// The file format of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResultFormat {
+    Table(Format),
+    Map(MapFormat),
+}
+
+impl ResultFormat {
+    /// By the ending of a name; `geo` makes Parquet a map.
+    pub fn of(path: &Path, geo: bool) -> Result<Self> {
+        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let map = MapFormat::ENDINGS.iter().find(|(name, _)| ending.as_deref() == Some(name));
+        match (map, Format::known(path)) {
+            (Some((_, format)), _) => Ok(ResultFormat::Map(*format)),
+            (None, Some(Format::Parquet)) if geo => Ok(ResultFormat::Map(MapFormat::GeoParquet)),
+            (None, Some(format)) if !geo => Ok(ResultFormat::Table(format)),
+            (None, Some(_)) => Err(Error::argument(
+                "--geo",
+                format!("`{}` is no map", path.display()),
+                "give it with a name that ends with .parquet",
+            )),
+            (None, None) => {
+                let maps: Vec<String> = MapFormat::ENDINGS.iter().map(|(ending, _)| format!(".{ending}")).collect();
+                Err(Error::Unsupported {
+                    what: "ending of the output file".into(),
+                    found: format!("`{}`", path.display()),
+                    supported: format!(
+                        "tables: {}; maps: {} and, with --geo, .parquet",
+                        Format::listed(),
+                        maps.join(", ")
+                    ),
+                })
+            }
+        }
+    }
+}
+
+/// Results being written.
+pub enum ResultWriter<'a> {
+    Table(TableWriter),
+    Map(Box<MapWriter<'a>>),
+}
+
+impl ResultWriter<'_> {
+    /// Appends the rows of a tile; `extents` are those of groups, none for receivers.
+    pub fn write_tile(&mut self, names: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
+        match self {
+            ResultWriter::Table(table) => table.write_tile(names, values, extents),
+            ResultWriter::Map(map) => map.write_tile(names, values, extents),
+        }
+    }
+
+    /// Whether nobody reads any more: the caller may stop.
+    pub fn is_closed(&self) -> bool {
+        matches!(self, ResultWriter::Table(table) if table.is_closed())
+    }
+
+    /// Completes the file; only now does it appear. What a map holds.
+    pub fn finish(self) -> Result<Option<MapStats>> {
+        match self {
+            ResultWriter::Table(table) => table.finish().map(|_| None),
+            ResultWriter::Map(map) => map.finish().map(Some),
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! One outline for the patches of a face. In: polygons of neighbouring receivers, rounded to mm. Out: for each plane one polygon a piece of
+//! it, holes and all; where surfaces are curved, the polygons as they were.
+
+use glam::DVec3;
+use i_overlay::mesh::float::outline::offset::OutlineOffset;
+use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
+
+use super::row::MapPolygon;
+use heliotile_core::hemisphere::Frame;
+
+/// A piece of a patch, with the normal of its receiver.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    pub ring: Vec<DVec3>,
+    pub normal: DVec3,
+}
+
+/// Corners are rounded to mm around their receivers, so that neighbours gape or overlap by up to sqrt(3) mm, and fine corners are taken
+/// away: gaps of twice this are closed, metres.
+const CLOSED_M: f64 = 0.002_5;
+
+/// Corners nearer than this to the line through their neighbours go, metres.
+const STRAIGHT_M: f64 = 0.002;
+
+/// Pieces in one plane: their normals differ by less (1 degree), and their corners lie this near to it, metres.
+const SAME_WAY: f64 = 0.017_45;
+const SAME_PLANE_M: f64 = 0.01;
+
+/// A surface of more planes is curved.
+const MOST_PLANES: usize = 512;
+
+/// An outline stands for its pieces if their areas differ by less than this share of the larger one, or by what rounding of its rim explains.
+const AREA_SHARE: f64 = 0.001;
+const RIM_M: f64 = 0.001;
+
+type Ring = Vec<[f64; 2]>;
+
+/// Pieces of one plane.
+struct Plane {
+    frame: Frame,
+    origin: DVec3,
+    pieces: Vec<Piece>,
+}
+
+impl Plane {
+    fn holds(&self, piece: &Piece) -> bool {
+        (piece.normal - self.frame.n).length() < SAME_WAY
+            && piece.ring.iter().all(|corner| (*corner - self.origin).dot(self.frame.n).abs() < SAME_PLANE_M)
+    }
+
+    fn flat(&self, ring: &[DVec3]) -> Ring {
+        let local = ring.iter().map(|corner| self.frame.to_local(*corner - self.origin));
+        let mut ring: Ring = local.map(|local| [local.x, local.y]).collect();
+        if area_m2(&ring) < 0.0 {
+            ring.reverse();
+        }
+        ring
+    }
+
+    fn lifted(&self, ring: &Ring) -> Vec<DVec3> {
+        let corner = |&[x, y]: &[f64; 2]| self.origin + self.frame.to_world(DVec3::new(x, y, 0.0));
+        ring.iter().map(corner).collect()
+    }
+
+    /// Grown, melted into one, shrunk again: what gapes less than that is closed.
+    fn outlines(&self) -> Option<Vec<MapPolygon>> {
+        let flat: Vec<Vec<Ring>> = self.pieces.iter().map(|piece| vec![self.flat(&piece.ring)]).collect();
+        let pieces_m2: f64 = flat.iter().flatten().map(|ring| area_m2(ring)).sum();
+        let style = |offset: f64| OutlineStyle::new(offset).line_join(LineJoin::Miter(0.1));
+        let closed = flat.outline(&style(CLOSED_M)).outline(&style(-CLOSED_M));
+        let (mut found, mut found_m2, mut rim_m) = (Vec::new(), 0.0, 0.0);
+        for shape in closed {
+            let rings: Vec<Ring> = shape.iter().map(|ring| straightened(ring)).filter(|ring| is_wide(ring)).collect();
+            found_m2 += rings.iter().map(|ring| area_m2(ring)).sum::<f64>();
+            rim_m += rings.iter().map(|ring| length_m(ring)).sum::<f64>();
+            if !rings.is_empty() {
+                found.push(MapPolygon { rings: rings.iter().map(|ring| self.lifted(ring)).collect() });
+            }
+        }
+        let allowed = (AREA_SHARE * pieces_m2).max(RIM_M * rim_m);
+        (!found.is_empty() && (found_m2 - pieces_m2).abs() <= allowed).then_some(found)
+    }
+}
+
+/// Outlines of the pieces of a surface, an object or a building.
+pub fn outlines(pieces: Vec<Piece>) -> Vec<MapPolygon> {
+    let mut planes: Vec<Plane> = Vec::new();
+    let mut loose = Vec::new();
+    for piece in pieces {
+        if let Some(plane) = planes.iter_mut().rev().find(|plane| plane.holds(&piece)) {
+            plane.pieces.push(piece);
+            continue;
+        }
+        let origin = piece.ring.first().copied().unwrap_or_default();
+        let plane = Plane { frame: Frame::of(piece.normal), origin, pieces: Vec::new() };
+        if planes.len() < MOST_PLANES && plane.holds(&piece) {
+            planes.push(Plane { pieces: vec![piece], ..plane });
+        } else {
+            loose.push(piece);
+        }
+    }
+    let as_it_is = |piece: Piece| MapPolygon { rings: vec![piece.ring] };
+    let mut found: Vec<MapPolygon> = Vec::new();
+    for plane in planes {
+        match plane.outlines() {
+            Some(outlines) if plane.pieces.len() > 1 => found.extend(outlines),
+            _ => found.extend(plane.pieces.into_iter().map(as_it_is)),
+        }
+    }
+    found.extend(loose.into_iter().map(as_it_is));
+    found
+}
+
+/// Anticlockwise positive.
+fn area_m2(ring: &Ring) -> f64 {
+    let following = ring.iter().cycle().skip(1);
+    ring.iter().zip(following).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() / 2.0
+}
+
+fn length_m(ring: &Ring) -> f64 {
+    let following = ring.iter().cycle().skip(1);
+    ring.iter().zip(following).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+}
+
+/// Slits between patches are no holes.
+fn is_wide(ring: &Ring) -> bool {
+    ring.len() > 2 && area_m2(ring).abs() > CLOSED_M * length_m(ring)
+}
+
+/// Without corners that only rounding made.
+fn straightened(ring: &Ring) -> Ring {
+    let mut ring = ring.clone();
+    let mut i = 0;
+    while ring.len() > 3 && i < ring.len() {
+        let count = ring.len();
+        let at = |k: usize| ring.get(k % count).copied().unwrap_or_default();
+        let ([ax, ay], [bx, by], [cx, cy]) = (at(i + count - 1), at(i), at(i + 1));
+        let across = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+        if across.abs() <= STRAIGHT_M * (cx - ax).hypot(cy - ay) {
+            ring.remove(i);
+        } else {
+            i += 1;
+        }
+    }
+    ring
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares of a metre around their middles, corners rounded to mm, in a plane tilted by 40 degrees; those for which `there` is false are
+    /// left out.
+    fn roof(side: i32, there: impl Fn(i32, i32) -> bool) -> Vec<Piece> {
+        let normal = DVec3::new(0.4, -0.5, 0.8).normalize();
+        let frame = Frame::of(normal);
+        let origin = DVec3::new(78_593.650_9, 457_825.906, 14.317);
+        let places = (0..side).flat_map(|i| (0..side).map(move |j| (i, j))).filter(|(i, j)| there(*i, *j));
+        let piece = |(i, j): (i32, i32)| {
+            let middle = origin + frame.to_world(DVec3::new(f64::from(i) + 0.5, f64::from(j) + 0.5, 0.0));
+            let corner = |(x, y): (f64, f64)| {
+                let to = frame.to_world(DVec3::new(x, y, 0.0));
+                middle + DVec3::from_array(to.to_array().map(|metres| (metres * 1e3).round() / 1e3))
+            };
+            Piece { ring: [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(corner).to_vec(), normal }
+        };
+        places.map(piece).collect()
+    }
+
+    fn total_m2(polygons: &[MapPolygon]) -> f64 {
+        polygons.iter().map(MapPolygon::area_m2).sum()
+    }
+
+    /// 100 squares that gape and overlap by a mm are one outline of 4 corners and 100 m2 within 0.1 %, which faces as they do; without
+    /// four in the middle it has one hole of 4 m2.
+    #[test]
+    fn squares_melt() {
+        let whole = outlines(roof(10, |_, _| true));
+        assert_eq!(whole.iter().map(|polygon| polygon.corners().count()).collect::<Vec<_>>(), [4]);
+        assert!((total_m2(&whole) - 100.0).abs() < 0.1, "{}", total_m2(&whole));
+        assert!(whole[0].normal().dot(DVec3::new(0.4, -0.5, 0.8).normalize()) > 0.999_99);
+        let holed = outlines(roof(10, |i, j| !((4..6).contains(&i) && (4..6).contains(&j))));
+        assert_eq!((holed.len(), holed[0].rings.len()), (1, 2));
+        assert!((total_m2(&holed) - 96.0).abs() < 0.096, "{}", total_m2(&holed));
+    }
+
+    /// Two faces of a ridge are two outlines, two pieces of a roof likewise, and 900 pieces of a bowl stay 900 polygons of the same area.
+    #[test]
+    fn planes_stay_apart() {
+        let mut ridge = roof(4, |_, _| true);
+        ridge.extend(roof(4, |_, _| true).into_iter().map(|piece| Piece {
+            ring: piece.ring.iter().map(|p| DVec3::new(-p.x, p.y, p.z)).rev().collect(),
+            normal: DVec3::new(-piece.normal.x, piece.normal.y, piece.normal.z),
+        }));
+        assert_eq!(outlines(ridge).len(), 2);
+        assert_eq!(outlines(roof(5, |i, _| i != 2)).len(), 2);
+        let bowl: Vec<Piece> = (0..900)
+            .map(|i| {
+                let (x, y) = (f64::from(i % 30), f64::from(i / 30));
+                let height = |x: f64, y: f64| DVec3::new(x, y, 0.01 * (x * x + y * y));
+                let ring = vec![height(x, y), height(x + 1.0, y), height(x, y + 1.0)];
+                let normal = (ring[1] - ring[0]).cross(ring[2] - ring[0]).normalize();
+                Piece { ring, normal }
+            })
+            .collect();
+        let before: f64 = bowl.iter().map(|piece| MapPolygon { rings: vec![piece.ring.clone()] }.area_m2()).sum();
+        let found = outlines(bowl);
+        assert!(found.len() == 900 && (total_m2(&found) - before).abs() < 1e-9);
+    }
+}

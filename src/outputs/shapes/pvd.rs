@@ -1,0 +1,155 @@
+//! A map through time for ParaView: a grid of VTK for each label, and a `.pvd` file that names them. In: rows, tiles of values. Out: the
+//! files, in a folder of the same name beside it; the `.pvd` comes last, so what it names is complete.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::columns::{MapColumns, suffix};
+use super::rows::MapRows;
+use super::vtu::{self, Step};
+use crate::outputs::provenance::Provenance;
+use crate::outputs::sink::{Sink, write_texts};
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::row_labels::RowLabels;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::scratch::{Scratch, ScratchSpace};
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::values::TileValues;
+
+/// Files of a series at most, and their bytes: each holds the whole geometry.
+const MOST_FILES: u64 = 10_000;
+const MOST_BYTES: u64 = 16 << 30;
+
+/// Values of some labels that are in memory at a time, bytes.
+const AT_ONCE: u64 = 64 << 20;
+
+/// Values that wait for the geometry.
+pub struct Series {
+    scratch: Box<dyn Scratch>,
+    /// Where each tile's values begin, and how many places it has: `[label][component][place]`.
+    tiles: Vec<(u64, u64)>,
+    length: u64,
+    labels: RowLabels,
+    components: Vec<Component>,
+    names: Vec<String>,
+}
+
+impl Series {
+    pub fn new(layout: &Layout, labels: &RowLabels, storage: &dyn ScratchSpace) -> Result<Self> {
+        if labels.len() as u64 > MOST_FILES {
+            let what = "moments of a time series, each a file (take fewer with --from and --to, or a longer --every)";
+            return Err(Error::Limit { what: what.into(), value: labels.len() as u64, max: MOST_FILES });
+        }
+        let components = layout.components().to_vec();
+        let names = components.iter().map(|one| format!("{}_{}", one.name(), suffix(layout))).collect();
+        Ok(Series {
+            scratch: storage.scratch()?,
+            tiles: Vec::new(),
+            length: 0,
+            labels: labels.clone(),
+            components,
+            names,
+        })
+    }
+
+    /// The values of the next places.
+    pub fn add(&mut self, values: &TileValues) -> Result<()> {
+        let mut bytes = Vec::new();
+        for label in 0..values.labels() {
+            for component in &self.components {
+                for place in 0..values.receivers() {
+                    let value = values.row(*component, place).get(label).copied().unwrap_or(f32::NAN);
+                    bytes.extend(value.to_le_bytes());
+                }
+            }
+        }
+        self.scratch.write(self.length, &bytes)?;
+        self.tiles.push((self.length, values.receivers() as u64));
+        self.length += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// `[label][component][place]` of some labels.
+    fn read(&self, first: u64, count: u64) -> Result<Vec<Vec<Vec<f32>>>> {
+        let components = self.components.len() as u64;
+        let mut found = vec![vec![Vec::new(); self.components.len()]; count as usize];
+        for (offset, places) in self.tiles.iter().filter(|(_, places)| *places > 0) {
+            let of_label = 4 * components * places;
+            let mut bytes = vec![0; (count * of_label) as usize];
+            self.scratch.read(offset + first * of_label, &mut bytes)?;
+            let values = bytes.as_chunks().0.iter().map(|four| f32::from_le_bytes(*four));
+            let values: Vec<f32> = values.collect();
+            let columns = found.iter_mut().flatten();
+            columns.zip(values.chunks(*places as usize)).for_each(|(column, here)| column.extend(here));
+        }
+        Ok(found)
+    }
+
+    /// Hours from the first label, or the labels' numbers where these are no times that grow.
+    fn times(&self) -> Vec<f64> {
+        let count = 0..self.labels.len();
+        match &self.labels.instants {
+            Some(instants) if instants.utc_s.is_sorted_by(|a, b| a < b) => {
+                let first = instants.utc_s.first().copied().unwrap_or_default();
+                instants.utc_s.iter().map(|seconds| (seconds - first) as f64 / 3600.0).collect()
+            }
+            _ => count.map(|number| number as f64).collect(),
+        }
+    }
+}
+
+/// Folder of the grids: the name without its ending.
+fn folder_of(path: &Path) -> PathBuf {
+    path.with_extension("")
+}
+
+/// Writes the files; their bytes.
+pub fn write(
+    path: &Path,
+    rows: &mut MapRows,
+    columns: &MapColumns,
+    series: &Series,
+    about: &Provenance,
+) -> Result<u64> {
+    let facts = rows.facts;
+    let of_cells = 17 + 4 * (1 + columns.numbers.len() + series.names.len()) as u64;
+    let each = 24 * facts.corners + 8 * facts.cell_corners + of_cells * facts.cells;
+    let labels = series.labels.len() as u64;
+    if each * labels > MOST_BYTES {
+        let what = format!(
+            "bytes of a time series of {labels} files (take fewer with --from and --to, a longer --every, --by building or --receivers)"
+        );
+        return Err(Error::Limit { what, value: each * labels, max: MOST_BYTES });
+    }
+    let folder = folder_of(path);
+    fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
+    let (stem, times) = (folder.file_name().unwrap_or_default().to_string_lossy().into_owned(), series.times());
+    let of_label = 4 * (series.components.len() as u64 * facts.rows).max(1);
+    let (at_once, mut bytes) = ((AT_ONCE / of_label).clamp(1, labels.max(1)), 0);
+    let mut list = String::new();
+    for first in (0..labels).step_by(at_once as usize) {
+        let some = series.read(first, at_once.min(labels - first))?;
+        for (number, values) in (first as usize..).zip(some) {
+            let name = format!("{stem}_{number:04}.vtu");
+            let label = series.labels.text.get(number).map_or("", String::as_str);
+            let step = Step { label, names: &series.names, values };
+            bytes += vtu::write(Sink::file(&folder.join(&name))?, rows, columns, Some(&step), about)?;
+            let time = times.get(number).copied().unwrap_or_default();
+            let file = escaped(&format!("{stem}/{name}"));
+            list.push_str(&format!("<DataSet timestep=\"{time}\" file=\"{file}\"/>\n"));
+        }
+    }
+    let text = format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+         <Collection>\n{list}</Collection>\n</VTKFile>\n"
+    );
+    bytes += text.len() as u64;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    write_texts(beside, &[(&name, text)])?;
+    Ok(bytes)
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

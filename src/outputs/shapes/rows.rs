@@ -1,0 +1,93 @@
+//! Rows of a map that wait until all are there. In: rows one by one. Out: the same, as often as wanted, and what a header says of all.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::row::MapRow;
+use heliotile_builder::spill::{Sorted, Sorter};
+use heliotile_core::error::Result;
+
+/// What is known of all rows.
+#[derive(Clone, Copy, Debug)]
+pub struct MapFacts {
+    pub rows: u64,
+    pub polygons: u64,
+    /// Corners of all polygons.
+    pub corners: u64,
+    /// Convex cells, and what they are made of: polygons, or their triangles.
+    pub cells: u64,
+    pub cell_corners: u64,
+    /// Triangles, if all is cut.
+    pub triangles: u64,
+    /// Lowest and highest corner, metres.
+    pub bounds: [DVec3; 2],
+    /// Of the column that gives colours.
+    pub largest: f32,
+}
+
+/// Rows being collected.
+pub struct RowSpool {
+    sorter: Sorter,
+    colour: usize,
+    facts: MapFacts,
+}
+
+impl RowSpool {
+    /// `colour` is the number that gives colours; `folder` takes what does not fit into `memory_bytes`.
+    pub fn new(folder: &Path, memory_bytes: usize, colour: usize) -> Self {
+        let bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let facts = MapFacts {
+            rows: 0,
+            polygons: 0,
+            corners: 0,
+            cells: 0,
+            cell_corners: 0,
+            triangles: 0,
+            bounds,
+            largest: 0.0,
+        };
+        RowSpool { sorter: Sorter::new(folder, memory_bytes), colour, facts }
+    }
+
+    pub fn push(&mut self, row: &MapRow) -> Result<()> {
+        let facts = &mut self.facts;
+        for polygon in &row.polygons {
+            let cells = polygon.cells();
+            facts.polygons += 1;
+            facts.corners += polygon.corners().count() as u64;
+            // Counted, not calculated: ear clipping finds fewer where corners lie in line.
+            facts.triangles += polygon.triangles().len() as u64;
+            facts.cells += cells.len() as u64;
+            facts.cell_corners += cells.iter().map(|cell| cell.len() as u64).sum::<u64>();
+            for corner in polygon.corners() {
+                facts.bounds = [facts.bounds[0].min(*corner), facts.bounds[1].max(*corner)];
+            }
+        }
+        facts.largest = facts.largest.max(row.numbers.get(self.colour).copied().unwrap_or_default());
+        self.sorter.push(&facts.rows.to_be_bytes(), &row.bytes())?;
+        facts.rows += 1;
+        Ok(())
+    }
+
+    pub fn finish(self) -> Result<MapRows> {
+        Ok(MapRows { rows: self.sorter.finish()?, facts: self.facts })
+    }
+}
+
+/// All rows of a map.
+pub struct MapRows {
+    rows: Sorted,
+    pub facts: MapFacts,
+}
+
+impl MapRows {
+    /// Goes through all of them in order.
+    pub fn each(&mut self, mut take: impl FnMut(&MapRow) -> Result<()>) -> Result<()> {
+        self.rows.rewind()?;
+        for record in self.rows.by_ref() {
+            take(&MapRow::of_bytes(&record?.1)?)?;
+        }
+        Ok(())
+    }
+}
