@@ -217,8 +217,8 @@ mod tests {
         assert_eq!((Reference::Epsg(7415).unit_m(), Reference::Epsg(2263).unit_m()), (1.0, 1200.0 / 3937.0));
     }
 
-    /// Thirteen systems have the latitude and longitude that PROJ gives without grids of shifts (pyproj 3.7.2, its best operation) within a
-    /// centimetre; the six whose operation is another one there, or that need a grid, within 7 m.
+    /// Nineteen points in 18 systems have the latitude and longitude that PROJ gives without grids of shifts (pyproj 3.7.2, its best operation)
+    /// within 5 mm; only that of Krovak is 9.9 m off, where PROJ takes other parameters of an accuracy of 6 m.
     #[test]
     fn degrees_against_proj() {
         let metres_off = |(epsg, x, y, latitude, longitude): (u32, f64, f64, f64, f64)| {
@@ -247,7 +247,8 @@ mod tests {
             (31256, 2814.8, 340177.4, 48.1999996410, 16.3700003916),
             (3857, 478600.0, 6814000.0, 52.0766685465, 4.2993369498),
         ] {
-            eprintln!("{} {:.4} m", place.0, metres_off(place));
+            let (off, most) = (metres_off(place), if place.0 == 5514 { 10.0 } else { 0.005 });
+            assert!(off < most, "EPSG:{}: {off} m", place.0);
         }
     }
 
