@@ -65,7 +65,7 @@ pub fn start<'a>(
             for (number, receiver) in shown().enumerate() {
                 patches.push(groups.place_of(number), receiver?)?;
             }
-            PlaceShapes::Groups(patches.finish(&asked.archive)?)
+            PlaceShapes::Groups(Box::new(patches.finish(&asked.archive)?))
         }
         None => {
             let mut shapeless = Shapeless::default();

@@ -65,14 +65,14 @@ impl Plane {
     /// Grown, melted into one, shrunk again: what gapes less than that is closed.
     fn outlines(&self) -> Option<Vec<MapPolygon>> {
         let flat: Vec<Vec<Ring>> = self.pieces.iter().map(|piece| vec![self.flat(&piece.ring)]).collect();
-        let pieces_m2: f64 = flat.iter().flatten().map(|ring| area_m2(ring)).sum();
+        let pieces_m2: f64 = flat.iter().flatten().map(area_m2).sum();
         let style = |offset: f64| OutlineStyle::new(offset).line_join(LineJoin::Miter(0.1));
         let closed = flat.outline(&style(CLOSED_M)).outline(&style(-CLOSED_M));
         let (mut found, mut found_m2, mut rim_m) = (Vec::new(), 0.0, 0.0);
         for shape in closed {
-            let rings: Vec<Ring> = shape.iter().map(|ring| straightened(ring)).filter(|ring| is_wide(ring)).collect();
-            found_m2 += rings.iter().map(|ring| area_m2(ring)).sum::<f64>();
-            rim_m += rings.iter().map(|ring| length_m(ring)).sum::<f64>();
+            let rings: Vec<Ring> = shape.iter().map(straightened).filter(is_wide).collect();
+            found_m2 += rings.iter().map(area_m2).sum::<f64>();
+            rim_m += rings.iter().map(length_m).sum::<f64>();
             if !rings.is_empty() {
                 found.push(MapPolygon { rings: rings.iter().map(|ring| self.lifted(ring)).collect() });
             }

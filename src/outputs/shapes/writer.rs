@@ -72,7 +72,7 @@ impl MapFormat {
 pub enum PlaceShapes<'a> {
     /// Receivers with their patches; normals are turned to true north.
     Receivers(Box<dyn Iterator<Item = Result<Receiver>> + 'a>, North),
-    Groups(GroupPatches),
+    Groups(Box<GroupPatches>),
 }
 
 /// What a map is made of besides places and values.
