@@ -211,9 +211,9 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
             let what = "is no name of an archive: it ends with .helio";
             return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("helio").display())));
         }
-        // `replay` says what else it takes.
-        Written::Table if is_city_model(path) => {}
         Written::Table => drop(Format::of(path)?),
+        // `replay` says what else it takes.
+        Written::Results { .. } if is_city_model(path) => {}
         Written::Results { geo } => drop(ResultFormat::of(path, *geo)?),
         Written::Csv if has("csv") || path.exists() && !path.is_file() => {}
         Written::Csv => {
