@@ -9,6 +9,7 @@ mod energyplus;
 mod everywhere;
 mod export;
 mod misplaced;
+mod pv;
 mod quality;
 mod recombine;
 mod run;
@@ -39,6 +40,7 @@ pub use self::energyplus::{EnergyplusArgs, Physics};
 pub use self::everywhere::EverywhereArgs;
 pub use self::export::ExportArgs;
 pub use self::misplaced::parse;
+pub use self::pv::PvArgs;
 pub use self::quality::{AccuracyArgs, Percent, parse_negligible};
 pub use self::recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, TableArgs};
 pub use self::run::RunArgs;
@@ -65,6 +67,8 @@ pub enum Command {
     Run(RunArgs),
     /// Give a model of EnergyPlus the sun that its surroundings reflect, for any weather, as tables that EnergyPlus itself runs
     Energyplus(EnergyplusArgs),
+    /// Solar modules: hourly light on both sides, shading, horizons, the best tilt and azimuth
+    Pv(PvArgs),
     /// Cover the surfaces of a scene with receivers
     Receivers(ReceiversArgs),
     /// Trace every receiver of a scene once and store its layers in an archive

@@ -3,7 +3,7 @@
 //! # Map
 //!
 //! ```text
-//! observer settings spill receiver_tiles | trace | writing pack | build | accuracy | planning | judge | transfer store study
+//! observer settings spill receiver_tiles | trace | writing pack | build | accuracy | planning | judge siting | transfer store study
 //! ```
 //!
 //! | room | in | out |
@@ -15,6 +15,7 @@
 //! | [`accuracy`] | a target in percent | the cheapest settings that keep within it |
 //! | [`planning`] | what is wished, weather | settings, effects that may be left out, and what they rest on |
 //! | [`judge`] | a prepared scene, a receiver, suns and skies | what it gets, by paths of light and with a standard error: no texture, cell or patch |
+//! | [`siting`] | a prepared scene, points in it | what lies below a point, whether it is inside something, its horizon |
 //! | [`transfer`] | archives | parts, unions and differences of them, without a ray |
 //! | [`store`] | finished archives | those that a build can look things up in |
 //!
@@ -48,6 +49,7 @@ pub mod pack;
 pub mod planning;
 pub mod receiver_tiles;
 pub mod settings;
+pub mod siting;
 pub mod spill;
 pub mod store;
 pub mod study;

@@ -16,6 +16,7 @@ mod invocation;
 mod mapped;
 mod original;
 mod preflight;
+pub mod pv;
 pub mod receivers;
 pub mod repair;
 pub mod replay;
@@ -72,6 +73,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Query(args) => replay::query(args),
         Command::Run(args) => run::run(args),
+        Command::Pv(args) => pv::run(args),
         Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args),
         Command::Factors(args) => factors::run(args),

@@ -5,11 +5,12 @@
 //! Rooms from left to right; none imports one to its right, and no two import each other (a test reads the imports).
 //!
 //! ```text
-//! error units text memory hemisphere | site | layers | archive | opened weather | sky | light | replay
+//! error units text memory hemisphere | orientation | site | layers | archive | opened weather | sky | light | replay
 //! ```
 //!
 //! | room | in | out |
 //! | --- | --- | --- |
+//! | [`orientation`] | limits of tilt and azimuth, what some turns of a surface get | turns to try, and the best one |
 //! | [`site`] | numbers of readers and archives | the nouns: cell keys, materials, receivers, chains of mirrors, the place |
 //! | [`layers`] | bits, keys, vectors | raw bytes of a tile's blocks, and back |
 //! | [`archive`] | bytes held anywhere | checked blocks by (kind, tile), the manifest, the settings |
@@ -55,6 +56,7 @@ pub mod layers;
 pub mod light;
 pub mod memory;
 pub mod opened;
+pub mod orientation;
 pub mod replay;
 pub mod site;
 pub mod sky;

@@ -16,6 +16,7 @@ pub mod page;
 pub mod periods;
 pub mod pictures;
 pub mod provenance;
+pub mod pv;
 pub mod receivers;
 pub mod results;
 pub mod shapes;

@@ -4,6 +4,7 @@
 //!
 //! `formats` (a folder or file each: CityJSON, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus, Honeybee) and `terrain` give polygons; `load` merges them and
 //! [`mesh`] brings them to one canonical form; [`materials`] gives every surface its optics; [`covering`] puts receivers on them.
+//! [`pv`] says where solar modules are to stand.
 //!
 //! # What never happens
 //!
@@ -41,6 +42,7 @@ pub mod objects;
 mod palette;
 pub mod placing;
 mod polygon;
+pub mod pv;
 pub mod reference;
 pub mod semantics;
 pub mod site;

@@ -60,6 +60,13 @@ impl<'a> Files<'a> {
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.write_if(&args.output, Written::Folder);
             }
+            Command::Pv(args) => {
+                self.scene(&args.scene);
+                self.read(&args.weather, Wanted::Weather);
+                self.read_if(&args.points, Wanted::Other);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.write(&args.output, Written::Folder);
+            }
             Command::Energyplus(args) => {
                 self.read(&args.model, Wanted::Scene);
                 args.scene.iter().for_each(|file| self.read(file, Wanted::Scene));

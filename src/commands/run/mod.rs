@@ -2,7 +2,7 @@
 //! a map. What is there already and still fits is not traced again.
 
 mod folder;
-mod made_from;
+pub(in crate::commands) mod made_from;
 mod maps;
 mod periods;
 

@@ -64,6 +64,11 @@ impl CsvColumn {
         if number.unit.is_some() { number } else { CsvColumn::text(name) }
     }
 
+    /// The same with a unit that its name does not say.
+    pub fn with_unit(self, unit: &'static str) -> Self {
+        CsvColumn { unit: Some(unit), ..self }
+    }
+
     /// The columns of a table of results.
     pub fn of_results(layout: &Layout, labels: &RowLabels) -> Vec<Self> {
         let datatype = match labels.instants.as_ref().map(|instants| instants.precision) {

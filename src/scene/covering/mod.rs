@@ -3,5 +3,5 @@
 pub mod cover;
 pub mod receiver_ids;
 pub mod receivers;
-mod rows;
+pub(crate) mod rows;
 pub mod surfaces;

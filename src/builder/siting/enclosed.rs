@@ -1,0 +1,69 @@
+//! Whether a point lies inside of something. In: a point. Out: what it is inside of, if no light can come to it.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use super::Siting;
+use crate::trace::Ray;
+use crate::trace::hidden::is_reached;
+use heliotile_core::hemisphere::{direction_of, mix};
+use heliotile_core::site::material::Class;
+
+/// Rays to each side of the horizon.
+const RAYS: usize = 256;
+
+/// A point which sees more sky than this share of all that is above it is in the open: a crack below terrain that ends somewhere is less.
+const OPEN: f64 = 0.01;
+
+/// Who sees more than this share of other sides than those that look out is inside of something.
+const OTHER_SIDES: f64 = 0.5;
+
+/// What a point is inside of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Enclosed {
+    /// The ground is above it.
+    BelowGround,
+    /// Inside of a solid, or of a space that no light reaches; the name of the material that is mostly met.
+    Inside(String),
+}
+
+impl Siting<'_> {
+    /// What a point (input coordinates) lies inside of: it sees next to no sky, and mostly backs of surfaces, or no path of light comes to it.
+    /// `None` in the open, and inside of a room with windows that are open.
+    pub fn enclosed(&self, point: DVec3) -> Option<Enclosed> {
+        let (scene, tracer) = (self.prepared.scene, &self.prepared.tracer);
+        let origin = tracer.grid().relative(point).as_vec3().to_array();
+        let even = |i: usize| DVec2::new(i as f64 * 0.754_877_666, i as f64 * 0.569_840_291).fract();
+        let up = (1..=RAYS).map(|i| direction_of(even(i)));
+        let rays: Vec<Ray> =
+            up.flat_map(|d| [d, -d]).map(|d| Ray { origin, direction: d.as_vec3().to_array() }).collect();
+        let hits = tracer.closest_many(&rays);
+        let (mut sky, mut met, mut backs) = (0, 0, 0);
+        let mut of_material = vec![0_usize; scene.materials.len()];
+        for (ray, hit) in rays.iter().zip(&hits) {
+            let Some(hit) = hit else {
+                sky += usize::from(ray.direction[2] > 0.0);
+                continue;
+            };
+            met += 1;
+            backs +=
+                usize::from(scene.mesh.normal(hit.triangle as usize).as_vec3().dot(Vec3::from(ray.direction)) > 0.0);
+            of_material[usize::from(scene.mesh.triangle_material[hit.triangle as usize])] += 1;
+        }
+        let sees_sky = sky as f64 > OPEN * RAYS as f64;
+        let is_inside = backs as f64 > OTHER_SIDES * met as f64;
+        let dark = || !is_reached(origin, DVec3::Z, mix(0x7369_7465, 0), &scene.mesh, tracer);
+        if sees_sky || !is_inside && (sky > 0 || !dark()) {
+            return None;
+        }
+        let overhead = tracer.closest(Ray { origin, direction: [0.0, 0.0, 1.0] });
+        let class = |triangle: u32| {
+            let material = scene.mesh.triangle_material[triangle as usize];
+            scene.materials[usize::from(material)].class
+        };
+        if overhead.is_some_and(|hit| class(hit.triangle) == Class::Ground) {
+            return Some(Enclosed::BelowGround);
+        }
+        let most = (0..of_material.len()).max_by_key(|i| of_material[*i]);
+        Some(Enclosed::Inside(most.map_or_else(String::new, |i| scene.materials[i].name.clone())))
+    }
+}

@@ -1,0 +1,115 @@
+//! Arguments of `pv`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+
+use super::choice::choice;
+use super::{AccuracyArgs, Bytes, ClockArgs, SceneArgs, parse_memory};
+use heliotile_core::orientation::fan::TurnLimits;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::StampedAt;
+
+#[derive(Args, Debug)]
+#[command(group(ArgGroup::new("modules").required(true).args(["points"])))]
+pub struct PvArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    /// Places of modules, CSV: point,x,y, z or height (metres above the roof or ground below), tilt,azimuth (degrees, clockwise from
+    /// true north; may be left out with --search)
+    #[arg(long, short, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Folder for points.csv, months.csv, hourly.csv, horizon/, best.csv and the archive site.helio
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each; points without angles take the best
+    #[arg(long, requires = "points")]
+    pub search: bool,
+    /// Tilts that a search may choose, degrees, such as 10..60, or one
+    #[arg(long, value_name = "FROM..TO", default_value = "0..90", value_parser = parse_tilts)]
+    pub tilts: [f64; 2],
+    /// Azimuths that a search may choose, degrees clockwise from true north, such as 90..270, 300..60 over north, or one
+    #[arg(long, value_name = "FROM..TO", default_value = "0..360", value_parser = parse_azimuths)]
+    pub azimuths: [f64; 2],
+    /// Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces as of EnergyPlus and pvlib), uniform, or cie:1 to
+    /// cie:15
+    #[arg(long, default_value = "perez")]
+    pub sky: SkyModel,
+    /// Format of the hours
+    #[arg(long, value_parser = ["csv", "parquet"], default_value = "csv")]
+    pub format: String,
+    /// Write no hours, sums only
+    #[arg(long, conflicts_with = "format")]
+    pub no_hourly: bool,
+    /// Which moment of its interval a row of hours is labelled with
+    #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
+    pub stamp: StampedAt,
+    /// Put all rows into one year, such as 2019; the sun stays that of the file's dates
+    #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
+    pub year: Option<i32>,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+    /// Replace what the folder holds of another scene, points, accuracy or weather, which is refused otherwise
+    #[arg(long)]
+    pub replace: bool,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
+}
+
+impl PvArgs {
+    /// What a search may choose.
+    pub fn limits(&self) -> TurnLimits {
+        TurnLimits { tilts_deg: self.tilts, azimuths_deg: self.azimuths }
+    }
+}
+
+/// `10..60`, or one number for both.
+fn parse_range(text: &str) -> Result<[f64; 2], String> {
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{part}` is not a number: give degrees, as in 10..60")),
+    };
+    match text.split_once("..") {
+        Some((from, to)) => Ok([number(from)?, number(to)?]),
+        None => Ok([number(text)?; 2]),
+    }
+}
+
+fn parse_tilts(text: &str) -> Result<[f64; 2], String> {
+    match parse_range(text)? {
+        [from, to] if 0.0 <= from && from <= to && to <= 180.0 => Ok([from, to]),
+        _ => Err("tilts are from 0 (up) to 180 (down), the smaller one first".into()),
+    }
+}
+
+fn parse_azimuths(text: &str) -> Result<[f64; 2], String> {
+    let [from, to] = parse_range(text)?;
+    if [from, to].iter().any(|azimuth| azimuth.abs() > 360.0) {
+        return Err("azimuths are from -360 to 360, clockwise from true north".into());
+    }
+    let to = if to < from { to + 360.0 } else { to };
+    if to - from > 360.0 { Err("this is more than a full circle".into()) } else { Ok([from, to]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ranges, one number and a sector over north are read; 7 wrong texts are refused.
+    #[test]
+    fn ranges() {
+        assert_eq!((parse_tilts("10..60"), parse_tilts("30")), (Ok([10.0, 60.0]), Ok([30.0, 30.0])));
+        assert_eq!((parse_azimuths("300..60"), parse_azimuths("180")), (Ok([300.0, 420.0]), Ok([180.0, 180.0])));
+        assert_eq!(parse_azimuths("-90..90"), Ok([-90.0, 90.0]));
+        for text in ["", "200", "60..10", "a..b", "-1..30"] {
+            assert!(parse_tilts(text).is_err(), "{text}");
+        }
+        assert!(parse_azimuths("-360..360").is_err() && parse_azimuths("0..400").is_err());
+    }
+}

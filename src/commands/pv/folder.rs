@@ -1,0 +1,133 @@
+//! The folder of `pv`: which files it holds, and what may be put there. In: a command line, what was found. Out: names, and a refusal where
+//! results of other inputs would be lost.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::PvArgs;
+use crate::commands::console::shell_words::quoted;
+use crate::commands::run::made_from::{FILE, MadeFrom};
+use crate::commands::traced::KEEP_OR_REPLACE;
+use crate::commands::{guard_archive, guard_site};
+use crate::outputs::tables::writer::files_of;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::weather::series::Weather;
+use heliotile_scene::site::Site;
+
+/// Files of the folder.
+pub struct PvFolder {
+    pub folder: PathBuf,
+    pub receivers: PathBuf,
+    pub archive: PathBuf,
+    pub points: PathBuf,
+    pub months: PathBuf,
+    pub hours: PathBuf,
+    pub horizon_table: PathBuf,
+    /// With a list for each point.
+    pub horizons: PathBuf,
+    pub search: PathBuf,
+    pub best: PathBuf,
+    /// With a picture for each point.
+    pub turns: PathBuf,
+}
+
+impl PvFolder {
+    pub fn of(args: &PvArgs) -> Self {
+        let folder = args.output.clone();
+        let file = |name: &str| folder.join(name);
+        PvFolder {
+            receivers: file("receivers.csv"),
+            archive: file("site.helio"),
+            points: file("points.csv"),
+            months: file("months.csv"),
+            hours: file(&format!("hourly.{}", args.format)),
+            horizon_table: file("horizons.csv"),
+            horizons: file("horizon"),
+            search: file("search.csv"),
+            best: file("best.csv"),
+            turns: file("turns"),
+            folder,
+        }
+    }
+
+    /// Tables that are written.
+    fn tables(&self, args: &PvArgs) -> Vec<&Path> {
+        let mut tables: Vec<&Path> = vec![&self.points, &self.months, &self.horizon_table];
+        if !args.no_hourly {
+            tables.push(&self.hours);
+        }
+        if args.search {
+            tables.extend([self.search.as_path(), &self.best]);
+        }
+        tables
+    }
+
+    /// Refuses to replace an input, a folder or a device.
+    pub fn guard(&self, site: &Site, args: &PvArgs) -> Result<()> {
+        let inputs = [Some(args.weather.as_path()), args.points.as_deref(), args.accuracy.error_weather.as_deref()];
+        let tables = self.tables(args);
+        let outputs =
+            tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone(), self.receivers.clone()]);
+        for output in outputs {
+            guard_site(&output, site, &inputs)?;
+        }
+        guard_archive(&self.archive)
+    }
+
+    /// Refuses to replace results through other weather, before any work.
+    pub fn check_weather(&self, weather: &Weather, args: &PvArgs) -> Result<()> {
+        if args.replace {
+            return Ok(());
+        }
+        match MadeFrom::read(&self.folder)? {
+            Some(earlier) if earlier.is_through(weather) => Ok(()),
+            Some(earlier) => {
+                let what = format!(
+                    "holds results of other weather, read from {}, or of another release of heliotile",
+                    earlier.weather()
+                );
+                Err(Error::input(&self.folder, None, what, KEEP_OR_REPLACE))
+            }
+            None => match self.tables(args).into_iter().find(|file| file.exists()) {
+                Some(file) => {
+                    let what = format!("is there, and nothing ({FILE}) says what it was made from");
+                    Err(Error::input(file, None, what, KEEP_OR_REPLACE))
+                }
+                None => Ok(()),
+            },
+        }
+    }
+
+    /// Makes the folder one of this archive and weather, so that results can be written there.
+    pub fn claim(&self, archive: &Archive, weather: &Weather, args: &PvArgs) -> Result<()> {
+        let in_folder = |path: &Path| path.strip_prefix(&self.folder).ok().map(|name| name.display().to_string());
+        let mut names: Vec<String> =
+            self.tables(args).iter().flat_map(|table| files_of(table)).filter_map(|file| in_folder(&file)).collect();
+        names.sort();
+        let mut now = MadeFrom::new(archive, weather, &args.weather, names);
+        if let Some(earlier) = MadeFrom::read(&self.folder)? {
+            if earlier.is_same(&now) {
+                now.keep_files_of(&earlier);
+            } else if args.replace {
+                earlier.remove_files(&self.folder)?;
+            } else {
+                let what = "holds results of another archive than site.helio";
+                return Err(Error::input(&self.folder, None, what, KEEP_OR_REPLACE));
+            }
+        }
+        now.write(&self.folder)
+    }
+
+    /// What was written where, and what to do next.
+    pub fn summary(&self, args: &PvArgs) -> String {
+        let name = |file: &Path| file.strip_prefix(&self.folder).unwrap_or(file).display().to_string();
+        let tables: Vec<String> = self.tables(args).into_iter().map(name).collect();
+        let pictures = if args.search { " and turns/, a picture a point" } else { "" };
+        format!(
+            "{}: {}, horizon/, a list a point{pictures}; the archive: heliotile info {}\n",
+            self.folder.display(),
+            tables.join(", "),
+            quoted(&self.archive.to_string_lossy())
+        )
+    }
+}

@@ -1,0 +1,184 @@
+//! The best of the turns near one. In: what some turns around it get. Out: the best turn and what it gets, by least squares.
+
+use crate::orientation::fan::{TangentPlane, Turn, TurnLimits};
+
+/// Terms of the surface that is fitted: all products of powers of two coordinates up to the third.
+const TERMS: usize = 10;
+
+/// Turns are compared so finely, degrees.
+const STEP_DEG: f64 = 0.1;
+
+/// A turn and what it gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// How it is turned.
+    pub turn: Turn,
+    /// In the unit of what was given.
+    pub value: f64,
+}
+
+/// A smooth surface over the turns near one: a polynomial of third degree in the coordinates of a [`TangentPlane`].
+#[derive(Clone, Debug)]
+pub struct TurnSurface {
+    plane: TangentPlane,
+    middle: Turn,
+    radius_deg: f64,
+    weights: [f64; TERMS],
+}
+
+impl TurnSurface {
+    /// Fits by least squares to what is found within a radius of the middle, degrees; `None` from too few turns, or from turns on a line.
+    pub fn fit(middle: Turn, radius_deg: f64, found: &[Found]) -> Option<Self> {
+        let plane = TangentPlane::at(middle);
+        let mut normal = [[0.0; TERMS + 1]; TERMS];
+        for one in found {
+            let terms = terms(plane.place(one.turn).map(|off| off / radius_deg));
+            for (row, term) in normal.iter_mut().zip(terms) {
+                let with_value = terms.iter().copied().chain([one.value]);
+                row.iter_mut().zip(with_value).for_each(|(sum, other)| *sum += term * other);
+            }
+        }
+        Some(TurnSurface { plane, middle, radius_deg, weights: solved(normal)? })
+    }
+
+    /// What a turn gets.
+    pub fn value(&self, turn: Turn) -> f64 {
+        self.at(self.plane.place(turn))
+    }
+
+    fn at(&self, place_deg: [f64; 2]) -> f64 {
+        let terms = terms(place_deg.map(|off| off / self.radius_deg));
+        terms.iter().zip(self.weights).map(|(term, weight)| term * weight).sum()
+    }
+
+    /// The best of all turns that are allowed and lie within the radius, to a tenth of a degree, then on the peak of the fit; `None` where
+    /// none is allowed.
+    pub fn best(&self, limits: &TurnLimits) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        let mut look = |turn: Turn| {
+            let place = self.plane.place(turn);
+            if place[0].hypot(place[1]) <= self.radius_deg && limits.allow(turn) {
+                let value = self.at(place);
+                if best.is_none_or(|best| value > best.value) {
+                    best = Some(Found { turn, value });
+                }
+            }
+        };
+        // By tilt and azimuth, so that limits are met to the bit ...
+        let near = |tilt: f64| (tilt - self.middle.tilt_deg).abs() <= self.radius_deg;
+        let fine = TurnLimits { tilts_deg: self.window(limits), ..*limits };
+        for tilt_deg in steps(fine.tilts_deg).filter(|tilt| near(*tilt)) {
+            self.azimuths(limits, tilt_deg).for_each(|azimuth_deg| look(Turn { tilt_deg, azimuth_deg }));
+        }
+        // ... and in the plane, where azimuths lose their meaning near the zenith.
+        let count = (self.radius_deg / STEP_DEG) as i32;
+        for a in -count..=count {
+            for b in -count..=count {
+                look(self.plane.turn(f64::from(a) * STEP_DEG, f64::from(b) * STEP_DEG));
+            }
+        }
+        best
+    }
+
+    /// Tilts that are allowed and near.
+    fn window(&self, limits: &TurnLimits) -> [f64; 2] {
+        let [least, most] = limits.tilts_deg;
+        [least.max(self.middle.tilt_deg - self.radius_deg), most.min(self.middle.tilt_deg + self.radius_deg)]
+    }
+
+    /// Azimuths of a tilt that are allowed and near, finely.
+    fn azimuths(&self, limits: &TurnLimits, tilt_deg: f64) -> impl Iterator<Item = f64> {
+        let [first, last] = limits.azimuths_deg;
+        let most = (self.radius_deg / tilt_deg.to_radians().sin().max(1e-3)).min(180.0);
+        let middle = first + (self.middle.azimuth_deg - first).rem_euclid(360.0);
+        let turns = if limits.is_full_circle() { vec![middle] } else { vec![middle - 360.0, middle] };
+        let is_open = limits.is_full_circle();
+        turns.into_iter().flat_map(move |middle| {
+            let [from, to] = [middle - most, middle + most];
+            steps(if is_open { [from, to] } else { [from.max(first), to.min(last)] })
+                .map(|azimuth| azimuth.rem_euclid(360.0))
+        })
+    }
+}
+
+/// From one number to another, both among them; none if the second is smaller.
+fn steps([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let parts = ((to - from) / STEP_DEG).ceil();
+    let count = if to < from { 0 } else { parts as usize + 1 };
+    (0..count).map(move |i| if parts == 0.0 { from } else { from + (to - from) * i as f64 / parts })
+}
+
+fn terms([a, b]: [f64; 2]) -> [f64; TERMS] {
+    [1.0, a, b, a * a, a * b, b * b, a * a * a, a * a * b, a * b * b, b * b * b]
+}
+
+/// Solves normal equations by Gauss' elimination with the largest pivot.
+fn solved(mut rows: [[f64; TERMS + 1]; TERMS]) -> Option<[f64; TERMS]> {
+    let size = rows.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
+    for column in 0..TERMS {
+        let below = (column..TERMS).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()))?;
+        rows.swap(column, below);
+        let pivot = rows[column];
+        if pivot[column].abs() < 1e-12 * size {
+            return None;
+        }
+        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != column) {
+            let share = row[column] / pivot[column];
+            row.iter_mut().zip(pivot).for_each(|(value, above)| *value -= share * above);
+        }
+    }
+    let mut weights = [0.0; TERMS];
+    weights.iter_mut().zip(rows).enumerate().for_each(|(i, (weight, row))| *weight = row[TERMS] / row[i]);
+    Some(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::orientation::fan::around;
+
+    const ALL: TurnLimits = TurnLimits { tilts_deg: [0.0, 90.0], azimuths_deg: [0.0, 360.0] };
+
+    fn found(middle: Turn, peak: Turn) -> TurnSurface {
+        let value = |turn: Turn| 1000.0 * turn.normal().dot(peak.normal());
+        let found: Vec<Found> =
+            around(middle, 12.0, 4).into_iter().map(|turn| Found { turn, value: value(turn) }).collect();
+        TurnSurface::fit(middle, 12.0, &found).expect("a fit")
+    }
+
+    /// Where light comes from one direction, the best turn is found within 0.1 degrees and 0.003 % from 61 turns around another one 6 degrees
+    /// off, steep, nearly flat and over north.
+    #[test]
+    fn one_source() {
+        for (tilt, azimuth) in [(40.0, 180.0), (2.0, 90.0), (60.0, 359.0)] {
+            let peak = Turn { tilt_deg: tilt, azimuth_deg: azimuth };
+            let middle = TangentPlane::at(peak).turn(4.0, 4.5);
+            let best = found(middle, peak).best(&ALL).expect("a best turn");
+            let off = best.turn.normal().angle_between(peak.normal()).to_degrees();
+            assert!(off < 0.1 && (best.value / 1000.0 - 1.0).abs() < 3e-5, "{best:?} {off}");
+        }
+    }
+
+    /// With limits the best turn is on the limit: 35 of 40 degrees and azimuth 170 of 180, to 1e-6 degrees; where nothing near is allowed there
+    /// is none.
+    #[test]
+    fn on_a_limit() {
+        let surface = found(Turn { tilt_deg: 38.0, azimuth_deg: 176.0 }, Turn { tilt_deg: 40.0, azimuth_deg: 180.0 });
+        let limits = TurnLimits { tilts_deg: [0.0, 35.0], azimuths_deg: [90.0, 170.0] };
+        let best = surface.best(&limits).expect("a best turn").turn;
+        assert!((best.tilt_deg - 35.0).abs() < 1e-6 && (best.azimuth_deg - 170.0).abs() < 1e-6, "{best:?}");
+        assert_eq!(surface.best(&TurnLimits { tilts_deg: [70.0, 90.0], ..limits }), None);
+    }
+
+    /// Five turns, or many on one line, make no surface: 2 of 2.
+    #[test]
+    fn too_few() {
+        let turns = |count: usize, step: f64| -> Vec<Found> {
+            let turn = |i: usize| Turn { tilt_deg: 30.0 + step * i as f64, azimuth_deg: 180.0 };
+            (0..count).map(|i| Found { turn: turn(i), value: 1.0 }).collect()
+        };
+        for found in [turns(5, 2.0), turns(40, 0.2)] {
+            assert!(TurnSurface::fit(Turn { tilt_deg: 33.0, azimuth_deg: 180.0 }, 12.0, &found).is_none());
+        }
+    }
+}

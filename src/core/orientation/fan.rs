@@ -1,0 +1,211 @@
+//! Fans of turns. In: limits, steps. Out: tilts and azimuths that lie evenly on the sphere.
+
+use glam::DVec3;
+
+use crate::units::{direction_from_degrees, tilt_and_azimuth};
+
+/// How a surface is turned: tilt 0 up, 90 level, 180 down; azimuth clockwise from true north, 180 is south. Degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// 0..=180.
+    pub tilt_deg: f64,
+    /// 0 up to 360.
+    pub azimuth_deg: f64,
+}
+
+impl Turn {
+    /// That of a surface which looks straight up.
+    pub const FLAT: Turn = Turn { tilt_deg: 0.0, azimuth_deg: 0.0 };
+
+    /// Of a unit normal by true east, true north and up.
+    pub fn of(normal: DVec3) -> Turn {
+        let (tilt_deg, azimuth_deg) = tilt_and_azimuth(normal);
+        Turn { tilt_deg, azimuth_deg }
+    }
+
+    /// The unit normal by true east, true north and up; up and down are exactly that, whatever the azimuth.
+    pub fn normal(self) -> DVec3 {
+        match self.tilt_deg {
+            0.0 => DVec3::Z,
+            180.0 => DVec3::NEG_Z,
+            tilt => direction_from_degrees(self.azimuth_deg, 90.0 - tilt).normalize(),
+        }
+    }
+}
+
+/// Which turns are allowed, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurnLimits {
+    /// Least and greatest tilt, within 0..=180.
+    pub tilts_deg: [f64; 2],
+    /// First and last azimuth, clockwise: the last is not below the first, and at most 360 beyond it.
+    pub azimuths_deg: [f64; 2],
+}
+
+/// What rounding may do to an angle, degrees.
+const ROUNDING_DEG: f64 = 1e-6;
+
+impl TurnLimits {
+    /// Whether all azimuths are allowed.
+    pub fn is_full_circle(&self) -> bool {
+        self.azimuths_deg[1] - self.azimuths_deg[0] >= 360.0 - ROUNDING_DEG
+    }
+
+    /// Whether a turn keeps within the limits; what looks straight up or down has all azimuths.
+    pub fn allow(&self, turn: Turn) -> bool {
+        let [least, most] = self.tilts_deg;
+        let level = turn.tilt_deg.to_radians().sin() > 1e-9;
+        let beyond = (turn.azimuth_deg - self.azimuths_deg[0] + ROUNDING_DEG).rem_euclid(360.0);
+        let in_sector =
+            self.is_full_circle() || beyond <= self.azimuths_deg[1] - self.azimuths_deg[0] + 2.0 * ROUNDING_DEG;
+        (least - ROUNDING_DEG..=most + ROUNDING_DEG).contains(&turn.tilt_deg) && (in_sector || !level)
+    }
+
+    /// Rings of turns about so far apart, degrees: the limits themselves are among them.
+    pub fn rings(&self, step_deg: f64) -> Vec<Ring> {
+        let [least, most] = self.tilts_deg;
+        let parts = ((most - least) / step_deg - ROUNDING_DEG).ceil().max(0.0);
+        let tilt = |i: usize| if parts == 0.0 { least } else { least + (most - least) * i as f64 / parts };
+        (0..=parts as usize)
+            .map(|i| Ring { tilt_deg: tilt(i), azimuths_deg: self.azimuths(tilt(i), step_deg) })
+            .collect()
+    }
+
+    fn azimuths(&self, tilt_deg: f64, step_deg: f64) -> Vec<f64> {
+        let [first, last] = self.azimuths_deg;
+        let along = (last - first) * tilt_deg.to_radians().sin();
+        let parts = (along / step_deg - ROUNDING_DEG).ceil().max(0.0) as usize;
+        if tilt_deg.to_radians().sin() < 1e-9 {
+            return vec![first.rem_euclid(360.0)];
+        }
+        // A full circle begins where it ends.
+        let (parts, count) = if self.is_full_circle() { (parts.max(4), parts.max(4)) } else { (parts, parts + 1) };
+        let part = (last - first) / parts.max(1) as f64;
+        (0..count).map(|i| (first + part * i as f64).rem_euclid(360.0)).collect()
+    }
+}
+
+/// Turns of one tilt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ring {
+    /// Their tilt, degrees.
+    pub tilt_deg: f64,
+    /// Their azimuths, degrees.
+    pub azimuths_deg: Vec<f64>,
+}
+
+impl Ring {
+    /// Its turns.
+    pub fn turns(&self) -> impl Iterator<Item = Turn> + '_ {
+        self.azimuths_deg.iter().map(|&azimuth_deg| Turn { tilt_deg: self.tilt_deg, azimuth_deg })
+    }
+}
+
+/// Turns around one, in so many circles out to a radius, degrees: 6 on the first circle, 12 on the second and so on, 1 in the middle.
+pub fn around(middle: Turn, radius_deg: f64, circles: usize) -> Vec<Turn> {
+    let plane = TangentPlane::at(middle);
+    let circle = |ring: usize| {
+        let off = radius_deg * ring as f64 / circles.max(1) as f64;
+        (0..6 * ring).map(move |i| {
+            let angle = std::f64::consts::TAU * (i as f64 + 0.5 * (ring % 2) as f64) / (6 * ring) as f64;
+            (off * angle.sin(), off * angle.cos())
+        })
+    };
+    let offs = (1..=circles).flat_map(circle);
+    std::iter::once(middle).chain(offs.map(|(a, b)| plane.turn(a, b))).collect()
+}
+
+/// Turns near one by two coordinates, degrees off it: level to the side, and up the surface. Distances from the middle are true angles.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentPlane {
+    middle: DVec3,
+    side: DVec3,
+    up: DVec3,
+}
+
+impl TangentPlane {
+    /// The plane of a turn; of one that looks straight up or down by its azimuth.
+    pub fn at(turn: Turn) -> Self {
+        let (sin, cos) = turn.azimuth_deg.to_radians().sin_cos();
+        let (middle, side) = (turn.normal(), DVec3::new(-cos, sin, 0.0));
+        TangentPlane { middle, side, up: middle.cross(side) }
+    }
+
+    /// The turn at a place of the plane.
+    pub fn turn(&self, a_deg: f64, b_deg: f64) -> Turn {
+        let off = a_deg.hypot(b_deg);
+        if off == 0.0 {
+            return Turn::of(self.middle);
+        }
+        let (sin, cos) = off.to_radians().sin_cos();
+        let way = (self.side * a_deg + self.up * b_deg) / off;
+        Turn::of((self.middle * cos + way * sin).normalize())
+    }
+
+    /// Where a turn lies in the plane, degrees.
+    pub fn place(&self, turn: Turn) -> [f64; 2] {
+        let normal = turn.normal();
+        let [a, b] = [self.side.dot(normal), self.up.dot(normal)];
+        let sin = a.hypot(b);
+        if sin == 0.0 {
+            return [0.0, 0.0];
+        }
+        let off = sin.atan2(self.middle.dot(normal)).to_degrees();
+        [a / sin * off, b / sin * off]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: TurnLimits = TurnLimits { tilts_deg: [0.0, 90.0], azimuths_deg: [0.0, 360.0] };
+
+    /// A fan of 10 degrees over the upper half has 10 rings and 229 turns, one of them up, none of them nearer than 6 degrees to another or
+    /// outside the limits; of one azimuth there are 10.
+    #[test]
+    fn evenly() {
+        let rings = ALL.rings(10.0);
+        let turns: Vec<Turn> = rings.iter().flat_map(Ring::turns).collect();
+        assert_eq!((rings.len(), turns.len(), rings[0].azimuths_deg.len()), (10, 229, 1));
+        assert!(turns.iter().all(|turn| ALL.allow(*turn)));
+        for (i, a) in turns.iter().enumerate() {
+            let near = turns[..i].iter().map(|b| a.normal().angle_between(b.normal()).to_degrees());
+            assert!(near.fold(180.0, f64::min) > 6.0, "{a:?}");
+        }
+        let south = TurnLimits { azimuths_deg: [180.0, 180.0], ..ALL };
+        let turns: Vec<Turn> = south.rings(10.0).iter().flat_map(Ring::turns).collect();
+        assert!(turns.len() == 10 && turns.iter().all(|turn| turn.azimuth_deg == 180.0), "{turns:?}");
+    }
+
+    /// From 300 over north to 60 degrees 350 and 10 are allowed, 180 is not, and flat is; a fan has both ends.
+    #[test]
+    fn over_north() {
+        let limits = TurnLimits { tilts_deg: [0.0, 30.0], azimuths_deg: [300.0, 420.0] };
+        let allowed = |azimuth_deg, tilt_deg| limits.allow(Turn { tilt_deg, azimuth_deg });
+        assert_eq!([350.0, 10.0, 60.0, 180.0].map(|a| allowed(a, 20.0)), [true, true, true, false]);
+        assert!(allowed(180.0, 0.0) && !allowed(10.0, 31.0));
+        let last = limits.rings(10.0).pop().expect("a ring");
+        assert_eq!((last.azimuths_deg.first(), last.azimuths_deg.last()), (Some(&300.0), Some(&60.0)));
+    }
+
+    /// Of 37 turns within 12 degrees of three others, up among them, none is farther than that, and each is found again in the plane within
+    /// 1e-9 degrees.
+    #[test]
+    fn near_a_turn() {
+        for middle in
+            [Turn::FLAT, Turn { tilt_deg: 35.0, azimuth_deg: 180.0 }, Turn { tilt_deg: 90.0, azimuth_deg: 15.0 }]
+        {
+            let turns = around(middle, 12.0, 3);
+            assert_eq!(turns.len(), 37);
+            let plane = TangentPlane::at(middle);
+            for turn in turns {
+                let off = middle.normal().angle_between(turn.normal()).to_degrees();
+                let [a, b] = plane.place(turn);
+                assert!(off < 12.0 + 1e-6 && (a.hypot(b) - off).abs() < 1e-5, "{turn:?} {off}");
+                let again = plane.turn(a, b).normal().angle_between(turn.normal());
+                assert!(again < 1e-7, "{turn:?} {again}");
+            }
+        }
+    }
+}
