@@ -1,6 +1,6 @@
 //! Arguments of `pv`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
 
@@ -11,7 +11,7 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::StampedAt;
 
 #[derive(Args, Debug)]
-#[command(group(ArgGroup::new("modules").required(true).args(["points"])))]
+#[command(group(ArgGroup::new("modules").required(true).args(["points", "rows"])))]
 pub struct PvArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -22,6 +22,13 @@ pub struct PvArgs {
     /// true north; may be left out with --search)
     #[arg(long, short, value_name = "FILE")]
     pub points: Option<PathBuf>,
+    /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch, width, height; modules shade and light one
+    /// another, and have a front and a rear
+    #[arg(long, short, value_name = "FILE")]
+    pub rows: Option<PathBuf>,
+    /// Share of the light on the rear that counts beside the front, for poa_global and the gain
+    #[arg(long, default_value_t = 0.8, value_parser = parse_bifaciality)]
+    pub bifaciality: f64,
     /// Folder for points.csv, months.csv, hourly.csv, horizon/, best.csv and the archive site.helio
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
@@ -63,9 +70,26 @@ pub struct PvArgs {
 }
 
 impl PvArgs {
+    /// The table of points, for messages.
+    pub fn points_file(&self) -> &Path {
+        self.points.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// The file of rows.
+    pub fn rows_file(&self) -> &Path {
+        self.rows.as_deref().unwrap_or(Path::new(""))
+    }
+
     /// What a search may choose.
     pub fn limits(&self) -> TurnLimits {
         TurnLimits { tilts_deg: self.tilts, azimuths_deg: self.azimuths }
+    }
+}
+
+fn parse_bifaciality(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("give a share from 0 to 1, as in 0.8".into()),
     }
 }
 

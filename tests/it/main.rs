@@ -26,6 +26,7 @@ mod paths;
 mod physics;
 mod place;
 mod plan;
+mod pv;
 mod reader;
 mod reflectance;
 mod replay;

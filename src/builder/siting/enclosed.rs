@@ -5,14 +5,14 @@ use glam::{DVec2, DVec3, Vec3};
 use super::Siting;
 use crate::trace::Ray;
 use crate::trace::hidden::is_reached;
-use heliotile_core::hemisphere::{direction_of, mix};
+use heliotile_core::hemisphere::{cosine_direction_of, mix};
 use heliotile_core::site::material::Class;
 
 /// Rays to each side of the horizon.
 const RAYS: usize = 256;
 
-/// A point which sees more sky than this share of all that is above it is in the open: a crack below terrain that ends somewhere is less.
-const OPEN: f64 = 0.01;
+/// A point which sees more of the sky than this, by the cosine, is in the open: what is left at the rim of terrain that ends somewhere is less.
+const OPEN: f64 = 0.02;
 
 /// Who sees more than this share of other sides than those that look out is inside of something.
 const OTHER_SIDES: f64 = 0.5;
@@ -33,7 +33,7 @@ impl Siting<'_> {
         let (scene, tracer) = (self.prepared.scene, &self.prepared.tracer);
         let origin = tracer.grid().relative(point).as_vec3().to_array();
         let even = |i: usize| DVec2::new(i as f64 * 0.754_877_666, i as f64 * 0.569_840_291).fract();
-        let up = (1..=RAYS).map(|i| direction_of(even(i)));
+        let up = (1..=RAYS).map(|i| cosine_direction_of(even(i)));
         let rays: Vec<Ray> =
             up.flat_map(|d| [d, -d]).map(|d| Ray { origin, direction: d.as_vec3().to_array() }).collect();
         let hits = tracer.closest_many(&rays);

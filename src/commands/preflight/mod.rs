@@ -64,6 +64,7 @@ impl<'a> Files<'a> {
                 self.scene(&args.scene);
                 self.read(&args.weather, Wanted::Weather);
                 self.read_if(&args.points, Wanted::Other);
+                self.read_if(&args.rows, Wanted::Other);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.write(&args.output, Written::Folder);
             }

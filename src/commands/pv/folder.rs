@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::modules::{GEOMETRY, MATERIALS};
 use crate::cli::PvArgs;
 use crate::commands::console::shell_words::quoted;
 use crate::commands::run::made_from::{FILE, MadeFrom};
@@ -17,7 +18,6 @@ use heliotile_scene::site::Site;
 /// Files of the folder.
 pub struct PvFolder {
     pub folder: PathBuf,
-    pub receivers: PathBuf,
     pub archive: PathBuf,
     pub points: PathBuf,
     pub months: PathBuf,
@@ -36,7 +36,6 @@ impl PvFolder {
         let folder = args.output.clone();
         let file = |name: &str| folder.join(name);
         PvFolder {
-            receivers: file("receivers.csv"),
             archive: file("site.helio"),
             points: file("points.csv"),
             months: file("months.csv"),
@@ -52,7 +51,10 @@ impl PvFolder {
 
     /// Tables that are written.
     fn tables(&self, args: &PvArgs) -> Vec<&Path> {
-        let mut tables: Vec<&Path> = vec![&self.points, &self.months, &self.horizon_table];
+        let mut tables: Vec<&Path> = vec![&self.points, &self.months];
+        if args.points.is_some() {
+            tables.push(&self.horizon_table);
+        }
         if !args.no_hourly {
             tables.push(&self.hours);
         }
@@ -64,10 +66,15 @@ impl PvFolder {
 
     /// Refuses to replace an input, a folder or a device.
     pub fn guard(&self, site: &Site, args: &PvArgs) -> Result<()> {
-        let inputs = [Some(args.weather.as_path()), args.points.as_deref(), args.accuracy.error_weather.as_deref()];
+        let inputs = [
+            Some(args.weather.as_path()),
+            args.points.as_deref(),
+            args.rows.as_deref(),
+            args.accuracy.error_weather.as_deref(),
+        ];
         let tables = self.tables(args);
-        let outputs =
-            tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone(), self.receivers.clone()]);
+        let outputs = tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone()]);
+        let outputs = outputs.chain(["receivers.csv", GEOMETRY, MATERIALS].map(|name| self.folder.join(name)));
         for output in outputs {
             guard_site(&output, site, &inputs)?;
         }
@@ -122,9 +129,10 @@ impl PvFolder {
     pub fn summary(&self, args: &PvArgs) -> String {
         let name = |file: &Path| file.strip_prefix(&self.folder).unwrap_or(file).display().to_string();
         let tables: Vec<String> = self.tables(args).into_iter().map(name).collect();
+        let lists = if args.points.is_some() { ", horizon/, a list a point" } else { ", modules.obj" };
         let pictures = if args.search { " and turns/, a picture a point" } else { "" };
         format!(
-            "{}: {}, horizon/, a list a point{pictures}; the archive: heliotile info {}\n",
+            "{}: {}{lists}{pictures}; the archive: heliotile info {}\n",
             self.folder.display(),
             tables.join(", "),
             quoted(&self.archive.to_string_lossy())

@@ -1,6 +1,8 @@
 //! The light of a weather file on an archive. In: an archive, weather. Out: sums by month and hours of its receivers, as core replays them.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use crate::cli::PvArgs;
 use crate::commands::{temporary_files, warn};
@@ -35,6 +37,8 @@ pub struct Light<'a> {
     clock: ClockReading,
     memory: MemoryBudget,
     stamps: Vec<Stamp>,
+    /// By the number of steps.
+    kept: RefCell<Option<(usize, Rc<Vec<Condition>>)>>,
 }
 
 impl<'a> Light<'a> {
@@ -55,7 +59,15 @@ impl<'a> Light<'a> {
         };
         let stamps = chosen.map(stamp).collect();
         let clock = ClockReading { offset: UtcOffset::of_hours(weather.site.zone_hours), at: args.stamp };
-        Ok(Light { weather, sky: args.sky, clock, memory: MemoryBudget::new(args.memory.0), stamps, dated })
+        Ok(Light {
+            weather,
+            sky: args.sky,
+            clock,
+            memory: MemoryBudget::new(args.memory.0),
+            stamps,
+            dated,
+            kept: RefCell::default(),
+        })
     }
 
     /// Positions of the sun in an interval.
@@ -73,8 +85,8 @@ impl<'a> Light<'a> {
     }
 
     /// What readers of times may want to know.
-    pub fn notes(&self) -> Vec<String> {
-        let typical = self.dated.years == Years::Typical;
+    pub fn notes(&self, args: &PvArgs) -> Vec<String> {
+        let typical = self.dated.years == Years::Typical && !args.no_hourly;
         let text = "months of the weather file come from different years, and hours have these years; --year puts them into one";
         typical.then(|| text.to_owned()).into_iter().collect()
     }
@@ -132,6 +144,18 @@ impl<'a> Light<'a> {
         })
     }
 
+    /// Suns and skies of the rows that count; those of the last number of steps are kept, since the sun costs more than the light.
+    fn conditions(&self, steps: usize) -> Rc<Vec<Condition>> {
+        let mut kept = self.kept.borrow_mut();
+        if let Some((_, conditions)) = kept.as_ref().filter(|(of, _)| *of == steps) {
+            return Rc::clone(conditions);
+        }
+        let all = self.weather.conditions(steps).into_iter().zip(&self.dated.chosen);
+        let conditions = Rc::new(all.filter_map(|(condition, chosen)| chosen.then_some(condition)).collect());
+        *kept = Some((steps, Rc::clone(&conditions)));
+        conditions
+    }
+
     /// Replays an archive and hands over every receiver.
     fn replayed(
         &self,
@@ -142,9 +166,7 @@ impl<'a> Light<'a> {
     ) -> Result<()> {
         let site = OpenSite::of(archive)?;
         let chosen = &self.dated.chosen;
-        let all = self.weather.conditions(self.steps(archive)).into_iter();
-        let conditions: Vec<Condition> =
-            all.zip(chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect();
+        let conditions = self.conditions(self.steps(archive));
         // What the model states of its ground, by month; nothing else is asked for.
         let changeable = Changeable::of(&site, archive.manifest());
         let (mut schedules, _) = Changes::default().over(&changeable, &self.weather.rows, &read_file)?;

@@ -81,7 +81,7 @@ impl Fans<'_> {
         let turns: Vec<Turn> = rings.iter().flat_map(Ring::turns).collect();
         let asked: Vec<Asked> = spots.iter().map(|spot| Asked { place: spot.position, turns: turns.clone() }).collect();
         let coarse = self.totals(prepared, &asked)?;
-        let peaks: Vec<Vec<Turn>> = coarse.iter().map(|found| peaks(found)).collect();
+        let peaks: Vec<Vec<Turn>> = coarse.iter().map(|found| peaks_of(found)).collect();
         let asked: Vec<Asked> = spots
             .iter()
             .zip(&peaks)
@@ -91,38 +91,8 @@ impl Fans<'_> {
             })
             .collect();
         let fine = self.totals(prepared, &asked)?;
-        let all = spots.iter().zip(coarse).zip(peaks.iter().zip(fine));
-        let of = |((spot, coarse), (peaks, fine)): ((&Spot, Vec<Found>), (&Vec<Turn>, Vec<Found>))| {
-            let flat = fine.first().copied().unwrap_or(Found { turn: Turn::FLAT, value: 0.0 });
-            let given = spot.given.and_then(|_| fine.get(1).copied());
-            let fans = fine.get(1 + usize::from(given.is_some())..).unwrap_or_default();
-            let size = fans.len() / peaks.len().max(1);
-            let allowed = |found: &&Found| limits.allow(found.turn);
-            let fitted = peaks.iter().zip(fans.chunks(size.max(1))).filter_map(|(peak, fan)| {
-                // Turns of the first fan that lie near count, too.
-                let near = |found: &&Found| {
-                    let off = found.turn.normal().angle_between(peak.normal()).to_degrees();
-                    (1e-6..FINE_DEG).contains(&off)
-                };
-                let found: Vec<Found> = fan.iter().chain(coarse.iter().filter(near)).copied().collect();
-                TurnSurface::fit(*peak, FINE_DEG, &found)?.best(limits)
-            });
-            let measured = coarse.iter().chain(fans.iter().filter(allowed)).copied();
-            let better = |a: &Found, b: &Found| a.value.total_cmp(&b.value);
-            let best = fitted.max_by(better).or_else(|| measured.max_by(better)).unwrap_or(flat);
-            let mut values = coarse.iter().map(|found| found.value);
-            let of_ring = |ring: &Ring| (ring.clone(), values.by_ref().take(ring.azimuths_deg.len()).collect());
-            PointSearch {
-                point: spot.name.clone(),
-                rings: rings.iter().map(of_ring).collect(),
-                fine: fans.iter().filter(allowed).copied().collect(),
-                best,
-                flat,
-                given,
-                open_best: best,
-            }
-        };
-        Ok(all.map(of).collect())
+        let all = spots.iter().zip(&coarse).zip(peaks.iter().zip(&fine));
+        Ok(all.map(|((spot, coarse), (peaks, fine))| joined(spot, (&rings, limits), (coarse, peaks), fine)).collect())
     }
 
     /// Totals of all turns at all places, in their order.
@@ -149,8 +119,45 @@ impl Fans<'_> {
     }
 }
 
+/// What two fans of a place say together. `fine` is flat, the given turn if there is one, and a fan around each peak of the coarse one.
+fn joined(
+    spot: &Spot,
+    (rings, limits): (&[Ring], &TurnLimits),
+    (coarse, peaks): (&[Found], &[Turn]),
+    fine: &[Found],
+) -> PointSearch {
+    let flat = fine.first().copied().unwrap_or(Found { turn: Turn::FLAT, value: 0.0 });
+    let given = spot.given.and_then(|_| fine.get(1).copied());
+    let fans = fine.get(1 + usize::from(given.is_some())..).unwrap_or_default();
+    let size = fans.len() / peaks.len().max(1);
+    let allowed = |found: &&Found| limits.allow(found.turn);
+    let fitted = peaks.iter().zip(fans.chunks(size.max(1))).filter_map(|(peak, fan)| {
+        // Turns of the first fan that lie near count, too.
+        let near = |found: &&Found| {
+            let off = found.turn.normal().angle_between(peak.normal()).to_degrees();
+            (1e-6..FINE_DEG).contains(&off)
+        };
+        let found: Vec<Found> = fan.iter().chain(coarse.iter().filter(near)).copied().collect();
+        TurnSurface::fit(*peak, FINE_DEG, &found)?.best(limits)
+    });
+    let measured = coarse.iter().chain(fans.iter().filter(allowed)).copied();
+    let better = |a: &Found, b: &Found| a.value.total_cmp(&b.value);
+    let best = fitted.max_by(better).or_else(|| measured.max_by(better)).unwrap_or(flat);
+    let mut values = coarse.iter().map(|found| found.value);
+    let of_ring = |ring: &Ring| (ring.clone(), values.by_ref().take(ring.azimuths_deg.len()).collect());
+    PointSearch {
+        point: spot.name.clone(),
+        rings: rings.iter().map(of_ring).collect(),
+        fine: fans.iter().filter(allowed).copied().collect(),
+        best,
+        flat,
+        given,
+        open_best: best,
+    }
+}
+
 /// The best turns of a fan that are better than those around them.
-fn peaks(found: &[Found]) -> Vec<Turn> {
+fn peaks_of(found: &[Found]) -> Vec<Turn> {
     let mut sorted: Vec<&Found> = found.iter().collect();
     sorted.sort_by(|a, b| b.value.total_cmp(&a.value));
     let Some(most) = sorted.first().map(|best| best.value) else { return Vec::new() };
@@ -193,7 +200,7 @@ pub fn trace_aside(
     let path = beside.path().join("aside.helio");
     let terminal = Terminal::default();
     let mut build = Build { scene: prepared, receivers: &mut tiles, workspace: &workspace, observer: &terminal };
-    build.write(&Plan { with_scene: false, ..Plan::of(settings.clone()) }, &Output::new(&path), &[])?;
+    build.write(&Plan { with_scene: false, ..Plan::of(*settings) }, &Output::new(&path), &[])?;
     let archive = Archive::open_with(&path, Access::Read)?;
     Ok(TracedAside { archive, _folder: beside })
 }

@@ -1,13 +1,11 @@
-//! Where modules stand. In: a table of points, a scene that is asked. Out: places with their heights, each checked to lie where light can come
-//! to, and the table of receivers that is traced.
+//! Where modules stand. In: a table of points or modules of rows, a scene that is asked. Out: places with their sides, each checked to lie
+//! where light can come to, and the table of receivers that is traced.
 
 use std::collections::HashMap;
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use tempfile::TempDir;
 
 use crate::outputs::pv::search::PointSearch;
 use crate::outputs::sink::Sink;
@@ -15,7 +13,11 @@ use heliotile_builder::siting::{Enclosed, Siting};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Turn;
 use heliotile_core::site::north::North;
+use heliotile_scene::pv::layout::Module;
 use heliotile_scene::pv::points::{PointHeight, PvPoint};
+
+/// Receivers of modules lie so far off them, metres.
+const OFF_M: f64 = 0.005;
 
 /// A place of a module.
 #[derive(Clone, Debug)]
@@ -23,23 +25,54 @@ pub struct Spot {
     pub name: String,
     /// Input coordinates, metres.
     pub position: DVec3,
-    /// How it is turned, by true north; nothing before a search has found it.
+    /// How the front is turned, by true north; nothing before a search has found it.
     pub given: Option<Turn>,
     /// What a search found, where nothing was given.
     found: Option<Turn>,
     /// Material of the ground below.
     pub ground: Option<u16>,
+    /// One of a point, front and rear of a module.
+    pub sides: Vec<SpotSide>,
+}
+
+/// A side, whose light is the mean of its receivers'.
+#[derive(Clone, Debug)]
+pub struct SpotSide {
+    /// `front`, `rear`, or nothing.
+    pub name: &'static str,
+    pub receivers: Vec<(String, DVec3)>,
 }
 
 impl Spot {
-    /// One that nobody has turned.
+    /// A point that nobody has turned.
     pub fn at(name: &str, position: DVec3, ground: Option<u16>) -> Self {
-        Spot { name: name.to_owned(), position, given: None, found: None, ground }
+        let side = SpotSide { name: "", receivers: vec![(name.to_owned(), position)] };
+        Spot { name: name.to_owned(), position, given: None, found: None, ground, sides: vec![side] }
     }
 
-    /// How it is turned; flat as long as nobody knows.
+    /// A module with its two sides; the turn is that of its front.
+    fn of_module(module: &Module, turn: Turn, samples: usize, ground: Option<u16>) -> Self {
+        let side = |name: &'static str| {
+            let points = module.points(name == "rear", samples, OFF_M).into_iter().enumerate();
+            let receivers = points.map(|(i, p)| (format!("{}/{name}/{}", module.name, i + 1), p)).collect();
+            SpotSide { name, receivers }
+        };
+        let sides = vec![side("front"), side("rear")];
+        let name = module.name.clone();
+        Spot { name, position: module.middle(), given: Some(turn), found: None, ground, sides }
+    }
+
+    /// How its front is turned; flat as long as nobody knows.
     pub fn turn(&self) -> Turn {
         self.given.or(self.found).unwrap_or(Turn::FLAT)
+    }
+
+    /// How a side is turned.
+    pub fn turn_of(&self, side: &SpotSide) -> Turn {
+        match side.name {
+            "rear" => Turn::of(-self.turn().normal()),
+            _ => self.turn(),
+        }
     }
 }
 
@@ -47,21 +80,37 @@ impl Spot {
 #[derive(Debug)]
 pub struct Spots {
     pub list: Vec<Spot>,
-    by_name: HashMap<String, usize>,
+    /// Place in the list, and the side, by the name of a receiver.
+    of_receiver: HashMap<String, (usize, usize)>,
 }
 
 impl Spots {
-    /// The points of a table in a scene.
-    pub fn of_points(table: Option<&Path>, points: &[PvPoint], siting: &Siting) -> Result<Self> {
-        let table = table.unwrap_or(Path::new(""));
-        let list = points.iter().map(|point| placed(table, point, siting)).collect::<Result<Vec<Spot>>>()?;
-        let by_name = list.iter().enumerate().map(|(i, spot)| (spot.name.clone(), i)).collect();
-        Ok(Spots { list, by_name })
+    fn new(list: Vec<Spot>) -> Self {
+        let mut of_receiver = HashMap::new();
+        for (i, spot) in list.iter().enumerate() {
+            for (k, side) in spot.sides.iter().enumerate() {
+                of_receiver.extend(side.receivers.iter().map(|(id, _)| (id.clone(), (i, k))));
+            }
+        }
+        Spots { list, of_receiver }
     }
 
-    /// The one of a name.
-    pub fn get(&self, name: &str) -> Option<&Spot> {
-        self.list.get(*self.by_name.get(name)?)
+    /// The points of a table in a scene.
+    pub fn of_points(table: &Path, points: &[PvPoint], siting: &Siting) -> Result<Self> {
+        let list = points.iter().map(|point| placed(table, point, siting)).collect::<Result<Vec<Spot>>>()?;
+        Ok(Spots::new(list))
+    }
+
+    /// Modules of rows, each kind with its turn and the receivers on each side.
+    pub fn of_modules<'m>(modules: impl Iterator<Item = (&'m Module, Turn, usize)>, siting: &Siting) -> Self {
+        let ground = |module: &Module| siting.ground_below(module.middle()).map(|ground| ground.material);
+        let spot = |(module, turn, samples)| Spot::of_module(module, turn, samples, ground(module));
+        Spots::new(modules.map(spot).collect())
+    }
+
+    /// Place in the list and side of a receiver.
+    pub fn of_receiver(&self, id: &str) -> Option<(usize, usize)> {
+        self.of_receiver.get(id).copied()
     }
 
     /// Gives those that have no turn the best one.
@@ -71,42 +120,27 @@ impl Spots {
         }
     }
 
-    /// Writes the receivers into a table that is not yet in its place.
-    pub fn write_receivers(&self, folder: &Path, north: North) -> Result<Beside> {
-        let beside = tempfile::Builder::new().prefix(".receivers").tempdir_in(folder);
-        let beside = beside.map_err(Error::io(folder, "make a folder in"))?;
-        let file = beside.path().join("receivers.csv");
+    /// Writes the receivers into a folder that they do not stay in; gives the file.
+    pub fn write_receivers(&self, folder: &Path, north: North) -> Result<PathBuf> {
+        let file = folder.join("receivers.csv");
         let mut sink = Sink::file(&file)?;
         let mut write = || -> std::io::Result<()> {
             writeln!(sink, "receiver,x,y,z,nx,ny,nz")?;
             for spot in &self.list {
-                let (p, n) = (spot.position, north.to_axes(spot.turn().normal()));
-                // Names are quoted, whatever they hold.
-                let name = spot.name.replace('"', "\"\"");
-                writeln!(sink, "\"{name}\",{},{},{},{},{},{}", p.x, p.y, p.z, n.x, n.y, n.z)?;
+                for side in &spot.sides {
+                    let n = north.to_axes(spot.turn_of(side).normal());
+                    for (id, p) in &side.receivers {
+                        // Names are quoted, whatever they hold.
+                        let name = id.replace('"', "\"\"");
+                        writeln!(sink, "\"{name}\",{},{},{},{},{},{}", p.x, p.y, p.z, n.x, n.y, n.z)?;
+                    }
+                }
             }
             Ok(())
         };
         write().map_err(Error::io(&file, "write to"))?;
         sink.finish()?;
-        Ok(Beside { _folder: beside, file })
-    }
-}
-
-/// A table of receivers that is not yet in its place; it is removed with the value.
-pub struct Beside {
-    _folder: TempDir,
-    file: PathBuf,
-}
-
-impl Beside {
-    pub fn path(&self) -> &Path {
-        &self.file
-    }
-
-    /// Puts the table into its place.
-    pub fn place(self, to: &Path) -> Result<()> {
-        fs::rename(&self.file, to).map_err(Error::io(to, "rename to"))
+        Ok(file)
     }
 }
 
@@ -136,12 +170,9 @@ fn placed(table: &Path, point: &PvPoint, siting: &Siting) -> Result<Spot> {
         Some(Enclosed::Inside(material)) => {
             refuse(format!("point `{name}` at z = {z:.2} m lies inside of `{material}`, where no light is"), hint)
         }
-        None => Ok(Spot {
-            name: name.clone(),
-            position,
-            given: point.turn,
-            found: None,
-            ground: siting.ground_below(position).map(|ground| ground.material),
-        }),
+        None => {
+            let ground = siting.ground_below(position).map(|ground| ground.material);
+            Ok(Spot { given: point.turn, ..Spot::at(name, position, ground) })
+        }
     }
 }

@@ -53,6 +53,15 @@ pub struct SideHours {
 }
 
 impl SideHours {
+    /// Adds a share of others, hour by hour.
+    pub fn add(&mut self, other: &SideHours, share: f32) {
+        let pairs = [(&mut self.direct, &other.direct), (&mut self.sky, &other.sky)];
+        for (sum, more) in pairs.into_iter().chain([(&mut self.reflected, &other.reflected)]) {
+            sum.resize(more.len().max(sum.len()), 0.0);
+            sum.iter_mut().zip(more).for_each(|(sum, value)| *sum += share * value);
+        }
+    }
+
     /// Total, direct, diffuse, and its two parts.
     fn columns(&self) -> [Vec<f32>; 5] {
         let diffuse: Vec<f32> = self.sky.iter().zip(&self.reflected).map(|(a, b)| a + b).collect();

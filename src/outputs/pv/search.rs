@@ -31,7 +31,7 @@ impl PointSearch {
         100.0 * (1.0 - other.value / self.best.value)
     }
 
-    /// What the best turn of an open plain loses here, percent: the value is that of the point.
+    /// All that was tried, each with its kind.
     fn rows(&self) -> impl Iterator<Item = (&'static str, Found)> + '_ {
         let coarse = self.rings.iter().flat_map(|(ring, values)| {
             ring.turns().zip(values).map(|(turn, value)| ("coarse", Found { turn, value: *value }))

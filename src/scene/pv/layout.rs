@@ -1,0 +1,288 @@
+//! Where modules of rows stand. In: rows, the outline of their area, heights of what is below. Out: modules as boxes, row by row.
+
+use glam::{DVec2, DVec3};
+
+use super::rows::RowsOfModules;
+use crate::covering::surfaces::Surface;
+
+/// A module in input coordinates, metres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Module {
+    /// `field/2/5`: rows, number of the row, number in the row.
+    pub name: String,
+    /// Lower edge and upper edge of the front, counter-clockwise as seen from in front of it.
+    pub front: [DVec3; 4],
+    /// Unit, away from the front.
+    pub normal: DVec3,
+    /// From the front to the rear, metres.
+    pub thickness_m: f64,
+}
+
+/// Outline of an area in plan.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    /// Its edges, in any order and direction.
+    edges: Vec<[DVec2; 2]>,
+}
+
+/// How a row goes on where a module does not fit, metres.
+const STEP_M: f64 = 0.05;
+/// What rounding may do, metres.
+const ROUNDING_M: f64 = 1e-6;
+
+impl Outline {
+    /// Of a polygon.
+    pub fn of_polygon(corners: &[DVec2]) -> Self {
+        let next = corners.iter().cycle().skip(1);
+        Outline { edges: corners.iter().zip(next).map(|(a, b)| [*a, *b]).collect() }
+    }
+
+    /// Of a surface: the edges that only one of its triangles has.
+    pub fn of_surface(surface: &Surface) -> Self {
+        let bits = |p: DVec3| p.to_array().map(f64::to_bits);
+        let mut edges: Vec<([[u64; 3]; 2], [DVec2; 2])> = Vec::new();
+        for &[a, b, c] in &surface.triangles {
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                let mut key = [bits(p), bits(q)];
+                key.sort_unstable();
+                edges.push((key, [p.truncate(), q.truncate()]));
+            }
+        }
+        edges.sort_unstable_by_key(|edge| edge.0);
+        let once = edges.chunk_by(|a, b| a.0 == b.0).filter_map(|same| match same {
+            [only] => Some(only.1),
+            _ => None,
+        });
+        Outline { edges: once.collect() }
+    }
+
+    /// Whether a convex shape lies in the area, so far from all edges.
+    fn holds(&self, shape: &[DVec2; 4], setback_m: f64) -> bool {
+        let inside = |p: DVec2| {
+            let crossed = self
+                .edges
+                .iter()
+                .filter(|[a, b]| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x));
+            crossed.count() % 2 == 1
+        };
+        let sides = || shape.iter().zip(shape.iter().cycle().skip(1));
+        let middle = shape.iter().sum::<DVec2>() / 4.0;
+        // Corners may lie on the edge.
+        inside(middle)
+            && shape.iter().all(|p| inside(*p + (middle - *p).normalize_or_zero() * ROUNDING_M))
+            && self.edges.iter().all(|[a, b]| {
+                let near = sides().map(|(p, q)| between([*p, *q], [*a, *b])).fold(f64::INFINITY, f64::min);
+                near >= setback_m - 2.0 * ROUNDING_M
+            })
+            && !self.edges.iter().any(|edge| sides().any(|(p, q)| cross(shrunk([*p, *q], middle), *edge)))
+    }
+
+    /// Least and greatest product of its corners with a direction.
+    fn extent(&self, along: DVec2) -> [f64; 2] {
+        let all = self.edges.iter().flatten().map(|p| p.dot(along));
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    }
+}
+
+fn shrunk(side: [DVec2; 2], middle: DVec2) -> [DVec2; 2] {
+    side.map(|p| p + (middle - p).normalize_or_zero() * 2.0 * ROUNDING_M)
+}
+
+/// Whether two lines cross.
+fn cross([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> bool {
+    let side = |from: DVec2, to: DVec2, of: DVec2| (to - from).perp_dot(of - from);
+    side(p, q, a) * side(p, q, b) < 0.0 && side(a, b, p) * side(a, b, q) < 0.0
+}
+
+/// Distance between two lines that do not cross.
+fn between(one: [DVec2; 2], other: [DVec2; 2]) -> f64 {
+    let to_line = |p: DVec2, [a, b]: [DVec2; 2]| {
+        let along = b - a;
+        let share =
+            if along == DVec2::ZERO { 0.0 } else { ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0) };
+        p.distance(a + along * share)
+    };
+    let ends = one.map(|p| to_line(p, other)).into_iter().chain(other.map(|p| to_line(p, one)));
+    ends.fold(f64::INFINITY, f64::min)
+}
+
+/// What came of rows.
+#[derive(Clone, Debug, Default)]
+pub struct Laid {
+    /// Row by row, from the one that faces outwards.
+    pub modules: Vec<Module>,
+    /// Modules that fit, but below which is nothing, or through which something stands.
+    pub left_out: usize,
+}
+
+/// Lays rows out. `normal` is that of their fronts in the scene's axes; `below` gives the height of what is under a place in plan.
+pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl Fn(DVec2) -> Option<f64>) -> Laid {
+    // Modules that lie flat have their rows across y.
+    let faces = normal.truncate().try_normalize().unwrap_or(DVec2::NEG_Y);
+    // As seen from in front of it, a row goes to the right.
+    let along = DVec2::new(-faces.y, faces.x);
+    let (sin, cos) = (normal.truncate().length(), normal.z);
+    let up = (-faces * cos).extend(sin);
+    let depth = rows.height_m * cos.max(0.0);
+    let [left, right] = outline.extent(along);
+    let [first, last] = outline.extent(-faces);
+    let mut laid = Laid::default();
+    let mut number = 0;
+    for row in 0.. {
+        let back = first + rows.setback_m + f64::from(row) * rows.pitch_m;
+        if back + depth > last - rows.setback_m + ROUNDING_M {
+            break;
+        }
+        let (mut side, mut count) = (left + rows.setback_m, 0);
+        while side + rows.width_m <= right - rows.setback_m + ROUNDING_M {
+            let lower = along * side - faces * back;
+            let foot = [lower, lower + along * rows.width_m];
+            let head = foot.map(|p| p - faces * depth);
+            let plan = [foot[0], foot[1], head[1], head[0]];
+            if !outline.holds(&plan, rows.setback_m) {
+                side += STEP_M;
+                continue;
+            }
+            side += rows.width_m + rows.gap_m;
+            let Some(front) = raised(&plan, up * rows.height_m, normal, rows, &below) else {
+                laid.left_out += 1;
+                continue;
+            };
+            if count == 0 {
+                number += 1;
+            }
+            count += 1;
+            let name = format!("{}/{number}/{count}", rows.name);
+            laid.modules.push(Module { name, front, normal, thickness_m: rows.thickness_m });
+        }
+    }
+    laid
+}
+
+/// The front of a module over its plan: no corner of its rear is nearer to what is below than the clearance. `None` where there is nothing, or
+/// where something stands higher than its middle.
+fn raised(
+    plan: &[DVec2; 4],
+    up: DVec3,
+    normal: DVec3,
+    rows: &RowsOfModules,
+    below: &impl Fn(DVec2) -> Option<f64>,
+) -> Option<[DVec3; 4]> {
+    let [a, b, c, d] = *plan;
+    let rises = [0.0, 0.0, up.z, up.z];
+    // Of the rear, which lies lower.
+    let down = normal.z * rows.thickness_m;
+    let mut lowest = f64::NEG_INFINITY;
+    for (p, rise) in plan.iter().zip(rises) {
+        lowest = lowest.max(below(*p)? + rows.clearance_m - rise + down);
+    }
+    let front = [a.extend(lowest), b.extend(lowest), c.extend(lowest + up.z), d.extend(lowest + up.z)];
+    let middle = front.iter().sum::<DVec3>() / 4.0;
+    (below(middle.truncate())? + rows.clearance_m <= middle.z + ROUNDING_M).then_some(front)
+}
+
+impl Module {
+    /// Middle of the front.
+    pub fn middle(&self) -> DVec3 {
+        self.front.iter().sum::<DVec3>() / 4.0
+    }
+
+    /// The rear, seen through the front.
+    pub fn rear(&self) -> [DVec3; 4] {
+        self.front.map(|p| p - self.normal * self.thickness_m)
+    }
+
+    /// Points of one side, evenly up the slope, in the middle of the width, so far off it.
+    pub fn points(&self, is_rear: bool, count: usize, off_m: f64) -> Vec<DVec3> {
+        let [a, b, c, d] = if is_rear { self.rear() } else { self.front };
+        let (foot, head) = ((a + b) / 2.0, (c + d) / 2.0);
+        let off = self.normal * if is_rear { -off_m } else { off_m };
+        (0..count).map(|i| foot.lerp(head, (i as f64 + 0.5) / count as f64) + off).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pv::rows::RowsGround;
+    use heliotile_core::orientation::fan::Turn;
+
+    fn rows(tilt_deg: f64, azimuth_deg: f64, setback_m: f64) -> RowsOfModules {
+        RowsOfModules {
+            name: "r".into(),
+            ground: RowsGround::Area(Vec::new()),
+            turn: Turn { tilt_deg, azimuth_deg },
+            pitch_m: 3.0,
+            width_m: 1.0,
+            height_m: 2.0,
+            clearance_m: 0.5,
+            setback_m,
+            gap_m: 0.0,
+            thickness_m: 0.03,
+            reflectances: [0.05; 2],
+            samples: 4,
+        }
+    }
+
+    fn square(side: f64) -> Vec<DVec2> {
+        [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)].map(DVec2::from).to_vec()
+    }
+
+    /// On 10 x 10 m rows of 1 x 2 m modules at 60 degrees, 3 m apart, are 4 of 10 modules, with a setback of 1 m 3 of 8; the first one's lower
+    /// edge lies in the south 0.5 m above the ground, its upper edge 1 m north of it and 1.732 m higher, and its front looks south.
+    #[test]
+    fn on_a_square() {
+        let outline = Outline::of_polygon(&square(10.0));
+        for (setback, count) in [(0.0, 40), (1.0, 24)] {
+            let rows = rows(60.0, 180.0, setback);
+            let laid = lay(&rows, rows.turn.normal(), &outline, |_| Some(0.0));
+            assert_eq!((laid.modules.len(), laid.left_out), (count, 0), "{setback}");
+            let [a, b, c, _] = laid.modules[0].front;
+            let low = 0.5 + 0.5 * 0.03;
+            assert!(a.distance(DVec3::new(setback, setback, low)) < 1e-9, "{a}");
+            assert!(b.distance(DVec3::new(setback + 1.0, setback, low)) < 1e-9, "{b}");
+            assert!(c.distance(DVec3::new(setback + 1.0, setback + 1.0, low + 3.0_f64.sqrt())) < 1e-9, "{c}");
+            assert!((b - a).cross(c - a).normalize().distance(laid.modules[0].normal) < 1e-9);
+            assert_eq!(laid.modules[0].name, "r/1/1");
+        }
+    }
+
+    /// Turned west, rows begin in the west; an area like an L has no module over its missing quarter, and 4 receivers of a rear lie 0.25 of the
+    /// way apart and 5 mm below it.
+    #[test]
+    fn turned_and_notched() {
+        let west = rows(60.0, 270.0, 0.0);
+        let laid = lay(&west, west.turn.normal(), &Outline::of_polygon(&square(10.0)), |_| Some(0.0));
+        assert_eq!(laid.modules.len(), 40);
+        assert!(laid.modules[0].front[0].x.abs() < 1e-9, "{:?}", laid.modules[0]);
+        let l = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (5.0, 5.0), (5.0, 10.0), (0.0, 10.0)].map(DVec2::from);
+        let south = rows(60.0, 180.0, 0.0);
+        let laid = lay(&south, south.turn.normal(), &Outline::of_polygon(&l), |_| Some(0.0));
+        // Rows at 0 and 3 m have 10, those at 6 and 9 m have 5.
+        assert_eq!(laid.modules.len(), 30);
+        assert!(laid.modules.iter().all(|m| m.front.iter().all(|p| p.x < 5.0 + 1e-6 || p.y < 5.0 + 1e-6)));
+        let module = &laid.modules[0];
+        let points = module.points(true, 4, 0.005);
+        assert!((points[0].distance(points[1]) - 0.5).abs() < 1e-9);
+        let off = (points[2] - module.middle()).dot(module.normal);
+        assert!((off + 0.035).abs() < 1e-9, "{off}");
+    }
+
+    /// Flush on a roof of 30 degrees every corner of the rear is 0.1 m above it, and where a chimney stands one module is left out.
+    #[test]
+    fn flush_on_a_roof() {
+        let mut rows = rows(30.0, 180.0, 0.0);
+        (rows.clearance_m, rows.pitch_m) = (0.1, 2.0);
+        let plane = |p: DVec2| p.y * 30.0_f64.to_radians().tan();
+        let outline = Outline::of_polygon(&square(10.0));
+        let laid = lay(&rows, rows.turn.normal(), &outline, |p| Some(plane(p)));
+        assert_eq!(laid.modules.len(), 50);
+        let gap = |p: DVec3| p.z - plane(p.truncate());
+        // Straight up from the roof, whatever the thickness.
+        let off = laid.modules.iter().flat_map(|m| m.front).map(gap);
+        let expected = 0.1 + 0.03 * 30.0_f64.to_radians().cos();
+        assert!(off.into_iter().all(|off| (off - expected).abs() < 1e-9));
+        let chimney = |p: DVec2| Some(if p.distance(DVec2::new(4.5, 0.866)) < 0.3 { 9.0 } else { plane(p) });
+        assert_eq!(lay(&rows, rows.turn.normal(), &outline, chimney).left_out, 1);
+    }
+}

@@ -1,0 +1,236 @@
+//! In: `rows.toml`, rows of modules on an area or a face. Out: checked numbers.
+
+use std::path::Path;
+
+use glam::DVec2;
+use serde::Deserialize;
+
+use crate::coordinate::MAX_COORDINATE_M;
+use crate::covering::surfaces::{Surface, Surfaces};
+use crate::input;
+use crate::text::line_of_offset;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::orientation::fan::Turn;
+
+const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...] or a surface = \"NAME\", tilt, azimuth, pitch, width, height, and \
+                    maybe clearance, setback, gap, thickness, front, rear, samples";
+
+/// Rows of modules of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RowsOfModules {
+    /// Names of modules begin with it: `field/2/5` is the fifth module of its second row.
+    pub name: String,
+    /// Where they stand.
+    pub ground: RowsGround,
+    /// How modules are turned, by true north; their rows run across.
+    pub turn: Turn,
+    /// From the lower edge of a row to that of the next, in plan, metres.
+    pub pitch_m: f64,
+    /// Of a module along its row, metres.
+    pub width_m: f64,
+    /// Of a module up its slope, metres.
+    pub height_m: f64,
+    /// Of the lowest corner above what is below it, metres.
+    pub clearance_m: f64,
+    /// From the edge of the area, in plan, metres.
+    pub setback_m: f64,
+    /// Between modules of a row, metres.
+    pub gap_m: f64,
+    /// From the front to the rear, metres.
+    pub thickness_m: f64,
+    /// Diffuse reflectances of front and rear.
+    pub reflectances: [f64; 2],
+    /// Receivers on each side, up the slope.
+    pub samples: usize,
+}
+
+/// What rows are put on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RowsGround {
+    /// Corners in plan, input coordinates, metres; the roof or ground below is looked up.
+    Area(Vec<DVec2>),
+    /// A surface of the scene, by the name that `heliotile receivers` gives it.
+    Surface(String),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    rows: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    name: String,
+    area: Option<Vec<[f64; 2]>>,
+    surface: Option<String>,
+    tilt: f64,
+    azimuth: f64,
+    pitch: f64,
+    width: f64,
+    height: f64,
+    #[serde(default)]
+    clearance: f64,
+    #[serde(default)]
+    setback: f64,
+    #[serde(default)]
+    gap: f64,
+    #[serde(default = "usual_thickness")]
+    thickness: f64,
+    #[serde(default = "usual_reflectance")]
+    front: f64,
+    #[serde(default = "usual_reflectance")]
+    rear: f64,
+    #[serde(default = "usual_samples")]
+    samples: usize,
+}
+
+/// Metres: a pane and its frame.
+fn usual_thickness() -> f64 {
+    0.03
+}
+
+/// Of pvfactors' modules, front 0.03 and rear 0.05, between them.
+fn usual_reflectance() -> f64 {
+    0.05
+}
+
+fn usual_samples() -> usize {
+    4
+}
+
+/// Reads the file; at least one table.
+pub fn read_rows(path: &Path) -> Result<Vec<RowsOfModules>> {
+    let bytes = input::read(path)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let document: Document = toml::from_str(&text).map_err(|error| {
+        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
+        Error::input(path, line, error.message(), KEYS)
+    })?;
+    let mut all: Vec<RowsOfModules> = Vec::new();
+    for entry in document.rows {
+        let name = entry.name.clone();
+        let refuse = |what: String| Error::input(path, None, format!("the rows `{name}`: {what}"), KEYS);
+        let rows = checked(entry).map_err(refuse)?;
+        if all.iter().any(|other| other.name == name) {
+            return Err(refuse("another table has this name, too".into()));
+        }
+        all.push(rows);
+    }
+    if all.is_empty() { Err(Error::input(path, None, "lists no rows", KEYS)) } else { Ok(all) }
+}
+
+/// Names that an error suggests.
+const SUGGESTED: usize = 4;
+
+/// The surface of a name, or names like it.
+pub fn surface_named<'s>(surfaces: &'s Surfaces, name: &str) -> std::result::Result<&'s Surface, Vec<&'s str>> {
+    let near = || {
+        let mut all: Vec<(usize, &str)> = surfaces
+            .list
+            .iter()
+            .map(|surface| (strsim::osa_distance(name, &surface.name), surface.name.as_str()))
+            .collect();
+        all.sort_unstable();
+        all.into_iter().take(SUGGESTED).map(|(_, name)| name).collect()
+    };
+    surfaces.list.iter().find(|surface| surface.name == name).ok_or_else(near)
+}
+
+fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
+    let within = |name: &str, value: f64, [least, most]: [f64; 2]| match (least..=most).contains(&value) {
+        true => Ok(value),
+        false => Err(format!("`{name}` is {value}, not from {least} to {most}")),
+    };
+    if entry.name.is_empty() || entry.name.contains(['/', '\\', '"', ',']) || entry.name.chars().any(char::is_control) {
+        return Err("the name is empty, or holds one of / \\ \" ,".into());
+    }
+    let ground = match (entry.area, entry.surface) {
+        (Some(corners), None) => {
+            let all: Vec<DVec2> = corners.into_iter().map(DVec2::from).collect();
+            if all.len() < 3 || all.iter().any(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {
+                return Err("`area` needs three corners or more, [x, y] in metres".into());
+            }
+            RowsGround::Area(all)
+        }
+        (None, Some(surface)) => RowsGround::Surface(surface),
+        (Some(_), Some(_)) => return Err("both an `area` and a `surface` are stated, one of them says it".into()),
+        (None, None) => return Err("neither an `area` nor a `surface` is stated".into()),
+    };
+    let tilt_deg = within("tilt", entry.tilt, [0.0, 90.0])?;
+    let azimuth_deg = within("azimuth", entry.azimuth, [-360.0, 360.0])?.rem_euclid(360.0);
+    let [width_m, height_m] =
+        [within("width", entry.width, [0.01, 1000.0])?, within("height", entry.height, [0.01, 1000.0])?];
+    let pitch_m = within("pitch", entry.pitch, [0.01, 1000.0])?;
+    let depth_m = height_m * tilt_deg.to_radians().cos();
+    if pitch_m < depth_m - 1e-9 {
+        return Err(format!(
+            "`pitch` is {pitch_m} m, and modules cover {depth_m:.3} m of it in plan: rows would overlap"
+        ));
+    }
+    let metres = |name, value| within(name, value, [0.0, 1000.0]);
+    let share = |name, value| within(name, value, [0.0, 1.0]);
+    if !(1..=100).contains(&entry.samples) {
+        return Err(format!("`samples` is {}, not from 1 to 100", entry.samples));
+    }
+    Ok(RowsOfModules {
+        name: entry.name,
+        ground,
+        turn: Turn { tilt_deg, azimuth_deg },
+        pitch_m,
+        width_m,
+        height_m,
+        clearance_m: metres("clearance", entry.clearance)?,
+        setback_m: metres("setback", entry.setback)?,
+        gap_m: metres("gap", entry.gap)?,
+        thickness_m: within("thickness", entry.thickness, [0.001, 1.0])?,
+        reflectances: [share("front", entry.front)?, share("rear", entry.rear)?],
+        samples: entry.samples,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<RowsOfModules>> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("rows.toml");
+        std::fs::write(&path, text).expect("written");
+        read_rows(&path)
+    }
+
+    const GOOD: &str = "[[rows]]\nname = \"a\"\narea = [[0, 0], [9, 0], [9, 9]]\ntilt = 60\nazimuth = -90\npitch = 3\nwidth = 1\nheight = 2\n";
+
+    /// Rows with what is needed only have the usual rest: 4 samples, 0.05, 3 cm; west is 270.
+    #[test]
+    fn usual() {
+        let rows = &read(GOOD).expect("rows")[0];
+        assert_eq!(
+            (rows.turn.azimuth_deg, rows.samples, rows.thickness_m, rows.reflectances),
+            (270.0, 4, 0.03, [0.05; 2])
+        );
+        assert_eq!((rows.clearance_m, rows.setback_m, rows.gap_m), (0.0, 0.0, 0.0));
+    }
+
+    /// Nine wrong files are refused by name, with what is wrong.
+    #[test]
+    fn refusals() {
+        for (from, to, expected) in [
+            ("tilt = 60", "tilt = 200", "`tilt` is 200, not from 0 to 90"),
+            ("pitch = 3", "pitch = 0.9", "modules cover 1.000 m of it in plan: rows would overlap"),
+            ("[9, 9]]", "]", "three corners or more"),
+            ("name = \"a\"", "name = \"a/b\"", "holds one of"),
+            ("width = 1", "width = nan", "`width` is NaN"),
+            ("width = 1", "width = 1\nfront = 2", "`front` is 2"),
+            ("width = 1", "widht = 1", "line 7"),
+            ("area", "surface = \"x\"\narea", "both an `area` and a `surface`"),
+            ("width = 1", "width = 1\nsamples = 0", "`samples` is 0"),
+        ] {
+            let message = read(&GOOD.replace(from, to)).expect_err(to).to_string();
+            assert!(message.contains("rows.toml") && message.contains(expected), "{to}: {message}");
+        }
+        assert!(read(&format!("{GOOD}{GOOD}")).expect_err("twice").to_string().contains("has this name, too"));
+    }
+}

@@ -1,0 +1,14 @@
+"""Modules placed by heliotile beside independent ways. In: names of parts. Out: their tables."""
+
+import sys
+
+import field
+import horizon
+import rows
+import walls
+
+PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "horizon": horizon.main}
+
+for part in sys.argv[1:] or PARTS:
+    print(f"## {part}", flush=True)
+    PARTS[part]()
