@@ -52,6 +52,9 @@ pub mod longwave {}
 #[doc = include_str!("energyplus.md")]
 pub mod energyplus {}
 
+#[doc = include_str!("pv.md")]
+pub mod pv {}
+
 #[doc = include_str!("viewing.md")]
 pub mod viewing {}
 

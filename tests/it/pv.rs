@@ -156,6 +156,7 @@ fn turns_beside_a_wall() {
         let (tilt, azimuth) = (number(row, "tilt_deg"), number(row, "azimuth_deg"));
         let side = (azimuth - 180.0).abs() * tilt.to_radians().sin();
         assert!((tilt - expected).abs() < 0.5 && side < 0.5, "{material}: {tilt} {azimuth}, not {expected}");
+        assert!(number(row, "scatter_percent") < 0.2, "{row:?}");
         let points = table(&folder, "out/points.csv");
         assert!((number(&points[0], "tilt_deg") - tilt).abs() < 0.01 && number(&points[1], "tilt_deg") == 60.0);
         // Of lunes: a surface 60 degrees steep beside the best.

@@ -138,11 +138,13 @@ fn joined(
             (1e-6..FINE_DEG).contains(&off)
         };
         let found: Vec<Found> = fan.iter().chain(coarse.iter().filter(near)).copied().collect();
-        TurnSurface::fit(*peak, FINE_DEG, &found)?.best(limits)
+        let surface = TurnSurface::fit(*peak, FINE_DEG, &found)?;
+        Some((surface.best(limits)?, surface.scatter()))
     });
     let measured = coarse.iter().chain(fans.iter().filter(allowed)).copied();
-    let better = |a: &Found, b: &Found| a.value.total_cmp(&b.value);
-    let best = fitted.max_by(better).or_else(|| measured.max_by(better)).unwrap_or(flat);
+    let best_fit = fitted.max_by(|a, b| a.0.value.total_cmp(&b.0.value));
+    let best_measured = || measured.max_by(|a, b| a.value.total_cmp(&b.value));
+    let (best, scatter) = best_fit.unwrap_or_else(|| (best_measured().unwrap_or(flat), 0.0));
     let mut values = coarse.iter().map(|found| found.value);
     let of_ring = |ring: &Ring| (ring.clone(), values.by_ref().take(ring.azimuths_deg.len()).collect());
     PointSearch {
@@ -150,6 +152,7 @@ fn joined(
         rings: rings.iter().map(of_ring).collect(),
         fine: fans.iter().filter(allowed).copied().collect(),
         best,
+        scatter_percent: 100.0 * scatter / best.value.max(f64::MIN_POSITIVE),
         flat,
         given,
         open_best: best,

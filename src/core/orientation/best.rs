@@ -24,6 +24,7 @@ pub struct TurnSurface {
     middle: Turn,
     radius_deg: f64,
     weights: [f64; TERMS],
+    scatter: f64,
 }
 
 impl TurnSurface {
@@ -38,7 +39,15 @@ impl TurnSurface {
                 row.iter_mut().zip(with_value).for_each(|(sum, other)| *sum += term * other);
             }
         }
-        Some(TurnSurface { plane, middle, radius_deg, weights: solved(normal)? })
+        let mut surface = TurnSurface { plane, middle, radius_deg, weights: solved(normal)?, scatter: 0.0 };
+        let squares: f64 = found.iter().map(|one| (one.value - surface.value(one.turn)).powi(2)).sum();
+        surface.scatter = (squares / found.len().saturating_sub(TERMS).max(1) as f64).sqrt();
+        Some(surface)
+    }
+
+    /// Standard deviation of what was found off the surface: what one turn's value is worth, in its unit.
+    pub fn scatter(&self) -> f64 {
+        self.scatter
     }
 
     /// What a turn gets.
@@ -146,7 +155,7 @@ mod tests {
         TurnSurface::fit(middle, 12.0, &found).expect("a fit")
     }
 
-    /// Where light comes from one direction, the best turn is found within 0.1 degrees and 0.003 % from 61 turns around another one 6 degrees
+    /// Where light comes from one direction, the best turn is found within 0.1 degrees and 0.003 %, with a scatter below 0.005 %, from 61 turns around another one 6 degrees
     /// off, steep, nearly flat and over north.
     #[test]
     fn one_source() {
@@ -156,6 +165,7 @@ mod tests {
             let best = found(middle, peak).best(&ALL).expect("a best turn");
             let off = best.turn.normal().angle_between(peak.normal()).to_degrees();
             assert!(off < 0.1 && (best.value / 1000.0 - 1.0).abs() < 3e-5, "{best:?} {off}");
+            assert!(found(middle, peak).scatter() < 0.05, "{}", found(middle, peak).scatter());
         }
     }
 

@@ -17,6 +17,8 @@ pub struct PointSearch {
     /// Of the second fan, those that are allowed.
     pub fine: Vec<Found>,
     pub best: Found,
+    /// Standard deviation of single turns off the fit that the best one is the peak of, percent.
+    pub scatter_percent: f64,
     /// What looks straight up gets.
     pub flat: Found,
     /// What the turn of the table of points gets, if it has one.
@@ -63,6 +65,7 @@ pub fn write_best(path: &Path, points: &[PointSearch], about: &Provenance) -> Re
         "tilt_deg",
         "azimuth_deg",
         "total_kwh_m2",
+        "scatter_percent",
         "flat_kwh_m2",
         "flat_loss_percent",
         "given_tilt_deg",
@@ -79,7 +82,12 @@ pub fn write_best(path: &Path, points: &[PointSearch], about: &Provenance) -> Re
         let loss = |found: &Found| format!("{:.3}", search.loss_percent(found));
         let mut cells = vec![search.point.clone()];
         cells.extend(turn(&search.best));
-        cells.extend([sum(&search.best), sum(&search.flat), loss(&search.flat)]);
+        cells.extend([
+            sum(&search.best),
+            format!("{:.3}", search.scatter_percent),
+            sum(&search.flat),
+            loss(&search.flat),
+        ]);
         match &search.given {
             Some(given) => {
                 cells.extend(turn(given));
