@@ -21,7 +21,7 @@ use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::{MemoryBudget, Use};
-use heliotile_core::orientation::best::{Found, TurnSurface};
+use heliotile_core::orientation::best::{TurnSurface, TurnValue};
 use heliotile_core::orientation::fan::{Ring, Turn, TurnLimits, around};
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
@@ -96,7 +96,7 @@ impl Fans<'_> {
     }
 
     /// Totals of all turns at all places, in their order.
-    fn totals(&self, prepared: &PreparedScene, asked: &[Asked]) -> Result<Vec<Vec<Found>>> {
+    fn totals(&self, prepared: &PreparedScene, asked: &[Asked]) -> Result<Vec<Vec<TurnValue>>> {
         let north = North::of(prepared.scene.place.as_ref());
         let id = |place: usize, turn: usize| format!("{place}/{turn}");
         let receivers: Vec<Receiver> = asked
@@ -113,7 +113,7 @@ impl Fans<'_> {
         let totals: HashMap<String, f64> = self.light.totals(traced.archive())?;
         let found = |(place, asked): (usize, &Asked)| {
             let value = |i: usize| totals.get(&id(place, i)).copied().unwrap_or_default();
-            asked.turns.iter().enumerate().map(|(i, turn)| Found { turn: *turn, value: value(i) }).collect()
+            asked.turns.iter().enumerate().map(|(i, turn)| TurnValue { turn: *turn, value: value(i) }).collect()
         };
         Ok(asked.iter().enumerate().map(found).collect())
     }
@@ -123,21 +123,21 @@ impl Fans<'_> {
 fn joined(
     spot: &Spot,
     (rings, limits): (&[Ring], &TurnLimits),
-    (coarse, peaks): (&[Found], &[Turn]),
-    fine: &[Found],
+    (coarse, peaks): (&[TurnValue], &[Turn]),
+    fine: &[TurnValue],
 ) -> PointSearch {
-    let flat = fine.first().copied().unwrap_or(Found { turn: Turn::FLAT, value: 0.0 });
+    let flat = fine.first().copied().unwrap_or(TurnValue { turn: Turn::FLAT, value: 0.0 });
     let given = spot.given.and_then(|_| fine.get(1).copied());
     let fans = fine.get(1 + usize::from(given.is_some())..).unwrap_or_default();
     let size = fans.len() / peaks.len().max(1);
-    let allowed = |found: &&Found| limits.allow(found.turn);
+    let allowed = |found: &&TurnValue| limits.allow(found.turn);
     let fitted = peaks.iter().zip(fans.chunks(size.max(1))).filter_map(|(peak, fan)| {
         // Turns of the first fan that lie near count, too.
-        let near = |found: &&Found| {
+        let near = |found: &&TurnValue| {
             let off = found.turn.normal().angle_between(peak.normal()).to_degrees();
             (1e-6..FINE_DEG).contains(&off)
         };
-        let found: Vec<Found> = fan.iter().chain(coarse.iter().filter(near)).copied().collect();
+        let found: Vec<TurnValue> = fan.iter().chain(coarse.iter().filter(near)).copied().collect();
         let surface = TurnSurface::fit(*peak, FINE_DEG, &found)?;
         Some((surface.best(limits)?, surface.scatter()))
     });
@@ -160,8 +160,8 @@ fn joined(
 }
 
 /// The best turns of a fan that are better than those around them.
-fn peaks_of(found: &[Found]) -> Vec<Turn> {
-    let mut sorted: Vec<&Found> = found.iter().collect();
+fn peaks_of(found: &[TurnValue]) -> Vec<Turn> {
+    let mut sorted: Vec<&TurnValue> = found.iter().collect();
     sorted.sort_by(|a, b| b.value.total_cmp(&a.value));
     let Some(most) = sorted.first().map(|best| best.value) else { return Vec::new() };
     let mut peaks: Vec<Turn> = Vec::new();

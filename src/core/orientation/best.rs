@@ -10,7 +10,7 @@ const STEP_DEG: f64 = 0.1;
 
 /// A turn and what it gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct TurnValue {
     /// How it is turned.
     pub turn: Turn,
     /// In the unit of what was given.
@@ -29,7 +29,7 @@ pub struct TurnSurface {
 
 impl TurnSurface {
     /// Fits by least squares to what is found within a radius of the middle, degrees; `None` from too few turns, or from turns on a line.
-    pub fn fit(middle: Turn, radius_deg: f64, found: &[Found]) -> Option<Self> {
+    pub fn fit(middle: Turn, radius_deg: f64, found: &[TurnValue]) -> Option<Self> {
         let plane = TangentPlane::at(middle);
         let mut normal = [[0.0; TERMS + 1]; TERMS];
         for one in found {
@@ -62,14 +62,14 @@ impl TurnSurface {
 
     /// The best of all turns that are allowed and lie within the radius, to a tenth of a degree, then on the peak of the fit; `None` where
     /// none is allowed.
-    pub fn best(&self, limits: &TurnLimits) -> Option<Found> {
-        let mut best: Option<Found> = None;
+    pub fn best(&self, limits: &TurnLimits) -> Option<TurnValue> {
+        let mut best: Option<TurnValue> = None;
         let mut look = |turn: Turn| {
             let place = self.plane.place(turn);
             if place[0].hypot(place[1]) <= self.radius_deg && limits.allow(turn) {
                 let value = self.at(place);
                 if best.is_none_or(|best| value > best.value) {
-                    best = Some(Found { turn, value });
+                    best = Some(TurnValue { turn, value });
                 }
             }
         };
@@ -150,13 +150,13 @@ mod tests {
 
     fn found(middle: Turn, peak: Turn) -> TurnSurface {
         let value = |turn: Turn| 1000.0 * turn.normal().dot(peak.normal());
-        let found: Vec<Found> =
-            around(middle, 12.0, 4).into_iter().map(|turn| Found { turn, value: value(turn) }).collect();
+        let found: Vec<TurnValue> =
+            around(middle, 12.0, 4).into_iter().map(|turn| TurnValue { turn, value: value(turn) }).collect();
         TurnSurface::fit(middle, 12.0, &found).expect("a fit")
     }
 
-    /// Where light comes from one direction, the best turn is found within 0.1 degrees and 0.003 %, with a scatter below 0.005 %, from 61 turns around another one 6 degrees
-    /// off, steep, nearly flat and over north.
+    /// Where light comes from one direction, the best turn is found within 0.1 degrees and 0.003 % from 61 turns around another one 6 degrees
+    /// off, steep, nearly flat and over north; their scatter is below 0.005 %.
     #[test]
     fn one_source() {
         for (tilt, azimuth) in [(40.0, 180.0), (2.0, 90.0), (60.0, 359.0)] {
@@ -183,9 +183,9 @@ mod tests {
     /// Five turns, or many on one line, make no surface: 2 of 2.
     #[test]
     fn too_few() {
-        let turns = |count: usize, step: f64| -> Vec<Found> {
+        let turns = |count: usize, step: f64| -> Vec<TurnValue> {
             let turn = |i: usize| Turn { tilt_deg: 30.0 + step * i as f64, azimuth_deg: 180.0 };
-            (0..count).map(|i| Found { turn: turn(i), value: 1.0 }).collect()
+            (0..count).map(|i| TurnValue { turn: turn(i), value: 1.0 }).collect()
         };
         for found in [turns(5, 2.0), turns(40, 0.2)] {
             assert!(TurnSurface::fit(Turn { tilt_deg: 33.0, azimuth_deg: 180.0 }, 12.0, &found).is_none());

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::write_csv;
 use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
-use heliotile_core::orientation::best::Found;
+use heliotile_core::orientation::best::TurnValue;
 use heliotile_core::orientation::fan::Ring;
 
 /// All that was found for a point, kWh/m2.
@@ -15,28 +15,28 @@ pub struct PointSearch {
     /// Of the first fan, ring by ring, each turn with its sum.
     pub rings: Vec<(Ring, Vec<f64>)>,
     /// Of the second fan, those that are allowed.
-    pub fine: Vec<Found>,
-    pub best: Found,
+    pub fine: Vec<TurnValue>,
+    pub best: TurnValue,
     /// Standard deviation of single turns off the fit that the best one is the peak of, percent.
     pub scatter_percent: f64,
     /// What looks straight up gets.
-    pub flat: Found,
+    pub flat: TurnValue,
     /// What the turn of the table of points gets, if it has one.
-    pub given: Option<Found>,
+    pub given: Option<TurnValue>,
     /// What the point gets at best on an open plain.
-    pub open_best: Found,
+    pub open_best: TurnValue,
 }
 
 impl PointSearch {
     /// What another turn loses beside the best, percent.
-    pub fn loss_percent(&self, other: &Found) -> f64 {
+    pub fn loss_percent(&self, other: &TurnValue) -> f64 {
         100.0 * (1.0 - other.value / self.best.value)
     }
 
     /// All that was tried, each with its kind.
-    fn rows(&self) -> impl Iterator<Item = (&'static str, Found)> + '_ {
+    fn rows(&self) -> impl Iterator<Item = (&'static str, TurnValue)> + '_ {
         let coarse = self.rings.iter().flat_map(|(ring, values)| {
-            ring.turns().zip(values).map(|(turn, value)| ("coarse", Found { turn, value: *value }))
+            ring.turns().zip(values).map(|(turn, value)| ("coarse", TurnValue { turn, value: *value }))
         });
         let fine = self.fine.iter().map(|found| ("fine", *found));
         let named = [("flat", Some(self.flat)), ("given", self.given), ("best", Some(self.best))];
@@ -77,9 +77,10 @@ pub fn write_best(path: &Path, points: &[PointSearch], about: &Provenance) -> Re
         "open_kwh_m2",
     ];
     let row = |search: &PointSearch| {
-        let turn = |found: &Found| [found.turn.tilt_deg, found.turn.azimuth_deg].map(|degrees| format!("{degrees:.2}"));
-        let sum = |found: &Found| format!("{:.3}", found.value);
-        let loss = |found: &Found| format!("{:.3}", search.loss_percent(found));
+        let turn =
+            |found: &TurnValue| [found.turn.tilt_deg, found.turn.azimuth_deg].map(|degrees| format!("{degrees:.2}"));
+        let sum = |found: &TurnValue| format!("{:.3}", found.value);
+        let loss = |found: &TurnValue| format!("{:.3}", search.loss_percent(found));
         let mut cells = vec![search.point.clone()];
         cells.extend(turn(&search.best));
         cells.extend([
