@@ -11,7 +11,7 @@ const MOST_ROWS: usize = 20;
 /// Sums of sides, and the best turns if there was a search.
 pub fn table(sides: &[SideSums], searched: &[PointSearch], weather: &Path) -> String {
     let mut out = format!(
-        "\nIrradiation through {}, kWh/m2:\n{:<20}{:>6}{:>7}{:>8}{:>9}{:>9}{:>10}{:>8}{:>9}\n",
+        "\nIrradiation through {}, kWh/m2:\n{:<20}{:>6}{:>7}{:>8}{:>9}{:>10}{:>10}{:>8}{:>9}\n",
         weather.display(),
         "point",
         "tilt",
@@ -28,7 +28,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], weather: &Path) -> St
         let name = [side.point.as_str(), side.side].join(" ");
         let loss = side.loss_percent().map_or_else(|| "-".to_owned(), |loss| format!("{loss:.2}"));
         out += &format!(
-            "{:<20}{:>6.1}{:>7.1}{sun:>8.1}{sky:>9.1}{:>9.1}{:>10.1}{loss:>8}{:>9.3}\n",
+            "{:<20}{:>6.1}{:>7.1}{sun:>8.1}{sky:>9.1}{:>10.1}{:>10.1}{loss:>8}{:>9.3}\n",
             name.trim_end(),
             side.turn.tilt_deg,
             side.turn.azimuth_deg,
