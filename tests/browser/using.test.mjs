@@ -158,3 +158,44 @@ test("Playing a day moves the clock, and stops.", async () => {
   assert.ok(Math.abs((await page.evaluate(() => window.heliotile.state.minutes)) - stopped) <= 60);
   assert.equal(await page.getAttribute("#play", "aria-pressed"), "false");
 });
+
+test("One finger turns the view, two that part come nearer.", async () => {
+  const page = await open();
+  await go(page, `${inlined("touch", HAGUE)}${MOMENT}`);
+  const cdp = await page.context().newCDPSession(page);
+  const touch = (type, ...points) => cdp.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const camera = () => page.evaluate(() => [...(window.heliotile.state.camera ?? [])]);
+  const distance = (c) => Math.hypot(c[0] - c[3], c[1] - c[4], c[2] - c[5]);
+  const settled = async (before) => {
+    await page.waitForFunction((old) => JSON.stringify(window.heliotile.state.camera) !== old, JSON.stringify(before), { timeout: 10_000 });
+    return camera();
+  };
+  // A key says where the view is.
+  await page.focus("#view");
+  await page.keyboard.press("ArrowLeft");
+  const before = await camera();
+  await touch("touchStart", [600, 400]);
+  for (let at = 1; at <= 10; at++) await touch("touchMove", [600 + 12 * at, 400]);
+  await touch("touchEnd");
+  const turned = await settled(before);
+  assert.ok(Math.abs(distance(turned) / distance(before) - 1) < 0.01);
+  await touch("touchStart", [580, 400], [620, 400]);
+  for (let at = 1; at <= 10; at++) await touch("touchMove", [580 - 10 * at, 400], [620 + 10 * at, 400]);
+  await touch("touchEnd");
+  const near = await settled(turned);
+  assert.ok(distance(near) < 0.8 * distance(turned), `${distance(near)} of ${distance(turned)} m`);
+  assert.deepEqual(page.complaints, []);
+});
+
+test("Who asked for less motion gets a day by the hour, slowly: no more than 3 steps in 2 seconds.", async () => {
+  const page = await open();
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await go(page, `${inlined("calm", HAGUE, EPW)}#show=moment&light=clear&dayOfYear=172&minutes=600`);
+  await page.click("#play");
+  await page.waitForFunction(() => window.heliotile.state.minutes > 600);
+  const first = await page.evaluate(() => window.heliotile.state.minutes);
+  await page.waitForTimeout(2000);
+  const steps = ((await page.evaluate(() => window.heliotile.state.minutes)) - first) / 60;
+  await page.click("#play");
+  assert.ok(first === 660 && Number.isInteger(steps) && steps <= 3, `${first} ${steps}`);
+});

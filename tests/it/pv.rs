@@ -259,6 +259,8 @@ fn wrong_input() {
     folder.refused(&pv("--rows rows.toml"), &["rows.toml", "has no surface `roof`", "`heliotile receivers` lists"]);
     folder.write("rows.toml", &rows.replace("surface = \"roof\"", "area = [[15, 0], [16, 0], [16, 1]]"));
     folder.refused(&pv("--rows rows.toml"), &["the rows `a`: no module fits"]);
+    folder.write("rows.toml", &rows.replace("surface = \"roof\"", "area = [[0, 0], [9e7, 0], [9e7, 9e7]]"));
+    folder.refused(&pv("--rows rows.toml"), &["the rows `a`: their area is too wide"]);
     assert!(!folder.path("out/points.csv").exists());
 }
 

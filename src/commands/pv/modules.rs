@@ -23,6 +23,8 @@ pub const MATERIALS: &str = "modules.toml";
 
 /// More of them are a slip of metres and millimetres.
 const MOST_MODULES: usize = 1_000_000;
+/// Places that are looked at for rows: those of some 10 km2.
+const MOST_PLACES: f64 = 1e9;
 
 /// Rows with their modules.
 pub struct LaidRows {
@@ -51,6 +53,13 @@ impl LaidRows {
                     }
                 },
             };
+            if outline.places(rows.pitch_m) > MOST_PLACES {
+                let what =
+                    format!("the rows `{}`: their area is too wide to look for places of modules in it", rows.name);
+                let hint =
+                    "are its corners metres in the coordinates of the scene? Larger fields take several [[rows]]";
+                return Err(Error::input(file, None, what, hint));
+            }
             let normal = north.to_axes(rows.turn.normal());
             let below = |p: DVec2| siting.top(p.x, p.y).map(|top| top.z);
             let Laid { modules, left_out } = lay(&rows, normal, &outline, below);

@@ -56,6 +56,15 @@ impl Outline {
         Outline { edges: once.collect() }
     }
 
+    /// Places in plan that [`lay`] looks at, at most, for rows so far apart.
+    pub fn places(&self, pitch_m: f64) -> f64 {
+        let corners = || self.edges.iter().flatten();
+        let low = corners().fold(DVec2::INFINITY, |low, p| low.min(*p));
+        let high = corners().fold(DVec2::NEG_INFINITY, |high, p| high.max(*p));
+        let across = (high - low).max(DVec2::ZERO).length();
+        (across / pitch_m + 1.0) * (across / STEP_M + 1.0)
+    }
+
     /// Whether a convex shape lies in the area, so far from all edges.
     fn holds(&self, shape: &[DVec2; 4], setback_m: f64) -> bool {
         let inside = |p: DVec2| {
@@ -128,7 +137,7 @@ pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl F
     let [first, last] = outline.extent(-faces);
     let mut laid = Laid::default();
     let mut number = 0;
-    for row in 0.. {
+    for row in 0_u32.. {
         let back = first + rows.setback_m + f64::from(row) * rows.pitch_m;
         if back + depth > last - rows.setback_m + ROUNDING_M {
             break;

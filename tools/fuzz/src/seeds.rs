@@ -84,6 +84,9 @@ const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\npr
                    property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 const SITE: &str = "[[scene]]\nfile = \"town.obj\"\nmaterials = \"materials.toml\"\n[[scene]]\nfile = \"town.obj\"\noffset = [1, 2, 3]\nscale = 0.5\nup = \"y\"\n";
 
+const ROWS: &str = "[[rows]]\nname = \"a\"\narea = [[0, 0], [9, 0], [9, 9]]\ntilt = 30\nazimuth = 170\npitch = 3\nwidth = 1\nheight = 2\n\
+                    setback = 0.2\nclearance = 0.5\n[[rows]]\nname = \"b\"\nsurface = \"roof\"\ntilt = 0\nazimuth = 0\npitch = 2\nwidth = 1\nheight = 2\n";
+
 /// A GeoTIFF of 3 x 2 heights, uncompressed, with its place in UTM zone 11.
 fn geotiff() -> Vec<u8> {
     let doubles = |values: &[f64]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
@@ -174,6 +177,8 @@ pub fn write() {
         ("cells_table", format::PROBES),
         ("index_table", format::INDEX),
         ("materials_table", format::MATERIALS),
+        ("scene_table", format::SCENE),
+        ("overview_table", format::OVERVIEW),
     ] {
         seed(target, &[&[raw(kind).items() as u8], raw(kind).bytes()].concat());
     }
@@ -212,6 +217,8 @@ pub fn write() {
     seed("glb", &glb());
     seed("materials", MATERIALS.as_bytes());
     seed("receivers", RECEIVERS.as_bytes());
+    seed("pv_points", b"point,x,y,height,tilt,azimuth\nhigh,1,2,0.5,35,180\nlow,3,4,1,90,270.5\n");
+    seed("pv_rows", ROWS.as_bytes());
     seed("conditions", CONDITIONS.as_bytes());
     let weather = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
     let epw = fs::read_to_string(weather).expect("weather");

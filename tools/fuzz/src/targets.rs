@@ -8,7 +8,9 @@ use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
-use heliotile_core::archive::tables::{CellsTable, IndexTable, MaterialsTable, ReceiversTable};
+use heliotile_core::archive::tables::{
+    CellsTable, GeometryTable, IndexTable, MaterialsTable, OverviewTable, ReceiversTable,
+};
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
 use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
 use heliotile_core::layers::extras;
@@ -32,13 +34,16 @@ use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::receivers::read_receivers_with_warnings;
+use heliotile_scene::pv::layout::{Outline, lay};
+use heliotile_scene::pv::points::read_points;
+use heliotile_scene::pv::rows::{RowsGround, read_rows};
 use heliotile_scene::site::Site;
 
 /// A reader of foreign bytes.
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 34] = [
+pub const TARGETS: [(&str, Target); 38] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -46,6 +51,8 @@ pub const TARGETS: [(&str, Target); 34] = [
     ("cells_table", cells_table),
     ("index_table", index_table),
     ("materials_table", materials_table),
+    ("scene_table", scene_table),
+    ("overview_table", overview_table),
     ("sky", sky),
     ("hit", hit),
     ("response", response),
@@ -69,6 +76,8 @@ pub const TARGETS: [(&str, Target); 34] = [
     ("site", site),
     ("materials", materials),
     ("receivers", receivers),
+    ("pv_points", pv_points),
+    ("pv_rows", pv_rows),
     ("conditions", conditions),
     ("epw", epw),
     ("weather", weather),
@@ -241,6 +250,21 @@ fn index_table(data: &[u8]) {
 fn materials_table(data: &[u8]) {
     with_block(format::MATERIALS, data, |block| {
         MaterialsTable::from_block(block).map(|table| table.to_bytes().expect("checked"))
+    });
+}
+
+fn scene_table(data: &[u8]) {
+    with_block(format::SCENE, data, |block| {
+        GeometryTable::from_block(block).map(|table| table.to_bytes().expect("checked"))
+    });
+}
+
+fn overview_table(data: &[u8]) {
+    with_block(format::OVERVIEW, data, |block| {
+        OverviewTable::from_block(block).map(|table| {
+            assert_eq!(table.patches().len(), table.rows());
+            table.to_bytes().expect("checked")
+        })
     });
 }
 
@@ -417,6 +441,28 @@ fn receivers(data: &[u8]) {
         (plain, tiles) => {
             let (plain, tiles) = (plain.err().map(|e| e.to_string()), tiles.err().map(|e| e.to_string()));
             assert_eq!(plain, tiles);
+        }
+    }
+}
+
+fn pv_points(data: &[u8]) {
+    let path = file("points.csv", data);
+    for needs_turns in [false, true] {
+        let mut warnings = Vec::new();
+        if let Ok(points) = read_points(&path, needs_turns, &mut warnings) {
+            assert!(points.iter().all(|point| point.name.len() < 4096));
+        }
+    }
+}
+
+/// Rows on an area of their own are laid out where that is done at all in little time.
+fn pv_rows(data: &[u8]) {
+    for rows in read_rows(&file("rows.toml", data)).unwrap_or_default() {
+        let RowsGround::Area(corners) = &rows.ground else { continue };
+        let outline = Outline::of_polygon(corners);
+        if outline.places(rows.pitch_m) < 1e5 {
+            let laid = lay(&rows, rows.turn.normal(), &outline, |p| (p.x < 5.0).then_some(1.0));
+            assert!(laid.modules.len() <= 100_000);
         }
     }
 }

@@ -186,7 +186,7 @@ mod tests {
                 let sky = |x: usize, y: usize| match seed % 3 {
                     0 => line(x, y),
                     1 => line(x, y) || line(fine - x, y / 2),
-                    _ => (x * 31 + y * 17 + seed) % 5 == 0,
+                    _ => (x * 31 + y * 17 + seed).is_multiple_of(5),
                 };
                 let mut dense = BitSquare::new(fine);
                 (0..fine * fine).for_each(|i| dense.set(i % fine, i / fine, sky(i % fine, i / fine)));
