@@ -2,18 +2,12 @@
 
 pub mod audit;
 pub mod build;
-pub mod buildings;
-mod chosen;
-mod city_model;
 mod console;
 pub mod energyplus;
 pub mod export;
-pub mod factors;
-mod grids;
 mod horizon;
 pub mod inspect;
 mod invocation;
-mod mapped;
 mod original;
 mod preflight;
 pub mod pv;
@@ -76,8 +70,8 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Pv(args) => pv::run(args),
         Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args),
-        Command::Factors(args) => factors::run(args),
-        Command::Buildings(args) => buildings::run(args),
+        Command::Factors(args) => replay::factors::run(args),
+        Command::Buildings(args) => replay::buildings::run(args),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::folder::Files;
 use crate::cli::RunArgs;
-use crate::commands::mapped::{crs_of, say_large, surroundings};
+use crate::commands::replay::mapped::{crs_of, say_large, surroundings};
 use crate::commands::temporary_files;
 use crate::outputs::annual::AnnualRow;
 use crate::outputs::periods::Every;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::chosen::{Chosen, site_of};
-use super::replay::{Series, Streamed};
-use super::{Outcome, remark};
+use super::{Series, Streamed};
 use crate::cli::ReplayArgs;
+use crate::commands::{Outcome, remark};
 use crate::outputs::honeybee::{Grids, LitHours, ResultsFolder};
 use crate::outputs::periods::Every;
 use heliotile_core::archive::Archive;

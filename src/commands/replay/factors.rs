@@ -1,9 +1,9 @@
 //! `heliotile factors`: an archive -> what surroundings reflect over the sun's position -> a table.
 
 use super::chosen::{Chosen, guard, open, say_north, site_of};
-use super::terminal::Terminal;
-use super::{Outcome, invocation, temporary_files};
 use crate::cli::FactorsArgs;
+use crate::commands::terminal::Terminal;
+use crate::commands::{Outcome, invocation, temporary_files};
 use crate::outputs::factors::FactorTable;
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::tables::layout::By;

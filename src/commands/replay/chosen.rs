@@ -4,9 +4,9 @@
 use std::fs;
 use std::path::Path;
 
-use super::guard_output;
-use super::voice::remark_aside;
 use crate::cli::TableArgs;
+use crate::commands::guard_output;
+use crate::commands::voice::remark_aside;
 use crate::outputs::tables::writer::files_of;
 use heliotile_builder::transfer::{ArchiveReceivers, Selection, Shown};
 use heliotile_builder::writing::copy::folder_of;

@@ -6,8 +6,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::chosen::Chosen;
-use super::warn;
 use crate::cli::TableArgs;
+use crate::commands::warn;
 use crate::outputs::groups::Groups;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;

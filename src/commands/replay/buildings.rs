@@ -6,10 +6,10 @@ use std::path::Path;
 use clap::Parser;
 
 use super::chosen::{Chosen, site_of};
-use super::replay::{Series, Streamed, opened, with_series};
-use super::voice::remark_aside;
-use super::{Outcome, guard_output, warn};
+use super::{Series, Streamed, opened, with_series};
 use crate::cli::{BuildingsArgs, Cli, Command, ReplayArgs};
+use crate::commands::voice::remark_aside;
+use crate::commands::{Outcome, guard_output, warn};
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::records::Records;

@@ -1,11 +1,17 @@
 //! Story two: archive -> recombine -> outputs, for a conditions table (`query`) and a weather file (`replay`).
 
+pub mod buildings;
+mod chosen;
+mod city_model;
+pub mod factors;
+mod grids;
+pub(in crate::commands) mod mapped;
+
 use std::path::Path;
 
-use super::chosen::{Chosen, guard, open, say_north, site_of};
 use super::terminal::Terminal;
 use super::voice::note;
-use super::{Outcome, city_model, grids, invocation, mapped, temporary_files, warn};
+use super::{Outcome, invocation, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather_as};
 use crate::outputs::city_model::is_city_model;
@@ -17,6 +23,7 @@ use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Places;
 use crate::outputs::tables::writer::TableWriter;
+use chosen::{Chosen, guard, open, say_north, site_of};
 use heliotile_builder::observer::Stage;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};

@@ -4,9 +4,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::chosen::{Chosen, site_of};
-use super::replay::{Series, Streamed};
-use super::{Outcome, remark, warn};
+use super::{Series, Streamed};
 use crate::cli::ReplayArgs;
+use crate::commands::{Outcome, remark, warn};
 use crate::outputs::city_model::{CityModelWriter, ModelSums, RewriteError, is_city_model};
 use crate::outputs::periods::Every;
 use crate::outputs::sink::Sink;
