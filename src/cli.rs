@@ -33,7 +33,7 @@ use self::choice::choice;
 
 pub use self::audit::AuditArgs;
 pub use self::build::{BuildArgs, PlanArgs};
-pub use self::buildings::BuildingsArgs;
+pub use self::buildings::{BuildingsArgs, ModuleSize, PlaceOn, PlacesArgs, YearArgs};
 pub use self::choice::name_of;
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
 pub use self::energyplus::{EnergyplusArgs, Physics};
@@ -85,6 +85,8 @@ pub enum Command {
     Factors(FactorsArgs),
     /// What a solar cadastre says of buildings and roof faces: usable area, sums by orientation, regions in one piece
     Buildings(BuildingsArgs),
+    /// The best places of modules on roofs and facades, as points that `pv` takes
+    Places(PlacesArgs),
     /// What is inside an archive, or a scene
     Info(InfoArgs),
     /// Check every block of an archive; exit code 1 if one is damaged

@@ -72,6 +72,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Replay(args) => replay::replay(args),
         Command::Factors(args) => replay::factors::run(args),
         Command::Buildings(args) => replay::buildings::run(args),
+        Command::Places(args) => replay::places::run(args),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),

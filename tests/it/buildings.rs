@@ -168,3 +168,48 @@ fn refusals() {
         assert!(!folder.path("b.csv").exists());
     }
 }
+
+/// The five best places of 1 x 1 m on the roofs of the block are receivers whose sums `replay` gives, the highest first and none higher
+/// left out where it has room; 1,000 of 9 x 9 m are not found, which is warned of; `pv` takes the table; 3 wrong inputs are refused.
+#[test]
+fn places_are_those_of_the_brightest_receivers() {
+    let folder = block();
+    let asked = format!("places site.helio --weather {} --grid-north", golden().display());
+    let done = folder.run(&format!("{asked} --best 5 --module 1x1 --clearance 0.2 -o p.csv"));
+    assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+    let places = table(&fs::read_to_string(folder.path("p.csv")).expect("places"));
+    let replay =
+        format!("replay site.helio --weather {} --every total --columns total --grid-north", golden().display());
+    let sums = table(&stdout(&folder.run(&replay)));
+    let sums: BTreeMap<&str, f64> =
+        sums.iter().map(|row| (row["receiver"].as_str(), number(&row["total_kwh_m2"]))).collect();
+    let receivers = table(&fs::read_to_string(folder.path("r.csv")).expect("receivers"));
+    let roofs: BTreeMap<&str, &Row> =
+        receivers.iter().filter(|row| row["kind"] == "roof").map(|row| (row["receiver"].as_str(), row)).collect();
+    assert_eq!(places.len(), 5);
+    let mut before = f64::INFINITY;
+    for place in &places {
+        let (sum, receiver) = (number(&place["total_kwh_m2"]), roofs[place["receiver"].as_str()]);
+        assert!((sum - sums[place["receiver"].as_str()]).abs() < 2e-3 && sum <= before, "{place:?}");
+        for (axis, along) in [("x", "nx"), ("y", "ny"), ("z", "nz")] {
+            let expected = number(&receiver[axis]) + 0.2 * number(&receiver[along]);
+            assert!((number(&place[axis]) - expected).abs() < 2e-3, "{axis}: {place:?}");
+        }
+        before = sum;
+    }
+    let brightest = roofs.keys().map(|id| sums[id]).fold(0.0, f64::max);
+    assert!(before > 0.9 * brightest, "{before} of {brightest}");
+
+    let done = folder.run(&format!("{asked} --best 1000 --module 9x9"));
+    assert!(stderr(&done).contains("where 1000 were asked for") && done.status.code() == Some(0), "{}", stderr(&done));
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    let pv =
+        format!("pv {} -w {} --points p.csv --no-hourly --quality draft -o out", model.display(), golden().display());
+    let done = folder.run(&pv);
+    assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+    let of_pv = table(&fs::read_to_string(folder.path("out/points.csv")).expect("points"));
+    assert_eq!(of_pv.len(), 5);
+    for (wrong, part) in [("--module 1", "--module"), ("--best 0", "--best"), ("--on ground", "roofs")] {
+        folder.refused(&format!("{asked} {wrong}"), &[part]);
+    }
+}

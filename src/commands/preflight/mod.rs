@@ -6,7 +6,7 @@ mod kind;
 use std::path::{Path, PathBuf};
 
 use super::starts_as_archive;
-use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs};
+use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::results::ResultFormat;
 use crate::outputs::tables::writer::Format;
@@ -115,10 +115,13 @@ impl<'a> Files<'a> {
             }
             Command::Factors(args) => self.table(&args.table),
             Command::Buildings(args) => {
-                self.read(&args.archive, Wanted::Archive);
-                self.read(&args.weather, Wanted::Weather);
+                self.year(&args.year);
                 self.write(&args.output, Written::File);
                 self.write_if(&args.faces, Written::File);
+            }
+            Command::Places(args) => {
+                self.year(&args.year);
+                self.write(&args.output, Written::File);
             }
             Command::Info(args) => {
                 args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
@@ -200,6 +203,11 @@ impl<'a> Files<'a> {
 
     fn write(&mut self, path: &'a Path, written: Written) {
         self.outputs.push((path, written));
+    }
+
+    fn year(&mut self, args: &'a YearArgs) {
+        self.read(&args.archive, Wanted::Archive);
+        self.read(&args.weather, Wanted::Weather);
     }
 
     fn write_if(&mut self, path: &'a Option<PathBuf>, written: Written) {

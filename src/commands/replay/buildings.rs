@@ -1,13 +1,11 @@
 //! `heliotile buildings`: an archive and a year's weather -> what a solar cadastre says of buildings and roof faces.
 
-use std::ffi::OsString;
 use std::path::Path;
 
-use clap::Parser;
-
 use super::chosen::{Chosen, site_of};
+use super::year::year_of;
 use super::{Series, Streamed, opened, with_series};
-use crate::cli::{BuildingsArgs, Cli, Command, ReplayArgs};
+use crate::cli::{BuildingsArgs, ReplayArgs};
 use crate::commands::voice::remark_aside;
 use crate::commands::{Outcome, guard_output, warn};
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
@@ -26,33 +24,17 @@ const MORE_THAN_A_YEAR_H: f64 = 8800.0;
 pub fn run(args: &BuildingsArgs) -> Result<Outcome> {
     let outputs = || [Some(args.output.as_path()), args.faces.as_deref()].into_iter().flatten();
     for output in outputs().filter(|output| *output != Path::new("-")) {
-        guard_output(output, &[&args.archive, &args.weather])?;
-        guard_output(&csvw::beside(output), &[&args.archive, &args.weather])?;
+        guard_output(output, &[&args.year.archive, &args.year.weather])?;
+        guard_output(&csvw::beside(output), &[&args.year.archive, &args.year.weather])?;
     }
     outputs().try_for_each(Records::check)?;
     if args.faces.as_deref() == Some(args.output.as_path()) {
         let what = "is the table of buildings too";
         return Err(Error::input(&args.output, None, what, "give --faces a name of its own"));
     }
-    let replay = replay_args(args)?;
+    let replay = year_of(&args.year)?;
     let (archive, weather, dated) = opened(&replay)?;
     with_series(&replay, &archive, &weather, &dated, |series| write(args, &replay, &archive, series))
-}
-
-/// The replay that gives the sums.
-fn replay_args(args: &BuildingsArgs) -> Result<ReplayArgs> {
-    let mut weather = OsString::from("--weather=");
-    weather.push(&args.weather);
-    let mut words = ["heliotile", "replay", "--every", "total", "--columns", "total"].map(OsString::from).to_vec();
-    words.extend([weather, "--".into(), args.archive.clone().into()]);
-    let Ok(Command::Replay(mut replay)) = Cli::try_parse_from(&words).map(|cli| cli.command) else {
-        let hint = "this is a fault of the program: please report it";
-        return Err(Error::argument("--weather", "`replay --every total` is not understood", hint));
-    };
-    let table = &mut replay.common.table;
-    (table.memory, table.io, table.grid_north) = (args.memory, args.io, args.grid_north);
-    replay.about_weather = args.about_weather.clone();
-    Ok(replay)
 }
 
 fn write(args: &BuildingsArgs, replay: &ReplayArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
@@ -60,14 +42,14 @@ fn write(args: &BuildingsArgs, replay: &ReplayArgs, archive: &Archive, series: &
     if hours > MORE_THAN_A_YEAR_H {
         warn(&format!(
             "{}: sums are over its {hours} hours, and --threshold {} is compared with them: cadastres tell of a year",
-            args.weather.display(),
+            args.year.weather.display(),
             args.threshold
         ));
     }
     let site = site_of(&replay.common.table, archive)?;
     let chosen = Chosen::of(&replay.common.table, archive, &site)?;
     let usable = Usable { threshold_kwh_m2: args.threshold, least_m2: args.min_area };
-    let cadastre = Cadastre::new(chosen.receivers(archive, &site), usable, site.north(), &args.archive)?;
+    let cadastre = Cadastre::new(chosen.receivers(archive, &site), usable, site.north(), &args.year.archive)?;
     let mut receivers = ArchiveReceivers::<Shown>::new(&site);
     let components = ComponentSet::of(&[Component::Total]);
     let streamed = Streamed { archive, site: &site, chosen: &chosen, components };
@@ -88,7 +70,7 @@ fn write(args: &BuildingsArgs, replay: &ReplayArgs, archive: &Archive, series: &
         warn(&format!(
             "{} of {}: nobody says how their receivers touch, each counts as one region (patches come from `heliotile receivers`)",
             counted(cadastre.vague() as u64, "roof face"),
-            args.archive.display()
+            args.year.archive.display()
         ));
     }
     let about = series.about(&replay.common, archive);

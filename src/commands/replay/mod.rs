@@ -6,6 +6,8 @@ mod city_model;
 pub mod factors;
 mod grids;
 pub(in crate::commands) mod mapped;
+pub mod places;
+mod year;
 
 use std::path::Path;
 

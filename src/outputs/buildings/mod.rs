@@ -9,4 +9,5 @@ mod tables;
 
 pub use cadastre::Cadastre;
 pub use face::Usable;
+pub use place::{Envelope, building_of, face_of};
 pub use tables::{building_rows, face_rows};

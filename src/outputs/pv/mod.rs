@@ -3,6 +3,7 @@
 
 pub mod horizon;
 pub mod hourly;
+pub mod places;
 pub mod polar;
 pub mod search;
 pub mod sums;
