@@ -16,8 +16,12 @@ use super::provenance::Provenance;
 use super::sink::Sink;
 use crate::outputs::tables::csvw::{self, CsvColumn};
 use crate::outputs::tables::quoted;
+use crate::outputs::tables::records::is_parquet;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::factors::{FACTORS, SunGrid};
+
+/// What errors call the file.
+const FILE: &str = "the file of factors";
 
 /// Columns before the factors and behind the name.
 const SUN: [&str; 2] = ["sun_azimuth_deg", "sun_altitude_deg"];
@@ -38,12 +42,12 @@ enum Out {
 impl FactorTable {
     /// Whether a table of this name can be written; `-` is CSV on the standard output.
     pub fn check(path: &Path) -> Result<()> {
-        ending(path).map(|_| ())
+        is_parquet(path, FILE).map(drop)
     }
 
     /// Rows are named by a column `place`: `receiver`, `surface` and the like.
     pub fn create(path: &Path, place: &str, grid: &SunGrid, about: &Provenance) -> Result<Self> {
-        let (suns, parquet) = (grid.suns().collect(), ending(path)?);
+        let (suns, parquet) = (grid.suns().collect(), is_parquet(path, FILE)?);
         let names: Vec<&str> = std::iter::once(place).chain(SUN).chain(FACTORS).collect();
         let mut sink = if path == Path::new("-") { Sink::stdout() } else { Sink::file(path)? };
         let out = if parquet {
@@ -115,21 +119,6 @@ impl FactorTable {
             Out::Csv(sink) => sink.finish(),
             Out::Parquet(writer, _) => writer.into_inner().map_err(|e| failed(&self.path, e))?.finish(),
         }
-    }
-}
-
-/// Whether the file is Parquet.
-fn ending(path: &Path) -> Result<bool> {
-    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    match ending.as_deref() {
-        _ if path == Path::new("-") => Ok(false),
-        Some("csv") => Ok(false),
-        Some("parquet") => Ok(true),
-        _ => Err(Error::Unsupported {
-            what: "ending of the file of factors".into(),
-            found: format!("`{}`", path.display()),
-            supported: ".csv and .parquet (or - for CSV on the standard output)".into(),
-        }),
     }
 }
 

@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 use super::modules::{GEOMETRY, MATERIALS};
 use crate::cli::PvArgs;
 use crate::commands::console::shell_words::quoted;
-use crate::commands::run::made_from::{FILE, MadeFrom};
-use crate::commands::traced::KEEP_OR_REPLACE;
+use crate::commands::run::made_from::MadeFrom;
 use crate::commands::{guard_archive, guard_site};
 use crate::outputs::tables::writer::files_of;
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::Result;
 use heliotile_core::weather::series::Weather;
 use heliotile_scene::site::Site;
 
@@ -86,23 +85,7 @@ impl PvFolder {
         if args.replace {
             return Ok(());
         }
-        match MadeFrom::read(&self.folder)? {
-            Some(earlier) if earlier.is_through(weather) => Ok(()),
-            Some(earlier) => {
-                let what = format!(
-                    "holds results of other weather, read from {}, or of another release of heliotile",
-                    earlier.weather()
-                );
-                Err(Error::input(&self.folder, None, what, KEEP_OR_REPLACE))
-            }
-            None => match self.tables(args).into_iter().find(|file| file.exists()) {
-                Some(file) => {
-                    let what = format!("is there, and nothing ({FILE}) says what it was made from");
-                    Err(Error::input(file, None, what, KEEP_OR_REPLACE))
-                }
-                None => Ok(()),
-            },
-        }
+        MadeFrom::check(&self.folder, weather, self.tables(args).into_iter().map(Path::to_owned))
     }
 
     /// Makes the folder one of this archive and weather, so that results can be written there.
@@ -112,17 +95,7 @@ impl PvFolder {
             self.tables(args).iter().flat_map(|table| files_of(table)).filter_map(|file| in_folder(&file)).collect();
         names.sort();
         let mut now = MadeFrom::new(archive, weather, &args.weather, names);
-        if let Some(earlier) = MadeFrom::read(&self.folder)? {
-            if earlier.is_same(&now) {
-                now.keep_files_of(&earlier);
-            } else if args.replace {
-                earlier.remove_files(&self.folder)?;
-            } else {
-                let what = "holds results of another archive than site.helio";
-                return Err(Error::input(&self.folder, None, what, KEEP_OR_REPLACE));
-            }
-        }
-        now.write(&self.folder)
+        now.claim(&self.folder, args.replace)
     }
 
     /// What was written where, and what to do next.

@@ -12,7 +12,7 @@ use crate::outputs::groups::Groups;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::MapCrs;
-use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless, polygons};
+use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
@@ -68,14 +68,7 @@ pub fn start<'a>(
             PlaceShapes::Groups(Box::new(patches.finish(&asked.archive)?))
         }
         None => {
-            let mut shapeless = Shapeless::default();
-            for receiver in shown() {
-                let receiver = receiver?;
-                if polygons(&receiver).is_none() {
-                    shapeless.add(receiver);
-                }
-            }
-            shapeless.check(&asked.archive)?;
+            Shapeless::refuse(shown(), &asked.archive)?;
             PlaceShapes::Receivers(Box::new(shown()), of.site.north())
         }
     };

@@ -4,10 +4,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::made_from::{FILE, MadeFrom};
+use super::made_from::MadeFrom;
 use crate::cli::{RunArgs, name_of};
 use crate::commands::console::shell_words::quoted;
-use crate::commands::traced::KEEP_OR_REPLACE;
 use crate::commands::{guard_archive, guard_site, warn};
 use crate::outputs::periods::Every;
 use crate::outputs::shapes::writer::MapFormat;
@@ -103,23 +102,7 @@ impl Files {
         if args.replace {
             return Ok(());
         }
-        match MadeFrom::read(&self.results)? {
-            Some(earlier) if earlier.is_through(weather) => Ok(()),
-            Some(earlier) => {
-                let what = format!(
-                    "holds results of other weather, read from {}, or of another release of heliotile",
-                    earlier.weather()
-                );
-                Err(Error::input(&self.results, None, what, KEEP_OR_REPLACE))
-            }
-            None => match self.written(args).into_iter().find(|file| file.exists()) {
-                Some(file) => {
-                    let what = format!("is there, and nothing ({FILE}) says what it was made from");
-                    Err(Error::input(&file, None, what, KEEP_OR_REPLACE))
-                }
-                None => Ok(()),
-            },
-        }
+        MadeFrom::check(&self.results, weather, self.written(args))
     }
 
     /// Makes the weather's folder one of this archive and weather, so that results can be written there.
@@ -128,17 +111,7 @@ impl Files {
         let names =
             self.written_and_beside(args).into_iter().filter_map(|file| file.file_name()?.to_str().map(str::to_owned));
         let mut now = MadeFrom::new(archive, weather, &args.weather, names.collect());
-        if let Some(earlier) = MadeFrom::read(&self.results)? {
-            if earlier.is_same(&now) {
-                now.keep_files_of(&earlier);
-            } else if args.replace {
-                earlier.remove_files(&self.results)?;
-            } else {
-                let what = "holds results of another archive than site.helio";
-                return Err(Error::input(&self.results, None, what, KEEP_OR_REPLACE));
-            }
-        }
-        now.write(&self.results)?;
+        now.claim(&self.results, args.replace)?;
         let stale = self.stale(&now);
         if !stale.is_empty() {
             warn(&format!(

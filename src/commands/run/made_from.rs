@@ -2,17 +2,18 @@
 
 use std::fs;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::commands::traced::KEEP_OR_REPLACE;
 use crate::outputs::sink::write_texts;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::series::Weather;
 
 /// Its name.
-pub const FILE: &str = "made-from.json";
+const FILE: &str = "made-from.json";
 
 /// A longer one is none of ours.
 const MOST_BYTES: u64 = 1 << 20;
@@ -58,31 +59,58 @@ impl MadeFrom {
         read.map(Some)
     }
 
-    pub fn weather(&self) -> &str {
-        &self.weather
+    /// Refuses a folder that holds results of other weather, or some of the files that will be `written` and nothing that says of what.
+    pub fn check(folder: &Path, weather: &Weather, written: impl IntoIterator<Item = PathBuf>) -> Result<()> {
+        match MadeFrom::read(folder)? {
+            Some(earlier) if earlier.weather_hash == hash(weather) => Ok(()),
+            Some(earlier) => {
+                let read = &earlier.weather;
+                let what =
+                    format!("holds results of other weather, read from {read}, or of another release of heliotile");
+                Err(Error::input(folder, None, what, KEEP_OR_REPLACE))
+            }
+            None => match written.into_iter().find(|file| file.exists()) {
+                Some(file) => {
+                    let what = format!("is there, and nothing ({FILE}) says what it was made from");
+                    Err(Error::input(&file, None, what, KEEP_OR_REPLACE))
+                }
+                None => Ok(()),
+            },
+        }
     }
 
-    pub fn is_through(&self, weather: &Weather) -> bool {
-        self.weather_hash == hash(weather)
+    /// Says so in a folder, whose files of other archives or weather are removed if they may be replaced, and refused if not.
+    pub fn claim(&mut self, folder: &Path, replace: bool) -> Result<()> {
+        if let Some(earlier) = MadeFrom::read(folder)? {
+            if earlier.is_same(self) {
+                self.keep_files_of(&earlier);
+            } else if replace {
+                earlier.remove_files(folder)?;
+            } else {
+                let what = "holds results of another archive than site.helio";
+                return Err(Error::input(folder, None, what, KEEP_OR_REPLACE));
+            }
+        }
+        self.write(folder)
     }
 
     pub fn is_of_archive(&self, other: &MadeFrom) -> bool {
         self.archive_root == other.archive_root
     }
 
-    pub fn is_same(&self, other: &MadeFrom) -> bool {
+    fn is_same(&self, other: &MadeFrom) -> bool {
         self.weather_hash == other.weather_hash && self.is_of_archive(other)
     }
 
     /// Files that an earlier run made from the same stay.
-    pub fn keep_files_of(&mut self, earlier: &MadeFrom) {
+    fn keep_files_of(&mut self, earlier: &MadeFrom) {
         self.files.extend(earlier.files.iter().cloned());
         self.files.sort();
         self.files.dedup();
     }
 
     /// Removes the results of an earlier run; what else lies there stays.
-    pub fn remove_files(&self, folder: &Path) -> Result<()> {
+    fn remove_files(&self, folder: &Path) -> Result<()> {
         // A name with a folder in it was not written by this program.
         for name in self.files.iter().filter(|name| Path::new(name).file_name() == Some(name.as_ref())) {
             let path = folder.join(name);
@@ -94,7 +122,7 @@ impl MadeFrom {
         Ok(())
     }
 
-    pub fn write(&self, folder: &Path) -> Result<()> {
+    fn write(&self, folder: &Path) -> Result<()> {
         let path = folder.join(FILE);
         let text = serde_json::to_string_pretty(self).map_err(|e| Error::io(&path, "write")(e.into()))?;
         write_texts(folder, &[(FILE, text + "\n")])

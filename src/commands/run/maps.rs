@@ -10,7 +10,7 @@ use crate::outputs::annual::AnnualRow;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::MapCrs;
-use crate::outputs::shapes::group_patches::{Shapeless, polygons};
+use crate::outputs::shapes::group_patches::Shapeless;
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapWriter, PlaceShapes};
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
@@ -40,14 +40,7 @@ pub fn write(args: &RunArgs, files: &Files, archive: &Archive, rows: &[AnnualRow
         let rows = ArchiveReceivers::<Shown>::new(&site);
         rows.map(|row| row.map(|row| Receiver { patch: row.layers.patch, ..row.receiver }))
     };
-    let mut shapeless = Shapeless::default();
-    for receiver in shown() {
-        let receiver = receiver?;
-        if polygons(&receiver).is_none() {
-            shapeless.add(receiver);
-        }
-    }
-    shapeless.check(&files.archive)?;
+    Shapeless::refuse(shown(), &files.archive)?;
     let layout = Layout { labels: Labels::Sums, by: By::Receiver, components: ComponentList::all(), facts: Vec::new() };
     let (labels, storage) = (RowLabels::words(vec!["total".into()]), temporary_files());
     for format in &args.map {

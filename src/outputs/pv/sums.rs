@@ -10,15 +10,11 @@ use heliotile_core::error::Result;
 use heliotile_core::orientation::fan::Turn;
 use heliotile_core::replay::components::Component;
 
-/// The components that add up to a total.
-pub const PARTS: [Component; 6] = [
-    Component::SunDirect,
-    Component::SkyDirect,
-    Component::SunDiffuse,
-    Component::SkyDiffuse,
-    Component::SunSpecular,
-    Component::SkySpecular,
-];
+/// The components that add up to a total, which is the last.
+pub const PARTS: [Component; 6] = {
+    let [parts @ .., _] = Component::ALL;
+    parts
+};
 
 /// Sums by month, kWh/m2: `[month][part]`.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -35,15 +35,27 @@ pub struct Shapeless {
 }
 
 impl Shapeless {
-    pub fn add(&mut self, receiver: Receiver) {
+    fn add(&mut self, receiver: Receiver) {
         self.count += 1;
         if self.first.len() < NAMED {
             self.first.push(receiver.id);
         }
     }
 
+    /// An error if any of the receivers of a file cannot be drawn.
+    pub fn refuse(receivers: impl Iterator<Item = Result<Receiver>>, file: &Path) -> Result<()> {
+        let mut shapeless = Shapeless::default();
+        for receiver in receivers {
+            let receiver = receiver?;
+            if polygons(&receiver).is_none() {
+                shapeless.add(receiver);
+            }
+        }
+        shapeless.check(file)
+    }
+
     /// An error if there are any.
-    pub fn check(&self, file: &Path) -> Result<()> {
+    fn check(&self, file: &Path) -> Result<()> {
         if self.count == 0 {
             return Ok(());
         }

@@ -36,12 +36,12 @@ pub struct Records {
 impl Records {
     /// Whether a table of this name can be written; `-` is CSV on the standard output.
     pub fn check(path: &Path) -> Result<()> {
-        is_parquet(path).map(drop)
+        is_parquet(path, RECORDS).map(drop)
     }
 
     /// Writes the table; gives its size in bytes.
     pub fn write(&self, path: &Path, about: &Provenance) -> Result<u64> {
-        match is_parquet(path)? {
+        match is_parquet(path, RECORDS)? {
             true => self.write_parquet(path, about),
             false => self.write_csv(path, about),
         }
@@ -119,15 +119,18 @@ impl Cell {
     }
 }
 
-/// Whether the file is Parquet.
-fn is_parquet(path: &Path) -> Result<bool> {
+/// What errors call such a table.
+const RECORDS: &str = "a table of records";
+
+/// Whether a file is Parquet and not CSV, by its ending; `what` it is, for errors.
+pub fn is_parquet(path: &Path, what: &str) -> Result<bool> {
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match ending.as_deref() {
         _ if path == Path::new("-") => Ok(false),
         Some("csv") => Ok(false),
         Some("parquet") => Ok(true),
         _ => Err(Error::Unsupported {
-            what: "ending of a table of records".into(),
+            what: format!("ending of {what}"),
             found: format!("`{}`", path.display()),
             supported: ".csv and .parquet (or - for CSV on the standard output)".into(),
         }),

@@ -154,7 +154,7 @@ export interface MomentAsk {
   tiles: number[];
 }
 
-/** A light for the graphics card, as the core's `moment_textures` says. */
+/** A light for the graphics card, as the core's `moments` make it. */
 export interface LightTexels {
   numbers: Float32Array;
   parts: number;
