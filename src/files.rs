@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
 use heliotile_core::weather::conditions::{ConditionsFile, parse_conditions};
 use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather, parse_weather_as};
@@ -13,6 +14,11 @@ use heliotile_scene::input;
 /// The bytes of a file; what gzip packed is unpacked, whatever the file's name.
 pub fn read_file(path: &Path) -> Result<Vec<u8>> {
     input::read(path)
+}
+
+/// The archive at a place; errors as of [`Archive::open`].
+pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
+    Archive::open_with(place, access)
 }
 
 /// See [`parse_conditions`].

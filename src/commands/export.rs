@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Outcome, guard_output, invocation, warn};
 use crate::cli::ExportArgs;
-use crate::files::{read_file, read_weather_as};
+use crate::files::{open_archive, read_file, read_weather_as};
 use crate::outputs::pictures::exr::exr;
 use crate::outputs::pictures::fisheye::{Overlay, fisheye};
 use crate::outputs::pictures::panel::{PanelSun, panel};
@@ -67,7 +67,7 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
             let image = Image::of(args.output())?;
             // Before the archive: a wrong weather file is found at once.
             let (mut overlay, about) = overlay(args, &image)?;
-            let archive = Archive::open_with(&args.archive, args.io)?;
+            let archive = open_archive(&args.archive, args.io)?;
             let site = OpenSite::of(&archive)?;
             overlay.north = site.north();
             let view = ReceiverView::load(&site, id)?;
@@ -169,7 +169,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
             let options = WeatherOptions { zone_hours: args.time_zone, ..WeatherOptions::default() };
-            let mut place = || match Archive::open_with(&args.archive, args.io)?.manifest().place {
+            let mut place = || match open_archive(&args.archive, args.io)?.manifest().place {
                 None => {
                     let what = "does not say where it is from, nor does the archive say where it lies";
                     let hint = "draw the paths over a latitude in place of the file, such as --latitude 52, or build the archive of a \
@@ -198,7 +198,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
 
 /// A page that shows the archive.
 fn page(args: &ExportArgs) -> Result<Outcome> {
-    let archive = Archive::open_with(&args.archive, args.io)?;
+    let archive = open_archive(&args.archive, args.io)?;
     OpenSite::of(&archive)?;
     let mut page = ViewerPage::default().with_archive(&args.archive)?;
     if let Some(file) = &args.weather {
@@ -216,7 +216,7 @@ fn page(args: &ExportArgs) -> Result<Outcome> {
 
 /// View factors of all receivers as CSV.
 fn view_factors(args: &ExportArgs) -> Result<Outcome> {
-    let archive = Archive::open_with(&args.archive, args.io)?;
+    let archive = open_archive(&args.archive, args.io)?;
     let about = invocation::provenance().with_archive(&args.archive, &archive);
     let mut table = ViewFactorTable::create(args.output(), about)?;
     for row in ArchiveReceivers::<()>::new(&OpenSite::of(&archive)?) {

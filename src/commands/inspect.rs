@@ -5,9 +5,10 @@ use std::fmt::Write;
 use super::horizon::nothing_seen;
 use super::{Outcome, is_archive, say, scene, warn};
 use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
+use crate::files::open_archive;
 use heliotile_core::archive;
 use heliotile_core::archive::accuracy::Accuracy;
-use heliotile_core::archive::{Archive, format, tables};
+use heliotile_core::archive::{format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::rounded;
@@ -40,7 +41,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let hint = "leave --materials, --materials-only and --no-ground out";
         return Err(Error::input(path, None, "is an archive, whose surfaces were stated when it was built", hint));
     }
-    let archive = Archive::open_with(path, args.io)?;
+    let archive = open_archive(path, args.io)?;
     let manifest = archive.manifest();
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);

@@ -6,8 +6,9 @@ use std::path::Path;
 use super::terminal::Terminal;
 use super::{Outcome, guard_archive, guard_output, remark, say, workspace, workspace_beside};
 use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
+use crate::files::open_archive;
 use heliotile_builder::transfer::{self, Assembled, Difference, Differences, Selection, listed};
-use heliotile_core::archive::{Archive, format};
+use heliotile_core::archive::format;
 use heliotile_core::error::Result;
 use heliotile_core::text::counted;
 
@@ -15,7 +16,7 @@ use heliotile_core::text::counted;
 pub fn merge(args: &MergeArgs) -> Result<Outcome> {
     guard_output(&args.output, &[&args.first, &args.second])?;
     guard_archive(&args.output)?;
-    let [a, b] = [Archive::open_with(&args.first, args.io)?, Archive::open_with(&args.second, args.io)?];
+    let [a, b] = [open_archive(&args.first, args.io)?, open_archive(&args.second, args.io)?];
     let workspace = workspace_beside(&args.output, args.memory);
     let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &merged.written;
@@ -44,7 +45,7 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
     inputs.extend(args.receivers.as_deref());
     guard_output(&args.output, &inputs)?;
     guard_archive(&args.output)?;
-    let archive = Archive::open_with(&args.archive, args.io)?;
+    let archive = open_archive(&args.archive, args.io)?;
     let workspace = workspace_beside(&args.output, args.memory);
     let extracted =
         transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;
@@ -76,7 +77,7 @@ fn selection(args: &ExtractArgs) -> Selection {
 
 /// `heliotile diff`: a difference is a finding (exit 1).
 pub fn diff(args: &DiffArgs) -> Result<Outcome> {
-    let [a, b] = [Archive::open_with(&args.first, args.io)?, Archive::open_with(&args.second, args.io)?];
+    let [a, b] = [open_archive(&args.first, args.io)?, open_archive(&args.second, args.io)?];
     let found = transfer::diff(&a, &b, &workspace(std::env::temp_dir(), args.memory))?;
     say(&table(&found, args))?;
     Ok(if found.is_equal() { Outcome::Fine } else { Outcome::ProblemFound })

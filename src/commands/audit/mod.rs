@@ -8,12 +8,12 @@ use std::time::Duration;
 use super::terminal::Terminal;
 use super::{Outcome, invocation, original, read_suns, remark, say, temporary_files, warn};
 use crate::cli::AuditArgs;
-use crate::files::read_conditions;
+use crate::files::{open_archive, read_conditions};
 use crate::outputs::sink::write_texts;
 use heliotile_builder::accuracy::CONDITIONS;
 use heliotile_builder::build::PreparedScene;
 use heliotile_builder::judge::{AuditRequest, audit};
-use heliotile_core::archive::{Access, Archive};
+use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use report::{AuditReport, Verdict};
@@ -27,7 +27,7 @@ const FEW: usize = 64;
 
 /// `heliotile audit`.
 pub fn run(args: &AuditArgs) -> Result<Outcome> {
-    let archive = Archive::open_with(&args.archive, Access::Read)?;
+    let archive = open_archive(&args.archive, Access::Read)?;
     let site = original::site_of(&args.archive, &args.scene)?;
     let scene = original::scene_of(&archive, &site, args.scene.first())?;
     let (conditions, name, hours) = match &args.conditions {

@@ -7,6 +7,7 @@ use std::path::Path;
 use crate::cli::TableArgs;
 use crate::commands::guard_output;
 use crate::commands::voice::remark_aside;
+use crate::files::open_archive;
 use crate::outputs::tables::writer::files_of;
 use heliotile_builder::transfer::{ArchiveReceivers, Selection, Shown};
 use heliotile_builder::writing::copy::folder_of;
@@ -127,7 +128,7 @@ fn access(args: &TableArgs) -> Access {
 
 /// Opens the archive.
 pub fn open(args: &TableArgs) -> Result<Archive> {
-    Archive::open_with(&args.archive, access(args))
+    open_archive(&args.archive, access(args))
 }
 
 /// Says where true north is, if suns are turned to it.

@@ -6,9 +6,9 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 
 use super::{Outcome, remark, warn};
 use crate::cli::ViewArgs;
-use crate::files::{read_file, read_weather_as};
+use crate::files::{open_archive, read_file, read_weather_as};
 use crate::outputs::viewer_page::{ViewerPage, packed};
-use heliotile_core::archive::{Access, Archive};
+use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::weather::distance::far_apart;
@@ -19,7 +19,7 @@ const PORT: u16 = 8017;
 
 /// `heliotile view`.
 pub fn run(args: &ViewArgs) -> Result<Outcome> {
-    let archive = Archive::open_with(&args.archive, Access::Read)?;
+    let archive = open_archive(&args.archive, Access::Read)?;
     OpenSite::of(&archive)?;
     let mut page = ViewerPage::default().with_option("archive", server::ARCHIVE);
     let mut weather = None;
