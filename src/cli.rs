@@ -9,6 +9,7 @@ mod energyplus;
 mod everywhere;
 mod export;
 mod misplaced;
+mod partition;
 mod pv;
 mod quality;
 mod recombine;
@@ -34,12 +35,13 @@ use self::choice::choice;
 pub use self::audit::AuditArgs;
 pub use self::build::{BuildArgs, PlanArgs};
 pub use self::buildings::{BuildingsArgs, ModuleSize, PlaceOn, PlacesArgs, YearArgs};
-pub use self::choice::name_of;
+pub use self::choice::{by_name, name_of};
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
 pub use self::energyplus::{EnergyplusArgs, Physics};
 pub use self::everywhere::EverywhereArgs;
 pub use self::export::ExportArgs;
 pub use self::misplaced::parse;
+pub use self::partition::{CatalogueArgs, FindArgs, PartitionArgs};
 pub use self::pv::PvArgs;
 pub use self::quality::{AccuracyArgs, Percent, parse_negligible};
 pub use self::recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, TableArgs};
@@ -73,6 +75,12 @@ pub enum Command {
     Receivers(ReceiversArgs),
     /// Trace every receiver of a scene once and store its layers in an archive
     Build(BuildArgs),
+    /// Cut a region into parts that are built one by one, on any machines, and are asked like one archive
+    Partition(PartitionArgs),
+    /// A static STAC catalogue of the parts of an atlas
+    Catalogue(CatalogueArgs),
+    /// Which parts of an atlas lie in a box
+    Find(FindArgs),
     /// What a build would trace, what it would cost, and what leaving an effect out could cost
     Plan(PlanArgs),
     /// What accuracy costs on a site: the ladder of settings on some of its receivers, as tables, pictures and a page

@@ -10,17 +10,43 @@ use crate::cli::{
 };
 use heliotile_builder::settings::{EffectChoice, Share};
 
+/// What the plan of an atlas says of its parts.
+const PLANNED: [&str; 18] = [
+    "receivers",
+    "output",
+    "materials",
+    "materials_only",
+    "no_ground",
+    "crs",
+    "latitude",
+    "longitude",
+    "rotate_deg",
+    "elevation",
+    "scale",
+    "effects",
+    "negligible",
+    "weather",
+    "store",
+    "no_scene",
+    "error",
+    "set",
+];
+
 #[derive(Args, Debug)]
 #[command(group(clock_of("weather_files")), group(weather_files()))]
 pub struct BuildArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
-    #[arg(long, short)]
-    pub receivers: PathBuf,
+    #[arg(long, short, required_unless_present = "part")]
+    pub receivers: Option<PathBuf>,
     /// Archive to write
-    #[arg(long, short, value_name = "SITE.helio")]
-    pub output: PathBuf,
+    #[arg(long, short, value_name = "SITE.helio", required_unless_present = "part")]
+    pub output: Option<PathBuf>,
+    /// Build one part of the atlas that SCENE is the folder of, by its name or number, or `all` of them; what it is built from and with
+    /// stands in the atlas
+    #[arg(long, value_name = "K", conflicts_with_all = PLANNED)]
+    pub part: Option<String>,
     /// Said by older command lines: a build goes on anyway where one of the same inputs was interrupted
     #[arg(long, hide = true)]
     #[allow(dead_code)] // Taken, and nothing follows from it.

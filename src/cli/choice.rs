@@ -31,6 +31,11 @@ pub fn name_of<T: NamedValues + PartialEq>(value: &T) -> &'static str {
     T::VALUES.iter().find(|(.., other)| other == value).map_or("", |(name, ..)| name)
 }
 
+/// The value of a name.
+pub fn by_name<T: NamedValues>(name: &str) -> Option<T> {
+    T::VALUES.iter().find(|(known, ..)| *known == name).map(|(.., value)| value.clone())
+}
+
 impl NamedValues for Access {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("map", "Through a mapping: fastest once the file is in memory", Access::Mapped),

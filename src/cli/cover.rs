@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 use super::SceneArgs;
 
@@ -22,7 +23,8 @@ pub struct ReceiversArgs {
 }
 
 /// Where receivers are put.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CoverArgs {
     /// Surfaces to cover: roof, wall, window, ground, floor (what looks down), shade, all, or names of materials [default: roofs, walls
     /// and windows, floors outdoors of a model of a building; of those what the sun may reach]
@@ -47,7 +49,7 @@ pub struct CoverArgs {
 }
 
 /// A length: `2m`, `50cm`, `20mm`, or a number of metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Metres(pub f64);
 
 impl FromStr for Metres {

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 use heliotile_core::error;
 use heliotile_scene::placing::frame::{SiteFrame, check_elevation, check_epsg, check_rotation, check_scale};
 use heliotile_scene::site::{MissingGround, Site};
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SceneArgs {
     /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl), terrain (.tif,
     /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz; metres,
@@ -22,7 +24,8 @@ pub struct SceneArgs {
 }
 
 /// What surfaces reflect, and whether there is ground.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MaterialsArgs {
     /// Reflectances, one table per material name: they win over those that the files state; materials without a table keep theirs, or
     /// usual ones
@@ -49,7 +52,8 @@ impl MaterialsArgs {
 }
 
 /// Where a scene lies, how it is turned, and the unit of its files; each counts more than what files say.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlaceArgs {
     /// Coordinate reference system of the scene's coordinates, in metres: EPSG:28992 or 28992
     #[arg(long, value_name = "EPSG", value_parser = parse_crs)]

@@ -1,9 +1,11 @@
 //! What an archive holds (`info`) and whether it is whole (`verify`).
 
 use std::fmt::Write;
+use std::path::Path;
 
+use super::atlas::plan::is_atlas;
 use super::horizon::nothing_seen;
-use super::{Outcome, is_archive, say, scene, warn};
+use super::{Outcome, atlas, is_archive, say, scene, warn};
 use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
 use crate::files::open_archive;
 use heliotile_core::archive;
@@ -29,6 +31,7 @@ macro_rules! line {
 /// `heliotile info`.
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
     let path = match args.files.as_slice() {
+        [path] if is_atlas(path) => return atlas::about::info(path).map(|()| Outcome::Fine),
         [path] if is_archive(path) => path,
         files => return scene::info(&args.surfaces.site(files)?.framed(&args.place.frame())),
     };
@@ -176,12 +179,25 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
 pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
-    let report = archive::verify(&args.archive, args.io, args.deep)?;
+    if !is_atlas(&args.archive) {
+        return verify_archive(&args.archive, args);
+    }
+    let mut outcome = Outcome::Fine;
+    for part in atlas::about::built(&args.archive)? {
+        if verify_archive(&part, args)? == Outcome::ProblemFound {
+            outcome = Outcome::ProblemFound;
+        }
+    }
+    Ok(outcome)
+}
+
+fn verify_archive(path: &Path, args: &VerifyArgs) -> Result<Outcome> {
+    let report = archive::verify(path, args.io, args.deep)?;
     let mut out = String::new();
     for problem in &report.problems {
         line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);
     }
-    let (path, bad) = (args.archive.display(), report.problems.len());
+    let (path, bad) = (path.display(), report.problems.len());
     let blocks = counted(report.blocks, "block");
     line!(out, "{path}: {blocks}, {} bytes checked, {bad} bad", report.stored_bytes);
     say(&out)?;

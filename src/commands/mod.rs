@@ -1,5 +1,6 @@
 //! Commands: the stories of the program, told once each. No physics here.
 
+pub mod atlas;
 pub mod audit;
 pub mod build;
 mod console;
@@ -62,6 +63,9 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
     set_up(everywhere)?;
     match command {
         Command::Build(args) => build::run(args),
+        Command::Partition(args) => atlas::partition::run(args),
+        Command::Catalogue(args) => atlas::catalogue::catalogue(args),
+        Command::Find(args) => atlas::catalogue::find(args),
         Command::Plan(args) => build::plan(args),
         Command::Receivers(args) => receivers::run(args),
         Command::Tradeoff(args) => tradeoff::run(args),

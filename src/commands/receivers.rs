@@ -27,6 +27,8 @@ use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{Density, MOST_POINTS, Piece, cover};
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
 use heliotile_scene::load::Soup;
+use heliotile_scene::mesh::bounds;
+use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::semantics::{ObjectNote, SourceFace, SurfaceKind};
 use heliotile_scene::site::Site;
 
@@ -65,8 +67,8 @@ impl Covered {
     pub fn all(&self) -> impl Iterator<Item = Row<'_>> {
         self.chosen.iter().flat_map(|chosen| {
             let surface = &self.surfaces.list[chosen.surface];
-            let numbered = chosen.pieces.iter().zip(&chosen.lying).enumerate();
-            numbered.map(move |(i, (piece, lying))| (format!("{}#{}", surface.name, i + 1), piece, surface, *lying))
+            let pieces = chosen.pieces.iter().zip(&chosen.lying);
+            pieces.map(move |(piece, lying)| (format!("{}#{}", surface.name, piece.number), piece, surface, *lying))
         })
     }
 
@@ -108,17 +110,31 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Reads a scene and covers it.
+/// Reads a scene and covers it; says what is odd about it.
 pub(super) fn cover_site(site: &Site, args: &CoverArgs) -> Result<(Scene, Covered)> {
     let (scene, soup) = Scene::load_with_objects(site)?;
-    scene.report.warnings.iter().for_each(|w| warn(w));
-    // Standard output may be the table.
-    scene.report.notes.iter().for_each(|note| remark_aside(&format!("{note}\n")));
-    let covered = cover_scene(&scene, soup, args)?;
+    // Before what may fail.
+    say_of(&scene);
+    let covered = cover_scene(&scene, soup, args, site.within.as_ref())?;
     Ok((scene, covered))
 }
 
-fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
+/// The same, and says nothing of the scene.
+pub(super) fn cover_quietly(site: &Site, args: &CoverArgs) -> Result<(Scene, Covered)> {
+    let (scene, soup) = Scene::load_with_objects(site)?;
+    let covered = cover_scene(&scene, soup, args, site.within.as_ref())?;
+    Ok((scene, covered))
+}
+
+/// Says what is odd about a scene.
+pub(super) fn say_of(scene: &Scene) {
+    scene.report.warnings.iter().for_each(|w| warn(w));
+    // Standard output may be a table.
+    scene.report.notes.iter().for_each(|note| remark_aside(&format!("{note}\n")));
+}
+
+/// Within a part of a region there may be no receiver, and only its own are given.
+fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs, within: Option<&RegionPart>) -> Result<Covered> {
     let surfaces = Surfaces::find(&soup, &scene.materials);
     // The rest of the soup goes.
     let Soup { source_faces: faces, .. } = soup;
@@ -128,13 +144,18 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
             counted(surfaces.turned_objects as u64, "closed object")
         ));
     }
-    let wanted = Wanted::of(args, &scene.materials, &surfaces)?;
+    let wanted = Wanted::of(args, &scene.materials, &surfaces, within.is_some())?;
     let density = match args.per_surface {
         Some(count) => Density::PerSurface(count),
         None => Density::Spacing(args.spacing.0),
     };
     let (mut chosen, mut small, mut beside) = (Vec::new(), (0, 0.0), BTreeMap::new());
-    for (i, surface) in surfaces.list.iter().enumerate().filter(|(_, surface)| wanted.asks(surface)) {
+    let reaches = |surface: &Surface| {
+        let (low, high) = bounds(surface.triangles.iter().flatten().copied());
+        within.is_none_or(|part| part.touches(low, high))
+    };
+    let asked = surfaces.list.iter().enumerate().filter(|(_, surface)| wanted.asks(surface) && reaches(surface));
+    for (i, surface) in asked {
         let note = &surfaces.objects[surface.object].1;
         if !wanted.takes_object(surface, note) {
             *beside.entry(note.object_type.clone()).or_default() += surface.area_m2;
@@ -157,7 +178,8 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
     let chosen: Vec<ChosenSurface> = chosen
         .into_par_iter()
         .map(|surface| {
-            let pieces = cover(&surfaces.list[surface], density);
+            let mut pieces = cover(&surfaces.list[surface], density);
+            pieces.retain(|piece| within.is_none_or(|part| part.owns(piece.position)));
             let lying = pieces.par_iter().map(|piece| lie(piece, args.offset.0, scene, &tracer)).collect();
             progress.advance(1);
             ChosenSurface { surface, pieces, lying }
@@ -165,7 +187,7 @@ fn cover_scene(scene: &Scene, soup: Soup, args: &CoverArgs) -> Result<Covered> {
         .collect();
     drop(progress);
     let covered = Covered { surfaces, faces, chosen, small, beside };
-    if covered.count(Lying::Free) == 0 {
+    if within.is_none() && covered.count(Lying::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
         let hint = match (covered.chosen.is_empty(), covered.count(Lying::Inside)) {
             (true, _) => {
@@ -238,14 +260,17 @@ struct Wanted {
     materials: Vec<u16>,
     /// Whether it was `all`, what lies in the ground too.
     all: bool,
+    /// Whether a material is asked for that this part of the region does not have.
+    missing: bool,
     /// Types of objects, in lower case; without any, buildings.
     types: Vec<String>,
 }
 
 impl Wanted {
-    fn of(args: &CoverArgs, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
+    /// In a part of a region, what is asked for may be missing.
+    fn of(args: &CoverArgs, materials: &[Material], surfaces: &Surfaces, is_part: bool) -> Result<Wanted> {
         let types = args.types.iter().map(|name| name.trim().to_lowercase()).collect();
-        let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new(), all: false, types };
+        let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new(), all: false, missing: false, types };
         for name in args.on.iter().map(|name| name.trim()) {
             let kind = SurfaceKind::ALL.into_iter().find(|kind| kind.name() == name.to_lowercase());
             let material = materials.iter().position(|material| material.name == name);
@@ -256,11 +281,15 @@ impl Wanted {
                 }
                 (_, Some(kind), _) => wanted.kinds.push(kind),
                 (_, None, Some(material)) => wanted.materials.push(material as u16),
+                (_, None, None) if is_part => wanted.missing = true,
                 (_, None, None) => {
                     let what = format!("there is no kind of surface and no material `{name}`");
                     return Err(Error::argument("--on", what, choice(materials, surfaces)));
                 }
             }
+        }
+        if is_part {
+            return Ok(wanted);
         }
         let mut of_type = surfaces.list.iter().map(|surface| (surface, &surfaces.objects[surface.object].1));
         let unknown = |name: &&String| {
@@ -287,7 +316,7 @@ impl Wanted {
         let named = self.materials.contains(&surface.material);
         let reached = self.all || surface.exposed != Some(false);
         let of_kind = match surface.kind {
-            kind if !self.kinds.is_empty() || !self.materials.is_empty() => self.kinds.contains(&kind),
+            kind if !self.kinds.is_empty() || !self.materials.is_empty() || self.missing => self.kinds.contains(&kind),
             SurfaceKind::Roof | SurfaceKind::Wall | SurfaceKind::Window => true,
             // The floor of a storey that juts out; that of a city model lies on the ground.
             SurfaceKind::Floor => surface.exposed == Some(true),

@@ -21,6 +21,7 @@ pub mod receivers;
 pub mod results;
 pub mod shapes;
 pub mod sink;
+pub mod stac;
 pub mod tables;
 pub mod view_factors;
 pub mod viewer_page;

@@ -12,7 +12,7 @@
 //! - No ray is cast, nothing is known of archives, nothing is printed: what was odd stands in [`LoadReport`].
 //! - Equal scenes are equal meshes, whatever the order of faces, vertices and files.
 //!
-//! # Ten words
+//! # Eleven words
 //!
 //! - **site**: scene files with their materials, places and scales, as `site.toml` or a command line lists them.
 //! - **scene**: one mesh with a material for every triangle.
@@ -22,6 +22,7 @@
 //! - **class**: ground or obstruction; **group**: materials that follow one schedule at replay.
 //! - **focus**: where positions keep their millimetres beside far terrain.
 //! - **thinning**: leaving out samples of terrain that no horizon shows.
+//! - **region part**: a rectangle of a region that is built by itself; its **halo** is how far around it neighbours count.
 //! - **buried**: inside a neighbour or below the terrain.
 //! - **endless ground**: a plane that goes on beyond the scene; where files have no ground one is assumed, if the site asks for it.
 
@@ -44,8 +45,10 @@ pub mod placing;
 mod polygon;
 pub mod pv;
 pub mod reference;
+pub mod region_part;
 pub mod semantics;
 pub mod site;
+pub mod survey;
 mod terrain;
 #[cfg(test)]
 mod tests;

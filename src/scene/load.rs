@@ -23,6 +23,7 @@ use crate::placing::plausible::doubts;
 use crate::placing::whereabouts::place_of;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
+use crate::region_part::RegionPart;
 use crate::semantics::{ObjectNote, SourceFace};
 use crate::site::{MissingGround, Part, Site};
 use crate::terrain::focus::Focus;
@@ -97,6 +98,15 @@ struct Pile {
     by_month: Option<MonthlyGround>,
     /// Centre of all geometry but far terrain, if there is such terrain.
     focus: Option<DVec3>,
+    aside: Aside,
+}
+
+/// Triangles that only receivers beyond a part of a region see: surfaces are whole with them.
+#[derive(Default)]
+struct Aside {
+    triangles: Vec<RawTriangle>,
+    objects: Vec<u32>,
+    faces: Vec<u32>,
 }
 
 impl Scene {
@@ -137,6 +147,9 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             Content::Terrain(raster) => rasters.push((part, raster.placed(part)?)),
         }
     }
+    if let Some(part) = &site.within {
+        pile.cut(part);
+    }
     let has_terrain = !rasters.is_empty();
     pile.add_rasters(rasters, &mut palette)?;
     let mut ground = palette.ground();
@@ -147,6 +160,20 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
 }
 
 impl Pile {
+    /// Puts aside what receivers in a part of the region do not see.
+    fn cut(&mut self, part: &RegionPart) {
+        let seen = part.seen(&self.positions, &self.triangles, &self.objects);
+        let kept_before = |end: usize| seen.iter().take(end).filter(|seen| **seen).count();
+        for model in &mut self.models {
+            model.triangles = kept_before(model.triangles.start)..kept_before(model.triangles.end);
+        }
+        self.aside = Aside {
+            triangles: parted(&mut self.triangles, &seen),
+            objects: parted(&mut self.objects, &seen),
+            faces: parted(&mut self.faces, &seen),
+        };
+    }
+
     /// Meshes rasters as the horizon of what was added before, if anything was.
     fn add_rasters(&mut self, rasters: Vec<(&Part, Raster)>, palette: &mut Palette) -> Result<()> {
         let used = self.triangles.iter().flat_map(|t| t.corners).filter_map(|i| self.positions.get(i as usize));
@@ -347,14 +374,23 @@ impl Pile {
         let place = place_of(&self.extents, &site.frame, &mut self.report)?;
         doubts(&self.extents, &mut self.report)?;
         let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, by_month, .. } = self;
-        let (notes, faces, source_faces) = (self.notes, self.faces, self.source_faces);
+        let (notes, mut faces, source_faces, aside) = (self.notes, self.faces, self.source_faces, self.aside);
         let mut late = Vec::new();
         if let Some((ground, material)) = ground {
             late.extend(ground.add(&mut positions, &mut triangles, material));
             objects.resize(triangles.len(), names.id(crate::ground::endless::NAME));
         }
+        let of_scene = triangles.len();
+        if keep {
+            triangles.extend(aside.triangles);
+            objects.extend(aside.objects);
+            // Triangles of no file have no face.
+            faces.resize(of_scene, u32::MAX);
+            faces.extend(aside.faces);
+        }
         let sorted = rank_by_name(&palette.names(), &mut triangles);
         let soup = if keep { triangles.clone() } else { Vec::new() };
+        triangles.truncate(of_scene);
         let Canonical { mesh, used, dropped } = canonical(&positions, triangles, focus)?;
         if mesh.triangles.is_empty() {
             let file = site.parts.first().map_or(Path::new(""), |part| &part.file);
@@ -385,4 +421,12 @@ impl Pile {
         };
         Ok((Scene { mesh, materials, place, ground: by_month, report }, soup))
     }
+}
+
+/// Takes out what is not kept; of a list that is shorter, the rest counts as none.
+fn parted<T: Copy>(list: &mut Vec<T>, kept: &[bool]) -> Vec<T> {
+    let out = list.iter().zip(kept).filter_map(|(item, kept)| (!kept).then_some(*item)).collect();
+    let mut flags = kept.iter();
+    list.retain(|_| flags.next().copied().unwrap_or(true));
+    out
 }

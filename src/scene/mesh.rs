@@ -205,7 +205,8 @@ fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (ab / scale).cross(ac / scale).normalize()
 }
 
-pub(super) fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+/// Least and greatest corner of some points; infinite, the least above the greatest, without any.
+pub fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, greatest), point| {
         (least.min(point), greatest.max(point))
     })

@@ -10,6 +10,7 @@ use crate::coordinate::is_position;
 use crate::input;
 use crate::placing::frame::{SiteFrame, check_elevation, check_rotation, check_scale};
 use crate::reference::Reference;
+use crate::region_part::RegionPart;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 
@@ -22,6 +23,8 @@ pub struct Site {
     pub frame: SiteFrame,
     /// What is done where none of them has ground.
     pub missing_ground: MissingGround,
+    /// The part of it that is built by itself, if it is not built as a whole.
+    pub within: Option<RegionPart>,
 }
 
 /// What lies below the horizon of a scene whose files have no ground.

@@ -8,8 +8,8 @@ use std::time::Duration;
 use super::horizon::nothing_seen;
 use super::terminal::Terminal;
 use super::{
-    Outcome, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, remark, same_file, say, warn,
-    workspace, workspace_beside,
+    Outcome, atlas, guard_archive, guard_site, interrupt, load_scene, read_receivers, read_suns, remark, same_file,
+    say, warn, workspace, workspace_beside,
 };
 use crate::cli::{AccuracyArgs, BuildArgs, ClockArgs, Percent, PlanArgs};
 use heliotile_builder::accuracy::conditions::ErrorConditions;
@@ -24,12 +24,21 @@ use heliotile_scene::Scene;
 
 /// `heliotile build`.
 pub fn run(args: &BuildArgs) -> Result<Outcome> {
-    let inputs = [Some(args.receivers.as_path()), args.accuracy.error_weather.as_deref(), args.weather.as_deref()];
-    guard_site(&args.output, &args.scene.site()?, &inputs)?;
-    guard_archive(&args.output)?;
+    match (&args.part, &args.receivers, &args.output) {
+        (Some(part), ..) => atlas::part::build(args, part),
+        (None, Some(receivers), Some(output)) => build(args, receivers, output),
+        _ => Err(Error::argument("--output", "an archive and its receivers have to be named", "-r FILE -o SITE.helio")),
+    }
+}
+
+/// Of a scene and receivers on it.
+fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
+    let inputs = [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref()];
+    guard_site(output, &args.scene.site()?, &inputs)?;
+    guard_archive(output)?;
     let scene = load_scene(&args.scene)?;
-    let workspace = workspace_beside(&args.output, args.memory);
-    let mut receivers = read_receivers(&args.receivers, &scene, &workspace)?;
+    let workspace = workspace_beside(output, args.memory);
+    let mut receivers = read_receivers(receivers, &scene, &workspace)?;
     let under = weighed_under((args.weather.as_deref(), args.negligible), &args.about_weather, &scene)?;
     let asked = BuildRequest {
         settings: BuildSettings { share: args.share, ..settings_of(&args.accuracy)? },
@@ -41,7 +50,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
         store: args.store.as_deref().map(Folder::create).transpose()?,
     };
     let output = Output {
-        path: args.output.clone(),
+        path: output.to_owned(),
         start: if args.fresh { Start::Fresh } else { Start::Resume },
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
     };

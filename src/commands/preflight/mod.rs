@@ -82,12 +82,19 @@ impl<'a> Files<'a> {
                 self.write_if(&args.buried, Written::Csv);
             }
             Command::Build(args) => {
-                self.scene(&args.scene);
-                self.read(&args.receivers, Wanted::Receivers);
+                // What is an atlas is seen when it is read.
+                if args.part.is_none() {
+                    self.scene(&args.scene);
+                }
+                self.read_if(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.read_if(&args.weather, Wanted::Weather);
-                self.write(&args.output, Written::Archive);
+                self.write_if(&args.output, Written::Archive);
                 self.write_if(&args.store, Written::Folder);
+            }
+            Command::Partition(args) => {
+                self.scene(&args.scene);
+                self.write(&args.output, Written::Folder);
             }
             Command::Plan(args) => {
                 self.scene(&args.scene);
@@ -168,7 +175,8 @@ impl<'a> Files<'a> {
                 StudyCommand::Wall(args) => self.write(&args.output, Written::Folder),
             },
             Command::Man(args) => self.write(&args.output, Written::Folder),
-            Command::Store(_) | Command::Completions(_) => {}
+            // What is an atlas is seen when it is read.
+            Command::Catalogue(_) | Command::Find(_) | Command::Store(_) | Command::Completions(_) => {}
         }
     }
 

@@ -40,6 +40,8 @@ impl Density {
 /// A part of a surface and the point that stands for it.
 #[derive(Clone, Debug)]
 pub struct Piece {
+    /// Place among the pieces of its surface, from 1.
+    pub number: usize,
     /// On the surface, input coordinates.
     pub position: DVec3,
     /// Mean over the piece, unit length.
@@ -62,6 +64,7 @@ pub fn cover(surface: &Surface, density: Density) -> Vec<Piece> {
     let mut pieces = Vec::with_capacity(count);
     let shards = surface.triangles.iter().copied().zip(surface.faces.iter().copied()).collect();
     divide(shards, count, &frame, &mut pieces);
+    (1..).zip(&mut pieces).for_each(|(number, piece)| piece.number = number);
     pieces
 }
 
@@ -254,7 +257,7 @@ fn piece(shards: Vec<Shard>, frame: &Frame) -> Option<Piece> {
         }
     };
     let triangles = shards.into_iter().map(|shard| shard.0).collect();
-    position.is_finite().then_some(Piece { position, normal, area_m2, triangles, face })
+    position.is_finite().then_some(Piece { number: 0, position, normal, area_m2, triangles, face })
 }
 
 fn contains(&[a, b, c]: &[DVec2; 3], p: DVec2) -> bool {

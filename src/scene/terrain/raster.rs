@@ -201,6 +201,14 @@ impl Raster {
         (self.plan(0, last_row), self.plan(last_column, 0))
     }
 
+    /// Lowest and highest corner of its samples, of which one at least is known.
+    pub(crate) fn extent(&self) -> [DVec3; 2] {
+        let (low, high) = self.bounds();
+        // NaN is passed over.
+        let heights = self.heights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
+        [low.extend(f64::from(heights.0)), high.extend(f64::from(heights.1))]
+    }
+
     /// Lowers every sample by what `drop_m` gives for its position.
     pub(super) fn lower(&mut self, drop_m: impl Fn(DVec2) -> f64) {
         let (columns, grid) = (self.grid.columns, self.grid);

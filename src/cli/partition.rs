@@ -1,0 +1,76 @@
+//! Arguments of `partition`, `catalogue` and `find`: a region in parts.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::choice::choice;
+use super::{Bytes, CoverArgs, Metres, SceneArgs, parse_bounds, parse_memory};
+use heliotile_builder::settings::Quality;
+use heliotile_builder::transfer::Bounds;
+
+#[derive(Args, Debug)]
+pub struct PartitionArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder of the atlas: atlas.json, and a folder for each part once it is built
+    #[arg(long, short, value_name = "ATLAS")]
+    pub output: PathBuf,
+    /// Side of a part; parts lie on multiples of it in the scene's coordinates
+    #[arg(long, value_name = "LENGTH", default_value = "500m")]
+    pub part_size: Metres,
+    /// How far around a part everything counts
+    #[arg(long, value_name = "LENGTH", default_value = "300m")]
+    pub halo: Metres,
+    /// Beyond the halo, what rises by more than this above the horizon counts, too, degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 5.0, value_parser = parse_skyline)]
+    pub skyline: f64,
+    #[command(flatten)]
+    pub cover: CoverArgs,
+    /// Rung of the accuracy ladder, of all parts
+    #[arg(long, value_parser = choice::<Quality>(), default_value = "standard")]
+    pub quality: Quality,
+    /// One of the settings that `info` lists, of all parts, such as `--set hit=16`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Leave the scene's triangles out of the archives, for those who may not pass them on
+    #[arg(long)]
+    pub no_scene: bool,
+    /// Receivers that are traced with three times the halo, too, to say what the halo costs; 0 leaves that out
+    #[arg(long, value_name = "N", default_value_t = 96)]
+    pub sample: usize,
+    /// Write another plan over one of which nothing is built
+    #[arg(long)]
+    pub replace: bool,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}
+
+fn parse_skyline(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if (0.1..=90.0).contains(&degrees) => Ok(degrees),
+        _ => Err("give an angle from 0.1 to 90 (nothing beyond the halo) degrees".into()),
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct CatalogueArgs {
+    /// Folder of the atlas
+    pub atlas: PathBuf,
+    /// What people call it [default: the folder's name]
+    #[arg(long)]
+    pub title: Option<String>,
+    /// Licence of its data: an SPDX name such as CC-BY-4.0
+    #[arg(long, value_name = "NAME", default_value = "other")]
+    pub license: String,
+}
+
+#[derive(Args, Debug)]
+pub struct FindArgs {
+    /// Folder of the atlas
+    pub atlas: PathBuf,
+    /// Box that parts touch, scene coordinates in metres: xmin,ymin,xmax,ymax; without it, all
+    #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds)]
+    pub bbox: Option<Bounds>,
+}

@@ -1,0 +1,83 @@
+//! What an atlas holds (`info`) and whether its parts are whole (`verify`). In: the folder of an atlas. Out: text.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::part::{PartState, state};
+use super::plan::AtlasPlan;
+use crate::commands::say;
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
+
+/// Parts that are listed as missing.
+const NAMED: usize = 8;
+
+/// Archives of the parts that are built.
+pub fn built(atlas: &Path) -> Result<Vec<PathBuf>> {
+    let plan = AtlasPlan::read(atlas)?;
+    let built = |part| match state(atlas, part) {
+        PartState::Built(path) => Some(path),
+        PartState::Empty | PartState::Missing => None,
+    };
+    let paths: Vec<PathBuf> = plan.parts.iter().filter_map(built).collect();
+    match paths.is_empty() {
+        true => Err(Error::input(atlas, None, "has no part that is built", "heliotile build ATLAS --part all")),
+        false => Ok(paths),
+    }
+}
+
+/// `heliotile info ATLAS`.
+pub fn info(atlas: &Path) -> Result<()> {
+    let plan = AtlasPlan::read(atlas)?;
+    let (mut receivers, mut bytes, mut built, mut empty, mut missing) = (0, 0, 0, 0, Vec::new());
+    for part in &plan.parts {
+        match state(atlas, part) {
+            PartState::Built(path) => {
+                receivers += Archive::open_with(&path, Access::Read)?.manifest().receivers.count;
+                bytes += path.metadata().map_err(Error::io(&path, "read the length of"))?.len();
+                built += 1;
+            }
+            PartState::Empty => empty += 1,
+            PartState::Missing => missing.push(part.name.as_str()),
+        }
+    }
+    let mut out = format!("{}\n", atlas.display());
+    // Writing to a string cannot fail.
+    let mut line = |name: &str, text: String| {
+        let _ = writeln!(out, "  {name:<11} {text}");
+    };
+    line(
+        "parts",
+        format!(
+            "{} of {} m; {} m around them count, and what rises by {} degrees",
+            plan.parts.len(),
+            plan.part_size_m,
+            plan.halo_m,
+            plan.skyline_deg
+        ),
+    );
+    line("scene", counted(plan.files.len() as u64, "file"));
+    line("built", format!("{built}: {}, {:.1} MB", counted(receivers, "receiver"), bytes as f64 / 1e6));
+    if empty > 0 {
+        line("", format!("{empty} without receivers"));
+    }
+    if let Some(first) = missing.first() {
+        let more = if missing.len() > NAMED { ", ..." } else { "" };
+        let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
+        line("to build", format!("{}: {named}{more} (heliotile build ATLAS --part {first})", missing.len()));
+    }
+    if let Some(seams) = &plan.seams {
+        let parts = counted(seams.parts as u64, "part");
+        line(
+            "seams",
+            format!(
+                "beside three times the halo, {} receivers of {parts}: RMSE {} % of the mean total, bias {:+} %",
+                seams.receivers, seams.rmse_percent, seams.bias_percent
+            ),
+        );
+        let parts = seams.components_percent.iter().filter(|(_, percent)| **percent > 0.0);
+        line("", parts.map(|(name, percent)| format!("{name} {percent} %")).collect::<Vec<_>>().join(", "));
+    }
+    say(&out)
+}

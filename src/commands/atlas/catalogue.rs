@@ -1,0 +1,131 @@
+//! `heliotile catalogue` and `heliotile find`: what an atlas holds, for programs that know STAC, and which parts lie where. In: an atlas.
+//! Out: `collection.json` beside the plan and `item.json` beside each archive; a list of parts.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+
+use super::about;
+use super::part::{PartState, state};
+use super::plan::{AtlasPlan, PlannedPart};
+use crate::cli::{CatalogueArgs, FindArgs};
+use crate::commands::{Outcome, remark, say, warn};
+use crate::outputs::shapes::MapCrs;
+use crate::outputs::sink::write_texts;
+use crate::outputs::stac::{COLLECTION, StacAsset, StacItem, collection};
+use crate::outputs::tables::quoted;
+use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
+
+/// Beside the archive of a part.
+const ITEM: &str = "item.json";
+
+/// `heliotile catalogue`.
+pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
+    let (atlas, plan) = (args.atlas.as_path(), AtlasPlan::read(&args.atlas)?);
+    let whole = std::path::absolute(atlas).map_err(Error::io(atlas, "find"))?;
+    let name = whole.file_name().map_or("atlas".into(), |name| name.to_string_lossy().into_owned());
+    let built: Vec<(&PlannedPart, PathBuf)> = plan
+        .parts
+        .iter()
+        .filter_map(|part| match state(atlas, part) {
+            PartState::Built(path) => Some((part, path)),
+            PartState::Empty | PartState::Missing => None,
+        })
+        .collect();
+    let Some((_, first)) = built.first() else { return about::built(atlas).map(|_| Outcome::Fine) };
+    let crs = crs_of(first)?;
+    if !crs.has_degrees() {
+        warn("nobody says where the atlas lies on Earth: items have no footprint (partition it with --crs)");
+    }
+    let item = |(part, path): &(&PlannedPart, PathBuf)| item(part, path, &plan, &name);
+    let items: Vec<(StacItem, String)> = built.par_iter().map(item).collect::<Result<_>>()?;
+    for ((item, _), (_, path)) in items.iter().zip(&built) {
+        let folder = path.parent().unwrap_or(atlas);
+        write_texts(folder, &[(ITEM, text(&item.json(&crs)))])?;
+    }
+    let title = args.title.as_deref().unwrap_or(&name);
+    let json = collection(&name, title, &args.license, &items, &crs);
+    write_texts(atlas, &[(COLLECTION, text(&json))])?;
+    let missing = plan.parts.iter().filter(|part| state(atlas, part) == PartState::Missing).count();
+    if missing > 0 {
+        warn(&format!("{} not built yet, and not in the catalogue", counted(missing as u64, "part")));
+    }
+    remark(&format!("{}: {}\n", atlas.join(COLLECTION).display(), counted(items.len() as u64, "item")))?;
+    Ok(Outcome::Fine)
+}
+
+fn text(json: &Value) -> String {
+    format!("{json:#}\n")
+}
+
+/// The system of an archive's coordinates.
+fn crs_of(path: &Path) -> Result<MapCrs> {
+    let archive = Archive::open_with(path, Access::Read)?;
+    let [low, high] = archive.manifest().scene.bounds_m.map(DVec3::from);
+    Ok(MapCrs::of(archive.manifest().place.as_ref(), 0.5 * (low + high)))
+}
+
+fn item(part: &PlannedPart, path: &Path, plan: &AtlasPlan, name: &str) -> Result<(StacItem, String)> {
+    let archive = Archive::open_with(path, Access::Read)?;
+    let (manifest, within) = (archive.manifest(), plan.region_part(part));
+    let file = File::open(path).map_err(Error::io(path, "open"))?;
+    let about = file.metadata().map_err(Error::io(path, "read the length of"))?;
+    let checksum = blake3::Hasher::new().update_reader(file).map_err(Error::io(path, "read"))?.finalize();
+    let mut properties = Map::new();
+    let mut state = |key: &str, value: Value| properties.insert(format!("heliotile:{key}"), value);
+    state("root", format::hex(&archive.root()).into());
+    state("receivers", manifest.receivers.count.into());
+    state("quality", manifest.settings.quality.clone().into());
+    state(
+        "settings",
+        manifest.settings.numbers().map(|(setting, value)| (setting.name.to_owned(), json!(value))).collect(),
+    );
+    state("halo_m", plan.halo_m.into());
+    if let Some(seams) = &plan.seams {
+        state("seams_rmse_percent", seams.rmse_percent.into());
+    }
+    let written = about.modified().map_err(Error::io(path, "read the time of"))?;
+    let file_name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let item = StacItem {
+        id: part.name.clone(),
+        collection: name.to_owned(),
+        low: within.low,
+        high: within.high,
+        written,
+        properties,
+        assets: vec![StacAsset::archive(&file_name, about.len(), checksum)],
+    };
+    Ok((item, format!("parts/{}/{ITEM}", part.name)))
+}
+
+/// `heliotile find`: parts that a box touches, one a line.
+pub fn find(args: &FindArgs) -> Result<Outcome> {
+    let plan = AtlasPlan::read(&args.atlas)?;
+    let mut out = String::from("part,x,y,state,archive\n");
+    let mut found = 0;
+    for part in &plan.parts {
+        let within = plan.region_part(part);
+        if !args.bbox.is_none_or(|bounds| within.touches(bounds.low, bounds.high)) {
+            continue;
+        }
+        found += 1;
+        let DVec2 { x, y } = within.low;
+        let (state, path) = match state(&args.atlas, part) {
+            PartState::Built(path) => ("built", path.display().to_string()),
+            PartState::Empty => ("empty", String::new()),
+            PartState::Missing => ("missing", String::new()),
+        };
+        out += &format!("{},{x},{y},{state},{}\n", part.name, quoted(&path));
+    }
+    if found == 0 {
+        let what = "no part of it lies in the box";
+        return Err(Error::input(&args.atlas, None, what, "--bbox is in the coordinates of the scene files"));
+    }
+    say(&out)?;
+    Ok(Outcome::Fine)
+}

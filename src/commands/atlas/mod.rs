@@ -1,0 +1,9 @@
+//! A region in parts: how it is cut (`partition`), and one of its parts built (`build --part`). An atlas is a folder with the plan and a
+//! folder for each part that is built (`info`, `verify` look into it).
+
+pub mod about;
+pub mod catalogue;
+pub mod part;
+pub mod partition;
+pub mod plan;
+mod seams;

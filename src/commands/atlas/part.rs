@@ -1,0 +1,97 @@
+//! `heliotile build --part`: one part of a region. In: an atlas, the name or number of a part. Out: its receivers and its archive, in a
+//! folder of its own, from nothing but the plan and the scene files near the part; a part that is there is not traced again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::plan::{AtlasPlan, FILE, PlannedPart, is_atlas};
+use crate::cli::BuildArgs;
+use crate::commands::receivers::cover_site;
+use crate::commands::traced::{TraceRequest, up_to_date};
+use crate::commands::{Outcome, interrupt, remark};
+use crate::outputs::sink::write_texts;
+use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::trace::placement::Lying;
+use heliotile_core::error::{Error, Result};
+
+/// The folder of parts in that of an atlas.
+const FOLDER: &str = "parts";
+
+/// The archive of a part.
+const ARCHIVE: &str = "site.helio";
+
+/// Says that no receiver lies in a part.
+const NOTHING: &str = "no-receivers.txt";
+
+/// What is there of a part.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PartState {
+    /// Nothing that is finished.
+    Missing,
+    /// It has no receiver.
+    Empty,
+    /// Its archive.
+    Built(PathBuf),
+}
+
+/// What there is of a part in an atlas.
+pub fn state(atlas: &Path, part: &PlannedPart) -> PartState {
+    let folder = folder_of(atlas, part);
+    let archive = folder.join(ARCHIVE);
+    match () {
+        () if archive.is_file() => PartState::Built(archive),
+        () if folder.join(NOTHING).is_file() => PartState::Empty,
+        () => PartState::Missing,
+    }
+}
+
+fn folder_of(atlas: &Path, part: &PlannedPart) -> PathBuf {
+    atlas.join(FOLDER).join(&part.name)
+}
+
+/// `heliotile build ATLAS --part K`.
+pub fn build(args: &BuildArgs, asked: &str) -> Result<Outcome> {
+    let [atlas] = args.scene.scene.as_slice() else {
+        let what = format!("{} scene files are named beside a part", args.scene.scene.len());
+        return Err(Error::argument("--part", what, "name the folder of the atlas, which knows its files"));
+    };
+    if !is_atlas(atlas) {
+        let what = format!("is no folder of an atlas: it holds no {FILE}");
+        return Err(Error::input(atlas, None, what, "make one with `heliotile partition`"));
+    }
+    let plan = AtlasPlan::read(atlas)?;
+    match asked {
+        "all" => plan.parts.iter().try_for_each(|part| build_part(args, atlas, &plan, part))?,
+        asked => build_part(args, atlas, &plan, plan.part(asked, atlas)?)?,
+    }
+    Ok(Outcome::Fine)
+}
+
+fn build_part(args: &BuildArgs, atlas: &Path, plan: &AtlasPlan, part: &PlannedPart) -> Result<()> {
+    let folder = folder_of(atlas, part);
+    let site = plan.site(plan.region_part(part), atlas)?;
+    let files = site.parts.len();
+    let (scene, covered) = cover_site(&site, &plan.cover)?;
+    if covered.count(Lying::Free) == 0 {
+        fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
+        write_texts(&folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;
+        return remark(&format!("{}: no receiver, nothing to build\n", folder.display()));
+    }
+    let accuracy = plan.accuracy()?;
+    let request = TraceRequest {
+        folder: &folder,
+        receivers: &folder.join("receivers.csv"),
+        archive: &folder.join(ARCHIVE),
+        accuracy: &accuracy,
+        effects: EffectChoice::Auto,
+        with_scene: !plan.no_scene,
+        offset_m: plan.cover.offset.0,
+        replace: args.fresh,
+        memory: args.memory,
+        under: None,
+        about_error_weather: None,
+    };
+    remark(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()))?;
+    up_to_date(&request, &scene, Some(&covered))?;
+    interrupt::stop_if_requested("after a part was complete")
+}

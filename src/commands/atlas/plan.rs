@@ -1,0 +1,249 @@
+//! `atlas.json`: how a region is cut into parts. In: what `partition` was asked for, and where objects lie. Out: parts with their places
+//! and the site of each, the same wherever and whenever it is read.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::seams::Seams;
+use crate::cli::{AccuracyArgs, CoverArgs, SceneArgs};
+use crate::files::read_file;
+use heliotile_builder::settings::Quality;
+use heliotile_core::error::{Error, Result};
+use heliotile_scene::region_part::RegionPart;
+use heliotile_scene::site::Site;
+use heliotile_scene::survey::FileSurvey;
+
+/// Its name in the folder of an atlas.
+pub const FILE: &str = "atlas.json";
+
+/// Of the layout of this file.
+const VERSION: u32 = 1;
+
+/// What to do about a plan that cannot be used.
+const AGAIN: &str = "make it again with `heliotile partition`";
+
+/// A region cut into parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AtlasPlan {
+    heliotile_atlas: u32,
+    /// Side of a part, metres.
+    pub part_size_m: f64,
+    /// How far around a part everything counts, metres.
+    pub halo_m: f64,
+    /// What rises further above the horizon counts beyond the halo, degrees.
+    pub skyline_deg: f64,
+    /// Scene files and what is said of them.
+    pub scene: SceneArgs,
+    /// Where receivers go.
+    pub cover: CoverArgs,
+    /// Name of the rung of the accuracy ladder.
+    quality: String,
+    set: Vec<String>,
+    pub no_scene: bool,
+    /// What the halo costs, if that was looked at.
+    pub seams: Option<Seams>,
+    /// All files of the site, in its order.
+    pub files: Vec<PlannedFile>,
+    /// By their names.
+    pub parts: Vec<PlannedPart>,
+}
+
+/// A file of the site and the box that it fills, metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlannedFile {
+    pub file: PathBuf,
+    pub low: [f64; 3],
+    pub high: [f64; 3],
+}
+
+/// A part that an object touches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlannedPart {
+    /// That of its folder: multiples of the part's size.
+    pub name: String,
+    /// South-west corner, metres.
+    pub low: [f64; 2],
+    /// Objects that touch it.
+    pub objects: usize,
+}
+
+/// What all parts have in common.
+pub struct Cut<'a> {
+    pub part_size_m: f64,
+    pub halo_m: f64,
+    pub skyline_deg: f64,
+    pub scene: SceneArgs,
+    pub cover: &'a CoverArgs,
+    pub quality: Quality,
+    pub set: &'a [String],
+    pub no_scene: bool,
+}
+
+/// Most parts of an atlas: a country in parts of 100 m.
+const MOST_PARTS: usize = 10_000_000;
+
+impl AtlasPlan {
+    /// Cuts a site whose objects lie so.
+    pub fn new(cut: Cut, surveyed: &[FileSurvey]) -> Result<Self> {
+        let any = !(cut.cover.on.is_empty() && cut.cover.types.is_empty());
+        let mut touched: BTreeMap<[i64; 2], usize> = BTreeMap::new();
+        for object in surveyed.iter().flat_map(|file| &file.objects).filter(|object| any || object.is_usual) {
+            let [low, high] = object.bounds.map(|corner| (corner.truncate() / cut.part_size_m).floor().as_i64vec2());
+            for x in low.x..=high.x {
+                for y in low.y..=high.y {
+                    *touched.entry([x, y]).or_default() += 1;
+                    if touched.len() > MOST_PARTS {
+                        let (what, max) = ("the number of parts".to_owned(), MOST_PARTS as u64);
+                        return Err(Error::Limit { what, value: max + 1, max });
+                    }
+                }
+            }
+        }
+        let part = |([x, y], objects): ([i64; 2], usize)| PlannedPart {
+            name: format!("x{x}_y{y}"),
+            low: [x as f64, y as f64].map(|number| number * cut.part_size_m),
+            objects,
+        };
+        let file = |found: &FileSurvey| PlannedFile {
+            file: found.file.clone(),
+            low: found.bounds[0].to_array(),
+            high: found.bounds[1].to_array(),
+        };
+        Ok(AtlasPlan {
+            heliotile_atlas: VERSION,
+            part_size_m: cut.part_size_m,
+            halo_m: cut.halo_m,
+            skyline_deg: cut.skyline_deg,
+            scene: cut.scene,
+            cover: cut.cover.clone(),
+            quality: crate::cli::name_of(&cut.quality).to_owned(),
+            set: cut.set.to_vec(),
+            no_scene: cut.no_scene,
+            seams: None,
+            files: surveyed.iter().map(file).collect(),
+            parts: touched.into_iter().map(part).collect(),
+        })
+    }
+
+    /// Reads that of a folder.
+    pub fn read(atlas: &Path) -> Result<Self> {
+        let path = atlas.join(FILE);
+        let bytes = read_file(&path)?;
+        let refuse = |what: String| Error::input(&path, None, what, AGAIN);
+        #[derive(Deserialize)]
+        struct Version {
+            heliotile_atlas: u32,
+        }
+        let version: Version =
+            serde_json::from_slice(&bytes).map_err(|error| refuse(format!("is no plan of an atlas: {error}")))?;
+        if version.heliotile_atlas != VERSION {
+            return Err(Error::Unsupported {
+                what: format!("layout of {}", path.display()),
+                found: version.heliotile_atlas.to_string(),
+                supported: VERSION.to_string(),
+            });
+        }
+        let plan: AtlasPlan = serde_json::from_slice(&bytes).map_err(|error| refuse(error.to_string()))?;
+        plan.check().map_err(refuse)?;
+        Ok(plan)
+    }
+
+    /// What is wrong with its numbers.
+    fn check(&self) -> std::result::Result<(), String> {
+        let numbers = [self.part_size_m, self.halo_m, self.skyline_deg];
+        if !numbers.iter().all(|number| number.is_finite() && *number > 0.0) {
+            return Err(format!("a part of {} m, a halo of {} m, {} degrees", numbers[0], numbers[1], numbers[2]));
+        }
+        let boxes = self.files.iter().flat_map(|file| file.low.iter().chain(&file.high));
+        if !boxes.chain(self.parts.iter().flat_map(|part| &part.low)).all(|number| number.is_finite()) {
+            return Err("a place is no number".to_owned());
+        }
+        let is_name =
+            |name: &str| !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b"_-".contains(&b));
+        match self.parts.iter().find(|part| !is_name(&part.name)) {
+            Some(part) => Err(format!("`{}` is no name of a part", part.name)),
+            None => Ok(()),
+        }
+    }
+
+    /// The part of a name, or of a number from 0.
+    pub fn part(&self, asked: &str, atlas: &Path) -> Result<&PlannedPart> {
+        let by_name = self.parts.iter().find(|part| part.name == asked);
+        let numbered = || asked.parse::<usize>().ok().and_then(|number| self.parts.get(number));
+        by_name.or_else(numbered).ok_or_else(|| {
+            let names: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).take(5).collect();
+            let what = format!("{} has no part `{asked}`", atlas.display());
+            let last = self.parts.len().saturating_sub(1);
+            Error::argument(
+                "--part",
+                what,
+                format!("give a number from 0 to {last}, `all`, or a name: {}, ...", names.join(", ")),
+            )
+        })
+    }
+
+    /// Where a part lies, and what around it counts.
+    pub fn region_part(&self, part: &PlannedPart) -> RegionPart {
+        let low = DVec2::from(part.low);
+        let high = low + DVec2::splat(self.part_size_m);
+        RegionPart { low, high, halo_m: self.halo_m, skyline_deg: self.skyline_deg }
+    }
+
+    /// The site of a part: those files in which something may count.
+    pub fn site(&self, within: RegionPart, atlas: &Path) -> Result<Site> {
+        let mut site = self.scene.site()?;
+        if !site.parts.iter().map(|part| &part.file).eq(self.files.iter().map(|planned| &planned.file)) {
+            let what = "the site lists other files than when it was cut";
+            return Err(Error::input(&atlas.join(FILE), None, what, AGAIN));
+        }
+        let bounds = |file: &PlannedFile| (file.low.into(), file.high.into());
+        let here = self.files.iter().filter(|file| {
+            let (low, high) = bounds(file);
+            within.touches(low, high)
+        });
+        let base_m = here.map(|file| file.low[2]).fold(f64::INFINITY, f64::min);
+        let mut counts = self.files.iter().map(|file| {
+            let (low, high) = bounds(file);
+            within.counts(low, high, base_m)
+        });
+        site.parts.retain(|_| counts.next() == Some(true));
+        site.within = Some(within);
+        Ok(site)
+    }
+
+    /// How exact all parts are.
+    pub fn accuracy(&self) -> Result<AccuracyArgs> {
+        let quality = crate::cli::by_name::<Quality>(&self.quality).ok_or_else(|| {
+            Error::input(Path::new(FILE), None, format!("`{}` is no rung of the accuracy ladder", self.quality), AGAIN)
+        })?;
+        Ok(AccuracyArgs { quality, error: None, error_weather: None, set: self.set.clone() })
+    }
+
+    /// As it is written.
+    pub fn to_json(&self) -> Result<String> {
+        let text =
+            serde_json::to_string_pretty(self).map_err(|error| Error::io(Path::new(FILE), "write")(error.into()))?;
+        Ok(text + "\n")
+    }
+}
+
+/// Scene files by their whole paths: parts are built from anywhere.
+pub fn absolute(scene: &SceneArgs) -> Result<SceneArgs> {
+    let whole = |path: &PathBuf| std::path::absolute(path).map_err(Error::io(path, "find"));
+    let mut scene = scene.clone();
+    scene.scene = scene.scene.iter().map(whole).collect::<Result<_>>()?;
+    scene.surfaces.materials = scene.surfaces.materials.as_ref().map(whole).transpose()?;
+    Ok(scene)
+}
+
+/// Whether a folder is that of an atlas.
+pub fn is_atlas(path: &Path) -> bool {
+    fs::metadata(path.join(FILE)).is_ok_and(|found| found.is_file())
+}

@@ -1,0 +1,167 @@
+//! A static catalogue of an atlas in STAC 1.1 (SpatioTemporal Asset Catalog), with its extensions `projection` and `file`. In: archives of
+//! parts, where they lie. Out: an item for each and a collection of all, whose links are relative: the folder may be copied anywhere.
+
+use std::time::SystemTime;
+
+use serde_json::{Map, Value, json};
+
+use super::shapes::MapCrs;
+use glam::{DVec2, DVec3};
+
+const VERSION: &str = "1.1.0";
+const OF_FILES: &str = "https://stac-extensions.github.io/file/v2.1.0/schema.json";
+const OF_PROJECTIONS: &str = "https://stac-extensions.github.io/projection/v2.0.0/schema.json";
+
+/// An archive is a file of this media type.
+const ARCHIVE: &str = "application/vnd.heliotile";
+
+/// Name of the file of the collection.
+pub const COLLECTION: &str = "collection.json";
+
+/// Points of a footprint along each side: straight lines of a plane system are bent on the globe.
+const STEPS: usize = 4;
+
+/// The archive of a part.
+pub struct StacItem {
+    /// Name of the part, and of its collection.
+    pub id: String,
+    pub collection: String,
+    /// Lowest and highest corner of what is built, scene coordinates, metres.
+    pub low: DVec2,
+    pub high: DVec2,
+    pub written: SystemTime,
+    /// What else is said of it, by keys with their prefix.
+    pub properties: Map<String, Value>,
+    /// Files beside the item: key, name, media type, role, what else is said of it.
+    pub assets: Vec<StacAsset>,
+}
+
+/// A file of an item.
+pub struct StacAsset {
+    pub key: &'static str,
+    pub href: String,
+    pub media_type: &'static str,
+    pub role: &'static str,
+    pub title: &'static str,
+    pub bytes: u64,
+    /// BLAKE3 of the whole file.
+    pub checksum: blake3::Hash,
+}
+
+impl StacAsset {
+    /// The archive itself.
+    pub fn archive(name: &str, bytes: u64, checksum: blake3::Hash) -> Self {
+        let title = "Archive of heliotile: light of all receivers under any sun and sky";
+        StacAsset {
+            key: "archive",
+            href: format!("./{name}"),
+            media_type: ARCHIVE,
+            role: "data",
+            title,
+            bytes,
+            checksum,
+        }
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "href": self.href,
+            "type": self.media_type,
+            "title": self.title,
+            "roles": [self.role],
+            "file:size": self.bytes,
+            // As a multihash: BLAKE3, 32 bytes.
+            "file:checksum": format!("1e20{}", self.checksum.to_hex()),
+        })
+    }
+}
+
+impl StacItem {
+    /// The item, two folders below its collection; `viewer` is a page that takes the place of an archive as `?url=`.
+    pub fn json(&self, crs: &MapCrs) -> Value {
+        let footprint = footprint(self.low, self.high, crs);
+        let mut properties = self.properties.clone();
+        properties.insert("datetime".into(), time(self.written).into());
+        let mut extensions = vec![OF_FILES];
+        if let Some(epsg) = crs.epsg() {
+            extensions.push(OF_PROJECTIONS);
+            properties.insert("proj:code".into(), format!("EPSG:{epsg}").into());
+            let [low, high] = [self.low, self.high].map(|corner| crs.coordinates(corner.extend(0.0)));
+            properties.insert("proj:bbox".into(), json!([low[0], low[1], high[0], high[1]]));
+        }
+        let assets: Map<String, Value> = self.assets.iter().map(|asset| (asset.key.to_owned(), asset.json())).collect();
+        let up = format!("../../{COLLECTION}");
+        let link = |rel: &str| json!({ "rel": rel, "href": up, "type": "application/json" });
+        let links = ["root", "parent", "collection"].map(link);
+        let mut item = json!({
+            "type": "Feature",
+            "stac_version": VERSION,
+            "stac_extensions": extensions,
+            "id": self.id,
+            "collection": self.collection,
+            "geometry": footprint.as_ref().map(|ring| json!({ "type": "Polygon", "coordinates": [ring] })),
+            "properties": properties,
+            "links": links,
+            "assets": assets,
+        });
+        if let (Some(ring), Some(item)) = (footprint, item.as_object_mut()) {
+            item.insert("bbox".into(), json!(around(&ring)));
+        }
+        item
+    }
+}
+
+/// The collection of all items: their names with the places of their files.
+pub fn collection(id: &str, title: &str, license: &str, items: &[(StacItem, String)], crs: &MapCrs) -> Value {
+    let rings = items.iter().filter_map(|(item, _)| footprint(item.low, item.high, crs));
+    let all: Vec<[f64; 2]> = rings.flatten().collect();
+    let bbox = if all.is_empty() { [-180.0, -90.0, 180.0, 90.0] } else { around(&all) };
+    let written = || items.iter().map(|(item, _)| item.written);
+    let interval = [written().min(), written().max()].map(|at| at.map(time));
+    let mut links = vec![json!({ "rel": "root", "href": format!("./{COLLECTION}"), "type": "application/json" })];
+    links.extend(items.iter().map(|(item, place)| {
+        json!({ "rel": "item", "href": format!("./{place}"), "type": "application/geo+json", "title": item.id })
+    }));
+    json!({
+        "type": "Collection",
+        "stac_version": VERSION,
+        "stac_extensions": [],
+        "id": id,
+        "title": title,
+        "description": "Parts of an atlas of heliotile: each archive holds the hemispheres of its receivers, traced once, and answers \
+                        for any sun, sky, weather and reflectance.",
+        "license": license,
+        "extent": { "spatial": { "bbox": [bbox] }, "temporal": { "interval": [interval] } },
+        "links": links,
+    })
+}
+
+/// Ring of a rectangle, counter-clockwise, longitudes and latitudes; `None` without a coordinate system.
+fn footprint(low: DVec2, high: DVec2, crs: &MapCrs) -> Option<Vec<[f64; 2]>> {
+    let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y), low];
+    let mut ring = Vec::with_capacity(4 * STEPS + 1);
+    for side in corners.array_windows::<2>() {
+        for step in 0..STEPS {
+            ring.push(side[0].lerp(side[1], step as f64 / STEPS as f64));
+        }
+    }
+    ring.push(low);
+    let degrees = |point: DVec2| crs.degrees(DVec3::new(point.x, point.y, 0.0)).map(|[x, y, _]| [x, y].map(rounded));
+    ring.into_iter().map(degrees).collect()
+}
+
+/// A ten-millionth of a degree is a centimetre.
+fn rounded(degrees: f64) -> f64 {
+    (degrees * 1e7).round() / 1e7
+}
+
+/// West, south, east, north.
+fn around(points: &[[f64; 2]]) -> [f64; 4] {
+    points.iter().fold([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], |[w, s, e, n], [x, y]| {
+        [w.min(*x), s.min(*y), e.max(*x), n.max(*y)]
+    })
+}
+
+fn time(at: SystemTime) -> String {
+    humantime::format_rfc3339_seconds(at).to_string()
+}

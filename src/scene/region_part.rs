@@ -1,0 +1,119 @@
+//! A rectangle of a region that is built by itself. In: triangles with their objects. Out: which of them receivers in the rectangle may
+//! see, and which receivers are its own.
+//!
+//! Objects stay whole, so that none has an open side; what is wider than the part, as terrain is, is taken face by face.
+
+use glam::{DVec2, DVec3};
+
+use crate::mesh::RawTriangle;
+
+/// Receivers inside are its own, neighbours around count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegionPart {
+    /// South-west corner, input coordinates, metres; what lies on it is inside.
+    pub low: DVec2,
+    /// North-east corner; what lies on it is outside.
+    pub high: DVec2,
+    /// Everything counts up to this distance from it in plan, metres.
+    pub halo_m: f64,
+    /// Beyond, what rises by more than this above the horizon, as seen from its lowest point at its edge, degrees.
+    pub skyline_deg: f64,
+}
+
+impl RegionPart {
+    /// Whether a receiver is one of its own.
+    pub fn owns(&self, place: DVec3) -> bool {
+        let place = place.truncate();
+        place.cmpge(self.low).all() && place.cmplt(self.high).all()
+    }
+
+    /// Whether a box has a point in it, its edges included.
+    pub fn touches(&self, low: DVec3, high: DVec3) -> bool {
+        self.distance_m(low, high) == 0.0
+    }
+
+    /// Whether a box may matter to its receivers, whose lowest point is at `base_m`.
+    pub fn counts(&self, low: DVec3, high: DVec3, base_m: f64) -> bool {
+        let distance_m = self.distance_m(low, high);
+        distance_m <= self.halo_m || high.z - base_m > distance_m * self.skyline_deg.to_radians().tan()
+    }
+
+    /// From it to a box, in plan.
+    fn distance_m(&self, low: DVec3, high: DVec3) -> f64 {
+        (self.low - high.truncate()).max(low.truncate() - self.high).max(DVec2::ZERO).length()
+    }
+
+    /// Whether a box is wider than it.
+    fn is_wider(&self, low: DVec3, high: DVec3) -> bool {
+        (high - low).truncate().cmpgt(self.high - self.low).any()
+    }
+
+    /// `[triangle]`: whether it belongs to its scene; `objects` are theirs, `[triangle]`.
+    pub(crate) fn seen(&self, positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32]) -> Vec<bool> {
+        let box_of = |triangle: &RawTriangle| {
+            let corners = triangle.corners.iter().filter_map(|&corner| positions.get(corner as usize));
+            corners.fold(NOTHING, |(low, high), p| (low.min(*p), high.max(*p)))
+        };
+        let mut extents = vec![NOTHING; objects.iter().max().map_or(0, |&last| last as usize + 1)];
+        let (mut inside_m, mut lowest_m) = (f64::INFINITY, f64::INFINITY);
+        for (triangle, &object) in triangles.iter().zip(objects) {
+            let (low, high) = box_of(triangle);
+            if let Some(extent) = extents.get_mut(object as usize) {
+                *extent = (extent.0.min(low), extent.1.max(high));
+            }
+            lowest_m = lowest_m.min(low.z);
+            if self.touches(low, high) {
+                inside_m = inside_m.min(low.z);
+            }
+        }
+        let base_m = if inside_m.is_finite() { inside_m } else { lowest_m };
+        let seen = |(triangle, &object): (&RawTriangle, &u32)| {
+            let (low, high) = match extents.get(object as usize) {
+                Some(&(low, high)) if !self.is_wider(low, high) => (low, high),
+                _ => box_of(triangle),
+            };
+            self.counts(low, high, base_m)
+        };
+        triangles.iter().zip(objects).map(seen).collect()
+    }
+}
+
+/// A box without a point.
+const NOTHING: (DVec3, DVec3) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PART: RegionPart =
+        RegionPart { low: DVec2::ZERO, high: DVec2::new(100.0, 100.0), halo_m: 50.0, skyline_deg: 10.0 };
+
+    /// Two parts side by side share none of their 3 x 3 points, and every point has one.
+    #[test]
+    fn edges() {
+        let east = RegionPart { low: DVec2::new(100.0, 0.0), high: DVec2::new(200.0, 100.0), ..PART };
+        let owners = |x: f64| [PART, east].iter().filter(|part| part.owns(DVec3::new(x, 0.0, 5.0))).count();
+        assert_eq!([0.0, 100.0, 199.999].map(owners), [1, 1, 1]);
+        assert_eq!([-0.001, 200.0, 250.0].map(owners), [0, 0, 0]);
+    }
+
+    /// Of five boxes, that inside, that in the halo and the tower of 30 m at 150 m (11.3 degrees) count; one of 20 m there (7.6 degrees)
+    /// and one that only hangs over from behind do not.
+    #[test]
+    fn neighbours() {
+        let counts =
+            |x: f64, height: f64| PART.counts(DVec3::new(x, 0.0, 0.0), DVec3::new(x + 10.0, 10.0, height), 0.0);
+        assert_eq!([counts(50.0, 3.0), counts(149.0, 3.0), counts(250.0, 30.0)], [true; 3]);
+        assert_eq!([counts(250.0, 20.0), counts(-161.0, 3.0)], [false; 2]);
+    }
+
+    /// Of a house of two triangles, one of them in the halo, both are seen; of terrain 500 m wide, only the triangle that touches it.
+    #[test]
+    fn wholes_and_wide_ones() {
+        let triangle = |first: u32| RawTriangle { corners: [first, first + 1, first + 2], material: 0 };
+        let at = |x: f64| [DVec3::new(x, 0.0, 0.0), DVec3::new(x + 20.0, 0.0, 0.0), DVec3::new(x, 20.0, 1.0)];
+        let positions = [at(140.0), at(155.0), at(0.0), at(480.0)].concat();
+        let seen = PART.seen(&positions, &[0, 3, 6, 9].map(triangle), &[0, 0, 1, 1]);
+        assert_eq!(seen, [true, true, true, false]);
+    }
+}

@@ -1,0 +1,110 @@
+//! Where the objects of a site lie. In: a site, whose files may be many. Out: the box of each file and of each object in it, without
+//! a mesh of all: files are read one after the other on each thread.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::formats;
+use crate::formats::{Asked, Content};
+use crate::geometry::Geometry;
+use crate::semantics::SurfaceKind;
+use crate::site::{Part, Site};
+use heliotile_core::error::{Error, Result};
+
+/// What lies in a file.
+#[derive(Clone, Debug)]
+pub struct FileSurvey {
+    /// The file.
+    pub file: PathBuf,
+    /// Lowest and highest corner, scene coordinates, metres.
+    pub bounds: [DVec3; 2],
+    /// Its objects; those of a raster are none.
+    pub objects: Vec<SurveyedObject>,
+}
+
+/// An object of a file.
+#[derive(Clone, Copy, Debug)]
+pub struct SurveyedObject {
+    /// Lowest and highest corner, scene coordinates, metres.
+    pub bounds: [DVec3; 2],
+    /// Whether receivers go on it if nothing is said: it is neither ground nor beside the buildings of a city model.
+    pub is_usual: bool,
+}
+
+impl Site {
+    /// Looks through all files, in their order.
+    pub fn survey(&self) -> Result<Vec<FileSurvey>> {
+        self.parts.par_iter().map(|part| survey(part, self)).collect()
+    }
+}
+
+fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
+    let asked = Asked { lod: part.lod.clone(), ..Asked::default() };
+    let (bounds, objects) = match formats::read(&part.file, &asked)? {
+        Content::Polygons(geometry) => {
+            let part = part.in_frame(&site.frame);
+            let objects = objects(&geometry, |p| part.place(p));
+            (joined(objects.iter().map(|object| object.bounds)), objects)
+        }
+        Content::Terrain(raster) => (raster.placed(part)?.extent(), Vec::new()),
+    };
+    if !(bounds[0].is_finite() && bounds[1].is_finite()) {
+        return Err(Error::input(&part.file, None, "holds no face and no height", "leave it out of the site"));
+    }
+    Ok(FileSurvey { file: part.file.clone(), bounds, objects })
+}
+
+fn objects(geometry: &Geometry, place: impl Fn(DVec3) -> DVec3) -> Vec<SurveyedObject> {
+    let mut found = vec![SurveyedObject { bounds: NOTHING, is_usual: false }; geometry.objects.as_slice().len()];
+    for (face, source) in geometry.faces().zip(geometry.source_faces()) {
+        let Some(object) = found.get_mut(face.object as usize) else { continue };
+        let corners = face.corners().iter().filter_map(|&corner| geometry.vertices.get(corner as usize));
+        object.bounds = corners.fold(object.bounds, |[low, high], p| {
+            let p = place(*p);
+            [low.min(p), high.max(p)]
+        });
+        object.is_usual |= source.note.kind != Some(SurfaceKind::Ground);
+    }
+    for (number, note) in &geometry.object_notes {
+        if let Some(object) = found.get_mut(*number as usize) {
+            object.is_usual &= !note.beside;
+        }
+    }
+    found.retain(|object| object.bounds[0].is_finite());
+    found
+}
+
+/// A box without a point.
+const NOTHING: [DVec3; 2] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+
+fn joined(boxes: impl Iterator<Item = [DVec3; 2]>) -> [DVec3; 2] {
+    boxes.fold(NOTHING, |[low, high], [from, to]| [low.min(from), high.max(to)])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// Of two cubes of 1 and 2 m in two objects of an OBJ, moved by 10 m, both have their boxes, within 1e-12, and the file has both.
+    #[test]
+    fn boxes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let square = |x: f64, size: f64, first: usize| {
+            let f = first + 1;
+            format!("v {x} 0 0\nv {} 0 0\nv {x} {size} {size}\nf {f} {} {}\n", x + size, f + 1, f + 2)
+        };
+        let path = folder.path().join("two.obj");
+        std::fs::write(&path, format!("o a\n{}o b\n{}", square(0.0, 1.0, 0), square(5.0, 2.0, 3))).expect("written");
+        let part = Part { offset: DVec3::new(10.0, 0.0, 0.0), ..Part::plain(Path::new(&path), None) };
+        let found = Site { parts: vec![part], ..Site::default() }.survey().expect("readable");
+        let boxes: Vec<[DVec3; 2]> = found[0].objects.iter().map(|object| object.bounds).collect();
+        let at = |x: f64, size: f64| [DVec3::new(x, 0.0, 0.0), DVec3::new(x + size, size, size)];
+        assert_eq!(boxes, [at(10.0, 1.0), at(15.0, 2.0)]);
+        assert_eq!(found[0].bounds, [boxes[0][0], boxes[1][1]]);
+        assert!(found[0].objects.iter().all(|object| object.is_usual));
+    }
+}
