@@ -6,9 +6,10 @@ use std::str::FromStr;
 use clap::Args;
 
 use super::choice::choice;
-use super::{Bytes, WeatherArgs, parse_depth, parse_memory};
+use super::{Bytes, WeatherArgs, parse_bounds, parse_depth, parse_memory};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
+use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 use heliotile_core::error::Error;
 use heliotile_core::light::paths::LightPaths;
@@ -23,7 +24,7 @@ use heliotile_core::weather::temperatures::Temperature;
 /// Which receivers of which archive, and the table that is made of them.
 #[derive(Args, Debug)]
 pub struct TableArgs {
-    /// Archive to read
+    /// Archive to read, or the folder of an atlas
     pub archive: PathBuf,
     /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
     /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output; of `query` and `replay` also maps: .glb, .fgb,
@@ -33,6 +34,10 @@ pub struct TableArgs {
     /// Take the receivers of a CSV file only: ids in a column `receiver`
     #[arg(long, short, value_name = "FILE")]
     pub receivers: Option<PathBuf>,
+    /// Take the receivers in a box only, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax; of an atlas, no other
+    /// part is opened
+    #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds, conflicts_with = "receivers")]
+    pub bbox: Option<Bounds>,
     /// What rows are about
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,

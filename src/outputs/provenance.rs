@@ -45,6 +45,12 @@ impl Provenance {
         self.with("archive", file_name(path)).with("archive_root", format::hex(&archive.root()))
     }
 
+    /// The atlas' name, and one root for those of its parts, in their order.
+    pub fn with_parts(self, path: &Path, roots: &[[u8; 32]]) -> Self {
+        let root = blake3::hash(roots.as_flattened());
+        self.with("atlas", file_name(path)).with("parts", roots.len()).with("parts_root", root.to_hex())
+    }
+
     /// The weather's file name, place and clock; the option `shift` is how far its time stamps were moved, also where that was found.
     pub fn with_weather(mut self, path: &Path, weather: &Weather) -> Self {
         if let Some(shift) = self.options.get_mut("shift") {

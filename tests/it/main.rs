@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod archive;
+mod atlas;
 mod audit;
 mod buildings;
 mod canopy;

@@ -48,7 +48,7 @@ pub fn extract(
     let Workspace { folder, memory } = workspace;
     let site = OpenSite::of(archive)?;
     check_format(&site)?;
-    let kept = selection.resolve(&site, folder, memory.length(Use::ReceiverList))?;
+    let kept = selection.resolve(std::slice::from_ref(&site), folder, memory.length(Use::ReceiverList))?;
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);
 

@@ -40,31 +40,41 @@ pub enum Selection {
 }
 
 impl Selection {
-    /// For each receiver of an archive whether it is meant, in the archive's order, one byte each. Nobody, and names that do
-    /// not exist, are errors.
-    pub fn resolve(&self, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
-        let rows = || ArchiveReceivers::<()>::new(site);
+    /// For each receiver of some archives whether it is meant, in their order, one byte each. Nobody, and names that do not exist in
+    /// any of them, are errors.
+    pub fn resolve(&self, sites: &[OpenSite], folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
+        let rows = || receivers_of(sites);
         let kept = match self {
-            Selection::Receivers(file) => listed_in(file, site, folder, budget_bytes)?,
+            Selection::Receivers(file) => listed_in(file, sites, folder, budget_bytes)?,
             Selection::Bounds(Bounds { low, high }) => {
                 let inside = |p: DVec3| p.cmpge(*low).all() && p.cmple(*high).all();
-                rows().map(|row| Ok(inside(row?.receiver.position))).collect::<Result<_>>()?
+                rows().map(|receiver| Ok(inside(receiver?.position))).collect::<Result<_>>()?
             }
             Selection::Surfaces(names) => {
                 let of = |receiver: &Receiver| [receiver.surface.clone().unwrap_or_default(), String::new()];
-                named(names, "surfaces", of, site)?
+                named(names, "surfaces", of, sites)?
             }
             Selection::Objects(names) => {
                 let of = |receiver: &Receiver| [receiver.part.object.clone(), receiver.part.building.clone()];
-                named(names, "objects", of, site)?
+                named(names, "objects", of, sites)?
             }
         };
         if kept.contains(&true) {
             return Ok(kept);
         }
         let hint = "choose a larger part; positions are in the coordinates of the scene file";
-        Err(Error::input(site.path(), None, "the selection holds none of the receivers", hint))
+        Err(Error::input(first(sites), None, "the selection holds none of the receivers", hint))
     }
+}
+
+/// All receivers of some archives, in their order.
+fn receivers_of<'a>(sites: &'a [OpenSite]) -> impl Iterator<Item = Result<Receiver>> + 'a {
+    sites.iter().flat_map(ArchiveReceivers::<()>::new).map(|row| Ok(row?.receiver))
+}
+
+/// What messages name.
+fn first<'a>(sites: &[OpenSite<'a>]) -> &'a Path {
+    sites.first().map_or(Path::new(""), OpenSite::path)
 }
 
 /// The receivers that one of some names is a name of; a name of nobody is an error.
@@ -72,11 +82,11 @@ fn named(
     names: &[String],
     what: &'static str,
     of: impl Fn(&Receiver) -> [String; 2],
-    site: &OpenSite,
+    sites: &[OpenSite],
 ) -> Result<Vec<bool>> {
     let mut missing: BTreeSet<&str> = names.iter().map(String::as_str).collect();
-    let kept = ArchiveReceivers::<()>::new(site).map(|row| {
-        let own = of(&row?.receiver);
+    let kept = receivers_of(sites).map(|receiver| {
+        let own = of(&receiver?);
         for name in &own {
             missing.remove(name.as_str());
         }
@@ -90,11 +100,11 @@ fn named(
     let found = format!("holds no receivers of {}", listed(missing.len() as u64, what, &names));
     let hint =
         format!("name {what} as `receivers.csv` does; `--surface` takes surfaces, `--object` objects and buildings");
-    Err(Error::input(site.path(), None, found, hint))
+    Err(Error::input(first(sites), None, found, hint))
 }
 
 /// The receivers whose ids stand in a file.
-fn listed_in(file: &Path, site: &OpenSite, folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
+fn listed_in(file: &Path, sites: &[OpenSite], folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
     let mut wanted = Sorter::new(folder, budget_bytes / 2).unique();
     for id in ReceiverIds::open(file)? {
         let (id, line) = id?;
@@ -102,8 +112,8 @@ fn listed_in(file: &Path, site: &OpenSite, folder: &Path, budget_bytes: usize) -
     }
     let mut held = Sorter::new(folder, budget_bytes / 2);
     let mut count = 0_u64;
-    for row in ArchiveReceivers::<()>::new(site) {
-        held.push(row?.receiver.id.as_bytes(), &count.to_le_bytes())?;
+    for receiver in receivers_of(sites) {
+        held.push(receiver?.id.as_bytes(), &count.to_le_bytes())?;
         count += 1;
     }
     let number = |payload: &[u8]| payload.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
@@ -128,6 +138,6 @@ fn listed_in(file: &Path, site: &OpenSite, folder: &Path, budget_bytes: usize) -
     if missing_count == 0 {
         return Ok(kept);
     }
-    let what = format!("{} does not hold {}", site.path().display(), listed(missing_count, "receivers", &missing));
+    let what = format!("{} does not hold {}", first(sites).display(), listed(missing_count, "receivers", &missing));
     Err(Error::input(file, None, what, "remove these rows, or name the archive that holds them"))
 }

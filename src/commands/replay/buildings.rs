@@ -2,17 +2,16 @@
 
 use std::path::Path;
 
-use super::chosen::{Chosen, site_of};
+use super::chosen::Chosen;
 use super::year::year_of;
-use super::{Series, Streamed, opened, with_series};
+use super::{Archives, Series, Streamed, opened, with_series};
 use crate::cli::{BuildingsArgs, ReplayArgs};
 use crate::commands::voice::remark_aside;
 use crate::commands::{Outcome, guard_output, warn};
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::records::Records;
-use heliotile_builder::transfer::{ArchiveReceivers, Shown};
-use heliotile_core::archive::Archive;
+use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::counted;
@@ -33,11 +32,12 @@ pub fn run(args: &BuildingsArgs) -> Result<Outcome> {
         return Err(Error::input(&args.output, None, what, "give --faces a name of its own"));
     }
     let replay = year_of(&args.year)?;
-    let (archive, weather, dated) = opened(&replay)?;
-    with_series(&replay, &archive, &weather, &dated, |series| write(args, &replay, &archive, series))
+    let (sources, weather, dated) = opened(&replay)?;
+    let archives = sources.borrowed();
+    with_series(&replay, archives, &weather, &dated, |series| write(args, &replay, archives, series))
 }
 
-fn write(args: &BuildingsArgs, replay: &ReplayArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
+fn write(args: &BuildingsArgs, replay: &ReplayArgs, archives: Archives, series: &Series) -> Result<Outcome> {
     let hours: f64 = series.conditions.iter().filter_map(|condition| condition.stamp).map(|stamp| stamp.hours).sum();
     if hours > MORE_THAN_A_YEAR_H {
         warn(&format!(
@@ -46,13 +46,12 @@ fn write(args: &BuildingsArgs, replay: &ReplayArgs, archive: &Archive, series: &
             args.threshold
         ));
     }
-    let site = site_of(&replay.common.table, archive)?;
-    let chosen = Chosen::of(&replay.common.table, archive, &site)?;
+    let chosen = Chosen::of(&replay.common.table, archives)?;
     let usable = Usable { threshold_kwh_m2: args.threshold, least_m2: args.min_area };
-    let cadastre = Cadastre::new(chosen.receivers(archive, &site), usable, site.north(), &args.year.archive)?;
-    let mut receivers = ArchiveReceivers::<Shown>::new(&site);
+    let cadastre = Cadastre::new(chosen.receivers(), usable, chosen.north(), &args.year.archive)?;
+    let mut receivers = chosen.rows::<Shown>();
     let components = ComponentSet::of(&[Component::Total]);
-    let streamed = Streamed { archive, site: &site, chosen: &chosen, components };
+    let streamed = Streamed { chosen: &chosen, components };
     let cadastre = streamed.each_tile(
         &replay.common,
         series,
@@ -73,7 +72,7 @@ fn write(args: &BuildingsArgs, replay: &ReplayArgs, archive: &Archive, series: &
             args.year.archive.display()
         ));
     }
-    let about = series.about(&replay.common, archive);
+    let about = series.about(&replay.common, archives);
     if let Some(faces) = &args.faces {
         face_rows(&cadastre).write(faces, &about)?;
     }

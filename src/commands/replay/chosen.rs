@@ -1,25 +1,34 @@
-//! What a table is made of: an archive, and all of its receivers or those of a list. In: arguments, a file of ids. Out: the archive, the
+//! Which receivers results are about: all of some archives, or those of a list or a box. In: arguments, a file of ids. Out: the sites, the
 //! tiles to compute, and which rows of them count.
 
-use std::fs;
 use std::path::Path;
 
+use super::sources::{Archives, site_of};
 use crate::cli::TableArgs;
 use crate::commands::guard_output;
-use crate::commands::voice::remark_aside;
-use crate::files::open_archive;
 use crate::outputs::tables::writer::files_of;
-use heliotile_builder::transfer::{ArchiveReceivers, Selection, Shown};
+use heliotile_builder::transfer::{ArchiveReceivers, LayeredReceiver, Layers, Selection, Shown};
 use heliotile_builder::writing::copy::folder_of;
-use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::reflectances::Changeable;
 use heliotile_core::replay::run::TileResult;
+use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
 /// A choice of receivers.
-pub struct Chosen {
+pub struct Chosen<'a> {
+    /// At least one.
+    parts: Vec<ChosenPart<'a>>,
+    north: North,
+}
+
+/// What is chosen of an archive.
+pub struct ChosenPart<'a> {
+    pub archive: &'a Archive,
+    pub site: OpenSite<'a>,
     /// `[receiver]` of the archive; `None`: all.
     kept: Option<Vec<bool>>,
     tiles: Vec<ChosenTile>,
@@ -34,17 +43,58 @@ pub struct ChosenTile {
     count: usize,
 }
 
-impl Chosen {
+impl<'a> Chosen<'a> {
     /// The choice of a command line.
-    pub fn of(args: &TableArgs, archive: &Archive, site: &OpenSite) -> Result<Self> {
-        let Some(file) = &args.receivers else { return Ok(Chosen::new(archive, None)) };
-        let folder = if args.output == Path::new("-") { std::env::temp_dir() } else { folder_of(&args.output).into() };
-        let budget = MemoryBudget::new(args.memory.0).length(Use::ReceiverList);
-        let kept = Selection::Receivers(file.clone()).resolve(site, &folder, budget)?;
-        Ok(Chosen::new(archive, Some(kept)))
+    pub fn of(args: &TableArgs, archives: Archives<'a>) -> Result<Self> {
+        let sites: Vec<OpenSite> = archives.iter().map(|archive| site_of(args, archive)).collect::<Result<_>>()?;
+        let mut kept = selection(args).map(|selection| {
+            let folder =
+                if args.output == Path::new("-") { std::env::temp_dir() } else { folder_of(&args.output).into() };
+            let budget = MemoryBudget::new(args.memory.0).length(Use::ReceiverList);
+            selection.resolve(&sites, &folder, budget).map(Vec::into_iter)
+        });
+        let mut kept = kept.take().transpose()?;
+        let north = sites.first().map(OpenSite::north).unwrap_or_default();
+        let part = |(archive, site): (&'a Archive, OpenSite<'a>)| {
+            let own = kept.as_mut().map(|kept| kept.by_ref().take(site.receivers() as usize).collect());
+            ChosenPart::new(archive, site, own)
+        };
+        Ok(Chosen { parts: archives.iter().zip(sites).map(part).collect(), north })
     }
 
-    fn new(archive: &Archive, kept: Option<Vec<bool>>) -> Self {
+    /// What is chosen of each archive.
+    pub fn parts(&self) -> &[ChosenPart<'a>] {
+        &self.parts
+    }
+
+    /// Where true north lies.
+    pub fn north(&self) -> North {
+        self.north
+    }
+
+    /// Number of chosen receivers.
+    pub fn count(&self) -> u64 {
+        self.parts.iter().map(ChosenPart::count).sum()
+    }
+
+    /// The chosen receivers, in the order of results, with some of their layers.
+    pub fn rows<L: Layers + 'a>(&'a self) -> impl Iterator<Item = Result<LayeredReceiver<L>>> + 'a {
+        self.parts.iter().flat_map(ChosenPart::rows::<L>)
+    }
+
+    /// The chosen receivers, in the order of results.
+    pub fn receivers(&'a self) -> impl Iterator<Item = Result<Receiver>> + 'a {
+        self.rows::<()>().map(|row| Ok(row?.receiver))
+    }
+
+    /// The same with their patches.
+    pub fn shown(&'a self) -> impl Iterator<Item = Result<Receiver>> + 'a {
+        self.rows::<Shown>().map(|row| row.map(|row| Receiver { patch: row.layers.patch, ..row.receiver }))
+    }
+}
+
+impl<'a> ChosenPart<'a> {
+    fn new(archive: &'a Archive, site: OpenSite<'a>, kept: Option<Vec<bool>>) -> Self {
         let mut tiles = Vec::new();
         let mut first = 0;
         for entry in archive.entries_of(format::RECEIVERS) {
@@ -55,7 +105,12 @@ impl Chosen {
             }
             first += count;
         }
-        Chosen { kept, tiles }
+        ChosenPart { archive, site, kept, tiles }
+    }
+
+    /// What of its light may be changed.
+    pub fn changeable(&self) -> Changeable<'_> {
+        Changeable::of(&self.site, self.archive.manifest())
     }
 
     /// Tiles that hold a chosen receiver, in order.
@@ -63,38 +118,18 @@ impl Chosen {
         &self.tiles
     }
 
-    /// Number of chosen receivers.
-    pub fn count(&self) -> u64 {
+    fn count(&self) -> u64 {
         match &self.kept {
             Some(kept) => kept.iter().filter(|kept| **kept).count() as u64,
             None => self.tiles.iter().map(|tile| tile.count as u64).sum(),
         }
     }
 
-    /// The chosen receivers, in the order of results.
-    pub fn receivers<'a>(
-        &'a self,
-        archive: &'a Archive,
-        site: &OpenSite<'a>,
-    ) -> impl Iterator<Item = Result<Receiver>> + use<'a> {
-        let rows = match &self.kept {
-            Some(kept) => ArchiveReceivers::<()>::chosen(site, archive, kept),
-            None => ArchiveReceivers::new(site),
-        };
-        rows.map(|row| Ok(row?.receiver))
-    }
-
-    /// The same with their patches.
-    pub fn shown<'a>(
-        &'a self,
-        archive: &'a Archive,
-        site: &OpenSite<'a>,
-    ) -> impl Iterator<Item = Result<Receiver>> + use<'a> {
-        let rows = match &self.kept {
-            Some(kept) => ArchiveReceivers::<Shown>::chosen(site, archive, kept),
-            None => ArchiveReceivers::new(site),
-        };
-        rows.map(|row| row.map(|row| Receiver { patch: row.layers.patch, ..row.receiver }))
+    fn rows<L: Layers + 'a>(&'a self) -> ArchiveReceivers<'a, L> {
+        match &self.kept {
+            Some(kept) => ArchiveReceivers::chosen(&self.site, self.archive, kept),
+            None => ArchiveReceivers::new(&self.site),
+        }
     }
 
     /// The results of a tile that are asked for.
@@ -109,6 +144,12 @@ impl Chosen {
     }
 }
 
+/// What of the archives is asked for, if not all.
+fn selection(args: &TableArgs) -> Option<Selection> {
+    let listed = args.receivers.clone().map(Selection::Receivers);
+    listed.or(args.bbox.map(Selection::Bounds))
+}
+
 /// Refuses an output that is an input.
 pub fn guard(args: &TableArgs, forcing: &[&Path]) -> Result<()> {
     let mut inputs = vec![args.archive.as_path()];
@@ -118,28 +159,4 @@ pub fn guard(args: &TableArgs, forcing: &[&Path]) -> Result<()> {
         true => Ok(()),
         false => files_of(&args.output).iter().try_for_each(|file| guard_output(file, &inputs)),
     }
-}
-
-/// Pages of a mapping count as memory of the program for as long as the system likes: a large archive is read instead.
-fn access(args: &TableArgs) -> Access {
-    let large = || fs::metadata(&args.archive).is_ok_and(|about| about.len() > args.memory.0 / 4);
-    args.io.unwrap_or_else(|| if large() { Access::Read } else { Access::Mapped })
-}
-
-/// Opens the archive.
-pub fn open(args: &TableArgs) -> Result<Archive> {
-    open_archive(&args.archive, access(args))
-}
-
-/// Says where true north is, if suns are turned to it.
-pub fn say_north(args: &TableArgs, archive: &Archive) {
-    let place = archive.manifest().place.filter(|_| !args.grid_north);
-    // Standard output may be the table.
-    place.and_then(|place| place.note()).iter().for_each(|note| remark_aside(&format!("{note}\n")));
-}
-
-/// The site of an archive, with the north that is asked for.
-pub fn site_of<'a>(args: &TableArgs, archive: &'a Archive) -> Result<OpenSite<'a>> {
-    let site = OpenSite::of(archive)?;
-    Ok(if args.grid_north { site.with_y_for_north() } else { site })
 }

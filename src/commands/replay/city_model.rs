@@ -3,15 +3,14 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::chosen::{Chosen, site_of};
-use super::{Series, Streamed};
+use super::chosen::Chosen;
+use super::{Archives, Series, Streamed};
 use crate::cli::ReplayArgs;
 use crate::commands::{Outcome, remark, warn};
 use crate::outputs::city_model::{CityModelWriter, ModelSums, RewriteError, is_city_model};
 use crate::outputs::periods::Every;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::By;
-use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::text::counted;
@@ -44,7 +43,7 @@ fn is_sequence(path: &Path) -> bool {
 }
 
 /// Writes the model with the sums of a series.
-pub fn write(args: &ReplayArgs, archive: &Archive, series: &Series, model: &Path) -> Result<Outcome> {
+pub fn write(args: &ReplayArgs, archives: Archives, series: &Series, model: &Path) -> Result<Outcome> {
     let asked = &args.common.table;
     // Read before the replay, which takes longer.
     let bytes = input::read(model)?;
@@ -52,14 +51,13 @@ pub fn write(args: &ReplayArgs, archive: &Archive, series: &Series, model: &Path
         Error::input(model, None, format!("is no text in UTF-8: {error}"), "give a CityJSON file, or convert it")
     })?;
     let text = text.trim_start_matches('\u{feff}');
-    let site = site_of(asked, archive)?;
-    let chosen = Chosen::of(asked, archive, &site)?;
+    let chosen = Chosen::of(asked, archives)?;
     let components = args.common.columns.clone().unwrap_or_else(ComponentList::all);
     let labels = &series.labels.text;
     let whole = args.every == Every::Total || args.every == Every::Year && labels.len() == 1;
     let sums = ModelSums::new(components.as_slice(), if whole { &[] } else { labels });
-    let streamed = Streamed { archive, site: &site, chosen: &chosen, components: ComponentSet::of(sums.components()) };
-    let mut receivers = chosen.receivers(archive, &site);
+    let streamed = Streamed { chosen: &chosen, components: ComponentSet::of(sums.components()) };
+    let mut receivers = chosen.receivers();
     let sums = streamed.each_tile(
         &args.common,
         series,
@@ -80,7 +78,7 @@ pub fn write(args: &ReplayArgs, archive: &Archive, series: &Series, model: &Path
             "put receivers on the city model with `heliotile receivers`",
         ));
     };
-    let about = series.about(&args.common, archive).json();
+    let about = series.about(&args.common, archives).json();
     let mut sink = Sink::file(&asked.output)?;
     let mut writer = CityModelWriter::new(&sums);
     let mut lines = (1..).zip(parts(text, is_sequence(model)));

@@ -1,6 +1,7 @@
 //! `heliotile factors`: an archive -> what surroundings reflect over the sun's position -> a table.
 
-use super::chosen::{Chosen, guard, open, say_north, site_of};
+use super::chosen::{Chosen, guard};
+use super::sources::{Sources, say_north};
 use crate::cli::FactorsArgs;
 use crate::commands::terminal::Terminal;
 use crate::commands::{Outcome, invocation, temporary_files};
@@ -22,10 +23,14 @@ pub fn run(args: &FactorsArgs) -> Result<Outcome> {
     let grid = SunGrid::new(args.azimuth_step, args.altitude_step);
     let hint = "give divisors of 360 and 90, such as 10 and 5";
     let grid = grid.map_err(|what| Error::argument("--azimuth-step, --altitude-step", what, hint))?;
-    let archive = open(asked)?;
-    let site = site_of(asked, &archive)?;
-    say_north(asked, &archive);
-    let chosen = Chosen::of(asked, &archive, &site)?;
+    let sources = Sources::open(asked)?;
+    let archives = sources.borrowed();
+    say_north(asked, archives.manifest());
+    let chosen = Chosen::of(asked, archives)?;
+    let (Some(archive), [part]) = (archives.only(), chosen.parts()) else {
+        let what = "is an atlas of several parts, and factors are of one archive";
+        return Err(Error::input(&asked.archive, None, what, "name the site.helio of one of its parts"));
+    };
     let budget = MemoryBudget::new(asked.memory.0);
     let storage = temporary_files();
     let settings = ReplaySettings {
@@ -34,15 +39,15 @@ pub fn run(args: &FactorsArgs) -> Result<Outcome> {
         storage: &storage,
         ..ReplaySettings::default()
     };
-    let factors = Factors::new(&site, grid, settings)?;
+    let factors = Factors::new(&part.site, grid, settings)?;
     let mut means = match asked.by {
         By::Receiver => None,
         by => {
-            let groups = Groups::new(chosen.receivers(&archive, &site), by, &asked.archive)?;
+            let groups = Groups::new(chosen.receivers(), by, &asked.archive)?;
             Some(GroupMeans::new(groups, &PARTS, factors.labels(), budget.share(Use::SurfaceSums))?)
         }
     };
-    let about = invocation::provenance().with_archive(&asked.archive, &archive);
+    let about = invocation::provenance().with_archive(&asked.archive, archive);
     let mut table = FactorTable::create(&asked.output, asked.by.name(), factors.grid(), &about)?;
     let mut write = |names: &[String], values: &TileValues| {
         let mut rows = names.iter().enumerate();
@@ -51,9 +56,9 @@ pub fn run(args: &FactorsArgs) -> Result<Outcome> {
     };
     let terminal = Terminal::default();
     let progress = Stage::begin(&terminal, "receivers", Some(chosen.count()));
-    let results = factors.irradiances().results(chosen.tiles().iter().map(|tile| tile.number));
-    for (tile, result) in chosen.tiles().iter().zip(results) {
-        let (receivers, values) = chosen.results(*tile, result?);
+    let results = factors.irradiances().results(part.tiles().iter().map(|tile| tile.number));
+    for (tile, result) in part.tiles().iter().zip(results) {
+        let (receivers, values) = part.results(*tile, result?);
         progress.advance(receivers.len() as u64);
         match &mut means {
             Some(means) => means.add(&values),

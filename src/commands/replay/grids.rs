@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use super::chosen::{Chosen, site_of};
-use super::{Series, Streamed};
+use super::chosen::Chosen;
+use super::{Archives, Series, Streamed};
 use crate::cli::ReplayArgs;
 use crate::commands::{Outcome, remark};
 use crate::outputs::honeybee::{Grids, LitHours, ResultsFolder};
 use crate::outputs::periods::Every;
-use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::counted;
@@ -31,17 +30,16 @@ pub fn check(args: &ReplayArgs, folder: &Path) -> Result<()> {
 const COMPONENTS: [Component; 2] = [Component::Total, Component::SunDirect];
 
 /// Writes the folder of a series.
-pub fn write(args: &ReplayArgs, archive: &Archive, series: &Series, folder: &Path) -> Result<Outcome> {
+pub fn write(args: &ReplayArgs, archives: Archives, series: &Series, folder: &Path) -> Result<Outcome> {
     let asked = &args.common.table;
     let hours = LitHours::of(series.conditions)
         .map_err(|(what, hint)| Error::input(&args.weather, None, format!("has {what}, Honeybee has none"), hint))?;
-    let site = site_of(asked, archive)?;
-    let chosen = Chosen::of(asked, archive, &site)?;
-    let grids = Grids::of(chosen.receivers(archive, &site), asked.by)?;
+    let chosen = Chosen::of(asked, archives)?;
+    let grids = Grids::of(chosen.receivers(), asked.by)?;
     let components = args.common.columns.as_ref().map_or(&COMPONENTS[..], |columns| columns.as_slice());
-    let about = series.about(&args.common, archive);
-    let mut receivers = chosen.receivers(archive, &site);
-    let streamed = Streamed { archive, site: &site, chosen: &chosen, components: ComponentSet::of(components) };
+    let about = series.about(&args.common, archives);
+    let mut receivers = chosen.receivers();
+    let streamed = Streamed { chosen: &chosen, components: ComponentSet::of(components) };
     let start = || ResultsFolder::create(folder, grids, hours, components, &about);
     let results = streamed.each_tile(&args.common, series, start, |results, _, values| {
         let here = receivers.by_ref().take(values.receivers()).collect::<Result<Vec<_>>>()?;

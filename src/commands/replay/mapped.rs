@@ -17,7 +17,7 @@ use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter,
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
@@ -25,24 +25,21 @@ use heliotile_core::opened::OpenSite;
 /// GeoJSON with more polygons is slow wherever it is read.
 const MANY_POLYGONS: u64 = 10_000;
 
-/// Where the places of a map come from.
-#[derive(Clone, Copy)]
-pub struct Source<'a> {
-    pub archive: &'a Archive,
-    pub site: &'a OpenSite<'a>,
-    pub chosen: &'a Chosen,
-}
-
 /// Starts a map of groups, or of receivers where there are none; receivers that cannot be drawn are an error.
 pub fn start<'a>(
     asked: &'a TableArgs,
     format: MapFormat,
-    (of, groups): (Source<'a>, Option<&Groups>),
+    (chosen, groups): (&'a Chosen<'a>, Option<&Groups>),
     (layout, labels, every): (&'a Layout, &'a RowLabels, Option<Every>),
     about: Provenance,
     storage: &'a dyn ScratchSpace,
 ) -> Result<MapWriter<'a>> {
     let memory = MemoryBudget::new(asked.memory.0);
+    let [first, others @ ..] = chosen.parts() else {
+        return Err(Error::argument("--receivers", "there is nothing to draw", "choose some receivers"));
+    };
+    // Parts of an atlas show their neighbours, too.
+    let shows = format == MapFormat::Glb && others.is_empty();
     let folder = std::env::temp_dir();
     let request = MapRequest {
         path: &asked.output,
@@ -50,15 +47,15 @@ pub fn start<'a>(
         layout,
         labels,
         every,
-        crs: crs_of(of.archive),
-        around: (format == MapFormat::Glb).then(|| surroundings(of.archive, of.site)).flatten(),
+        crs: crs_of(first.archive),
+        around: shows.then(|| surroundings(first.archive, &first.site)).flatten(),
         about,
         folder: folder.clone(),
         storage,
         memory_bytes: memory.length(Use::MapRows),
     };
     request.columns()?;
-    let shown = || of.chosen.shown(of.archive, of.site);
+    let shown = || chosen.shown();
     let shapes = match groups {
         Some(groups) => {
             let mut patches = PatchSorter::new(&folder, memory.length(Use::MapPatches));
@@ -69,7 +66,7 @@ pub fn start<'a>(
         }
         None => {
             Shapeless::refuse(shown(), &asked.archive)?;
-            PlaceShapes::Receivers(Box::new(shown()), of.site.north())
+            PlaceShapes::Receivers(Box::new(shown()), chosen.north())
         }
     };
     MapWriter::create(request, shapes)

@@ -7,6 +7,7 @@ pub mod factors;
 mod grids;
 pub(in crate::commands) mod mapped;
 pub mod places;
+mod sources;
 mod year;
 
 use std::path::Path;
@@ -25,9 +26,9 @@ use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::table::Places;
 use crate::outputs::tables::writer::TableWriter;
-use chosen::{Chosen, guard, open, say_north, site_of};
+use chosen::{Chosen, ChosenPart, guard};
 use heliotile_builder::observer::Stage;
-use heliotile_core::archive::Archive;
+use heliotile_core::archive::{Archive, Manifest};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::{MemoryBudget, Use};
@@ -49,6 +50,8 @@ use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::bins::Bins;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
+pub(super) use sources::Archives;
+use sources::{Sources, say_north};
 
 /// What results are made of.
 pub(super) struct Series<'a> {
@@ -78,11 +81,12 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     guard(&args.common.table, &inputs)?;
     ResultFormat::of(&args.common.table.output, args.common.geo)?;
     let file = read_conditions(&args.conditions)?;
-    let archive = open(&args.common.table)?;
+    let sources = Sources::open(&args.common.table)?;
+    let archives = sources.borrowed();
     file.warnings.iter().for_each(|w| warn(w));
     let constant = args.common.reflectance.iter().map(|(name, _)| name.as_str());
     let set: Vec<&str> = constant.chain(args.common.schedule.iter().map(|(name, _)| name.as_str())).collect();
-    if let Some(ground) = constant_ground(&archive, &set)? {
+    if let Some(ground) = constant_ground(archives.first(), &set)? {
         warn(&format!(
             "`{}` reflects another share each month, and conditions have no date: the mean of the year counts, {} (or \
              --reflectance ground=...)",
@@ -102,16 +106,16 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         rows: (&[], &[]),
         provenance: invocation::provenance().with("conditions", name),
     };
-    say_north(&args.common.table, &archive);
-    say_left_out(&archive, None);
-    run(&args.common, &archive, &series)
+    say_north(&args.common.table, archives.manifest());
+    say_left_out(archives, None);
+    run(&args.common, archives, &series)
 }
 
 /// Warns where effects were left out that bring little under other weather than this.
-fn say_left_out(archive: &Archive, weather: Option<&Path>) {
-    let Some(known) = &archive.manifest().negligible else { return };
+fn say_left_out(archives: Archives, weather: Option<&Path>) {
+    let Some(known) = &archives.manifest().negligible else { return };
     if weather.and_then(Path::file_name).is_none_or(|name| *name != *known.weather) {
-        warn(&format!("{} leaves out {known}; here they may bring more", archive.path().display()));
+        warn(&format!("{} leaves out {known}; here they may bring more", archives.first().path().display()));
     }
 }
 
@@ -145,20 +149,21 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         }
         _ => drop(ResultFormat::of(&args.common.table.output, args.common.geo)?),
     }
-    let (archive, weather, dated) = opened(args)?;
+    let (sources, weather, dated) = opened(args)?;
+    let archives = sources.borrowed();
     match (&args.model, &args.honeybee) {
         (Some(model), _) => {
-            with_series(args, &archive, &weather, &dated, |series| city_model::write(args, &archive, series, model))
+            with_series(args, archives, &weather, &dated, |series| city_model::write(args, archives, series, model))
         }
         (_, Some(folder)) => {
-            with_series(args, &archive, &weather, &dated, |series| grids::write(args, &archive, series, folder))
+            with_series(args, archives, &weather, &dated, |series| grids::write(args, archives, series, folder))
         }
-        _ => replay_rows(args, &archive, &weather, &dated),
+        _ => replay_rows(args, archives, &weather, &dated),
     }
 }
 
-/// The archive of a replay, its weather and the rows of it that are asked for; says what is odd about them.
-pub(super) fn opened(args: &ReplayArgs) -> Result<(Archive, Weather, DatedRows)> {
+/// The archives of a replay, its weather and the rows of it that are asked for; says what is odd about them.
+pub(super) fn opened(args: &ReplayArgs) -> Result<(Sources, Weather, DatedRows)> {
     let longwave = asks_longwave(&args.common);
     if !longwave && !args.temperature.is_empty() {
         return Err(Error::Unsupported {
@@ -169,40 +174,41 @@ pub(super) fn opened(args: &ReplayArgs) -> Result<(Archive, Weather, DatedRows)>
     }
     let span = Span::new(args.from, args.to)?;
     let options = args.about_weather.options(longwave);
-    let mut archive = None;
+    let mut sources = None;
     let weather = read_weather_as(&args.weather, &options, &mut || {
-        Ok(archive.insert(open(&args.common.table)?).manifest().place)
+        Ok(sources.insert(Sources::open(&args.common.table)?).borrowed().manifest().place)
     })?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let dated = dated(args, &span, &weather)?;
-    let archive = archive.map_or_else(|| open(&args.common.table), Ok)?;
-    let apart = archive.manifest().place.and_then(|place| far_apart(&place, &weather));
+    let sources = sources.map_or_else(|| Sources::open(&args.common.table), Ok)?;
+    let archives = sources.borrowed();
+    let apart = archives.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
-    say_north(&args.common.table, &archive);
-    say_left_out(&archive, Some(&args.weather));
-    Ok((archive, weather, dated))
+    say_north(&args.common.table, archives.manifest());
+    say_left_out(archives, Some(&args.weather));
+    Ok((sources, weather, dated))
 }
 
 /// Replays the chosen rows of a weather file that was read already, with its air if longwave is asked for.
 pub(super) fn replay_rows(
     args: &ReplayArgs,
-    archive: &Archive,
+    archives: Archives,
     weather: &Weather,
     dated: &DatedRows,
 ) -> Result<Outcome> {
-    with_series(args, archive, weather, dated, |series| run(&args.common, archive, series))
+    with_series(args, archives, weather, dated, |series| run(&args.common, archives, series))
 }
 
 /// Hands the chosen rows of a weather file on as conditions with labels and bins.
 pub(super) fn with_series<T>(
     args: &ReplayArgs,
-    archive: &Archive,
+    archives: Archives,
     weather: &Weather,
     dated: &DatedRows,
     then: impl FnOnce(&Series) -> Result<T>,
 ) -> Result<T> {
     let chosen = &dated.chosen;
-    let steps = args.steps.map_or_else(|| weather.steps_of(archive.manifest().settings.steps()), usize::from);
+    let steps = args.steps.map_or_else(|| weather.steps_of(archives.manifest().settings.steps()), usize::from);
     let mut conditions: Vec<Condition> = {
         let all = weather.conditions(steps).into_iter();
         all.zip(chosen).filter_map(|(condition, chosen)| chosen.then_some(condition)).collect()
@@ -271,17 +277,20 @@ fn asks_longwave(args: &RecombineArgs) -> bool {
     args.columns.as_ref().is_some_and(|columns| columns.set().contains(Component::Longwave))
 }
 
-/// Schedules of reflectances and transmittances over the conditions.
-fn schedules(archive: &Archive, site: &OpenSite, series: &Series) -> Result<Vec<Schedule>> {
-    let changeable = Changeable::of(site, archive.manifest());
+/// Schedules of reflectances and transmittances over the conditions, of those of the changes that a part of the choice knows.
+fn schedules(part: &ChosenPart, chosen: &Chosen, series: &Series) -> Result<Vec<Schedule>> {
+    let changeable = part.changeable();
     if series.changes.is_empty() && changeable.ground.is_none() {
         return Ok(Vec::new());
     }
+    let known_elsewhere = |name: &str| chosen.parts().iter().any(|other| other.changeable().knows(name));
+    // A name that no part knows is left in, and refused.
+    let changes = series.changes.only(|name| changeable.knows(name) || !known_elsewhere(name));
     let (rows, chosen) = series.rows;
     if rows.is_empty() {
-        return series.changes.undated(&changeable, series.conditions.len(), &read_file);
+        return changes.undated(&changeable, series.conditions.len(), &read_file);
     }
-    let (mut schedules, warnings) = series.changes.over(&changeable, rows, &read_file)?;
+    let (mut schedules, warnings) = changes.over(&changeable, rows, &read_file)?;
     warnings.iter().for_each(|w| warn(w));
     for schedule in &mut schedules {
         let mut chosen = chosen.iter();
@@ -291,16 +300,15 @@ fn schedules(archive: &Archive, site: &OpenSite, series: &Series) -> Result<Vec<
 }
 
 /// Streams all tiles into a table.
-fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
+fn run(args: &RecombineArgs, archives: Archives, series: &Series) -> Result<Outcome> {
     let (labels, asked) = (&series.labels, &args.table);
-    let site = site_of(asked, archive)?;
-    let chosen = Chosen::of(asked, archive, &site)?;
+    let chosen = Chosen::of(asked, archives)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
     let mut layout = Layout { labels: series.kind, by: asked.by, components, facts: Vec::new() };
     let mut means = match asked.by {
         By::Receiver => None,
         by => {
-            let groups = Groups::new(chosen.receivers(archive, &site), by, &asked.archive)?.facing(site.north());
+            let groups = Groups::new(chosen.receivers(), by, &asked.archive)?.facing(chosen.north());
             layout.facts = groups.facts(by, &layout.components);
             let memory = MemoryBudget::new(asked.memory.0).share(Use::SurfaceSums);
             Some(GroupMeans::new(groups, layout.components(), labels.len(), memory)?)
@@ -309,17 +317,23 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
     let names = means.as_ref().map(|means| means.groups().names().to_vec());
     let all_names = || match &names {
         Some(names) => Ok(names.clone()),
-        None => chosen.receivers(archive, &site).map(|receiver| Ok(receiver?.id)).collect(),
+        None => chosen.receivers().map(|receiver| Ok(receiver?.id)).collect(),
     };
     let count = names.as_ref().map_or(chosen.count(), |names| names.len() as u64);
-    let about = series.about(args, archive);
+    let about = series.about(args, archives);
     let storage = temporary_files();
     let map = match ResultFormat::of(&asked.output, args.geo)? {
         ResultFormat::Table(_) => None,
         ResultFormat::Map(format) => {
-            let of = mapped::Source { archive, site: &site, chosen: &chosen };
             let groups = means.as_ref().map(GroupMeans::groups);
-            Some(mapped::start(asked, format, (of, groups), (&layout, labels, series.every), about.clone(), &storage)?)
+            Some(mapped::start(
+                asked,
+                format,
+                (&chosen, groups),
+                (&layout, labels, series.every),
+                about.clone(),
+                &storage,
+            )?)
         }
     };
     let start = || match map {
@@ -329,7 +343,7 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
             TableWriter::create(&asked.output, &layout, labels, &places, &about).map(ResultWriter::Table)
         }
     };
-    let streamed = Streamed { archive, site: &site, chosen: &chosen, components: layout.components.set() };
+    let streamed = Streamed { chosen: &chosen, components: layout.components.set() };
     let mut results = streamed.each_tile(args, series, start, |results, receivers, values| {
         match &mut means {
             Some(means) => means.add(values),
@@ -348,21 +362,22 @@ fn run(args: &RecombineArgs, archive: &Archive, series: &Series) -> Result<Outco
 
 impl Series<'_> {
     /// What results were made from.
-    pub fn about(&self, args: &RecombineArgs, archive: &Archive) -> Provenance {
-        let about = self.provenance.clone().with_archive(&args.table.archive, archive);
-        about.with_option("patches", patches(args, archive))
+    pub fn about(&self, args: &RecombineArgs, archives: Archives) -> Provenance {
+        let about = match archives.only() {
+            Some(archive) => self.provenance.clone().with_archive(&args.table.archive, archive),
+            None => self.provenance.clone().with_parts(&args.table.archive, &archives.roots()),
+        };
+        about.with_option("patches", patches(args, archives.manifest()))
     }
 }
 
-fn patches(args: &RecombineArgs, archive: &Archive) -> usize {
-    args.patches.unwrap_or_else(|| archive.manifest().settings.patches())
+fn patches(args: &RecombineArgs, manifest: &Manifest) -> usize {
+    args.patches.unwrap_or_else(|| manifest.settings.patches())
 }
 
-/// Which receivers and components of an archive are recombined.
+/// Which receivers and components are recombined.
 pub(super) struct Streamed<'a> {
-    pub archive: &'a Archive,
-    pub site: &'a OpenSite<'a>,
-    pub chosen: &'a Chosen,
+    pub chosen: &'a Chosen<'a>,
     pub components: ComponentSet,
 }
 
@@ -376,28 +391,37 @@ impl Streamed<'_> {
         mut each: impl FnMut(&mut T, &[String], &TileValues) -> Result<bool>,
     ) -> Result<T> {
         let storage = temporary_files();
-        let settings = ReplaySettings {
-            sky: args.sky,
-            patches: patches(args, self.archive),
-            paths: args.light()?,
-            components: self.components,
-            memory: MemoryBudget::new(args.table.memory.0),
-            storage: &storage,
-        };
-        let schedules = schedules(self.archive, self.site, series)?;
-        let replay = Replay::scheduled(self.site, series.conditions, settings, series.bins, &schedules)?;
-        let mut taker = start()?;
-        let terminal = Terminal::default();
-        let progress = Stage::begin(&terminal, "receivers", Some(self.chosen.count()));
-        let results = replay.results(self.chosen.tiles().iter().map(|tile| tile.number));
-        for (tile, result) in self.chosen.tiles().iter().zip(results) {
-            let (receivers, values) = self.chosen.results(*tile, result?);
-            let goes_on = each(&mut taker, &receivers, &values)?;
-            progress.advance(receivers.len() as u64);
-            if !goes_on {
-                break;
+        let (terminal, count) = (Terminal::default(), self.chosen.count());
+        let (mut start, mut taker, mut progress) = (Some(start), None, None);
+        'parts: for part in self.chosen.parts() {
+            let settings = ReplaySettings {
+                sky: args.sky,
+                patches: patches(args, part.archive.manifest()),
+                paths: args.light()?,
+                components: self.components,
+                memory: MemoryBudget::new(args.table.memory.0),
+                storage: &storage,
+            };
+            let schedules = schedules(part, self.chosen, series)?;
+            let replay = Replay::scheduled(&part.site, series.conditions, settings, series.bins, &schedules)?;
+            if let Some(start) = start.take() {
+                taker = Some(start()?);
+            }
+            let progress = progress.get_or_insert_with(|| Stage::begin(&terminal, "receivers", Some(count)));
+            let results = replay.results(part.tiles().iter().map(|tile| tile.number));
+            for (tile, result) in part.tiles().iter().zip(results) {
+                let (receivers, values) = part.results(*tile, result?);
+                progress.advance(receivers.len() as u64);
+                let goes_on = taker.as_mut().map_or(Ok(false), |taker| each(taker, &receivers, &values))?;
+                if !goes_on {
+                    break 'parts;
+                }
             }
         }
-        Ok(taker)
+        match (taker, start) {
+            (Some(taker), _) => Ok(taker),
+            (None, Some(start)) => start(),
+            (None, None) => Err(Error::argument("--receivers", "there is nothing to replay", "choose some receivers")),
+        }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::chosen::{Chosen, site_of};
+use super::chosen::Chosen;
 use super::year::year_of;
-use super::{Series, Streamed, opened, with_series};
+use super::{Archives, Series, Streamed, opened, with_series};
 use crate::cli::{ModuleSize, PlaceOn, PlacesArgs, ReplayArgs};
 use crate::commands::voice::remark_aside;
 use crate::commands::{Outcome, guard_output, warn};
@@ -12,8 +12,7 @@ use crate::outputs::buildings::{Envelope, building_of, face_of};
 use crate::outputs::pv::places::{PlaceCandidate, best_places};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::records::{Cell, Records};
-use heliotile_builder::transfer::{ArchiveReceivers, Shown};
-use heliotile_core::archive::Archive;
+use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::north::North;
@@ -43,16 +42,16 @@ pub fn run(args: &PlacesArgs) -> Result<Outcome> {
     }
     Records::check(&args.output)?;
     let replay = year_of(&args.year)?;
-    let (archive, weather, dated) = opened(&replay)?;
-    with_series(&replay, &archive, &weather, &dated, |series| write(args, &replay, &archive, series))
+    let (sources, weather, dated) = opened(&replay)?;
+    let archives = sources.borrowed();
+    with_series(&replay, archives, &weather, &dated, |series| write(args, &replay, archives, series))
 }
 
-fn write(args: &PlacesArgs, replay: &ReplayArgs, archive: &Archive, series: &Series) -> Result<Outcome> {
-    let site = site_of(&replay.common.table, archive)?;
-    let chosen = Chosen::of(&replay.common.table, archive, &site)?;
-    let mut receivers = ArchiveReceivers::<Shown>::new(&site);
+fn write(args: &PlacesArgs, replay: &ReplayArgs, archives: Archives, series: &Series) -> Result<Outcome> {
+    let chosen = Chosen::of(&replay.common.table, archives)?;
+    let mut receivers = chosen.rows::<Shown>();
     let components = ComponentSet::of(&[Component::Total]);
-    let streamed = Streamed { archive, site: &site, chosen: &chosen, components };
+    let streamed = Streamed { chosen: &chosen, components };
     let candidates = streamed.each_tile(
         &replay.common,
         series,
@@ -100,8 +99,8 @@ fn write(args: &PlacesArgs, replay: &ReplayArgs, archive: &Archive, series: &Ser
         ));
     }
     let places = best.iter().map(|&i| &candidates[i]);
-    let rows = (1..).zip(places).map(|(number, place)| row(number, place, args, site.north())).collect();
-    let about = series.about(&replay.common, archive);
+    let rows = (1..).zip(places).map(|(number, place)| row(number, place, args, chosen.north())).collect();
+    let about = series.about(&replay.common, archives);
     Records { columns: COLUMNS.map(str::to_owned).into(), rows }.write(&args.output, &about)?;
     remark_aside(&format!(
         "{} of {}\n",

@@ -7,7 +7,7 @@ use clap::Parser;
 
 use super::folder::Files;
 use crate::cli::{Cli, Command, RunArgs, name_of};
-use crate::commands::replay::{dated, replay_rows};
+use crate::commands::replay::{Archives, dated, replay_rows};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::series::Weather;
@@ -31,7 +31,7 @@ pub fn write(args: &RunArgs, files: &Files, archive: &Archive, weather: &Weather
         (replay.stamp, replay.year) = (args.stamp, args.year);
         replay.about_weather.clock = args.about_weather.clone();
         let dated = dated(&replay, &whole, weather)?;
-        replay_rows(&replay, archive, weather, &dated).map(drop)
+        replay_rows(&replay, Archives::one(archive), weather, &dated).map(drop)
     })
 }
 

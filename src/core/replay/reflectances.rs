@@ -82,6 +82,15 @@ impl Changes {
         self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none() && self.transmittance.is_empty()
     }
 
+    /// Those of some names.
+    pub fn only(&self, known: impl Fn(&str) -> bool) -> Changes {
+        let mut some = self.clone();
+        some.constant.retain(|(name, _)| known(name));
+        some.scheduled.retain(|(name, _)| known(name));
+        some.transmittance.retain(|(name, _)| known(name));
+        some
+    }
+
     /// Schedules over `conditions` conditions that have no date. `files` gives the bytes of schedules.
     pub fn undated(&self, changeable: &Changeable, conditions: usize, files: ReadFile) -> Result<Vec<Schedule>> {
         let rows = Rows::Conditions(conditions);
@@ -170,6 +179,11 @@ impl<'a> Changeable<'a> {
 }
 
 impl Changeable<'_> {
+    /// Whether a name is that of a group, a material or a class.
+    pub fn knows(&self, name: &str) -> bool {
+        members(self.site, self.materials, name).is_ok()
+    }
+
     fn is_canopy(&self, material: usize) -> bool {
         self.materials[material].transmittance.is_some()
     }

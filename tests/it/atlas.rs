@@ -1,0 +1,226 @@
+//! A region in parts: built one by one, asked like one archive, and what its halo costs.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use serde_json::{Value, json};
+
+use crate::cli::{Folder, golden, stderr, stdout};
+
+/// A block of The Hague, 90 m x 83 m, 1,228 receivers.
+fn model() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json")
+}
+
+fn done(folder: &Folder, command: &str) -> Output {
+    let output = folder.run(&command.replace("MODEL", &model().display().to_string()));
+    assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
+    output
+}
+
+/// Sums of three days of an archive or an atlas: the rows, sorted.
+fn sums(folder: &Folder, place: &str, options: &str) -> Vec<String> {
+    let text =
+        stdout(&done(folder, &format!("replay {place} --weather {} --every total {options}", golden().display())));
+    let mut rows: Vec<String> = text.lines().map(str::to_owned).collect();
+    rows.sort();
+    rows
+}
+
+/// Totals by receiver, kWh/m2.
+fn totals(rows: &[String]) -> BTreeMap<&str, f64> {
+    let row = |row: &'_ str| {
+        let (rest, total) = row.rsplit_once(',')?;
+        Some((rest.split(',').nth(1)?.len(), total.parse::<f64>().ok()?))
+    };
+    rows.iter().filter_map(|text| Some((&text["total,".len()..]["".len()..][..row(text)?.0], row(text)?.1))).collect()
+}
+
+/// The block as one archive, and as an atlas.
+fn block(cut: &str) -> Folder {
+    let folder = Folder::new();
+    done(&folder, "receivers MODEL --spacing 4m -o r.csv");
+    done(&folder, "build MODEL -r r.csv --quality draft -o whole.helio");
+    done(&folder, &format!("partition MODEL --spacing 4m --quality draft -o atlas {cut}"));
+    folder
+}
+
+/// Four parts that see the whole block give, built in any order, all rows of the one archive to the digit: 425 receivers, and means of 19
+/// buildings that parts share; no receiver stands in two parts.
+#[test]
+fn parts_are_the_whole() {
+    let folder = block("--part-size 45m --sample 8");
+    for part in ["3", "x1749_y10176", "0", "all"] {
+        done(&folder, &format!("build atlas --part {part}"));
+    }
+    let (whole, parts) = (sums(&folder, "whole.helio", ""), sums(&folder, "atlas", ""));
+    assert_eq!(parts.len(), 425 + 1);
+    assert_eq!(whole, parts);
+    let by_building = |place| {
+        let rows = sums(&folder, place, "--by building --columns total");
+        let number = |row: &String| row.split(',').nth(2).and_then(|n| n.parse::<f64>().ok());
+        rows.iter().filter_map(number).collect::<Vec<f64>>()
+    };
+    let (whole, parts) = (by_building("whole.helio"), by_building("atlas"));
+    assert_eq!(parts.len(), 19);
+    let off = whole.iter().zip(&parts).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-5, "{off}");
+    let stated: Value =
+        serde_json::from_slice(&fs::read(folder.path("atlas/atlas.json")).expect("a plan")).expect("JSON");
+    assert_eq!(stated["seams"]["rmse_percent"], 0.0);
+}
+
+/// A halo of 10 m is stated to cost more than 1 % and costs more than 0.3 % of the sum; one of 30 m is stated to cost less than 0.1 %, and
+/// costs less than 0.1 %.
+#[test]
+fn halos_state_their_error() {
+    for (halo, stated_least, stated_most, found_least, found_most) in
+        [("10m", 1.0, 20.0, 0.3, 5.0), ("30m", 0.0, 0.1, 0.0, 0.1)]
+    {
+        let folder = block(&format!("--part-size 30m --halo {halo} --skyline 80"));
+        done(&folder, "build atlas --part all");
+        let plan: Value =
+            serde_json::from_slice(&fs::read(folder.path("atlas/atlas.json")).expect("a plan")).expect("JSON");
+        let stated = plan["seams"]["rmse_percent"].as_f64().expect("a number");
+        let (whole, parts) = (sums(&folder, "whole.helio", ""), sums(&folder, "atlas", ""));
+        let (whole, parts) = (totals(&whole), totals(&parts));
+        assert_eq!((whole.len(), parts.len()), (425, 425));
+        let squares: f64 = whole.iter().map(|(name, sum)| (sum - parts[name]).powi(2)).sum();
+        let found = 100.0 * (squares / 425.0).sqrt() / (whole.values().sum::<f64>() / 425.0);
+        assert!((stated_least..=stated_most).contains(&stated), "{halo}: stated {stated}");
+        assert!((found_least..=found_most).contains(&found), "{halo}: found {found}");
+    }
+}
+
+/// Of a region of two files 2 km apart, a part of the one is built while the other is gone; a box in it is answered while seven parts are
+/// missing, with rows of that part's archive, and a part that is there is not traced again: its bytes stay.
+#[test]
+fn parts_need_what_is_near() {
+    let folder = Folder::new();
+    let text = fs::read_to_string(model()).expect("a model");
+    let mut far: Value = serde_json::from_str(&text).expect("JSON");
+    let east = far["transform"]["translate"][0].as_f64().expect("a number") + 2000.0;
+    far["transform"]["translate"][0] = json!(east);
+    folder.write("east.city.json", &far.to_string());
+    folder.write("west.city.json", &text);
+    done(
+        &folder,
+        "partition west.city.json east.city.json --part-size 45m --spacing 6m --quality draft --sample 0 -o atlas",
+    );
+    let plan: Value =
+        serde_json::from_slice(&fs::read(folder.path("atlas/atlas.json")).expect("a plan")).expect("JSON");
+    let parts = plan["parts"].as_array().expect("parts");
+    assert_eq!(parts.len(), 8);
+    let (near, far) = (&parts[0], &parts[7]);
+    let [name, far] = [near, far].map(|part| part["name"].as_str().expect("a name"));
+    let [x, y] = [0, 1].map(|axis| near["low"][axis].as_f64().expect("a number"));
+    fs::rename(folder.path("east.city.json"), folder.path("gone.city.json")).expect("renamed");
+    let said = stdout(&done(&folder, &format!("build atlas --part {name}")));
+    assert!(said.contains("1 of 2 files near it"), "{said}");
+    let archive = folder.path(&format!("atlas/parts/{name}/site.helio"));
+    let bytes = fs::read(&archive).expect("an archive");
+    let again = stdout(&done(&folder, "build atlas --part 0"));
+    assert!(again.contains("up to date"), "{again}");
+    assert_eq!(fs::read(&archive).expect("an archive"), bytes);
+    let asked = sums(&folder, "atlas", &format!("--bbox {},{},{},{}", x + 1.0, y + 1.0, x + 44.0, y + 44.0));
+    let part = sums(&folder, &format!("atlas/parts/{name}/site.helio"), "");
+    assert!(asked.len() > 10 && asked.len() <= part.len(), "{} of {}", asked.len(), part.len());
+    assert!(asked.iter().all(|row| part.contains(row)));
+    let weather = golden().display().to_string();
+    folder.refused(&format!("replay atlas --weather {weather}"), &["7 of its parts are not built", "--part x"]);
+    folder.refused(&format!("build atlas --part {far}"), &["east.city.json", "No such file"]);
+}
+
+/// Twelve wrong inputs are refused with what to do.
+#[test]
+fn refusals() {
+    let folder = block("--part-size 45m --sample 0");
+    let model = model().display().to_string();
+    let weather = golden().display().to_string();
+    let partition = format!("partition {model} --quality draft --sample 0");
+    for (command, parts) in [
+        (format!("{partition} -o atlas"), ["holds an atlas already", "--replace"]),
+        (format!("{partition} -o new --part-size 0m"), ["--part-size", "1mm to 10km"]),
+        (format!("{partition} -o new --halo=-5m"), ["--halo", "length"]),
+        (format!("{partition} -o new --skyline 95"), ["--skyline", "0.1 to 90"]),
+        (format!("{partition} -o new --set nothing=1"), ["nothing", "to fix"]),
+        ("partition nowhere.city.json -o new".into(), ["nowhere.city.json", "No such file"]),
+        ("build atlas --part 9".into(), ["no part `9`", "0 to 3"]),
+        ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
+        (format!("build {model} --part 0"), ["no folder of an atlas", "partition"]),
+        (format!("replay atlas --weather {weather}"), ["4 of its parts are not built", "build atlas --part"]),
+        (format!("replay atlas --weather {weather} --bbox 1,2,3,4"), ["no part of it", "--bbox"]),
+        ("verify atlas".into(), ["no part that is built", "--part all"]),
+    ] {
+        folder.refused(&command, &parts);
+    }
+    done(&folder, "build atlas --part 0");
+    folder.refused(&format!("{partition} -o atlas --replace"), &["holds parts that are built", "parts"]);
+    // A part of other settings is no part.
+    done(&folder, "build atlas --part all");
+    fs::copy(folder.path("whole.helio"), folder.path("other.helio")).expect("copied");
+    done(&folder, &format!("build {model} -r r.csv --quality standard -o other.helio"));
+    fs::copy(folder.path("other.helio"), folder.path("atlas/parts/x1749_y10176/site.helio")).expect("copied");
+    folder.refused(&format!("replay atlas --weather {weather}"), &["other settings", "--fresh"]);
+    let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
+    for (from, to, quoted) in [
+        ("\"heliotile_atlas\": 1", "\"heliotile_atlas\": 7", "found 7"),
+        ("\"part_size_m\": 45.0", "\"part_size_m\": -1", "a part of -1 m"),
+        ("\"quality\": \"draft\"", "\"quality\": \"best\"", "`best` is no rung"),
+        ("\"name\": \"x1749_y10176\"", "\"name\": \"../x\"", "`../x` is no name"),
+        ("\"parts\": [", "\"parts\": 5, \"x\": [", "atlas.json"),
+    ] {
+        assert!(plan.contains(from), "{from}");
+        folder.write("atlas/atlas.json", &plan.replacen(from, to, 1));
+        folder.refused("build atlas --part 0", &[quoted, "atlas.json"]);
+    }
+}
+
+/// A catalogue of four parts has four items with the size and the BLAKE3 of their archives, a footprint whose corner is where PROJ puts
+/// it within 1.5e-7 degrees, links that lead to files; `find` lists the two parts that a strip touches.
+#[test]
+fn catalogues() {
+    let folder = block("--part-size 45m --sample 0 --crs EPSG:28992");
+    done(&folder, "build atlas --part all");
+    done(&folder, "catalogue atlas --title Block --license CC-BY-4.0");
+    let read = |path: &Path| -> Value { serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON") };
+    let root = folder.path("atlas/collection.json");
+    let collection = read(&root);
+    assert_eq!((&collection["type"], &collection["license"]), (&json!("Collection"), &json!("CC-BY-4.0")));
+    let links = collection["links"].as_array().expect("links");
+    let items: Vec<&str> =
+        links.iter().filter(|link| link["rel"] == "item").filter_map(|link| link["href"].as_str()).collect();
+    assert_eq!(items.len(), 4);
+    let mut receivers = 0;
+    for item in items {
+        let path = root.parent().expect("a folder").join(item);
+        let item = read(&path);
+        let beside = |href: &Value| path.parent().expect("a folder").join(href.as_str().expect("a link"));
+        assert!(item["links"].as_array().expect("links").iter().all(|link| beside(&link["href"]).exists()));
+        let asset = &item["assets"]["archive"];
+        let bytes = fs::read(beside(&asset["href"])).expect("an archive");
+        assert_eq!(asset["file:size"], bytes.len());
+        assert_eq!(asset["file:checksum"], format!("1e20{}", blake3::hash(&bytes).to_hex()));
+        assert_eq!(item["properties"]["proj:code"], "EPSG:28992");
+        receivers += item["properties"]["heliotile:receivers"].as_u64().expect("a number");
+        if item["id"] == "x1749_y10176" {
+            assert_eq!(item["properties"]["proj:bbox"], json!([78705.0, 457920.0, 78750.0, 457965.0]));
+            // pyproj 3.7 of 78705, 457920 and 78750, 457965.
+            let corners = &item["geometry"]["coordinates"][0];
+            for (row, expected) in [(0, [4.273_576_4, 52.104_254_1]), (8, [4.274_223_1, 52.104_664_7])] {
+                for (axis, expected) in expected.iter().enumerate() {
+                    let found = corners[row][axis].as_f64().expect("a number");
+                    assert!((found - expected).abs() < 1.5e-7, "{found} {expected}");
+                }
+            }
+            assert_eq!(corners.as_array().expect("corners").len(), 17);
+        }
+    }
+    assert_eq!(receivers, 425);
+    let found = stdout(&done(&folder, "find atlas --bbox 78700,457900,78720,458000"));
+    assert_eq!(found.lines().count(), 1 + 2, "{found}");
+    assert!(found.contains("x1749_y10176,78705,457920,built,atlas/parts/x1749_y10176/site.helio"), "{found}");
+    folder.refused("find atlas --bbox 0,0,1,1", &["no part of it lies in the box", "--bbox"]);
+}
