@@ -20,6 +20,7 @@ mod study;
 mod tradeoff;
 mod view;
 mod weather;
+mod words;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -52,6 +53,7 @@ pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use self::tradeoff::TradeoffArgs;
 pub use self::view::ViewArgs;
 pub use self::weather::{ClockArgs, WeatherArgs};
+pub use self::words::{give, words};
 
 /// Trace the sun and sky of a site once, replay any weather.
 #[derive(Debug, Parser)]

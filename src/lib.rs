@@ -104,23 +104,40 @@ pub use heliotile_core::weather::series::Weather;
 pub use heliotile_core::weather::time::bins::Bins;
 pub use heliotile_scene::Scene;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// The program `heliotile`: parses the command line, does what it asks and prints the error, if there is one. 0 fine, 1 found a problem, 2
 /// could not run, 130 stopped by Ctrl-C, 143 by SIGTERM.
 pub fn program() -> ExitCode {
+    ExitCode::from(program_exit_code())
+}
+
+/// The same with the words of another program's, the name first; once in a process.
+pub fn program_of(words: Vec<OsString>) -> u8 {
+    cli::give(words);
+    program_exit_code()
+}
+
+fn program_exit_code() -> u8 {
     match commands::run(&cli::parse()) {
-        Ok(commands::Outcome::Fine) => ExitCode::SUCCESS,
-        Ok(commands::Outcome::ProblemFound) => ExitCode::from(1),
+        Ok(commands::Outcome::Fine) => 0,
+        Ok(commands::Outcome::ProblemFound) => 1,
         Err(error @ Error::Stopped { .. }) => {
             eprintln!("heliotile: {error}; to go on: {}", commands::again());
             commands::exit_code()
         }
         Err(error) => {
             eprintln!("heliotile: {error}");
-            ExitCode::from(2)
+            2
         }
     }
+}
+
+/// Regions in parts.
+pub mod atlas {
+    pub use crate::commands::atlas::listed::{ListedPart, parts};
+    pub use crate::commands::atlas::part::PartState;
 }
 
 /// For tests of what the program writes.

@@ -6,11 +6,11 @@ use std::path::Path;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{CommandFactory, Parser};
 
-use super::Cli;
+use super::{Cli, words};
 
-/// Parses the program's command line; ends the program where it asks for help or is wrong.
+/// Parses the command line; ends the program where it asks for help or is wrong.
 pub fn parse() -> Cli {
-    let words: Vec<OsString> = std::env::args_os().collect();
+    let words = words();
     Cli::try_parse_from(&words).unwrap_or_else(|mut error| {
         if let Some(hint) = command_first(&error, &words) {
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));

@@ -1,7 +1,6 @@
 //! What was asked, for files that say how they were made. In: the command line. Out: [`Provenance`]: the command without what changes no
 //! values, and every option with the value that it had.
 
-use std::env;
 use std::ffi::OsStr;
 
 use clap::parser::ValueSource;
@@ -9,7 +8,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory};
 use serde_json::{Map, Number, Value};
 
 use super::console::shell_words::quoted;
-use crate::cli::Cli;
+use crate::cli::{Cli, words};
 use crate::outputs::provenance::Provenance;
 
 /// Options that change where results go and how long they take, never their values.
@@ -18,7 +17,7 @@ const NEUTRAL: [&str; 8] = ["output", "faces", "honeybee", "memory", "io", "repl
 /// Of the command line of this process. Paths stand as they were typed.
 pub fn provenance() -> Provenance {
     let cli = Cli::command();
-    match cli.clone().try_get_matches_from(env::args_os()) {
+    match cli.clone().try_get_matches_from(words()) {
         Ok(matches) => of(&cli, &matches),
         // Not reached: the program has parsed the same words before.
         Err(_) => Provenance::new(String::new(), Map::new()),

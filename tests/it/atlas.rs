@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Child, Output, Stdio};
 
 use serde_json::{Value, json};
 
@@ -131,6 +131,25 @@ fn parts_need_what_is_near() {
     let weather = golden().display().to_string();
     folder.refused(&format!("replay atlas --weather {weather}"), &["7 of its parts are not built", "--part x"]);
     folder.refused(&format!("build atlas --part {far}"), &["east.city.json", "No such file"]);
+}
+
+/// Four processes that are told to build one part at once all succeed; one of them traces, three find it up to date, and its archive is whole.
+#[test]
+fn builders_take_turns() {
+    let folder = block("--part-size 45m --sample 0");
+    let start = |_| {
+        let mut command = folder.command("build atlas --part 0");
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program")
+    };
+    let running: Vec<Child> = (0..4).map(start).collect();
+    let ended: Vec<Output> = running.into_iter().map(|child| child.wait_with_output().expect("its end")).collect();
+    for output in &ended {
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
+    }
+    let found = ended.iter().filter(|output| stdout(output).contains("up to date")).count();
+    assert_eq!(found, 3);
+    let verified = stdout(&done(&folder, "verify atlas"));
+    assert!(verified.contains(" 0 bad"), "{verified}");
 }
 
 /// Twelve wrong inputs are refused with what to do.

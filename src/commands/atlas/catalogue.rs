@@ -4,11 +4,12 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::about;
+use super::listed::parts;
 use super::part::{PartState, state};
 use super::plan::{AtlasPlan, PlannedPart};
 use crate::cli::{CatalogueArgs, FindArgs};
@@ -105,26 +106,20 @@ fn item(part: &PlannedPart, path: &Path, plan: &AtlasPlan, name: &str) -> Result
 
 /// `heliotile find`: parts that a box touches, one a line.
 pub fn find(args: &FindArgs) -> Result<Outcome> {
-    let plan = AtlasPlan::read(&args.atlas)?;
-    let mut out = String::from("part,x,y,state,archive\n");
-    let mut found = 0;
-    for part in &plan.parts {
-        let within = plan.region_part(part);
-        if !args.bbox.is_none_or(|bounds| within.touches(bounds.low, bounds.high)) {
-            continue;
-        }
-        found += 1;
-        let DVec2 { x, y } = within.low;
-        let (state, path) = match state(&args.atlas, part) {
-            PartState::Built(path) => ("built", path.display().to_string()),
-            PartState::Empty => ("empty", String::new()),
-            PartState::Missing => ("missing", String::new()),
-        };
-        out += &format!("{},{x},{y},{state},{}\n", part.name, quoted(&path));
-    }
-    if found == 0 {
+    let found = parts(&args.atlas, args.bbox)?;
+    if found.is_empty() {
         let what = "no part of it lies in the box";
         return Err(Error::input(&args.atlas, None, what, "--bbox is in the coordinates of the scene files"));
+    }
+    let mut out = String::from("part,x,y,state,archive\n");
+    for part in found {
+        let state = match part.state {
+            PartState::Built(_) => "built",
+            PartState::Empty => "empty",
+            PartState::Missing => "missing",
+        };
+        let path = part.archive().map(|path| path.display().to_string()).unwrap_or_default();
+        out += &format!("{},{},{},{state},{}\n", part.name, part.low.x, part.low.y, quoted(&path));
     }
     say(&out)?;
     Ok(Outcome::Fine)

@@ -3,6 +3,7 @@
 
 pub mod about;
 pub mod catalogue;
+pub mod listed;
 pub mod part;
 pub mod partition;
 pub mod plan;

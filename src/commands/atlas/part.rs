@@ -1,8 +1,11 @@
 //! `heliotile build --part`: one part of a region. In: an atlas, the name or number of a part. Out: its receivers and its archive, in a
-//! folder of its own, from nothing but the plan and the scene files near the part; a part that is there is not traced again.
+//! folder of its own, from nothing but the plan and the scene files near the part. A part that is there is not traced again, and two processes
+//! that build one part do so one after the other.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 use super::plan::{AtlasPlan, FILE, PlannedPart, is_atlas};
 use crate::cli::BuildArgs;
@@ -19,6 +22,12 @@ const FOLDER: &str = "parts";
 
 /// The archive of a part.
 const ARCHIVE: &str = "site.helio";
+
+/// Locked by who builds a part.
+const LOCK: &str = ".lock";
+
+/// How often the lock is looked at.
+const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// Says that no receiver lies in a part.
 const NOTHING: &str = "no-receivers.txt";
@@ -67,13 +76,33 @@ pub fn build(args: &BuildArgs, asked: &str) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
+/// Waits until nobody else builds there; a builder that was killed holds nothing.
+fn alone(folder: &Path) -> Result<File> {
+    let path = folder.join(LOCK);
+    let file = File::create(&path).map_err(Error::io(&path, "create"))?;
+    for turn in 0_u64.. {
+        match file.try_lock() {
+            Ok(()) => break,
+            Err(TryLockError::Error(source)) => return Err(Error::io(&path, "lock")(source)),
+            Err(TryLockError::WouldBlock) if turn == 0 => {
+                remark(&format!("{}: another process builds it, waiting\n", folder.display()))?;
+            }
+            Err(TryLockError::WouldBlock) => {}
+        }
+        interrupt::stop_if_requested("while another process built the part")?;
+        thread::sleep(LOOK_EVERY);
+    }
+    Ok(file)
+}
+
 fn build_part(args: &BuildArgs, atlas: &Path, plan: &AtlasPlan, part: &PlannedPart) -> Result<()> {
     let folder = folder_of(atlas, part);
+    fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
+    let _alone = alone(&folder)?;
     let site = plan.site(plan.region_part(part), atlas)?;
     let files = site.parts.len();
     let (scene, covered) = cover_site(&site, &plan.cover)?;
     if covered.count(Lying::Free) == 0 {
-        fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
         write_texts(&folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;
         return remark(&format!("{}: no receiver, nothing to build\n", folder.display()));
     }

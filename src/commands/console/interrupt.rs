@@ -1,6 +1,5 @@
 //! Ctrl-C and its like: the first one asks long work to stop where it can go on later, the second one ends the program.
 
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread;
@@ -11,6 +10,7 @@ use signal_hook::flag;
 
 use super::shell_words::quoted;
 use super::voice::aside;
+use crate::cli::words;
 use heliotile_core::error::{Error, Result};
 
 /// What signals set.
@@ -80,16 +80,16 @@ pub fn stop_if_requested(what: &str) -> Result<()> {
 }
 
 /// The exit code of work that was stopped: 130 for Ctrl-C, 143 for SIGTERM.
-pub fn exit_code() -> ExitCode {
+pub fn exit_code() -> u8 {
     let signal = match first() {
         0 => SIGINT,
         signal => signal as i32,
     };
-    ExitCode::from((ENDED_BY_SIGNAL + signal) as u8)
+    (ENDED_BY_SIGNAL + signal) as u8
 }
 
 /// How work that was stopped goes on: the command line again, without what would throw away what is kept.
 pub fn again() -> String {
-    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let words = words().into_iter().map(|word| word.to_string_lossy().into_owned());
     words.filter(|word| word != "--fresh").map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
 }
