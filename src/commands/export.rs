@@ -25,12 +25,13 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::maps::{Illumination, Map as LayerMap, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
-use heliotile_core::site::north::North;
+use heliotile_core::replay::sun_hours::SunHours;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::sun::Location;
-use heliotile_core::weather::time::sun_path::SunPath;
+use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
 
 /// Kinds of images.
 enum Image {
@@ -66,12 +67,18 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
         Some(id) => {
             let image = Image::of(args.output())?;
             // Before the archive: a wrong weather file is found at once.
-            let (mut overlay, about) = overlay(args, &image)?;
+            let (mut overlay, weather, about) = overlay(args, &image)?;
             let archive = open_archive(&args.archive, args.io)?;
             let site = OpenSite::of(&archive)?;
             overlay.north = site.north();
             let view = ReceiverView::load(&site, id)?;
-            let about = about.with_archive(&args.archive, &archive);
+            let mut about = about.with_archive(&args.archive, &archive);
+            if let Some(weather) = &weather {
+                let steps = weather.steps_of(archive.manifest().settings.steps());
+                let hours = SunHours::of(&view, weather, steps, site.north());
+                overlay.sun_hours = in_words(&hours, weather.rows.len());
+                about = with_hours(about, &hours);
+            }
             let bytes = match (image, args.sun) {
                 (Image::Png, Some(sun)) if args.panel => {
                     let maps = lit_maps(args, (&archive, &site), &view)?;
@@ -150,7 +157,7 @@ fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<Strin
 }
 
 /// What is drawn over a picture, and what it is made of.
-fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
+fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Option<Weather>, Provenance)> {
     if matches!(image, Image::Exr) && args.panel {
         return Err(Error::Unsupported {
             what: "a panel".into(),
@@ -166,6 +173,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
         });
     }
     let mut provenance = invocation::provenance();
+    let mut of_file = None;
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
             let options = WeatherOptions { zone_hours: args.time_zone, ..WeatherOptions::default() };
@@ -182,18 +190,35 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Provenance)> {
             provenance = provenance.with_weather(file, &weather);
             // Names are filled up with blanks in some files.
             let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
+            let weather = of_file.insert(weather);
             let zone = weather.site.zone_hours;
-            Some((SunPath::of(&weather.site), format!("{place}, hours of UTC{zone:+}")))
+            Some((SunPath::on(&MONTHS, &weather.site), format!("{place}, hours of UTC{zone:+}")))
         }
         (None, Some(latitude)) => {
             let refuse = |what| Error::argument("--latitude", what, "give degrees, north positive");
             let site = Location::new(latitude, 0.0, 0.0, 0.0).map_err(refuse)?;
-            Some((SunPath::of(&site), format!("latitude {latitude}\u{b0}, hours of mean solar time")))
+            Some((SunPath::on(&MONTHS, &site), format!("latitude {latitude}\u{b0}, hours of mean solar time")))
         }
         (None, None) => None,
     };
-    let overlay = Overlay { path, sun: args.sun.map(|sun| sun.direction()), north: North::default() };
-    Ok((overlay, provenance))
+    let overlay = Overlay { path, sun: args.sun.map(|sun| sun.direction()), ..Overlay::default() };
+    Ok((overlay, of_file, provenance))
+}
+
+/// How long the sun is seen through a weather file.
+fn in_words(hours: &SunHours, rows: usize) -> Vec<String> {
+    let [up, seen, hidden, behind] = hours.sums();
+    vec![
+        format!("sun up {up:.0} h: seen {seen:.0} h, hidden {hidden:.0} h, behind the surface {behind:.0} h"),
+        format!("direct sun in {} of the weather file's {rows} rows", hours.sunny_rows),
+    ]
+}
+
+/// The same for programs.
+fn with_hours(about: Provenance, hours: &SunHours) -> Provenance {
+    let names = ["sun_up_h", "sun_seen_h", "sun_hidden_h", "sun_behind_h"];
+    let about = names.into_iter().zip(hours.sums()).fold(about, |about, (name, h)| about.with(name, format!("{h:.3}")));
+    about.with("sunny_rows", hours.sunny_rows)
 }
 
 /// A page that shows the archive.

@@ -22,7 +22,7 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::time::sun::Location as Place;
-use heliotile_core::weather::time::sun_path::SunPath;
+use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
 use heliotile_scene::Scene;
 
 use crate::cli::{Folder, golden, stdout};
@@ -322,8 +322,8 @@ fn fisheye_shows_what_is_there() {
     let mirrored = decoded(&fisheye(&view, &Overlay::default(), &Provenance::default()).expect("a picture"));
     assert_eq!([pixel(&mirrored, 190.0, 40.0), pixel(&mirrored, 355.0, 22.0)], [MIRROR, GROUND]);
     let place = Place::new(52.0, 0.0, 0.0, 0.0).expect("a place");
-    let path = SunPath::of(&place);
-    let noon = path.days[1][144];
+    let path = SunPath::on(&MONTHS, &place);
+    let noon = path.days[3][144];
     let overlay = Overlay {
         path: Some((path, "52 N".into())),
         sun: Some(direction_from_degrees(170.0, 50.0)),

@@ -15,6 +15,7 @@ pub mod run;
 pub mod seen;
 mod shine;
 mod sources;
+pub mod sun_hours;
 pub mod tile;
 mod tile_layers;
 pub mod values;

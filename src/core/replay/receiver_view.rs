@@ -6,7 +6,7 @@ use crate::archive::format::{RECEIVERS, block_name};
 use crate::archive::tables::ReceiversTable;
 use crate::error::{Error, Result};
 use crate::hemisphere::texel_of;
-use crate::layers::canopy::{Canopy, Powers};
+use crate::layers::canopy::{Canopy, Powers, SKY};
 use crate::layers::mirror::MirrorPath;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
@@ -16,6 +16,7 @@ use crate::light::mirrors::MirrorTable;
 use crate::light::response::Viewer;
 use crate::light::tile_view::TileView;
 use crate::opened::OpenSite;
+use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::specular::MirrorView;
 use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::site::cells::CellKey;
@@ -112,6 +113,12 @@ impl ReceiverView {
         let found = site.tile_responses(self.tile)?.into_iter().nth(self.row);
         let what = || format!("receiver `{}` has no response", self.receiver.id);
         found.ok_or_else(|| Error::input(site.path(), None, what(), "build the archive again"))
+    }
+
+    /// What leaves before the sky let through, by the stored transmittances; none where none stand before it.
+    pub(super) fn veil(&self) -> Option<CanopyTransmittance> {
+        let shares = self.canopy.through(SKY, &self.powers);
+        shares.map(|shares| CanopyTransmittance::new(shares, self.sides))
     }
 
     /// The direction in the sky from which light seems to come that is seen in mirrors in a direction, and how much of it is left; `None`

@@ -9,7 +9,6 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use crate::hemisphere::{Frame, texel_of};
-use crate::layers::canopy::SKY;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::receiver_view::ReceiverView;
 use crate::site::material::Class;
@@ -42,9 +41,7 @@ pub struct SkyDisc<'v> {
 impl<'v> SkyDisc<'v> {
     /// Of a receiver.
     pub fn of(view: &'v ReceiverView) -> Self {
-        let shares = view.canopy.through(SKY, &view.powers);
-        let veil = shares.map(|shares| CanopyTransmittance::new(shares, view.sides));
-        SkyDisc { view, frame: Frame::of(view.receiver.normal), veil }
+        SkyDisc { view, frame: Frame::of(view.receiver.normal), veil: view.veil() }
     }
 
     /// Where a direction above the horizon stands: x to the right, y up.

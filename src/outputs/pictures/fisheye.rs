@@ -13,7 +13,7 @@ use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::seen::{Seen, SkyDisc};
 use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
-use heliotile_core::weather::time::sun_path::{DAYS, SunPath};
+use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
 
 /// Width and height of the picture.
 pub const SIZE: (usize, usize) = (900, 980);
@@ -37,6 +37,7 @@ const PAPER: Rgb = [255, 255, 255];
 const GRID: Rgb = [140, 150, 162];
 const INK: Rgb = [30, 30, 40];
 const DAY: Rgb = [178, 46, 0];
+const HIDDEN: Rgb = [120, 96, 90];
 const HOUR: Rgb = [228, 126, 10];
 const SUN: Rgb = [255, 220, 0];
 
@@ -46,8 +47,10 @@ const NAME: usize = 60;
 /// What is drawn over the view.
 #[derive(Default)]
 pub struct Overlay {
-    /// Paths of the sun, and what the place and its clock are called.
+    /// Paths of the sun on [`MONTHS`], and what the place and its clock are called.
     pub path: Option<(SunPath, String)>,
+    /// How long the sun is seen, in words.
+    pub sun_hours: Vec<String>,
     /// One sun.
     pub sun: Option<DVec3>,
     /// Where true north lies in the view's axes; paths and sun go by it.
@@ -62,7 +65,7 @@ pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) 
     let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
     draw_grid(&mut canvas, overlay.north);
     if let Some((path, _)) = &overlay.path {
-        draw_path(&mut canvas, path, overlay.north);
+        draw_path(&mut canvas, &disc, path, overlay.north);
     }
     if let Some(sun) = overlay.sun.filter(|sun| sun.z >= 0.0) {
         let sun = overlay.north.to_axes(sun);
@@ -114,13 +117,23 @@ fn draw_grid(canvas: &mut Canvas, north: North) {
     canvas.ring(CENTRE, RADIUS, 1.3, INK);
 }
 
-fn draw_path(canvas: &mut Canvas, path: &SunPath, north: North) {
+/// Thick where the sun is seen, thin and grey where it is hidden.
+fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) {
     let turned = |lines: &[Vec<DVec3>]| -> Vec<Vec<DVec3>> {
         lines.iter().map(|line| line.iter().map(|&sun| north.to_axes(sun)).collect()).collect()
     };
     let (hours, days) = (turned(&path.hours), turned(&path.days));
     hours.iter().for_each(|hour| draw_sky_line(canvas, hour, 0.7, HOUR));
-    days.iter().for_each(|day| draw_sky_line(canvas, day, 1.4, DAY));
+    let is_seen = |sun: &DVec3| matches!(disc.seen(*sun), Seen::Sky | Seen::Canopy);
+    for day in &days {
+        day.chunk_by(|a, b| is_seen(a) == is_seen(b)).fold(None, |before: Option<DVec3>, run| {
+            // Runs touch.
+            let line: Vec<DVec3> = before.into_iter().chain(run.iter().copied()).collect();
+            let (thick, colour) = if run.first().is_some_and(is_seen) { (1.8, DAY) } else { (0.8, HIDDEN) };
+            draw_sky_line(canvas, &line, thick, colour);
+            run.last().copied()
+        });
+    }
     for (hour, points) in hours.iter().enumerate() {
         // The loop's highest point is by the summer solstice: there it is named, a little further in.
         if let Some(top) = points.iter().copied().max_by(|a, b| a.z.total_cmp(&b.z)).filter(|top| top.z > 0.05) {
@@ -130,7 +143,7 @@ fn draw_path(canvas: &mut Canvas, path: &SunPath, north: North) {
             canvas.word(&hour.to_string(), at, Side::Center, DAY);
         }
     }
-    for (day, (_, _, name)) in days.iter().zip(DAYS) {
+    for (day, (_, _, name)) in days.iter().zip(MONTHS) {
         // Beside the sun that is about to set.
         if let Some(two) = day.windows(2).rev().find(|two| two[0].z >= NAMED_Z && two[1].z < NAMED_Z) {
             let (x, y) = place_of(two[0]);
@@ -175,6 +188,9 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
     let [sky, ground, obstruction] = view.views;
     let shares = format!("view factors: sky {sky:.3}, ground {ground:.3}, obstructions {obstruction:.3}");
     canvas.word(&shares, (20.0, 59.0), Side::Left, INK);
+    for (line, y) in overlay.sun_hours.iter().zip([76.0, 93.0]) {
+        canvas.word(line, (20.0, y), Side::Left, DAY);
+    }
     let right = SIZE.0 as f64 - 20.0;
     let seen = if overlay.north.is_y() { "seen on a map: east is right" } else { "seen on a plan: x is right" };
     canvas.word(seen, (right, 42.0), Side::Right, INK);

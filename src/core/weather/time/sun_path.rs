@@ -9,6 +9,17 @@ use crate::weather::time::sun::Location;
 /// The days between which the sun's paths lie, and the one amid them; in autumn the sun takes the path of spring.
 pub const DAYS: [(u32, u32, &str); 3] = [(6, 21, "21 Jun"), (3, 20, "20 Mar"), (12, 21, "21 Dec")];
 
+/// A day of each month, between the solstices; the sun takes all paths but the first and the last twice.
+pub const MONTHS: [(u32, u32, &str); 7] = [
+    (6, 21, "Jun"),
+    (5, 21, "May, Jul"),
+    (4, 20, "Apr, Aug"),
+    (3, 20, "Mar, Sep"),
+    (2, 20, "Feb, Oct"),
+    (1, 21, "Jan, Nov"),
+    (12, 21, "Dec"),
+];
+
 /// The year that the positions are of; others differ by less than half a degree.
 const YEAR: i32 = 2021;
 
@@ -20,15 +31,20 @@ const LOOP_DAYS: [u32; 5] = [1, 7, 13, 19, 25];
 
 /// Paths of the sun over a site.
 pub struct SunPath {
-    /// `[day of [`DAYS`]]`: directions from midnight to midnight, below the horizon too.
+    /// `[day]`: directions from midnight to midnight, below the horizon too.
     pub days: Vec<Vec<DVec3>>,
     /// `[hour]`, 0 to 23: the loop of the sun at this hour of the clock through a year, closed.
     pub hours: Vec<Vec<DVec3>>,
 }
 
 impl SunPath {
-    /// The paths over a place.
+    /// The paths over a place on [`DAYS`].
     pub fn of(site: &Location) -> Self {
+        SunPath::on(&DAYS, site)
+    }
+
+    /// The paths on some days: month, day, and a name.
+    pub fn on(days: &[(u32, u32, &str)], site: &Location) -> Self {
         let sun = |month, day, minutes: u32| {
             // Every one of these dates exists.
             Date::new(YEAR, month, day).map_or(DVec3::NEG_Z, |date| site.sun(date, f64::from(minutes)))
@@ -38,7 +54,7 @@ impl SunPath {
         };
         let year = || (1..=12).flat_map(|month| LOOP_DAYS.map(|day| (month, day))).chain([(1, 1)]);
         let hour = |hour: u32| year().map(|(month, day)| sun(month, day, 60 * hour)).collect();
-        SunPath { days: DAYS.iter().map(path).collect(), hours: (0..24).map(hour).collect() }
+        SunPath { days: days.iter().map(path).collect(), hours: (0..24).map(hour).collect() }
     }
 }
 
@@ -63,5 +79,19 @@ mod tests {
         assert!((high - low - 46.9).abs() < 0.6, "{low} {high}");
         let south = SunPath::of(&Location::new(-52.0, 0.0, 0.0, 0.0).expect("a site"));
         assert!(south.hours[12].iter().all(|d| d.y > 0.0));
+    }
+
+    /// The paths of months lie apart in order: at 52 N the midday sun of the 7 falls by 3 to 13 deg from one to the next, and a month's
+    /// partner in its name stands within 1.5 deg of it.
+    #[test]
+    fn months_in_order() {
+        let site = Location::new(52.0, 0.0, 0.0, 0.0).expect("a site");
+        let highest = |day: &Vec<DVec3>| day.iter().map(|d| d.z.asin().to_degrees()).fold(-90.0, f64::max);
+        let months: Vec<f64> = SunPath::on(&MONTHS, &site).days.iter().map(highest).collect();
+        assert_eq!(months.len(), 7);
+        assert!(months.windows(2).all(|two| (3.0..13.0).contains(&(two[0] - two[1]))), "{months:?}");
+        let partners = [(7, 23, "Jul"), (8, 23, "Aug"), (9, 23, "Sep"), (10, 22, "Oct"), (11, 21, "Nov")];
+        let partners: Vec<f64> = SunPath::on(&partners, &site).days.iter().map(highest).collect();
+        assert!(months[1..6].iter().zip(&partners).all(|(a, b)| (a - b).abs() < 1.5), "{months:?} {partners:?}");
     }
 }

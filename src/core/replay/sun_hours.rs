@@ -1,0 +1,71 @@
+//! How long a receiver sees the sun. In: what it sees, the rows of a weather file. Out: hours of each row, by the same lookups of the sun's
+//! disc in its sky as direct irradiance.
+
+use crate::layers::sides::TextureSides;
+use crate::replay::direct::each_sun::EachSun;
+use crate::replay::receiver_view::ReceiverView;
+use crate::replay::shine::Shine;
+use crate::site::north::North;
+use crate::weather::row::WeatherRow;
+use crate::weather::series::Weather;
+
+/// Hours of sun at a receiver, clouds left out of account: what the sky holds of them is DNI's matter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SunHours {
+    /// `[row]`: how long the sun's centre is above the horizon.
+    pub up_h: Vec<f64>,
+    /// `[row]`: how long the receiver sees it; the seen share of the disc counts, behind leaves what they let through.
+    pub seen_h: Vec<f64>,
+    /// `[row]`: how long it stands behind the receiver's own surface.
+    pub behind_h: Vec<f64>,
+    /// Rows with direct irradiance at the receiver: the sun is seen, and the row's DNI is not 0.
+    pub sunny_rows: usize,
+}
+
+impl SunHours {
+    /// Of a weather file's rows, with so many positions of the sun in each; `north` is where true north lies in the receiver's axes.
+    pub fn of(view: &ReceiverView, weather: &Weather, steps: usize, north: North) -> Self {
+        let (normal, sides, count) = (view.receiver.normal, view.sides, weather.rows.len());
+        let (mut up_h, mut behind_h, mut seen_h) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+        let mut shines = Vec::new();
+        for (bin, row) in weather.rows.iter().enumerate() {
+            let suns = weather.site.sunlit(&row.interval, row.sun, steps);
+            if suns.is_empty() {
+                continue;
+            }
+            up_h[bin] = weather.site.sunlit_hours(&row.interval, row.sun);
+            let hours = up_h[bin] / suns.len() as f64;
+            for sun in suns {
+                let direction = north.to_axes(sun);
+                let cos = normal.dot(direction);
+                match cos > 0.0 {
+                    // An irradiance is strength times cosine times seen share: this is hours times seen share.
+                    true => shines.push(Shine { bin, strength: hours / cos, direction }),
+                    false => behind_h[bin] += hours,
+                }
+            }
+        }
+        add_seen(view, shines, sides, &mut seen_h);
+        // Shares of a disc are f32 and may add up to a little more than 1.
+        seen_h.iter_mut().zip(up_h.iter().zip(&behind_h)).for_each(|(seen, (up, behind))| {
+            *seen = seen.min((up - behind).max(0.0));
+        });
+        let lit = |(row, seen): &(&WeatherRow, &f64)| row.dni_w_m2 > 0.0 && **seen > 0.0;
+        let sunny_rows = weather.rows.iter().zip(&seen_h).filter(lit).count();
+        SunHours { up_h, seen_h, behind_h, sunny_rows }
+    }
+
+    /// Sums over all rows: hours that the sun is up, seen, hidden by surroundings, behind the surface; the last three make up the first.
+    pub fn sums(&self) -> [f64; 4] {
+        let [up, seen, behind] = [&self.up_h, &self.seen_h, &self.behind_h].map(|hours| hours.iter().sum::<f64>());
+        [up, seen, up - seen - behind, behind]
+    }
+}
+
+fn add_seen(view: &ReceiverView, shines: Vec<Shine>, sides: TextureSides, seen_h: &mut [f64]) {
+    let (normal, suns) = (view.receiver.normal, EachSun::new(shines, sides));
+    match view.veil() {
+        None => suns.direct_seen(normal, &mut &view.sky, seen_h),
+        Some(veil) => suns.direct_behind(normal, &mut &view.sky, &veil, seen_h),
+    }
+}
