@@ -264,6 +264,24 @@ fn wrong_input() {
     assert!(!folder.path("out/points.csv").exists());
 }
 
+/// Lists and pictures of points that are no longer there go with what is replaced, and what nobody wrote here stays: 2 and 1 of 3 files.
+#[test]
+fn lists_of_earlier_points_go() {
+    let folder = wall("diffuse = 0");
+    let pv = |rest: &str| {
+        format!("pv wall.obj -m wall.toml {PLACE} -w even.csv --points points.csv --no-hourly -o out {rest}")
+    };
+    folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,0,0,1,0,0\nq,1,-1,1,0,0\n");
+    good(&folder, &pv("--search --tilts 10..20 --azimuths 170..190"));
+    folder.write("out/horizon/mine.txt", "x");
+    let there = |names: &[&str]| names.iter().filter(|name| folder.path(&format!("out/{name}")).exists()).count();
+    let (stale, kept) = (["horizon/q.csv", "turns/q.svg"], ["horizon/mine.txt", "horizon/p.csv"]);
+    assert_eq!((there(&stale), there(&kept)), (2, 2));
+    folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,0,0,1,0,0\n");
+    good(&folder, &pv("--replace"));
+    assert_eq!((there(&stale), there(&kept)), (0, 2));
+}
+
 /// Results of other points or other weather are kept, and replaced if that is asked for: 2 refusals.
 #[test]
 fn other_inputs_are_kept() {

@@ -4,10 +4,12 @@
 use std::path::{Path, PathBuf};
 
 use super::modules::{GEOMETRY, MATERIALS};
+use super::spots::Spots;
 use crate::cli::PvArgs;
 use crate::commands::console::shell_words::quoted;
 use crate::commands::run::made_from::MadeFrom;
 use crate::commands::{guard_archive, guard_site};
+use crate::outputs::pv::horizon;
 use crate::outputs::tables::writer::files_of;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
@@ -46,6 +48,16 @@ impl PvFolder {
             turns: file("turns"),
             folder,
         }
+    }
+
+    /// The horizon of a point, in the folder.
+    pub fn list_of(point: &str) -> String {
+        format!("horizon/{}", horizon::file_of(point))
+    }
+
+    /// The picture of a point's turns, in the folder.
+    pub fn picture_of(point: &str) -> String {
+        format!("turns/{point}.svg")
     }
 
     /// Tables that are written.
@@ -89,10 +101,15 @@ impl PvFolder {
     }
 
     /// Makes the folder one of this archive and weather, so that results can be written there.
-    pub fn claim(&self, archive: &Archive, weather: &Weather, args: &PvArgs) -> Result<()> {
+    pub fn claim(&self, archive: &Archive, weather: &Weather, args: &PvArgs, spots: &Spots) -> Result<()> {
         let in_folder = |path: &Path| path.strip_prefix(&self.folder).ok().map(|name| name.display().to_string());
         let mut names: Vec<String> =
             self.tables(args).iter().flat_map(|table| files_of(table)).filter_map(|file| in_folder(&file)).collect();
+        // By hand: names have the same form on all systems.
+        for point in spots.list.iter().map(|spot| &spot.name) {
+            names.extend(args.points.is_some().then(|| PvFolder::list_of(point)));
+            names.extend(args.search.then(|| PvFolder::picture_of(point)));
+        }
         names.sort();
         let mut now = MadeFrom::new(archive, weather, &args.weather, names);
         now.claim(&self.folder, args.replace)

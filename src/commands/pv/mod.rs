@@ -112,7 +112,7 @@ pub fn run(args: &PvArgs) -> Result<Outcome> {
     }
     nothing_seen(&archive)?.iter().for_each(|lost| warn(lost));
     interrupt::stop_if_requested("after site.helio was complete")?;
-    files.claim(&archive, &weather, args)?;
+    files.claim(&archive, &weather, args, &spots)?;
 
     let about = invocation::provenance()
         .with_archive(&files.archive, &archive)

@@ -63,7 +63,7 @@ impl Results<'_> {
         write_best(&files.best, searched, about)?;
         fs::create_dir_all(&files.turns).map_err(Error::io(&files.turns, "create"))?;
         searched.iter().try_for_each(|search| {
-            write_texts(&files.turns, &[(&format!("{}.svg", search.point), polar::svg(search, about)?)])
+            write_texts(&files.folder, &[(&PvFolder::picture_of(&search.point), polar::svg(search, about)?)])
         })
     }
 
@@ -102,7 +102,7 @@ impl Results<'_> {
                 turn,
                 open: plain.months(spot.ground, turn),
                 sky_view,
-                horizon: if has_horizons { format!("horizon/{}", horizon::file_of(&spot.name)) } else { String::new() },
+                horizon: if has_horizons { PvFolder::list_of(&spot.name) } else { String::new() },
                 bifacial_gain_percent: None,
                 months,
             }

@@ -15,8 +15,11 @@ use heliotile_core::weather::series::Weather;
 /// Its name.
 const FILE: &str = "made-from.json";
 
+/// Folders of results inside the folder.
+const INSIDE: [&str; 2] = ["horizon", "turns"];
+
 /// A longer one is none of ours.
-const MOST_BYTES: u64 = 1 << 20;
+const MOST_BYTES: u64 = 64 << 20;
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MadeFrom {
@@ -25,7 +28,7 @@ pub struct MadeFrom {
     /// Hash of all that was read from it.
     weather_hash: String,
     archive_root: String,
-    /// Names of results, all in one folder.
+    /// Names of results, in the folder or in one of [`INSIDE`].
     files: Vec<String>,
 }
 
@@ -111,9 +114,7 @@ impl MadeFrom {
 
     /// Removes the results of an earlier run; what else lies there stays.
     fn remove_files(&self, folder: &Path) -> Result<()> {
-        // A name with a folder in it was not written by this program.
-        for name in self.files.iter().filter(|name| Path::new(name).file_name() == Some(name.as_ref())) {
-            let path = folder.join(name);
+        for path in self.files.iter().filter_map(|name| path_of(folder, name)) {
             match fs::remove_file(&path) {
                 Err(e) if e.kind() != ErrorKind::NotFound => return Err(Error::io(&path, "remove")(e)),
                 _ => {}
@@ -129,6 +130,17 @@ impl MadeFrom {
     }
 }
 
+/// Where a result lies; `None` for a name that this program does not write: with another folder in it, or through a link.
+fn path_of(folder: &Path, name: &str) -> Option<PathBuf> {
+    let (inside, file) = match name.split_once('/') {
+        Some((inside, file)) if INSIDE.contains(&inside) => (folder.join(inside), file),
+        Some(_) => return None,
+        None => (folder.to_owned(), name),
+    };
+    let is_ours = inside == folder || fs::symlink_metadata(&inside).is_ok_and(|about| about.is_dir());
+    (is_ours && Path::new(file).file_name() == Some(file.as_ref())).then(|| inside.join(file))
+}
+
 /// BLAKE3 of the place and all rows; numbers are written so that they read back to the bit.
 fn hash(weather: &Weather) -> String {
     let mut hasher = blake3::Hasher::new();
@@ -136,4 +148,32 @@ fn hash(weather: &Weather) -> String {
     let _ = writeln!(hasher, "{:?}", weather.site);
     weather.rows.iter().for_each(|row| drop(writeln!(hasher, "{row:?}")));
     format::hex(hasher.finalize().as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 9 names, the 3 that this program writes are removed; what `..`, other folders, links and the empty name lead to stays, 5 of 5 files.
+    #[test]
+    fn only_our_files_are_removed() {
+        let outer = tempfile::tempdir().expect("a folder");
+        let folder = outer.path().join("out");
+        for inside in ["horizon", "other", "horizon/deeper"] {
+            fs::create_dir_all(folder.join(inside)).expect("made");
+        }
+        fs::create_dir(outer.path().join("elsewhere")).expect("made");
+        let ours = ["points.csv", "horizon/a.csv", "horizon/b.csv"];
+        let theirs = ["../kept.txt", "../elsewhere/a.svg", "other/a.csv", "horizon/deeper/a.csv", "mine.txt"];
+        ours.iter().chain(&theirs).for_each(|name| fs::write(folder.join(name), "x").expect("written"));
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(outer.path().join("elsewhere"), folder.join("turns")).expect("linked");
+        let bad = ["../kept.txt", "horizon/../../kept.txt", "turns/a.svg", "other/a.csv", "horizon/deeper/a.csv", ""];
+        let files = ours.iter().chain(&bad).map(|name| (*name).to_string()).collect();
+        let text = String::new;
+        let made = MadeFrom { weather: text(), weather_hash: text(), archive_root: text(), files };
+        made.remove_files(&folder).expect("removed");
+        let there = |names: &[&str]| names.iter().filter(|name| folder.join(name).exists()).count();
+        assert_eq!((there(&ours), there(&theirs)), (0, 5));
+    }
 }
