@@ -17,6 +17,8 @@ import pyvista
 import shapely
 import trimesh
 
+from duck import check_duckdb
+
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = Path(os.environ.get("HELIOTILE", ROOT / "target/release/heliotile"))
 WEATHER = ROOT / "tests/data/weather/golden_tmy3.epw"
@@ -301,6 +303,7 @@ def main():
         check_glb(f"{stem}.glb", files[stem, "glb"], expected, place, here)
         check_vtu(f"{stem}.vtu", files[stem, "vtu"], expected, place, here)
     check_series(archive, folder)
+    check_duckdb(check, replay, archive, files, folder, SHARE, HOURLY)
     if not args.archive:
         # What `run` wrote is what `replay` writes.
         for ending in ["glb", "fgb", "geojson", "parquet", "vtu"]:
