@@ -46,7 +46,7 @@ pub use self::partition::{CatalogueArgs, FindArgs, PartitionArgs};
 pub use self::pv::PvArgs;
 pub use self::quality::{AccuracyArgs, Percent, parse_negligible};
 pub use self::recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, TableArgs};
-pub use self::run::RunArgs;
+pub use self::run::{RunArgs, RunMap};
 pub use self::scene::{MaterialsArgs, PlaceArgs, SceneArgs};
 pub use self::shells::{CompletionsArgs, ManArgs};
 pub use self::study::{RaySquare, StudyArgs, StudyCommand, WallArgs};

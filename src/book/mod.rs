@@ -34,6 +34,9 @@ pub mod query_and_replay {}
 #[doc = include_str!("maps.md")]
 pub mod maps {}
 
+#[doc = include_str!("pictures.md")]
+pub mod pictures {}
+
 #[doc = include_str!("weather.md")]
 pub mod weather {}
 

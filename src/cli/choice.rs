@@ -5,6 +5,7 @@ use heliotile_core::archive::Access;
 use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::weather::options::StampedAt;
 
+use super::run::RunMap;
 use crate::outputs::periods::Every;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
@@ -88,13 +89,14 @@ impl NamedValues for By {
     ];
 }
 
-impl NamedValues for MapFormat {
+impl NamedValues for RunMap {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("glb", "For Blender, three.js and Cesium, with the scene around", MapFormat::Glb),
-        ("fgb", "FlatGeobuf, for QGIS", MapFormat::FlatGeobuf),
-        ("geojson", "Longitude and latitude, for small maps in browsers", MapFormat::GeoJson),
-        ("geoparquet", "For geopandas and DuckDB: annual.parquet", MapFormat::GeoParquet),
-        ("vtu", "For ParaView and PyVista", MapFormat::Vtu),
+        ("glb", "For Blender, three.js and Cesium, with the scene around", RunMap::Map(MapFormat::Glb)),
+        ("fgb", "FlatGeobuf, for QGIS", RunMap::Map(MapFormat::FlatGeobuf)),
+        ("geojson", "Longitude and latitude, for small maps in browsers", RunMap::Map(MapFormat::GeoJson)),
+        ("geoparquet", "For geopandas and DuckDB: annual.parquet", RunMap::Map(MapFormat::GeoParquet)),
+        ("vtu", "For ParaView and PyVista", RunMap::Map(MapFormat::Vtu)),
+        ("cityjson", "The CityJSON of the scene with attributes: annual.city.json", RunMap::CityModel),
     ];
 }
 

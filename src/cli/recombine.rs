@@ -60,6 +60,11 @@ pub struct RecombineArgs {
     /// Write .parquet as a map, GeoParquet: polygons, one row a place
     #[arg(long)]
     pub geo: bool,
+    /// Draw results: a name that ends with .png is a map of the sums (or of one condition), from above and from the south-west; one that ends
+    /// with .svg a chart of the mean by area of all receivers: bars by component of --every day, month or year (or of conditions), hours of
+    /// the day by month of --every hour. May be repeated; a table is then written only if --output names one
+    #[arg(long, value_name = "FILE")]
+    pub plot: Vec<PathBuf>,
     /// Columns to write, in this order, such as total,sun_direct; sun_diffuse and sky_diffuse also by what is seen first, as
     /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]
@@ -170,11 +175,11 @@ pub struct ReplayArgs {
     pub temperature: Vec<Temperature>,
     /// City model (CityJSON or a sequence of features) that the receivers were put on: with an output that ends with .city.json or
     /// .city.jsonl it is written again with these sums, and with a material theme `irradiation`
-    #[arg(long, value_name = "INPUT.city.json", conflicts_with = "honeybee")]
+    #[arg(long, value_name = "INPUT.city.json", conflicts_with_all = ["honeybee", "plot"])]
     pub model: Option<PathBuf>,
     /// Write a folder of hourly results as Honeybee and Pollination read them, a grid an object (a room, a city object), in place of a table;
     /// --by building, surface or kind makes other grids
-    #[arg(long, value_name = "FOLDER", conflicts_with = "output")]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "plot"])]
     pub honeybee: Option<PathBuf>,
     #[command(flatten)]
     pub about_weather: WeatherArgs,

@@ -13,6 +13,14 @@ use crate::outputs::tables::layout::By;
 use crate::outputs::tables::writer::Format;
 use heliotile_core::weather::options::StampedAt;
 
+/// A map beside `annual.ply`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunMap {
+    Map(MapFormat),
+    /// The city model of the scene, with sums.
+    CityModel,
+}
+
 /// Endings of tables that `replay` writes.
 fn endings() -> PossibleValuesParser {
     PossibleValuesParser::new(Format::ENDINGS.map(|(ending, _)| ending))
@@ -57,9 +65,10 @@ pub struct RunArgs {
     /// Ending of these tables, which chooses their format
     #[arg(long, value_parser = endings(), default_value = "csv", requires = "every")]
     pub format: String,
-    /// Write the annual sums as a further map beside annual.ply, annual.glb and so on; may be repeated, or several with commas
-    #[arg(long, value_name = "FORMAT", value_parser = choice::<MapFormat>(), value_delimiter = ',')]
-    pub map: Vec<MapFormat>,
+    /// Write the annual sums as a further map beside annual.ply, annual.glb and so on, or into the city model of the scene; may be repeated, or
+    /// several with commas
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<RunMap>(), value_delimiter = ',')]
+    pub map: Vec<RunMap>,
     /// Replace what the folder holds of another scene, spacing, accuracy or weather, which is refused otherwise
     #[arg(long)]
     pub replace: bool,

@@ -12,7 +12,7 @@ use crate::cli::{Cli, words};
 use crate::outputs::provenance::Provenance;
 
 /// Options that change where results go and how long they take, never their values.
-const NEUTRAL: [&str; 8] = ["output", "faces", "honeybee", "memory", "io", "replace", "geo", "map"];
+const NEUTRAL: [&str; 9] = ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map"];
 
 /// Of the command line of this process. Paths stand as they were typed.
 pub fn provenance() -> Provenance {

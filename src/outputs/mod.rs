@@ -5,6 +5,7 @@
 //! sums.
 
 pub mod annual;
+pub mod area_means;
 pub mod buildings;
 pub mod city_model;
 pub mod energyplus;

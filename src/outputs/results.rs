@@ -35,7 +35,7 @@ impl ResultFormat {
                     what: "ending of the output file".into(),
                     found: format!("`{}`", path.display()),
                     supported: format!(
-                        "tables: {}; maps: {} and, with --geo, .parquet",
+                        "tables: {}; maps: {} and, with --geo, .parquet; pictures, with --plot: .png, .svg",
                         Format::listed(),
                         maps.join(", ")
                     ),

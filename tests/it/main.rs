@@ -25,6 +25,7 @@ mod mirrors;
 mod numerics;
 mod paths;
 mod physics;
+mod pictures;
 mod place;
 mod plan;
 mod pv;

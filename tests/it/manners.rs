@@ -37,14 +37,14 @@ fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// Other spacing, accuracy, one setting, another scene, or an edited table of receivers: 5 runs into a folder that holds something else are
-/// refused with what differs and what to do, and no byte of its 7 files changes; `--replace` puts the new results there.
+/// refused with what differs and what to do, and no byte of its 9 files changes; `--replace` puts the new results there.
 #[test]
 fn other_inputs_are_kept() {
     let folder = town();
     good(&folder, RUN);
     let made = folder.path("a.sun");
     let before = bytes(&made);
-    assert_eq!(before.len(), 7);
+    assert_eq!(before.len(), 9);
     let to_do = ["a.sun: holds results of other inputs", "--output FOLDER", "--replace"];
     let refused = |arguments: &str, parts: &[&str]| {
         folder.refused(arguments, &[&to_do, parts].concat());
@@ -64,7 +64,7 @@ fn other_inputs_are_kept() {
     let (said, _) = good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
     assert!(said.contains("root") && !said.contains("up to date"), "{said}");
     let after = bytes(&made);
-    assert!(after.iter().zip(&before).filter(|(a, b)| a.0 == b.0 && a.1 != b.1).count() == 7);
+    assert!(after.iter().zip(&before).filter(|(a, b)| a.0 == b.0 && a.1 != b.1).count() == 9);
     let (said, _) = good(&folder, &RUN.replace("5m", "4m"));
     assert!(said.contains("up to date, nothing is traced again") && bytes(&made) == after, "{said}");
 }
@@ -84,7 +84,7 @@ fn weather_is_kept_apart() {
     let (said, _) = good(&folder, &RUN.replace("golden.epw", "pvgis.epw"));
     assert!(said.contains("pvgis/annual.csv, pvgis/annual.ply"), "{said}");
     assert_eq!(names(&made), ["golden", "pvgis", "receivers.csv", "site.helio"]);
-    assert!(bytes(&made.join("golden")) == first && first.len() == 5);
+    assert!(bytes(&made.join("golden")) == first && first.len() == 7);
     let other = RUN.replace("golden.epw", "other/golden.epw");
     folder.refused(&other, &["a.sun/golden: holds results of other weather, read from golden.epw", "--replace"]);
     assert!(bytes(&made.join("golden")) == first);
@@ -112,13 +112,15 @@ fn run_writes_the_tables_of_replay() {
             "annual.csv",
             "annual.csv-metadata.json",
             "annual.ply",
+            "annual.png",
             "days.csv",
             "days.csv-metadata.json",
             "hours.surface.parquet",
             "index.html",
             "made-from.json",
             "months.csv",
-            "months.csv-metadata.json"
+            "months.csv-metadata.json",
+            "months.svg"
         ]
     );
     for (every, name) in [("month", "months.csv"), ("day", "days.csv"), ("hour --by surface", "hours.surface.parquet")]
@@ -131,7 +133,18 @@ fn run_writes_the_tables_of_replay() {
     }
     // Results of what is replaced go with it.
     good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
-    assert_eq!(names(&made), ["annual.csv", "annual.csv-metadata.json", "annual.ply", "index.html", "made-from.json"]);
+    assert_eq!(
+        names(&made),
+        [
+            "annual.csv",
+            "annual.csv-metadata.json",
+            "annual.ply",
+            "annual.png",
+            "index.html",
+            "made-from.json",
+            "months.svg"
+        ]
+    );
 }
 
 /// What is said of the clock of `--weather` leaves `--error-weather` alone: with a shift of 3 hours an archive keeps its bytes where errors are

@@ -120,7 +120,7 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// One command writes 6 files, its sums are those of `replay`, of `south` rows more sun than `north`; a second run traces nothing and
+/// One command writes 9 files, its sums are those of `replay`, of `south` rows more sun than `north`; a second run traces nothing and
 /// leaves the archive's bytes.
 #[test]
 fn run_and_run_again() {
@@ -135,7 +135,15 @@ fn run_and_run_again() {
     let report = run("--spacing 5m");
     let made = folder.path("a.sun");
     assert_eq!(names(&made), ["golden_3_days", "receivers.csv", "site.helio"]);
-    let results = ["annual.csv", "annual.csv-metadata.json", "annual.ply", "index.html", "made-from.json"];
+    let results = [
+        "annual.csv",
+        "annual.csv-metadata.json",
+        "annual.ply",
+        "annual.png",
+        "index.html",
+        "made-from.json",
+        "months.svg",
+    ];
     assert_eq!(names(&made.join("golden_3_days")), results);
     let table = rows(&read(&made.join("golden_3_days/annual.csv")));
     let count = rows(&read(&made.join("receivers.csv"))).len();

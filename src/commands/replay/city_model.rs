@@ -38,8 +38,7 @@ pub fn check(args: &ReplayArgs, model: &Path) -> Result<()> {
 }
 
 fn is_sequence(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    name.trim_end_matches(".gz").ends_with(".jsonl")
+    input::ending(path) == "jsonl"
 }
 
 /// Writes the model with the sums of a series.

@@ -27,11 +27,11 @@ const MANY_POLYGONS: u64 = 10_000;
 
 /// Starts a map of groups, or of receivers where there are none; receivers that cannot be drawn are an error.
 pub fn start<'a>(
-    asked: &'a TableArgs,
-    format: MapFormat,
+    asked: &TableArgs,
+    (path, format): (&'a Path, MapFormat),
     (chosen, groups): (&'a Chosen<'a>, Option<&Groups>),
     (layout, labels, every): (&'a Layout, &'a RowLabels, Option<Every>),
-    about: Provenance,
+    (about, called): (Provenance, &str),
     storage: &'a dyn ScratchSpace,
 ) -> Result<MapWriter<'a>> {
     let memory = MemoryBudget::new(asked.memory.0);
@@ -39,15 +39,17 @@ pub fn start<'a>(
         return Err(Error::argument("--receivers", "there is nothing to draw", "choose some receivers"));
     };
     // Parts of an atlas show their neighbours, too.
-    let shows = format == MapFormat::Glb && others.is_empty();
+    let shows = format.shows_surroundings() && others.is_empty();
     let folder = std::env::temp_dir();
     let request = MapRequest {
-        path: &asked.output,
+        path,
         format,
         layout,
         labels,
         every,
         crs: crs_of(first.archive),
+        north: chosen.north(),
+        called: called.to_owned(),
         around: shows.then(|| surroundings(first.archive, &first.site)).flatten(),
         about,
         folder: folder.clone(),
@@ -65,8 +67,10 @@ pub fn start<'a>(
             PlaceShapes::Groups(Box::new(patches.finish(&asked.archive)?))
         }
         None => {
-            Shapeless::refuse(shown(), &asked.archive)?;
-            PlaceShapes::Receivers(Box::new(shown()), chosen.north())
+            if !format.shows_points() {
+                Shapeless::refuse(shown(), &asked.archive)?;
+            }
+            PlaceShapes::Receivers(Box::new(shown()))
         }
     };
     MapWriter::create(request, shapes)

@@ -6,7 +6,9 @@ mod city_model;
 pub mod factors;
 mod grids;
 pub(in crate::commands) mod mapped;
+pub(in crate::commands) mod pictures;
 pub mod places;
+mod rows;
 mod sources;
 mod year;
 
@@ -18,22 +20,19 @@ use super::{Outcome, invocation, temporary_files, warn};
 use crate::cli::{QueryArgs, RecombineArgs, ReplayArgs};
 use crate::files::{read_conditions, read_file, read_weather_as};
 use crate::outputs::city_model::is_city_model;
-use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
-use crate::outputs::results::{ResultFormat, ResultWriter};
-use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::results::ResultFormat;
+use crate::outputs::tables::layout::Labels;
 use crate::outputs::tables::row_labels::RowLabels;
-use crate::outputs::tables::table::Places;
-use crate::outputs::tables::writer::TableWriter;
 use chosen::{Chosen, ChosenPart, guard};
 use heliotile_builder::observer::Stage;
 use heliotile_core::archive::{Archive, Manifest};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::states::Schedule;
-use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
+use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::replay::values::TileValues;
@@ -66,6 +65,8 @@ pub(super) struct Series<'a> {
     /// Rows of the weather file, and which of them the conditions are; none in a query.
     rows: (&'a [WeatherRow], &'a [bool]),
     pub provenance: Provenance,
+    /// What these are, in words, for pictures.
+    called: String,
 }
 
 /// `heliotile query`.
@@ -79,6 +80,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     }
     let inputs: Vec<&Path> = args.common.schedules().chain([args.conditions.as_path()]).collect();
     guard(&args.common.table, &inputs)?;
+    pictures::guard(&args.common, &inputs, None)?;
     ResultFormat::of(&args.common.table.output, args.common.geo)?;
     let file = read_conditions(&args.conditions)?;
     let sources = Sources::open(&args.common.table)?;
@@ -104,11 +106,15 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
         labels,
         changes: changes(&args.common),
         rows: (&[], &[]),
+        called: match file.conditions.as_slice() {
+            [only] => format!("{name}: {}", only.label),
+            _ => name.to_string(),
+        },
         provenance: invocation::provenance().with("conditions", name),
     };
     say_north(&args.common.table, archives.manifest());
     say_left_out(archives, None);
-    run(&args.common, archives, &series)
+    rows::write(&args.common, archives, &series)
 }
 
 /// Warns where effects were left out that bring little under other weather than this.
@@ -140,6 +146,7 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
     inputs.extend(args.temperature.iter().filter_map(|temperature| temperature.file()));
     inputs.extend(args.model.as_deref());
     guard(&args.common.table, &inputs)?;
+    pictures::guard(&args.common, &inputs, Some(args.every))?;
     match (&args.model, &args.honeybee) {
         (Some(model), _) => city_model::check(args, model)?,
         (_, Some(folder)) => grids::check(args, folder)?,
@@ -150,16 +157,21 @@ pub fn replay(args: &ReplayArgs) -> Result<Outcome> {
         _ => drop(ResultFormat::of(&args.common.table.output, args.common.geo)?),
     }
     let (sources, weather, dated) = opened(args)?;
-    let archives = sources.borrowed();
-    match (&args.model, &args.honeybee) {
-        (Some(model), _) => {
-            with_series(args, archives, &weather, &dated, |series| city_model::write(args, archives, series, model))
-        }
-        (_, Some(folder)) => {
-            with_series(args, archives, &weather, &dated, |series| grids::write(args, archives, series, folder))
-        }
-        _ => replay_rows(args, archives, &weather, &dated),
-    }
+    replay_opened(args, sources.borrowed(), &weather, &dated)
+}
+
+/// Replays the chosen rows of a weather file that was read already, with its air if longwave is asked for.
+pub(super) fn replay_opened(
+    args: &ReplayArgs,
+    archives: Archives,
+    weather: &Weather,
+    dated: &DatedRows,
+) -> Result<Outcome> {
+    with_series(args, archives, weather, dated, |series| match (&args.model, &args.honeybee) {
+        (Some(model), _) => city_model::write(args, archives, series, model),
+        (_, Some(folder)) => grids::write(args, archives, series, folder),
+        _ => rows::write(&args.common, archives, series),
+    })
 }
 
 /// The archives of a replay, its weather and the rows of it that are asked for; says what is odd about them.
@@ -180,6 +192,7 @@ pub(super) fn opened(args: &ReplayArgs) -> Result<(Sources, Weather, DatedRows)>
     })?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let dated = dated(args, &span, &weather)?;
+    note_years(args, &dated);
     let sources = sources.map_or_else(|| Sources::open(&args.common.table), Ok)?;
     let archives = sources.borrowed();
     let apart = archives.manifest().place.and_then(|place| far_apart(&place, &weather));
@@ -187,16 +200,6 @@ pub(super) fn opened(args: &ReplayArgs) -> Result<(Sources, Weather, DatedRows)>
     say_north(&args.common.table, archives.manifest());
     say_left_out(archives, Some(&args.weather));
     Ok((sources, weather, dated))
-}
-
-/// Replays the chosen rows of a weather file that was read already, with its air if longwave is asked for.
-pub(super) fn replay_rows(
-    args: &ReplayArgs,
-    archives: Archives,
-    weather: &Weather,
-    dated: &DatedRows,
-) -> Result<Outcome> {
-    with_series(args, archives, weather, dated, |series| run(&args.common, archives, series))
 }
 
 /// Hands the chosen rows of a weather file on as conditions with labels and bins.
@@ -235,7 +238,9 @@ pub(super) fn with_series<T>(
         _ => provenance.with("stamp", StampedAt::Start.name()),
     };
     let (every, labels) = (Some(args.every), periods.labels);
-    let series = Series { conditions: &conditions, kind, every, labels, bins: &bins, changes, rows, provenance };
+    let called = pictures::called(&args.weather, dated);
+    let series =
+        Series { conditions: &conditions, kind, every, labels, bins: &bins, changes, rows, provenance, called };
     then(&series)
 }
 
@@ -247,20 +252,24 @@ pub(super) fn dated(args: &ReplayArgs, span: &Span, weather: &Weather) -> Result
         None => DatedRows::of_file(&intervals, file, span)?,
     };
     dated.warnings.iter().for_each(|w| warn(w));
+    Ok(dated)
+}
+
+/// Says which years labels have, where these are not one.
+pub(super) fn note_years(args: &ReplayArgs, dated: &DatedRows) {
     let labels = match args.every {
         Every::Hour => "times have these years",
         Every::Day | Every::Month => "days and months have no year",
-        Every::Year | Every::Total => return Ok(dated),
+        Every::Year | Every::Total => return,
     };
     if dated.years == Years::Typical {
         let years = || dated.dates.iter().map(|date| date.year);
         let (first, last) = (years().min().unwrap_or_default(), years().max().unwrap_or_default());
         note(&format!(
             "{}: its months come from different years, {first} to {last}, and {labels}; --year, as in --year 2019, puts them into one",
-            file.display()
+            args.weather.display()
         ));
     }
-    Ok(dated)
 }
 
 /// What both commands may change.
@@ -297,67 +306,6 @@ fn schedules(part: &ChosenPart, chosen: &Chosen, series: &Series) -> Result<Vec<
         schedule.values.retain(|_| chosen.next() == Some(&true));
     }
     Ok(schedules)
-}
-
-/// Streams all tiles into a table.
-fn run(args: &RecombineArgs, archives: Archives, series: &Series) -> Result<Outcome> {
-    let (labels, asked) = (&series.labels, &args.table);
-    let chosen = Chosen::of(asked, archives)?;
-    let components = args.columns.clone().unwrap_or_else(ComponentList::all);
-    let mut layout = Layout { labels: series.kind, by: asked.by, components, facts: Vec::new() };
-    let mut means = match asked.by {
-        By::Receiver => None,
-        by => {
-            let groups = Groups::new(chosen.receivers(), by, &asked.archive)?.facing(chosen.north());
-            layout.facts = groups.facts(by, &layout.components);
-            let memory = MemoryBudget::new(asked.memory.0).share(Use::SurfaceSums);
-            Some(GroupMeans::new(groups, layout.components(), labels.len(), memory)?)
-        }
-    };
-    let names = means.as_ref().map(|means| means.groups().names().to_vec());
-    let all_names = || match &names {
-        Some(names) => Ok(names.clone()),
-        None => chosen.receivers().map(|receiver| Ok(receiver?.id)).collect(),
-    };
-    let count = names.as_ref().map_or(chosen.count(), |names| names.len() as u64);
-    let about = series.about(args, archives);
-    let storage = temporary_files();
-    let map = match ResultFormat::of(&asked.output, args.geo)? {
-        ResultFormat::Table(_) => None,
-        ResultFormat::Map(format) => {
-            let groups = means.as_ref().map(GroupMeans::groups);
-            Some(mapped::start(
-                asked,
-                format,
-                (&chosen, groups),
-                (&layout, labels, series.every),
-                about.clone(),
-                &storage,
-            )?)
-        }
-    };
-    let start = || match map {
-        Some(map) => Ok(ResultWriter::Map(Box::new(map))),
-        None => {
-            let places = Places { count, names: &all_names };
-            TableWriter::create(&asked.output, &layout, labels, &places, &about).map(ResultWriter::Table)
-        }
-    };
-    let streamed = Streamed { chosen: &chosen, components: layout.components.set() };
-    let mut results = streamed.each_tile(args, series, start, |results, receivers, values| {
-        match &mut means {
-            Some(means) => means.add(values),
-            None => results.write_tile(receivers, values, &[])?,
-        }
-        Ok(!results.is_closed())
-    })?;
-    for (names, values, extents) in means.iter().flat_map(GroupMeans::tiles) {
-        results.write_tile(&names, &values, extents)?;
-    }
-    if let Some(stats) = results.finish()? {
-        mapped::say_large(&asked.output, &stats);
-    }
-    Ok(Outcome::Fine)
 }
 
 impl Series<'_> {

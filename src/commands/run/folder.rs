@@ -5,11 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::made_from::MadeFrom;
-use crate::cli::{RunArgs, name_of};
+use super::maps;
+use crate::cli::{RunArgs, RunMap, name_of};
 use crate::commands::console::shell_words::quoted;
 use crate::commands::{guard_archive, guard_site, warn};
 use crate::outputs::periods::Every;
-use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
 use crate::outputs::tables::writer::files_of;
 use heliotile_core::archive::Archive;
@@ -26,13 +26,19 @@ pub struct Files {
     pub results: PathBuf,
     pub table: PathBuf,
     pub map: PathBuf,
+    /// The same from above and from the side.
+    pub picture: PathBuf,
+    /// Bars of the months.
+    pub chart: PathBuf,
+    /// The scene's city model with sums.
+    pub city_model: PathBuf,
     /// Shows the archive in a browser, under this weather.
     pub page: PathBuf,
 }
 
 impl Files {
     /// Names, by those of the scene and the weather.
-    pub fn of(args: &RunArgs) -> Files {
+    pub fn of(args: &RunArgs, site: &Site) -> Files {
         let folder = args.output.clone().unwrap_or_else(|| default_folder(args.scene.first()));
         let results = folder.join(weather_name(&args.weather));
         Files {
@@ -40,6 +46,9 @@ impl Files {
             archive: folder.join("site.helio"),
             table: results.join("annual.csv"),
             map: results.join("annual.ply"),
+            picture: results.join("annual.png"),
+            chart: results.join("months.svg"),
+            city_model: results.join(if maps::is_sequence(site) { "annual.city.jsonl" } else { "annual.city.json" }),
             page: results.join("index.html"),
             results,
             folder,
@@ -60,15 +69,19 @@ impl Files {
     }
 
     /// A further map.
-    pub fn further_map(&self, format: MapFormat) -> PathBuf {
-        self.map.with_extension(format.ending())
+    pub fn further_map(&self, map: RunMap) -> PathBuf {
+        match map {
+            RunMap::Map(format) => self.map.with_extension(format.ending()),
+            RunMap::CityModel => self.city_model.clone(),
+        }
     }
 
     /// All that is written into the weather's folder.
     fn written(&self, args: &RunArgs) -> Vec<PathBuf> {
         let periods = args.every.iter().map(|every| self.periods(*every, args));
         let maps = args.map.iter().map(|format| self.further_map(*format));
-        [&self.table, &self.map, &self.page].into_iter().cloned().chain(maps).chain(periods).collect()
+        let always = [&self.table, &self.map, &self.picture, &self.chart, &self.page];
+        always.into_iter().cloned().chain(maps).chain(periods).collect()
     }
 
     /// The same with what is said of them beside them.
@@ -147,7 +160,7 @@ impl Files {
         let word = |path: &Path| quoted(&path.to_string_lossy());
         let year = args.year.map_or(String::new(), |year| format!(" --year {year}"));
         format!(
-            "{}: {}; annual.ply is the map, index.html shows all of it in a browser\n{next}heliotile replay {} --weather {}{}{year} --every hour -o hours.parquet\n",
+            "{}: {}; annual.ply is the map, annual.png a picture of it, index.html shows all of it in a browser\n{next}heliotile replay {} --weather {}{}{year} --every hour -o hours.parquet\n",
             self.folder.display(),
             files.join(", "),
             word(&self.archive),

@@ -15,7 +15,7 @@ use super::receivers::{Covered, cover_site};
 use super::terminal::Terminal;
 use super::traced::{TraceRequest, up_to_date};
 use super::{Outcome, interrupt, invocation, load_scene, remark, say, temporary_files, warn};
-use crate::cli::RunArgs;
+use crate::cli::{RunArgs, RunMap};
 use crate::files::{read_file, read_weather_as};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::kinds_and_sides::by_kind_and_side;
@@ -44,8 +44,9 @@ use heliotile_scene::covering::cover::Piece;
 /// `heliotile run`.
 pub fn run(args: &RunArgs) -> Result<Outcome> {
     let site = args.scene.site()?;
-    let files = Files::of(args);
+    let files = Files::of(args, &site);
     files.guard(&site, args)?;
+    let city_model = args.map.contains(&RunMap::CityModel).then(|| maps::city_model_of(&site)).transpose()?;
     let load = || match args.receivers {
         Some(_) => load_scene(&args.scene).map(|scene| (scene, None)),
         None => cover_site(&site, &args.cover).map(|(scene, covered)| (scene, Some(covered))),
@@ -95,7 +96,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     write_table(Sink::file(&files.table)?, &rows, north, &about)?;
     write_map(&files.map, &rows, covered.as_ref(), &about)?;
     maps::write(args, &files, &archive, &rows, &about)?;
-    periods::write(args, &files, &archive, &weather)?;
+    periods::write(args, &files, city_model, &archive, &weather)?;
     write_page(&files, args)?;
     say(&format!(
         "\nIrradiation through {}, kWh/m2 (means by area):\n{}",

@@ -16,7 +16,7 @@ use heliotile_core::error::{Error, Result};
 pub type Rgb = [u8; 3];
 
 /// Pixels of the drawing a side of a pixel of the picture.
-const FINE: usize = 3;
+pub const FINE: usize = 3;
 
 /// A page of some points, top left (0, 0), x to the right and y down.
 pub struct Canvas {
@@ -47,6 +47,14 @@ impl Canvas {
         let pixel = |i: usize| paint(at(i % columns), at(i / columns));
         let pixels = (0..columns * height * FINE).into_par_iter().with_min_len(columns).map(pixel).collect();
         Canvas { width, height, pixels, words: Vec::new() }
+    }
+
+    /// Colours one fine pixel, if there is one.
+    pub fn dab(&mut self, column: usize, row: usize, colour: Rgb) {
+        let columns = self.width * FINE;
+        if let Some(pixel) = self.pixels.get_mut(row * columns + column).filter(|_| column < columns) {
+            *pixel = colour;
+        }
     }
 
     /// A line through some points, `thick` points wide.

@@ -1,9 +1,12 @@
 //! Pictures: what a receiver sees, as images; curves. In: maps of a receiver, series of numbers. Out: bytes of EXR, PNG and SVG files.
 
-mod canvas;
+pub mod bars;
+pub mod canvas;
+pub mod carpet;
 pub mod colours;
 pub mod exr;
 pub mod fisheye;
 pub mod panel;
 pub mod plot;
-mod plot_scale;
+pub mod plot_scale;
+pub mod sheet;

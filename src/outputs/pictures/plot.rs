@@ -1,20 +1,16 @@
-//! A picture of numbers: lines and marks over two axes. In: series of points. Out: SVG, a text that stands alone as a file and may
-//! stand inside an HTML page too, as it has no ids and refers to nothing. Equal series give equal bytes.
+//! A picture of numbers: lines and marks over two axes. In: series of points. Out: SVG.
 
-use std::io;
 use std::ops::Range;
 
-use plotters::coord::Shift;
 use plotters::coord::ranged1d::Ranged;
-use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{
-    BLACK, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, IntoFont, PathElement, RGBColor, Rectangle,
-    SVGBackend, ShapeStyle, Text, TextStyle, WHITE,
+    BLACK, ChartBuilder, Circle, Color, PathElement, RGBColor, Rectangle, ShapeStyle, Text, TextStyle, WHITE,
 };
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::text_anchor::HPos;
 
 use crate::outputs::pictures::plot_scale::Scale;
-use heliotile_core::error::{Error, Result};
+use crate::outputs::pictures::sheet::{self, Drawn, FINE, Sheet, clean};
+use heliotile_core::error::Result;
 
 /// A picture to be drawn.
 pub struct Plot {
@@ -61,9 +57,6 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
 ];
 
-/// Units of the drawing a pixel of the picture: they are whole numbers, and a curve needs finer ones than pixels.
-const FINE: i32 = 8;
-
 /// Sizes in pixels: letters, a mark's radius, a line of the legend and the part of it that is drawn.
 const LETTERS: i32 = 15;
 const MARK: i32 = 4;
@@ -80,35 +73,21 @@ const MOST: u32 = 20_000;
 /// A place of the drawing, top left (0, 0), in fine units.
 type At = (i32, i32);
 
-type Drawn = std::result::Result<(), DrawingAreaErrorKind<io::Error>>;
-
 impl Plot {
     /// The picture, of a width and a height in pixels.
     pub fn svg(&self, width: u32, height: u32) -> Result<String> {
-        let size = (width.clamp(LEAST.0, MOST), height.clamp(LEAST.1, MOST));
-        let fine = (size.0 * FINE as u32, size.1 * FINE as u32);
-        let mut text = String::new();
-        self.draw(&mut text, fine).map_err(|e| Error::Unsupported {
-            what: "drawing a picture".into(),
-            found: e.to_string(),
-            supported: "what SVG can hold".into(),
-        })?;
-        // Its units are fine ones; this is the size it is shown at.
-        let shown = |(width, height): (u32, u32)| format!("<svg width=\"{width}\" height=\"{height}\"");
-        Ok(text.replacen(&shown(fine), &shown(size), 1))
+        sheet::svg(width.clamp(LEAST.0, MOST), height.clamp(LEAST.1, MOST), |page| self.draw(page))
     }
 
-    fn draw(&self, text: &mut String, size: (u32, u32)) -> Drawn {
+    fn draw(&self, page: &Sheet) -> Drawn {
         let held: Vec<Held> =
             self.series.iter().zip((0..).map(colour)).map(|(s, colour)| self.held(s, colour)).collect();
         let all = || held.iter().flat_map(|series| &series.points);
         let x = Scale::of(all().map(|point| point.0), self.x.log);
         let y = Scale::of(all().map(|point| point.1), self.y.log);
 
-        let root = SVGBackend::with_string(text, size).into_drawing_area();
-        root.fill(&WHITE)?;
         let longest = y.ticks(TICKS).iter().map(|tick| y.plain(*tick).len()).max().unwrap_or(1);
-        let mut chart = ChartBuilder::on(&root)
+        let mut chart = ChartBuilder::on(page)
             .margin(12 * FINE)
             .margin_right(24 * FINE)
             .caption(clean(&self.title), letters(LETTERS + 3, HPos::Left))
@@ -134,14 +113,13 @@ impl Plot {
         let (across, down) = chart.plotting_area().get_pixel_range();
         let place =
             |&(px, py): &(f64, f64)| (x.map(&px, (across.start, across.end)), y.map(&py, (down.end, down.start)));
-        let sheet = Sheet { root, across: across.clone(), down: down.clone() };
+        let between = Between { page, across: across.clone(), down: down.clone() };
         let placed: Vec<Vec<At>> = held.iter().map(|series| series.points.iter().map(place).collect()).collect();
         for (series, places) in held.iter().zip(&placed) {
-            sheet.series(places, series)?;
+            between.series(places, series)?;
         }
         let named: Vec<&Held> = held.iter().filter(|series| !series.name.is_empty()).collect();
-        sheet.legend(&named, &placed)?;
-        sheet.root.present()
+        between.legend(&named, &placed)
     }
 
     /// What both axes hold of a series.
@@ -164,13 +142,13 @@ struct Held {
 }
 
 /// The drawing, and the part of it between the axes.
-struct Sheet<'a> {
-    root: DrawingArea<SVGBackend<'a>, Shift>,
+struct Between<'p, 'a> {
+    page: &'p Sheet<'a>,
     across: Range<i32>,
     down: Range<i32>,
 }
 
-impl Sheet<'_> {
+impl Between<'_, '_> {
     fn series(&self, places: &[At], series: &Held) -> Drawn {
         self.line(places, places, series)?;
         let far_right = self.across.start + (self.across.end - self.across.start) * 3 / 4;
@@ -178,7 +156,7 @@ impl Sheet<'_> {
             // Words do not leave the picture on the right.
             let (side, shift) = if at.0 > far_right { (HPos::Right, -6) } else { (HPos::Left, 6) };
             let at = (at.0 + shift * FINE, at.1 - 9 * FINE);
-            self.root.draw(&Text::new(label.as_str(), at, letters(LETTERS - 2, side)))?;
+            self.page.draw(&Text::new(label.as_str(), at, letters(LETTERS - 2, side)))?;
         }
         Ok(())
     }
@@ -187,13 +165,13 @@ impl Sheet<'_> {
     fn line(&self, path: &[At], marks: &[At], series: &Held) -> Drawn {
         let style = thick(series.colour, 2);
         match series.style {
-            Style::Line | Style::Both => self.root.draw(&PathElement::new(path, style))?,
+            Style::Line | Style::Both => self.page.draw(&PathElement::new(path, style))?,
             Style::Marks => {}
         }
         // A line of one point would not be seen.
         if matches!(series.style, Style::Marks | Style::Both) || path.len() == 1 {
             for at in marks {
-                self.root.draw(&Circle::new(*at, MARK * FINE, series.colour.filled()))?;
+                self.page.draw(&Circle::new(*at, MARK * FINE, series.colour.filled()))?;
             }
         }
         Ok(())
@@ -214,13 +192,13 @@ impl Sheet<'_> {
         };
         let corners = [(right, top), (right, bottom), (left, top), (left, bottom)];
         let Some((x, y)) = corners.into_iter().min_by_key(covered) else { return Ok(()) };
-        self.root.draw(&Rectangle::new([(x, y), (x + width, y + height)], WHITE.mix(0.85).filled()))?;
+        self.page.draw(&Rectangle::new([(x, y), (x + width, y + height)], WHITE.mix(0.85).filled()))?;
         for (series, row) in named.iter().zip(0..) {
             let middle = y + (4 + ROW * row + ROW / 2) * FINE;
             let (from, to) = (x + 4 * FINE, x + (4 + SWATCH) * FINE);
             self.line(&[(from, middle), (to, middle)], &[((from + to) / 2, middle)], series)?;
             let at = (to + 8 * FINE, middle);
-            self.root.draw(&Text::new(series.name.as_str(), at, letters(LETTERS, HPos::Left)))?;
+            self.page.draw(&Text::new(series.name.as_str(), at, letters(LETTERS, HPos::Left)))?;
         }
         Ok(())
     }
@@ -243,15 +221,9 @@ fn thick(colour: RGBColor, pixels: u32) -> ShapeStyle {
     colour.stroke_width(pixels * FINE as u32)
 }
 
-/// Black letters of a size in pixels; the crate writes them 1.24 times smaller.
+/// Black letters of a size in pixels.
 fn letters(pixels: i32, side: HPos) -> TextStyle<'static> {
-    let font = ("sans-serif", f64::from(pixels * FINE) * 1.24).into_font();
-    font.color(&BLACK).pos(Pos::new(side, VPos::Center))
-}
-
-/// Text without what XML cannot hold; its own signs are escaped where they are written.
-fn clean(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c }).collect()
+    sheet::letters(pixels, BLACK, side)
 }
 
 #[cfg(test)]

@@ -11,6 +11,20 @@ const LARGEST: f64 = 1e300;
 /// Logarithmic ticks within a decade, the most first.
 const WITHIN: [&[f64]; 3] = [&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
 
+/// Round steps from 0 to a round number that is not below a length: at most `most` of them, each 1, 2, 2.5 or 5 times a power of ten. A length
+/// that is no positive number counts as 1.
+pub fn round_steps(length: f64, most: usize) -> Vec<f64> {
+    let length = if length > 0.0 && length <= LARGEST { length } else { 1.0 };
+    let least = length / most.max(1) as f64;
+    let power = 10_f64.powf(least.log10().floor());
+    let step =
+        [1.0, 2.0, 2.5, 5.0].into_iter().find(|step| step * power >= least * (1.0 - 1e-9)).unwrap_or(10.0) * power;
+    let count = (length / step - 1e-9).ceil().max(1.0) as usize;
+    // Told by few figures: 3 times 0.1 is not 0.30000000000000004.
+    let tidy = |value: f64| format!("{value:.6e}").parse().unwrap_or(value);
+    (0..=count).map(|i| tidy(step * i as f64)).collect()
+}
+
 /// An axis from `low` to `high`: values, or their decimal logarithms.
 #[derive(Clone, Debug)]
 pub struct Scale {
@@ -131,6 +145,19 @@ mod tests {
         assert_eq!(words(&[3.1, 3.9], true, 5), ["3.2", "3.4", "3.6", "3.8"]);
         assert_eq!(words(&[1e-5, 1e7], true, 5), ["0.001", "1", "1000", "1000000"]);
         assert_eq!(words(&[-0.3, 0.3], false, 7), ["-0.3", "-0.2", "-0.1", "0", "0.1", "0.2", "0.3"]);
+    }
+
+    /// Steps to 5 lengths end at or above them, and 0, NaN and infinity count as 1.
+    #[test]
+    fn round_tops() {
+        assert_eq!(round_steps(1876.0, 5), [0.0, 500.0, 1000.0, 1500.0, 2000.0]);
+        assert_eq!(round_steps(0.28, 5), [0.0, 0.1, 0.2, 0.3]);
+        assert_eq!(round_steps(10.0, 4), [0.0, 2.5, 5.0, 7.5, 10.0]);
+        assert_eq!(round_steps(1.0, 1), [0.0, 1.0]);
+        assert_eq!(round_steps(3e-9, 3), [0.0, 1e-9, 2e-9, 3e-9]);
+        for odd in [0.0, -5.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(round_steps(odd, 2), [0.0, 0.5, 1.0]);
+        }
     }
 
     /// No values, one, and ranges from 1e-300 to 1e300 give 1 to 8 ticks, and each value stands between 0 and 1.

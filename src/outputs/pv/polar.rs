@@ -3,15 +3,14 @@
 
 use std::f64::consts::TAU;
 
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::text_anchor::HPos;
 
 use super::search::PointSearch;
 use crate::outputs::pictures::colours::inferno;
+use crate::outputs::pictures::sheet::{self, Drawn, FINE, Sheet, clean, letters, place as whole, rgb};
 use crate::outputs::provenance::Provenance;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::Result;
 use heliotile_core::orientation::fan::Turn;
 
 /// Of the picture, pixels.
@@ -20,31 +19,16 @@ const BELOW: i32 = 70;
 /// Of the disc.
 const RADIUS: f64 = 200.0;
 const MIDDLE: (f64, f64) = (260.0, 262.0);
-/// Units of the drawing a pixel: they are whole numbers.
-const FINE: f64 = 8.0;
 /// Losses from here on have the darkest colour, percent.
 const MOST_LOSS: f64 = 50.0;
 
-type Drawn = std::result::Result<(), DrawingAreaErrorKind<std::io::Error>>;
-type Sheet<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
 /// The picture of a search.
 pub fn svg(search: &PointSearch, about: &Provenance) -> Result<String> {
-    let size = (SIDE as u32, (SIDE + BELOW) as u32);
-    let fine = (size.0 * FINE as u32, size.1 * FINE as u32);
-    let mut text = String::new();
-    draw(search, &mut text, fine).map_err(|e| Error::Unsupported {
-        what: "drawing a picture".into(),
-        found: e.to_string(),
-        supported: "what SVG can hold".into(),
-    })?;
-    let shown = |(width, height): (u32, u32)| format!("<svg width=\"{width}\" height=\"{height}\"");
-    Ok(about.in_svg(&text.replacen(&shown(fine), &shown(size), 1)))
+    let text = sheet::svg(SIDE as u32, (SIDE + BELOW) as u32, |page| draw(search, page))?;
+    Ok(about.in_svg(&text))
 }
 
-fn draw(search: &PointSearch, text: &mut String, size: (u32, u32)) -> Drawn {
-    let root = SVGBackend::with_string(text, size).into_drawing_area();
-    root.fill(&WHITE)?;
+fn draw(search: &PointSearch, root: &Sheet) -> Drawn {
     let tilts: Vec<f64> = search.rings.iter().map(|(ring, _)| ring.tilt_deg).collect();
     let steepest = tilts.last().copied().unwrap_or(90.0).max(1.0);
     let step = tilts.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max).max(2.0);
@@ -67,16 +51,15 @@ fn draw(search: &PointSearch, text: &mut String, size: (u32, u32)) -> Drawn {
         let ring: Vec<(i32, i32)> = (0..=120).map(|i| at(radius, 3.0 * f64::from(i))).collect();
         root.draw(&PathElement::new(ring, RGBColor(255, 255, 255).mix(0.6).stroke_width(FINE as u32)))?;
         let label = format!("{tilt:.0}\u{b0}");
-        root.draw(&Text::new(label, at(radius, 22.0), letters(12, WHITE, HPos::Left)))?;
+        root.draw(&Text::new(label, at(radius, 22.0), letters(10, WHITE, HPos::Left)))?;
     }
     for (name, azimuth) in [("N", 0.0), ("E", 90.0), ("S", 180.0), ("W", 270.0)] {
-        root.draw(&Text::new(name, at(1.07, azimuth), letters(16, BLACK, HPos::Center)))?;
+        root.draw(&Text::new(name, at(1.07, azimuth), letters(13, BLACK, HPos::Center)))?;
     }
     let best = place(search.best.turn);
-    root.draw(&Circle::new(best, (7.0 * FINE) as i32, BLACK.filled()))?;
-    root.draw(&Circle::new(best, (5.0 * FINE) as i32, RGBColor(0, 158, 115).filled()))?;
-    captions(&root, search, most_loss)?;
-    root.present()
+    root.draw(&Circle::new(best, 7 * FINE, BLACK.filled()))?;
+    root.draw(&Circle::new(best, 5 * FINE, RGBColor(0, 158, 115).filled()))?;
+    captions(root, search, most_loss)
 }
 
 /// Half the way to the neighbours, degrees.
@@ -96,7 +79,7 @@ fn captions(root: &Sheet, search: &PointSearch, most_loss: f64) -> Drawn {
     let line = |row: i32, words: String, size: i32| {
         root.draw(&Text::new(words, whole((16.0, f64::from(row))), letters(size, BLACK, HPos::Left)))
     };
-    line(20, search.point.clone(), 17)?;
+    line(20, clean(&search.point), 14)?;
     let words = format!(
         "best: tilt {:.1}\u{b0}, azimuth {:.1}\u{b0}, {:.0} kWh/m\u{b2}; flat loses {:.1} %",
         turn.tilt_deg,
@@ -104,24 +87,20 @@ fn captions(root: &Sheet, search: &PointSearch, most_loss: f64) -> Drawn {
         search.best.value,
         search.loss_percent(&search.flat)
     );
-    line(SIDE + 12, words, 15)?;
+    line(SIDE + 12, words, 12)?;
     for i in 0..100 {
         let (x, share) = (16.0 + 3.0 * f64::from(i), 1.0 - f64::from(i) / 99.0);
         let y = f64::from(SIDE) + 26.0;
         let corners = [whole((x, y)), whole((x + 3.2, y + 14.0))];
         root.draw(&Rectangle::new(corners, colour(share).filled()))?;
     }
-    line(SIDE + 58, format!("lost beside the best: 0 % to {most_loss:.0} % and more"), 13)
+    line(SIDE + 58, format!("lost beside the best: 0 % to {most_loss:.0} % and more"), 11)
 }
 
 /// A place of the disc: share of its radius, azimuth in degrees.
 fn at(share: f64, azimuth_deg: f64) -> (i32, i32) {
     let (sin, cos) = (azimuth_deg / 360.0 * TAU).sin_cos();
     whole((MIDDLE.0 + RADIUS * share * sin, MIDDLE.1 - RADIUS * share * cos))
-}
-
-fn whole((x, y): (f64, f64)) -> (i32, i32) {
-    ((x * FINE).round() as i32, (y * FINE).round() as i32)
 }
 
 fn sector(inner: f64, outer: f64, azimuth_deg: f64, half_deg: f64) -> Vec<(i32, i32)> {
@@ -133,11 +112,5 @@ fn sector(inner: f64, outer: f64, azimuth_deg: f64, half_deg: f64) -> Vec<(i32, 
 }
 
 fn colour(share: f64) -> RGBColor {
-    let [r, g, b] = inferno(share.clamp(0.0, 1.0) as f32);
-    RGBColor(r, g, b)
-}
-
-fn letters(size: i32, colour: RGBColor, side: HPos) -> TextStyle<'static> {
-    let font = ("sans-serif", f64::from(size) * FINE).into_font();
-    font.color(&colour).pos(Pos::new(side, VPos::Center))
+    rgb(inferno(share.clamp(0.0, 1.0) as f32))
 }

@@ -51,11 +51,7 @@ impl MapColumns {
     /// Of a table's layout; `every` is none for a query. Hours and days are refused, and so are too many columns.
     pub fn of(layout: &Layout, labels: &RowLabels, every: Option<Every>) -> Result<Self> {
         let components = layout.components().to_vec();
-        let main = *components
-            .iter()
-            .find(|one| **one == Component::Total)
-            .or(components.first())
-            .unwrap_or(&Component::Total);
+        let main = layout.main();
         let wide = match (every, labels.len()) {
             (Some(Every::Hour | Every::Day), 1) => Wide::One,
             (Some(Every::Hour | Every::Day), count) => {
@@ -121,6 +117,11 @@ impl MapColumns {
             by: layout.by,
             has_sum: false,
         }
+    }
+
+    /// The component that stands for all.
+    pub fn main(&self) -> Component {
+        self.main
     }
 
     /// A row without polygons: what the receivers of a place have in common, its extent, and its values in a tile.

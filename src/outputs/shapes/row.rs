@@ -29,6 +29,11 @@ pub struct MapPolygon {
 }
 
 impl MapPolygon {
+    /// A place without an extent.
+    pub fn point(at: DVec3) -> Self {
+        MapPolygon { rings: vec![vec![at]] }
+    }
+
     /// All corners, ring by ring.
     pub fn corners(&self) -> impl Iterator<Item = &DVec3> {
         self.rings.iter().flatten()

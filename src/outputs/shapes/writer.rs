@@ -6,6 +6,7 @@ use super::columns::MapColumns;
 use super::crs::MapCrs;
 pub use super::glb::Surroundings;
 use super::group_patches::{GroupPatches, polygons};
+use super::picture::{self, Drawn};
 use super::pvd::Series;
 use super::row::MapPolygon;
 use super::rows::{MapFacts, MapRows, RowSpool};
@@ -35,10 +36,12 @@ pub enum MapFormat {
     Pvd,
     /// `.parquet`, where it is asked for.
     GeoParquet,
+    /// A picture, of `--plot`.
+    Png,
 }
 
 impl MapFormat {
-    /// Endings of names; that of GeoParquet is one of tables, too.
+    /// Endings of names; that of GeoParquet is one of tables, too, and pictures are no results to go on with.
     pub const ENDINGS: [(&'static str, MapFormat); 5] = [
         ("glb", MapFormat::Glb),
         ("fgb", MapFormat::FlatGeobuf),
@@ -62,16 +65,27 @@ impl MapFormat {
         Err(Error::argument(".geojson", what, hint))
     }
 
+    /// Whether the scene is drawn around.
+    pub fn shows_surroundings(self) -> bool {
+        matches!(self, MapFormat::Glb | MapFormat::Png)
+    }
+
+    /// Whether it has marks for places without an extent.
+    pub fn shows_points(self) -> bool {
+        self == MapFormat::Png
+    }
+
     /// The ending of files.
     pub fn ending(self) -> &'static str {
-        Self::ENDINGS.iter().find(|(_, format)| *format == self).map_or("parquet", |(ending, _)| ending)
+        let found = Self::ENDINGS.iter().find(|(_, format)| *format == self);
+        found.map_or(if self == MapFormat::Png { "png" } else { "parquet" }, |(ending, _)| ending)
     }
 }
 
 /// What places look like, in the order in which their values come.
 pub enum PlaceShapes<'a> {
-    /// Receivers with their patches; normals are turned to true north.
-    Receivers(Box<dyn Iterator<Item = Result<Receiver>> + 'a>, North),
+    /// Receivers with their patches.
+    Receivers(Box<dyn Iterator<Item = Result<Receiver>> + 'a>),
     Groups(Box<GroupPatches>),
 }
 
@@ -84,6 +98,10 @@ pub struct MapRequest<'a> {
     /// None for a query.
     pub every: Option<Every>,
     pub crs: MapCrs,
+    /// Normals are turned to it, and pictures.
+    pub north: North,
+    /// What the values are of, in words, for pictures.
+    pub called: String,
     /// Only some formats draw it.
     pub around: Option<Surroundings<'a>>,
     pub about: Provenance,
@@ -140,13 +158,13 @@ impl<'a> MapWriter<'a> {
                     let (common, polygons) = groups.next_group()?;
                     (common, extents.get(i).copied().unwrap_or_default(), polygons)
                 }
-                PlaceShapes::Receivers(receivers, north) => {
+                PlaceShapes::Receivers(receivers) => {
                     let Some(receiver) = receivers.next().transpose()?.filter(|receiver| receiver.id == *name) else {
                         let what = format!("values of {name} come where another receiver's belong");
                         return Err(Error::input(self.request.path, None, what, "this is a defect, report it"));
                     };
-                    let polygons = polygons(&receiver).unwrap_or_default();
-                    let normal = north.to_true(receiver.normal);
+                    let polygons = polygons(&receiver).unwrap_or_else(|| vec![MapPolygon::point(receiver.position)]);
+                    let normal = self.request.north.to_true(receiver.normal);
                     let extent = Extent { area_m2: receiver.area, normal, agreement: 1.0 };
                     (receiver, extent, polygons)
                 }
@@ -172,6 +190,11 @@ impl<'a> MapWriter<'a> {
             (MapFormat::GeoJson, _) => geojson::write(sink()?, rows, columns, crs, about)?,
             (MapFormat::GeoParquet, _) => geoparquet::write(sink()?, rows, columns, crs, about)?,
             (MapFormat::Pvd, Some(series)) => pvd::write(request.path, rows, columns, series, about)?,
+            (MapFormat::Png, _) => {
+                let (around, unit) = (request.around.as_ref(), request.layout.unit());
+                let drawn = Drawn { around, north: request.north, called: &request.called, unit };
+                picture::write(sink()?, rows, columns, &drawn, about)?
+            }
             (MapFormat::Vtu | MapFormat::Pvd, _) => vtu::write(sink()?, rows, columns, None, about)?,
         };
         Ok(MapStats { facts: rows.facts, bytes })

@@ -112,6 +112,12 @@ impl Layout {
         components.chain(self.facts.iter().map(|fact| self.fact(*fact).1)).collect()
     }
 
+    /// The component that stands for all: the total, or else the first.
+    pub fn main(&self) -> Component {
+        let all = self.components();
+        all.iter().find(|one| **one == Component::Total).or(all.first()).copied().unwrap_or(Component::Total)
+    }
+
     /// Unit of the components.
     pub fn unit(&self) -> &'static str {
         match self.labels {

@@ -47,7 +47,7 @@ pub(crate) fn plain_or_packed(path: PathBuf) -> PathBuf {
 }
 
 /// What the name of a file ends with, in lower case and without `.gz`: `json` of `Town.City.JSON.gz`; empty for a name without a dot.
-pub(crate) fn ending(path: &Path) -> String {
+pub fn ending(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let plain = name.strip_suffix(".gz").unwrap_or(&name);
     plain.rsplit_once('.').map_or(String::new(), |(_, ending)| ending.to_owned())

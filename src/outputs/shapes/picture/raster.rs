@@ -1,0 +1,147 @@
+//! Surfaces on a panel of a page. In: triangles and edges in scene coordinates, their colours. Out: pixels, of which the one in front stays.
+
+use glam::{DVec2, DVec3};
+
+use super::view::Panel;
+use crate::outputs::pictures::canvas::{Canvas, FINE, Rgb};
+
+/// The fine pixels of a panel, each with how far it lies towards the viewer. So many as the page has, whatever the site.
+pub struct Raster<'c> {
+    canvas: &'c mut Canvas,
+    panel: Panel,
+    /// First column and row on the page, and how many.
+    first: (usize, usize),
+    size: (usize, usize),
+    /// `[row][column]`, metres; f32: a mm on 10 km.
+    depth: Vec<f32>,
+}
+
+impl<'c> Raster<'c> {
+    pub fn new(canvas: &'c mut Canvas, panel: Panel) -> Self {
+        let fine = |points: f64| (points * FINE as f64).round().max(0.0) as usize;
+        let (first, size) =
+            ((fine(panel.corner.x), fine(panel.corner.y)), (fine(panel.size().x), fine(panel.size().y)));
+        Raster { canvas, panel, first, size, depth: vec![f32::NEG_INFINITY; size.0 * size.1] }
+    }
+
+    /// What comes from now on hides what is there.
+    pub fn forget_depth(&mut self) {
+        self.depth.fill(f32::NEG_INFINITY);
+    }
+
+    /// A triangle, brought so many metres towards the viewer.
+    pub fn triangle(&mut self, corners: [DVec3; 3], nearer_m: f64, colour: Rgb) {
+        let [a, b, c] = corners.map(|corner| self.fine(corner));
+        let twice = (b - a).truncate().perp_dot((c - a).truncate());
+        if twice.abs() < 1e-9 || !twice.is_finite() {
+            return;
+        }
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        // Centres of pixels lie half a pixel in.
+        let range = |low: f64, high: f64, most: usize| {
+            let from = (low - 0.5).ceil().max(0.0) as usize;
+            from..((high - 0.5).floor() + 1.0).clamp(from as f64, most.max(from) as f64) as usize
+        };
+        for row in range(low.y, high.y, self.size.1) {
+            for column in range(low.x, high.x, self.size.0) {
+                let at = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                let share = |from: DVec3, to: DVec3| (to - from).truncate().perp_dot(at - from.truncate()) / twice;
+                let [of_c, of_a, of_b] = [share(a, b), share(b, c), share(c, a)];
+                if of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0 {
+                    self.dab(column, row, of_a * a.z + of_b * b.z + of_c * c.z + nearer_m, colour);
+                }
+            }
+        }
+    }
+
+    /// A line of about a pixel's width, which a surface is that is seen from its side.
+    pub fn edge(&mut self, from: DVec3, to: DVec3, colour: Rgb) {
+        let (from, to) = (self.fine(from), self.fine(to));
+        let most = (4 * (self.size.0 + self.size.1)) as f64;
+        let steps = (to - from).truncate().abs().max_element().ceil().clamp(1.0, most) as usize;
+        for step in 0..=steps {
+            let at = from.lerp(to, step as f64 / steps as f64);
+            self.square(at, 1, colour);
+        }
+    }
+
+    /// A mark of a point.
+    pub fn mark(&mut self, point: DVec3, colour: Rgb) {
+        let at = self.fine(point);
+        self.square(at, FINE, colour);
+    }
+
+    fn square(&mut self, at: DVec3, around: usize, colour: Rgb) {
+        if !at.is_finite() || at.x < 0.0 || at.y < 0.0 {
+            return;
+        }
+        let near = |middle: f64| (middle as usize).saturating_sub(around)..(middle as usize).saturating_add(around + 1);
+        for row in near(at.y) {
+            near(at.x).for_each(|column| self.dab(column, row, at.z, colour));
+        }
+    }
+
+    fn dab(&mut self, column: usize, row: usize, towards_m: f64, colour: Rgb) {
+        if column >= self.size.0 {
+            return;
+        }
+        let Some(depth) = self.depth.get_mut(row * self.size.0 + column) else { return };
+        if towards_m as f32 >= *depth {
+            *depth = towards_m as f32;
+            self.canvas.dab(self.first.0 + column, self.first.1 + row, colour);
+        }
+    }
+
+    /// Fine pixels from the panel's corner, metres towards the viewer.
+    fn fine(&self, point: DVec3) -> DVec3 {
+        let place = self.panel.place(point) - self.panel.corner.extend(0.0);
+        DVec3::new(place.x * FINE as f64, place.y * FINE as f64, place.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::view::View;
+    use super::*;
+    use heliotile_core::site::north::North;
+
+    /// Of two squares of 10 m the higher one hides the lower where both are, whichever comes first; a wall is a line on them, and what is
+    /// far outside changes nothing: 5 of 5 pixels.
+    #[test]
+    fn what_is_in_front_stays() {
+        let square = |x: f64, z: f64| {
+            let at = |dx: f64, dy: f64| DVec3::new(x + dx, dy, z);
+            [[at(0.0, 0.0), at(10.0, 0.0), at(10.0, 10.0)], [at(0.0, 0.0), at(10.0, 10.0), at(0.0, 10.0)]]
+        };
+        for swapped in [false, true] {
+            let mut canvas = Canvas::painted(40, 20, |_, _| [255; 3]);
+            let panel = Panel {
+                view: View::above(North::default()),
+                low: DVec2::ZERO,
+                size_m: DVec2::new(20.0, 10.0),
+                scale: 2.0,
+                corner: DVec2::ZERO,
+            };
+            let mut raster = Raster::new(&mut canvas, panel);
+            let mut both = [(square(0.0, 1.0), [10, 0, 0]), (square(5.0, 2.0), [0, 20, 0])];
+            if swapped {
+                both.reverse();
+            }
+            both.iter().for_each(|(square, colour)| square.iter().for_each(|t| raster.triangle(*t, 0.0, *colour)));
+            raster.edge(DVec3::new(2.0, 0.0, 0.0), DVec3::new(2.0, 9.0, 9.0), [0, 0, 30]);
+            for far in [1e300, -1e300, f64::NAN] {
+                raster.triangle([DVec3::splat(far), DVec3::splat(far) + DVec3::X, DVec3::Y], 0.0, [1; 3]);
+                raster.edge(DVec3::splat(far), DVec3::X, [1; 3]);
+                raster.mark(DVec3::splat(far), [1; 3]);
+            }
+            let bytes = canvas.png(Vec::new()).expect("a picture");
+            let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("PNG");
+            let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+            reader.next_frame(&mut pixels).expect("pixels");
+            let pixel = |x: usize, y: usize| [0, 1, 2].map(|i| pixels[3 * (40 * y + x) + i]);
+            assert_eq!([pixel(8, 10), pixel(12, 10), pixel(28, 10)], [[10, 0, 0], [0, 20, 0], [0, 20, 0]]);
+            // The wall covers two thirds of its pixel.
+            assert_eq!([pixel(34, 10), pixel(4, 6)], [[255; 3], [3, 0, 20]]);
+        }
+    }
+}
