@@ -256,7 +256,7 @@ fn what_cannot_be_drawn() {
         ("--every hour --plot x.png", &["one value a place, not 72", "--every month or total"]),
         ("--every total -o x.png", &["pictures, with --plot: .png, .svg"]),
         ("--every total --plot x.png --plot x.png", &["written twice"]),
-        ("--every total --plot no/x.png", &["no"]),
+        ("--every total --plot no/x.png", &["no/x.png", "mkdir -p no"]),
         ("--every total --plot x.png --model m.city.json -o n.city.json", &["--plot", "cannot be used with"]),
     ] {
         folder.refused(&format!("replay site.helio -w w.epw {rest}"), parts);

@@ -188,6 +188,7 @@ impl<'a> Files<'a> {
     fn recombined(&mut self, args: &'a RecombineArgs) {
         self.read_table(&args.table);
         self.write(&args.table.output, Written::Results { geo: args.geo });
+        args.plot.iter().for_each(|picture| self.write(picture, Written::File));
         self.inputs.extend(args.schedules().map(|table| (table, Wanted::Other)));
     }
 
