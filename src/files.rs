@@ -3,13 +3,18 @@
 
 use std::path::Path;
 
+use heliotile_builder::build::Workspace;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
+use heliotile_core::memory::Use;
 use heliotile_core::weather::conditions::{ConditionsFile, parse_conditions};
 use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather, parse_weather_as};
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::series::Weather;
+use heliotile_scene::Scene;
 use heliotile_scene::input;
+use heliotile_scene::placing::plausible::far_receivers;
 
 /// The bytes of a file; what gzip packed is unpacked, whatever the file's name.
 pub fn read_file(path: &Path) -> Result<Vec<u8>> {
@@ -34,4 +39,14 @@ pub fn read_weather(path: &Path) -> Result<Weather> {
 /// See [`parse_weather_as`].
 pub fn read_weather_as(path: &Path, options: &WeatherOptions, scene: ScenePlace) -> Result<Weather> {
     parse_weather_as(path, &read_file(path)?, options, scene)
+}
+
+/// The receivers of a table in tiles, and what is to be said of them: columns that are passed over, receivers far from the scene.
+pub fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<(ReceiverTiles, Vec<String>)> {
+    let mut warnings = Vec::new();
+    let budget = workspace.memory.length(Use::SortedReceivers);
+    let receivers = ReceiverTiles::open(path, scene.mesh.origin, &workspace.folder, budget, &mut warnings)?;
+    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
+    warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", path.display())));
+    Ok((receivers, warnings))
 }

@@ -74,6 +74,7 @@
 mod cli;
 mod commands;
 pub mod files;
+pub mod guards;
 mod outputs;
 
 pub mod book;
@@ -103,6 +104,8 @@ pub use heliotile_core::weather::conditions::Condition;
 pub use heliotile_core::weather::series::Weather;
 pub use heliotile_core::weather::time::bins::Bins;
 pub use heliotile_scene::Scene;
+
+pub use commands::nothing_seen;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

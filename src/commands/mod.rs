@@ -25,28 +25,25 @@ pub mod tradeoff;
 pub mod transfer;
 pub mod view;
 
-use std::fs::{self, File};
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Bytes, Cli, ClockArgs, Command, EverywhereArgs, SceneArgs};
-use crate::files::read_weather_as;
+use crate::files::{self, read_weather_as};
+use crate::guards::{guard_archive, guard_output, guard_site, is_archive, same_file};
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::build::Workspace;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::spill::TempFiles;
 use heliotile_builder::writing::copy::folder_of;
-use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_scene::Scene;
-use heliotile_scene::placing::plausible::far_receivers;
-use heliotile_scene::site::Site;
 
 pub use console::interrupt::{again, exit_code};
 use console::voice::{Volume, remark, say, warn};
 use console::{interrupt, terminal, voice};
+pub use horizon::nothing_seen;
 
 /// How a command that ran ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,47 +116,6 @@ fn say_report(scene: &Scene) -> Result<()> {
     scene.report.notes.iter().try_for_each(|note| remark(&format!("{note}\n")))
 }
 
-/// Refuses an output that would replace a file of the scene or another input.
-fn guard_site(output: &Path, site: &Site, others: &[Option<&Path>]) -> Result<()> {
-    let inputs: Vec<&Path> = site.files().chain(others.iter().copied().flatten()).collect();
-    guard_output(output, &inputs)
-}
-
-/// Refuses an output that would replace one of the inputs, or that is no regular file (a folder, a device).
-fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
-    let refuse = |what: &str| Err(Error::input(output, None, what, "give the output a name of its own"));
-    match fs::metadata(output) {
-        Ok(found) if !found.is_file() => refuse("is a folder or a device, no file can be put in its place"),
-        Ok(_) if inputs.iter().any(|input| same_file(input, output)) => {
-            refuse("is also an input, and would be replaced")
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Refuses to replace a file that is not an archive.
-fn guard_archive(output: &Path) -> Result<()> {
-    match starts_as_archive(output) {
-        Some(false) => {
-            let hint = "give the archive a name of its own, or remove the file";
-            Err(Error::input(output, None, "exists and is not an archive, it would be replaced", hint))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Whether a file is an archive by its name, or by its first bytes.
-fn is_archive(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "helio") || starts_as_archive(path) == Some(true)
-}
-
-/// `None` for a file that cannot be read, or is shorter.
-fn starts_as_archive(path: &Path) -> Option<bool> {
-    let mut head = [0; format::MAGIC.len()];
-    File::open(path).and_then(|mut file| file.read_exact(&mut head)).ok()?;
-    Some(head == format::MAGIC)
-}
-
 /// Where a command works.
 fn workspace(folder: impl Into<PathBuf>, memory: Bytes) -> Workspace {
     Workspace { folder: folder.into(), memory: MemoryBudget::new(memory.0) }
@@ -177,11 +133,7 @@ fn temporary_files() -> TempFiles {
 
 /// The receivers of a file in tiles; prints what is passed over.
 fn read_receivers(path: &Path, scene: &Scene, workspace: &Workspace) -> Result<ReceiverTiles> {
-    let mut warnings = Vec::new();
-    let budget = workspace.memory.length(Use::SortedReceivers);
-    let receivers = ReceiverTiles::open(path, scene.mesh.origin, &workspace.folder, budget, &mut warnings)?;
-    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
-    warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", path.display())));
+    let (receivers, warnings) = files::read_receivers(path, scene, workspace)?;
     warnings.iter().for_each(|w| warn(w));
     Ok(receivers)
 }
@@ -193,11 +145,4 @@ fn read_suns(weather: Option<&Path>, about: Option<&ClockArgs>, scene: &Scene) -
     let weather = read_weather_as(path, &options, &mut || Ok(scene.place))?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     ErrorConditions::of_weather(path, weather)
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
 }

@@ -5,8 +5,8 @@ mod kind;
 
 use std::path::{Path, PathBuf};
 
-use super::starts_as_archive;
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
+use crate::guards::starts_as_archive;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::results::ResultFormat;
 use crate::outputs::tables::writer::Format;
