@@ -73,6 +73,7 @@
 
 mod cli;
 mod commands;
+pub mod covering;
 pub mod files;
 pub mod guards;
 mod outputs;

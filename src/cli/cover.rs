@@ -7,6 +7,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::SceneArgs;
+use crate::covering::{CoverRequest, Density};
 
 #[derive(Args, Debug)]
 pub struct ReceiversArgs {
@@ -46,6 +47,20 @@ pub struct CoverArgs {
     /// Surfaces with less area than this get no receiver, m2
     #[arg(long, value_name = "AREA", default_value_t = 0.1, value_parser = parse_area)]
     pub min_area: f64,
+}
+
+impl CoverArgs {
+    /// The same without its command line.
+    pub fn request(&self) -> CoverRequest {
+        CoverRequest {
+            on: self.on.clone(),
+            types: self.types.clone(),
+            density: self.per_surface.map_or(Density::Spacing(self.spacing.0), Density::PerSurface),
+            offset_m: self.offset.0,
+            min_area_m2: self.min_area,
+            within: None,
+        }
+    }
 }
 
 /// A length: `2m`, `50cm`, `20mm`, or a number of metres.

@@ -8,12 +8,11 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::build::{BuildRequest, WeighedUnder, plan_and_write, settings_of};
-use super::receivers::{self, Covered};
 use super::repair::other_receivers;
 use super::terminal::Terminal;
 use super::{read_receivers, remark, workspace_beside};
 use crate::cli::{AccuracyArgs, Bytes, ClockArgs, Percent, name_of};
-use crate::outputs::sink::Sink;
+use crate::covering::{self, Covered};
 use heliotile_builder::build::{Build, Output, PreparedScene, Start};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects};
@@ -79,7 +78,7 @@ pub fn up_to_date(asked: &TraceRequest, scene: &Scene, covered: Option<&Covered>
     }
     if let (Some(planned), Some(covered)) = (planned, covered) {
         planned.place(asked.receivers)?;
-        remark(&format!("{}: {}", asked.receivers.display(), receivers::summary(covered, scene)))?;
+        remark(&format!("{}: {}", asked.receivers.display(), covering::summary(covered, scene)))?;
     }
     if let Found::Same(archive) = found {
         remark(&format!("{}: up to date, nothing is traced again\n", asked.archive.display()))?;
@@ -211,7 +210,7 @@ impl PlannedReceivers {
         let beside = tempfile::Builder::new().prefix(".receivers").tempdir_in(asked.folder);
         let beside = beside.map_err(Error::io(asked.folder, "make a folder in"))?;
         let file = beside.path().join("receivers.csv");
-        receivers::write(Sink::file(&file)?, covered, covered.free(), asked.offset_m, false)?;
+        covering::save(&file, covered, asked.offset_m)?;
         Ok(PlannedReceivers { _beside: beside, file })
     }
 

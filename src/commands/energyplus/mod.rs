@@ -10,10 +10,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::receivers::{Covered, cover_site};
+use super::receivers::cover_site;
 use super::traced::{KEEP_OR_REPLACE, TraceRequest, up_to_date};
 use super::{Outcome, guard_archive, guard_output, interrupt, remark, temporary_files, warn};
 use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
+use crate::covering::Covered;
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};

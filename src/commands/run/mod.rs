@@ -11,11 +11,12 @@ use std::path::Path;
 
 use super::build::{WeighedUnder, about_error_weather};
 use super::horizon::nothing_seen;
-use super::receivers::{Covered, cover_site};
+use super::receivers::cover_site;
 use super::terminal::Terminal;
 use super::traced::{TraceRequest, up_to_date};
 use super::{Outcome, interrupt, invocation, load_scene, remark, say, temporary_files, warn};
 use crate::cli::{RunArgs, RunMap};
+use crate::covering::Covered;
 use crate::files::{read_file, read_weather_as};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::kinds_and_sides::by_kind_and_side;
