@@ -36,7 +36,7 @@ use self::choice::choice;
 pub use self::audit::AuditArgs;
 pub use self::build::{BuildArgs, PlanArgs};
 pub use self::buildings::{BuildingsArgs, ModuleSize, PlaceOn, PlacesArgs, YearArgs};
-pub use self::choice::{by_name, name_of};
+pub use self::choice::{NamedValues, by_name, name_of};
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
 pub use self::energyplus::{EnergyplusArgs, Physics};
 pub use self::everywhere::EverywhereArgs;

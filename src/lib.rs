@@ -77,6 +77,7 @@ pub mod covering;
 pub mod files;
 pub mod guards;
 mod outputs;
+pub mod recombine;
 
 pub mod book;
 
@@ -106,6 +107,7 @@ pub use heliotile_core::weather::series::Weather;
 pub use heliotile_core::weather::time::bins::Bins;
 pub use heliotile_scene::Scene;
 
+pub use cli::{NamedValues, by_name};
 pub use commands::nothing_seen;
 
 use std::ffi::OsString;

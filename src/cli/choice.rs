@@ -2,6 +2,7 @@
 
 use heliotile_builder::settings::{Quality, Share};
 use heliotile_core::archive::Access;
+use heliotile_core::error::Error;
 use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::weather::options::StampedAt;
 
@@ -27,14 +28,18 @@ pub fn choice<T: NamedValues>() -> impl TypedValueParser<Value = T> {
     })
 }
 
+/// The value of a name, for those who have no command line; `argument` is what messages call it.
+pub fn by_name<T: NamedValues>(argument: &str, name: &str) -> Result<T, Error> {
+    let found = T::VALUES.iter().find(|(known, _, _)| *known == name);
+    found.map(|(_, _, value)| value.clone()).ok_or_else(|| {
+        let names: Vec<&str> = T::VALUES.iter().map(|(name, ..)| *name).collect();
+        Error::argument(argument, format!("`{name}` is none of its values"), format!("give {}", names.join(", ")))
+    })
+}
+
 /// Name of a value on the command line.
 pub fn name_of<T: NamedValues + PartialEq>(value: &T) -> &'static str {
     T::VALUES.iter().find(|(.., other)| other == value).map_or("", |(name, ..)| name)
-}
-
-/// The value of a name.
-pub fn by_name<T: NamedValues>(name: &str) -> Option<T> {
-    T::VALUES.iter().find(|(known, ..)| *known == name).map(|(.., value)| value.clone())
 }
 
 impl NamedValues for Access {

@@ -19,7 +19,9 @@ pub enum Every {
     Hour,
     /// Sums, kWh/m2, as the three below
     Day,
+    /// ... over a month of a year, or of typical years
     Month,
+    /// ... over a calendar year
     Year,
     /// One sum over all that is taken of the file
     Total,

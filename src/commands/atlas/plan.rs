@@ -220,7 +220,7 @@ impl AtlasPlan {
 
     /// How exact all parts are.
     pub fn accuracy(&self) -> Result<AccuracyArgs> {
-        let quality = crate::cli::by_name::<Quality>(&self.quality).ok_or_else(|| {
+        let quality = crate::cli::by_name::<Quality>("--quality", &self.quality).map_err(|_| {
             Error::input(Path::new(FILE), None, format!("`{}` is no rung of the accuracy ladder", self.quality), AGAIN)
         })?;
         Ok(AccuracyArgs { quality, error: None, error_weather: None, set: self.set.clone() })

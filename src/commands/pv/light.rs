@@ -132,15 +132,7 @@ impl<'a> Light<'a> {
     pub fn hourly(&self, archive: &Archive, mut each: impl FnMut(&str, SideHours) -> Result<()>) -> Result<()> {
         let bins = Bins::each(self.stamps.len());
         self.replayed(archive, &bins, ComponentSet::ALL, |id, values, row| {
-            let both = |a: Component, b: Component| {
-                values.row(a, row).iter().zip(values.row(b, row)).map(|(a, b)| a + b).collect()
-            };
-            let hours = SideHours {
-                direct: both(Component::SunDirect, Component::SunSpecular),
-                sky: both(Component::SkyDirect, Component::SkySpecular),
-                reflected: both(Component::SunDiffuse, Component::SkyDiffuse),
-            };
-            each(id, hours)
+            each(id, SideHours::of(|component| values.row(component, row)))
         })
     }
 

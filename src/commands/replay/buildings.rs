@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
-use super::chosen::Chosen;
+use super::chosen::choose;
 use super::year::year_of;
-use super::{Archives, Series, Streamed, opened, with_series};
+use super::{Archives, each_tile, made_from, opened, with_series};
 use crate::cli::{BuildingsArgs, ReplayArgs};
 use crate::commands::voice::remark_aside;
 use crate::commands::{Outcome, guard_output, warn};
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::records::Records;
+use crate::recombine::{Series, Streamed};
 use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -46,13 +47,14 @@ fn write(args: &BuildingsArgs, replay: &ReplayArgs, archives: Archives, series: 
             args.threshold
         ));
     }
-    let chosen = Chosen::of(&replay.common.table, archives)?;
+    let chosen = choose(&replay.common.table, archives)?;
     let usable = Usable { threshold_kwh_m2: args.threshold, least_m2: args.min_area };
     let cadastre = Cadastre::new(chosen.receivers(), usable, chosen.north(), &args.year.archive)?;
     let mut receivers = chosen.rows::<Shown>();
     let components = ComponentSet::of(&[Component::Total]);
     let streamed = Streamed { chosen: &chosen, components };
-    let cadastre = streamed.each_tile(
+    let cadastre = each_tile(
+        &streamed,
         &replay.common,
         series,
         || Ok(cadastre),
@@ -72,7 +74,7 @@ fn write(args: &BuildingsArgs, replay: &ReplayArgs, archives: Archives, series: 
             args.year.archive.display()
         ));
     }
-    let about = series.about(&replay.common, archives);
+    let about = made_from(series, &replay.common, archives);
     if let Some(faces) = &args.faces {
         face_rows(&cadastre).write(faces, &about)?;
     }

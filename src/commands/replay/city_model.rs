@@ -3,14 +3,15 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::chosen::Chosen;
-use super::{Archives, Series, Streamed};
+use super::chosen::choose;
+use super::{Archives, each_tile, made_from};
 use crate::cli::ReplayArgs;
 use crate::commands::{Outcome, remark, warn};
 use crate::outputs::city_model::{CityModelWriter, ModelSums, RewriteError, is_city_model};
 use crate::outputs::periods::Every;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::By;
+use crate::recombine::{Series, Streamed};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::text::counted;
@@ -50,14 +51,15 @@ pub fn write(args: &ReplayArgs, archives: Archives, series: &Series, model: &Pat
         Error::input(model, None, format!("is no text in UTF-8: {error}"), "give a CityJSON file, or convert it")
     })?;
     let text = text.trim_start_matches('\u{feff}');
-    let chosen = Chosen::of(asked, archives)?;
+    let chosen = choose(asked, archives)?;
     let components = args.common.columns.clone().unwrap_or_else(ComponentList::all);
     let labels = &series.labels.text;
     let whole = args.every == Every::Total || args.every == Every::Year && labels.len() == 1;
     let sums = ModelSums::new(components.as_slice(), if whole { &[] } else { labels });
     let streamed = Streamed { chosen: &chosen, components: ComponentSet::of(sums.components()) };
     let mut receivers = chosen.receivers();
-    let sums = streamed.each_tile(
+    let sums = each_tile(
+        &streamed,
         &args.common,
         series,
         || Ok(sums),
@@ -77,7 +79,7 @@ pub fn write(args: &ReplayArgs, archives: Archives, series: &Series, model: &Pat
             "put receivers on the city model with `heliotile receivers`",
         ));
     };
-    let about = series.about(&args.common, archives).json();
+    let about = made_from(series, &args.common, archives).json();
     let mut sink = Sink::file(&asked.output)?;
     let mut writer = CityModelWriter::new(&sums);
     let mut lines = (1..).zip(parts(text, is_sequence(model)));

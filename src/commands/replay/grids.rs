@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use super::chosen::Chosen;
-use super::{Archives, Series, Streamed};
+use super::chosen::choose;
+use super::{Archives, each_tile, made_from};
 use crate::cli::ReplayArgs;
 use crate::commands::{Outcome, remark};
 use crate::outputs::honeybee::{Grids, LitHours, ResultsFolder};
 use crate::outputs::periods::Every;
+use crate::recombine::{Series, Streamed};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::counted;
@@ -32,16 +33,16 @@ const COMPONENTS: [Component; 2] = [Component::Total, Component::SunDirect];
 /// Writes the folder of a series.
 pub fn write(args: &ReplayArgs, archives: Archives, series: &Series, folder: &Path) -> Result<Outcome> {
     let asked = &args.common.table;
-    let hours = LitHours::of(series.conditions)
+    let hours = LitHours::of(&series.conditions)
         .map_err(|(what, hint)| Error::input(&args.weather, None, format!("has {what}, Honeybee has none"), hint))?;
-    let chosen = Chosen::of(asked, archives)?;
+    let chosen = choose(asked, archives)?;
     let grids = Grids::of(chosen.receivers(), asked.by)?;
     let components = args.common.columns.as_ref().map_or(&COMPONENTS[..], |columns| columns.as_slice());
-    let about = series.about(&args.common, archives);
+    let about = made_from(series, &args.common, archives);
     let mut receivers = chosen.receivers();
     let streamed = Streamed { chosen: &chosen, components: ComponentSet::of(components) };
     let start = || ResultsFolder::create(folder, grids, hours, components, &about);
-    let results = streamed.each_tile(&args.common, series, start, |results, _, values| {
+    let results = each_tile(&streamed, &args.common, series, start, |results, _, values| {
         let here = receivers.by_ref().take(values.receivers()).collect::<Result<Vec<_>>>()?;
         results.write(&here, values)?;
         Ok(true)

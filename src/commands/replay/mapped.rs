@@ -5,7 +5,6 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::chosen::Chosen;
 use crate::cli::TableArgs;
 use crate::commands::warn;
 use crate::outputs::groups::Groups;
@@ -16,6 +15,7 @@ use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
+use crate::recombine::Chosen;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::ScratchSpace;

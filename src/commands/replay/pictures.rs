@@ -4,7 +4,6 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::Series;
 use crate::cli::RecombineArgs;
 use crate::commands::guard_output;
 use crate::outputs::area_means::AreaMeans;
@@ -15,6 +14,7 @@ use crate::outputs::pictures::colours::{COMPONENTS, label};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
+use crate::recombine::Series;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::time::calendar::Date;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::chosen::Chosen;
+use super::chosen::choose;
 use super::year::year_of;
-use super::{Archives, Series, Streamed, opened, with_series};
+use super::{Archives, each_tile, made_from, opened, with_series};
 use crate::cli::{ModuleSize, PlaceOn, PlacesArgs, ReplayArgs};
 use crate::commands::voice::remark_aside;
 use crate::commands::{Outcome, guard_output, warn};
@@ -12,6 +12,7 @@ use crate::outputs::buildings::{Envelope, building_of, face_of};
 use crate::outputs::pv::places::{PlaceCandidate, best_places};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::records::{Cell, Records};
+use crate::recombine::{Series, Streamed};
 use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -48,11 +49,12 @@ pub fn run(args: &PlacesArgs) -> Result<Outcome> {
 }
 
 fn write(args: &PlacesArgs, replay: &ReplayArgs, archives: Archives, series: &Series) -> Result<Outcome> {
-    let chosen = Chosen::of(&replay.common.table, archives)?;
+    let chosen = choose(&replay.common.table, archives)?;
     let mut receivers = chosen.rows::<Shown>();
     let components = ComponentSet::of(&[Component::Total]);
     let streamed = Streamed { chosen: &chosen, components };
-    let candidates = streamed.each_tile(
+    let candidates = each_tile(
+        &streamed,
         &replay.common,
         series,
         || Ok(Vec::new()),
@@ -100,7 +102,7 @@ fn write(args: &PlacesArgs, replay: &ReplayArgs, archives: Archives, series: &Se
     }
     let places = best.iter().map(|&i| &candidates[i]);
     let rows = (1..).zip(places).map(|(number, place)| row(number, place, args, chosen.north())).collect();
-    let about = series.about(&replay.common, archives);
+    let about = made_from(series, &replay.common, archives);
     Records { columns: COLUMNS.map(str::to_owned).into(), rows }.write(&args.output, &about)?;
     remark_aside(&format!(
         "{} of {}\n",

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::chosen::Chosen;
+use super::chosen::choose;
 use super::pictures::{self, Plot};
-use super::{Archives, Series, Streamed, mapped};
+use super::{Archives, each_tile, made_from, mapped};
 use crate::cli::RecombineArgs;
 use crate::commands::{Outcome, temporary_files};
 use crate::outputs::area_means::AreaMeans;
@@ -14,6 +14,7 @@ use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::outputs::tables::table::Places;
 use crate::outputs::tables::writer::TableWriter;
+use crate::recombine::{Series, Streamed};
 use heliotile_core::error::Result;
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::replay::components::ComponentList;
@@ -22,7 +23,7 @@ use heliotile_core::replay::components::ComponentList;
 pub fn write(args: &RecombineArgs, archives: Archives, series: &Series) -> Result<Outcome> {
     let (labels, asked) = (&series.labels, &args.table);
     let plots = Plot::all(&args.plot, series)?;
-    let chosen = Chosen::of(asked, archives)?;
+    let chosen = choose(asked, archives)?;
     let components = args.columns.clone().unwrap_or_else(ComponentList::all);
     let mut layout = Layout { labels: series.kind, by: asked.by, components, facts: Vec::new() };
     let mut means = match asked.by {
@@ -37,10 +38,10 @@ pub fn write(args: &RecombineArgs, archives: Archives, series: &Series) -> Resul
     let names = means.as_ref().map(|means| means.groups().names().to_vec());
     let all_names = || match &names {
         Some(names) => Ok(names.clone()),
-        None => chosen.receivers().map(|receiver| Ok(receiver?.id)).collect(),
+        None => chosen.names(),
     };
     let count = names.as_ref().map_or(chosen.count(), |names| names.len() as u64);
-    let about = series.about(args, archives);
+    let about = made_from(series, args, archives);
     let called = format!("{} under {}", pictures::name_of(&asked.archive), series.called);
     let storage = temporary_files();
     let format = ResultFormat::of(&asked.output, args.geo)?;
@@ -69,7 +70,7 @@ pub fn write(args: &RecombineArgs, archives: Archives, series: &Series) -> Resul
         plots.iter().any(|(_, plot)| *plot != Plot::Map).then(|| AreaMeans::new(layout.components(), labels.len()));
     let mut receivers = chosen.receivers();
     let streamed = Streamed { chosen: &chosen, components: layout.components.set() };
-    let mut results = streamed.each_tile(args, series, start, |results, names, values| {
+    let mut results = each_tile(&streamed, args, series, start, |results, names, values| {
         if let Some(of_all) = &mut of_all {
             for (row, receiver) in receivers.by_ref().take(values.receivers()).enumerate() {
                 of_all.add(&receiver?, values, row);

@@ -8,7 +8,8 @@ use clap::Parser;
 
 use super::folder::Files;
 use crate::cli::{Cli, Command, RunArgs, name_of};
-use crate::commands::replay::{Archives, dated, note_years, replay_opened};
+use crate::commands::replay::{Archives, dated, replay_opened};
+use crate::commands::voice::note;
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
 use heliotile_core::archive::Archive;
@@ -63,10 +64,8 @@ impl Replays<'_> {
         replay.common.table.memory = args.memory;
         (replay.stamp, replay.year) = (args.stamp, args.year);
         replay.about_weather.clock = args.about_weather.clone();
-        let dated = dated(&replay, &Span::new(None, None)?, self.weather)?;
-        if shows_years {
-            note_years(&replay, &dated);
-        }
+        let (dated, odd) = dated(&replay, &Span::new(None, None)?, self.weather)?;
+        odd.iter().filter(|_| shows_years).for_each(|text| note(text));
         replay_opened(&replay, Archives::one(self.archive), self.weather, &dated).map(drop)
     }
 }

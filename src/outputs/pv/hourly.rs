@@ -19,6 +19,7 @@ use crate::outputs::sink::Sink;
 use crate::outputs::tables::csvw::{self, CsvColumn};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
 
 /// Columns of points.
 pub const ONE_SIDE: [&str; 5] = ["poa_global", "poa_direct", "poa_diffuse", "poa_sky_diffuse", "poa_ground_diffuse"];
@@ -53,6 +54,16 @@ pub struct SideHours {
 }
 
 impl SideHours {
+    /// Of irradiances by component, `[hour]`, W/m2.
+    pub fn of<'v>(component: impl Fn(Component) -> &'v [f32]) -> Self {
+        let both = |a: Component, b: Component| component(a).iter().zip(component(b)).map(|(a, b)| a + b).collect();
+        SideHours {
+            direct: both(Component::SunDirect, Component::SunSpecular),
+            sky: both(Component::SkyDirect, Component::SkySpecular),
+            reflected: both(Component::SunDiffuse, Component::SkyDiffuse),
+        }
+    }
+
     /// Adds a share of others, hour by hour.
     pub fn add(&mut self, other: &SideHours, share: f32) {
         let pairs = [(&mut self.direct, &other.direct), (&mut self.sky, &other.sky)];

@@ -28,7 +28,7 @@ use heliotile_core::error::{Error, Result};
 const LEVEL: i32 = 1;
 
 /// Columns of a table: times, or a dictionary of strings; a dictionary of strings; values with their unit. And provenance.
-pub(super) fn schema(layout: &Layout, labels: &RowLabels, provenance: &Provenance) -> Schema {
+pub fn schema(layout: &Layout, labels: &RowLabels, provenance: &Provenance) -> Schema {
     let names = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
     let label = match &labels.instants {
         Some(instants) => DataType::Timestamp(TimeUnit::Microsecond, Some(instants.zone().into())),
@@ -44,29 +44,18 @@ pub(super) fn schema(layout: &Layout, labels: &RowLabels, provenance: &Provenanc
     Schema::new_with_metadata(fields, provenance.entries().into_iter().collect::<Metadata>())
 }
 
-/// An Arrow file being written.
-pub struct ArrowTable {
-    writer: FileWriter<Sink>,
+/// Record batches of results: the first column says the label, the second the receiver.
+pub struct ArrowRows {
     schema: Arc<Schema>,
     labels: RowLabels,
     names: Arc<StringArray>,
-    /// The labels, again and again, for as many receivers as any tile had.
+    /// The labels, again and again, for as many receivers as any batch had.
     label_column: ArrayRef,
-    /// Names that were written.
-    done: usize,
-    path: PathBuf,
 }
 
-impl ArrowTable {
-    pub fn new(
-        sink: Sink,
-        layout: &Layout,
-        labels: &RowLabels,
-        names: &[String],
-        provenance: &Provenance,
-        packed: bool,
-    ) -> Result<Self> {
-        let path = sink.path().to_path_buf();
+impl ArrowRows {
+    /// Of all names of the second column, in order. An error: more labels or names than a dictionary has numbers.
+    pub fn new(layout: &Layout, labels: &RowLabels, names: &[String], provenance: &Provenance) -> Result<Self> {
         for (what, count) in
             [("rows of a receiver in an Arrow file", labels.len()), ("names in an Arrow file", names.len())]
         {
@@ -74,25 +63,17 @@ impl ArrowTable {
                 return Err(Error::Limit { what: what.into(), value: count as u64, max: i32::MAX as u64 });
             }
         }
-        let schema = Arc::new(schema(layout, labels, provenance));
-        let start = || {
-            let mut options = IpcWriteOptions::default();
-            if packed {
-                options = options
-                    .try_with_compression(Some(CompressionType::ZSTD))?
-                    .try_with_compression_level(Some(LEVEL))?;
-            }
-            FileWriter::try_new_with_options(sink, &schema, options)
-        };
-        Ok(ArrowTable {
-            writer: start().map_err(|e| failed(&path, e))?,
-            schema,
+        Ok(ArrowRows {
+            schema: Arc::new(schema(layout, labels, provenance)),
             labels: labels.clone(),
             names: Arc::new(StringArray::from_iter_values(names)),
             label_column: new_empty_array(&DataType::Int32),
-            done: 0,
-            path,
         })
+    }
+
+    /// What batches hold.
+    pub fn schema(&self) -> &Arc<Schema> {
+        &self.schema
     }
 
     /// The labels of some receivers.
@@ -110,26 +91,63 @@ impl ArrowTable {
         })
     }
 
-    fn batch(&mut self, count: usize, values: &TileColumns) -> std::result::Result<RecordBatch, ArrowError> {
+    /// The rows of `count` names from number `first` on: `columns` are the values, `[name][label]`.
+    pub fn batch(
+        &mut self,
+        first: usize,
+        count: usize,
+        columns: impl Iterator<Item = Float32Array>,
+    ) -> std::result::Result<RecordBatch, ArrowError> {
         let (labels, rows) = (self.labels.len(), count * self.labels.len());
         if self.label_column.len() < rows {
             self.label_column = self.label_column(count)?;
         }
-        let first = self.done as i32;
+        let first = first as i32;
         let places = (first..first + count as i32).flat_map(|place| std::iter::repeat_n(place, labels));
         let names = DictionaryArray::<Int32Type>::try_new(places.collect::<Vec<_>>().into(), self.names.clone())?;
-        let mut columns: Vec<ArrayRef> = vec![self.label_column.slice(0, rows), Arc::new(names)];
-        for number in 0..values.count() {
-            columns.push(Arc::new(Float32Array::from(values.column(number).to_vec())));
-        }
-        RecordBatch::try_new(self.schema.clone(), columns)
+        let mut all: Vec<ArrayRef> = vec![self.label_column.slice(0, rows), Arc::new(names)];
+        all.extend(columns.map(|column| Arc::new(column) as ArrayRef));
+        RecordBatch::try_new(self.schema.clone(), all)
+    }
+}
+
+/// An Arrow file being written.
+pub struct ArrowTable {
+    writer: FileWriter<Sink>,
+    rows: ArrowRows,
+    /// Names that were written.
+    done: usize,
+    path: PathBuf,
+}
+
+impl ArrowTable {
+    pub fn new(
+        sink: Sink,
+        layout: &Layout,
+        labels: &RowLabels,
+        names: &[String],
+        provenance: &Provenance,
+        packed: bool,
+    ) -> Result<Self> {
+        let path = sink.path().to_path_buf();
+        let rows = ArrowRows::new(layout, labels, names, provenance)?;
+        let start = || {
+            let mut options = IpcWriteOptions::default();
+            if packed {
+                options = options
+                    .try_with_compression(Some(CompressionType::ZSTD))?
+                    .try_with_compression_level(Some(LEVEL))?;
+            }
+            FileWriter::try_new_with_options(sink, rows.schema(), options)
+        };
+        Ok(ArrowTable { writer: start().map_err(|e| failed(&path, e))?, rows, done: 0, path })
     }
 }
 
 impl Table for ArrowTable {
     fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
-        let known = self.done + receivers.len() <= self.names.len()
-            && receivers.iter().enumerate().all(|(i, name)| self.names.value(self.done + i) == name);
+        let known = self.done + receivers.len() <= self.rows.names.len()
+            && receivers.iter().enumerate().all(|(i, name)| self.rows.names.value(self.done + i) == name);
         if !known {
             return Err(Error::input(
                 &self.path,
@@ -138,7 +156,8 @@ impl Table for ArrowTable {
                 "this is a defect, report it",
             ));
         }
-        let batch = self.batch(receivers.len(), values).map_err(|e| failed(&self.path, e))?;
+        let columns = (0..values.count()).map(|number| Float32Array::from(values.column(number).to_vec()));
+        let batch = self.rows.batch(self.done, receivers.len(), columns).map_err(|e| failed(&self.path, e))?;
         self.done += receivers.len();
         self.writer.write(&batch).map_err(|e| failed(&self.path, e))
     }

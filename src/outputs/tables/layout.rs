@@ -58,8 +58,11 @@ pub enum Fact {
 /// The columns of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
+    /// What the first column is.
     pub labels: Labels,
+    /// What the second is.
     pub by: By,
+    /// The value columns,
     pub components: ComponentList,
     /// Of groups; behind the components.
     pub facts: Vec<Fact>,
@@ -79,6 +82,7 @@ impl Layout {
         self.by.name()
     }
 
+    /// The value columns but for facts of groups.
     pub fn components(&self) -> &[Component] {
         self.components.as_slice()
     }

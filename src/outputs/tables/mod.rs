@@ -1,6 +1,6 @@
 //! Tables of results, one row model for all formats: CSV, Parquet, Arrow, arrays of NumPy.
 
-mod arrow;
+pub mod arrow;
 mod csv;
 pub mod csvw;
 #[cfg(test)]

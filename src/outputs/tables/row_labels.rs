@@ -33,6 +33,7 @@ pub struct Instants {
 /// Labels of the rows of a receiver, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowLabels {
+    /// As CSV has them.
     pub text: Vec<String>,
     /// The same as instants; none for names of conditions, `total` and the periods of a typical year.
     pub instants: Option<Instants>,
@@ -71,6 +72,12 @@ impl RowLabels {
         RowLabels { text: moments.iter().map(text).collect(), instants: Some(Instants { utc_s, offset, precision }) }
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.text.is_empty()
+    }
+
+    /// Number of labels.
     pub fn len(&self) -> usize {
         self.text.len()
     }

@@ -1,0 +1,140 @@
+//! Which receivers results are made of: of an archive, or of parts of an atlas one after the other. In: a choice. Out: the tiles to compute,
+//! and which rows of them count.
+
+use heliotile_builder::transfer::{ArchiveReceivers, LayeredReceiver, Layers, Shown};
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::Result;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::reflectances::Changeable;
+use heliotile_core::replay::run::TileResult;
+use heliotile_core::site::north::North;
+use heliotile_core::site::receiver::Receiver;
+
+/// A choice of receivers.
+pub struct Chosen<'a> {
+    parts: Vec<ChosenPart<'a>>,
+}
+
+/// What is chosen of an archive.
+pub struct ChosenPart<'a> {
+    /// The archive,
+    pub archive: &'a Archive,
+    /// and the same, opened.
+    pub site: OpenSite<'a>,
+    /// `[receiver]` of the archive; `None`: all.
+    kept: Option<Vec<bool>>,
+    tiles: Vec<ChosenTile>,
+}
+
+/// A tile with receivers to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChosenTile {
+    /// Its number in the archive.
+    pub number: u32,
+    /// Place of its first receiver in the archive, and the number of its receivers.
+    first: usize,
+    count: usize,
+}
+
+impl<'a> Chosen<'a> {
+    /// Those receivers of some archives for which `kept`, in their order, is true; all of them without it.
+    pub fn new(archives: impl Iterator<Item = (&'a Archive, OpenSite<'a>)>, kept: Option<Vec<bool>>) -> Self {
+        let mut kept = kept.map(Vec::into_iter);
+        let part = |(archive, site): (&'a Archive, OpenSite<'a>)| {
+            let own = kept.as_mut().map(|kept| kept.by_ref().take(site.receivers() as usize).collect());
+            ChosenPart::new(archive, site, own)
+        };
+        Chosen { parts: archives.map(part).collect() }
+    }
+
+    /// Those of one archive.
+    pub fn of(archive: &'a Archive, site: &OpenSite<'a>, kept: Option<Vec<bool>>) -> Self {
+        Chosen::new(std::iter::once((archive, site.clone())), kept)
+    }
+
+    /// What is chosen of each archive.
+    pub fn parts(&self) -> &[ChosenPart<'a>] {
+        &self.parts
+    }
+
+    /// Where true north lies, by the first archive.
+    pub fn north(&self) -> North {
+        self.parts.first().map(|part| part.site.north()).unwrap_or_default()
+    }
+
+    /// Number of chosen receivers.
+    pub fn count(&self) -> u64 {
+        self.parts.iter().map(ChosenPart::count).sum()
+    }
+
+    /// The chosen receivers, in the order of results, with some of their layers.
+    pub fn rows<L: Layers + 'a>(&'a self) -> impl Iterator<Item = Result<LayeredReceiver<L>>> + 'a {
+        self.parts.iter().flat_map(ChosenPart::rows::<L>)
+    }
+
+    /// The chosen receivers, in the order of results.
+    pub fn receivers(&'a self) -> impl Iterator<Item = Result<Receiver>> + 'a {
+        self.rows::<()>().map(|row| Ok(row?.receiver))
+    }
+
+    /// Their names.
+    pub fn names(&'a self) -> Result<Vec<String>> {
+        self.receivers().map(|receiver| Ok(receiver?.id)).collect()
+    }
+
+    /// The same with their patches.
+    pub fn shown(&'a self) -> impl Iterator<Item = Result<Receiver>> + 'a {
+        self.rows::<Shown>().map(|row| row.map(|row| Receiver { patch: row.layers.patch, ..row.receiver }))
+    }
+}
+
+impl<'a> ChosenPart<'a> {
+    fn new(archive: &'a Archive, site: OpenSite<'a>, kept: Option<Vec<bool>>) -> Self {
+        let mut tiles = Vec::new();
+        let mut first = 0;
+        for entry in archive.entries_of(format::RECEIVERS) {
+            let count = entry.items as usize;
+            let here = kept.as_ref().map(|kept| kept.get(first..first + count).unwrap_or_default());
+            if here.is_none_or(|here| here.contains(&true)) {
+                tiles.push(ChosenTile { number: entry.tile, first, count });
+            }
+            first += count;
+        }
+        ChosenPart { archive, site, kept, tiles }
+    }
+
+    /// What of its light may be changed.
+    pub fn changeable(&self) -> Changeable<'_> {
+        Changeable::of(&self.site, self.archive.manifest())
+    }
+
+    /// Tiles that hold a chosen receiver, in order.
+    pub fn tiles(&self) -> &[ChosenTile] {
+        &self.tiles
+    }
+
+    fn count(&self) -> u64 {
+        match &self.kept {
+            Some(kept) => kept.iter().filter(|kept| **kept).count() as u64,
+            None => self.tiles.iter().map(|tile| tile.count as u64).sum(),
+        }
+    }
+
+    fn rows<L: Layers + 'a>(&'a self) -> ArchiveReceivers<'a, L> {
+        match &self.kept {
+            Some(kept) => ArchiveReceivers::chosen(&self.site, self.archive, kept),
+            None => ArchiveReceivers::new(&self.site),
+        }
+    }
+
+    /// The results of a tile that are asked for.
+    pub fn results(&self, tile: ChosenTile, (ids, values): TileResult) -> TileResult {
+        let Some(kept) = &self.kept else { return (ids, values) };
+        let kept = kept.get(tile.first..tile.first + tile.count).unwrap_or_default();
+        if kept.iter().all(|kept| *kept) {
+            return (ids, values);
+        }
+        let names = ids.into_iter().zip(kept).filter_map(|(id, kept)| kept.then_some(id)).collect();
+        (names, values.select(kept))
+    }
+}

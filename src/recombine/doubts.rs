@@ -1,0 +1,86 @@
+//! What a user should know before results are used. In: an archive, weather, what is asked for. Out: sentences, or a refusal.
+
+use std::path::Path;
+
+use crate::outputs::periods::Every;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::replay::reflectances::{Changeable, Changes};
+use heliotile_core::site::material::rounded;
+use heliotile_core::weather::dated::DatedRows;
+use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::span::Span;
+use heliotile_core::weather::time::years::Years;
+
+/// Refuses a query for longwave irradiance, which conditions say nothing of.
+pub fn no_longwave(columns: &ComponentList) -> Result<()> {
+    if !columns.set().contains(Component::Longwave) {
+        return Ok(());
+    }
+    Err(Error::Unsupported {
+        what: "column `longwave`".into(),
+        found: "`query`, whose conditions have no infrared radiation and no temperatures".into(),
+        supported: "it in `replay`, from a weather file".into(),
+    })
+}
+
+/// Where effects were left out that bring little under other weather than that of this name.
+pub fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
+    let known = archive.manifest().negligible.as_ref()?;
+    let other = weather.and_then(Path::file_name).is_none_or(|name| *name != *known.weather);
+    other.then(|| format!("{} leaves out {known}; here they may bring more", archive.path().display()))
+}
+
+/// Of a query of an archive that states its ground by month: which mean counts, if nothing sets another.
+pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String>> {
+    // Few archives state one; others are not opened twice.
+    let Some(ground) = &archive.manifest().ground else { return Ok(None) };
+    let site = OpenSite::of(archive)?;
+    if Changeable::of(&site, archive.manifest()).ground.is_none() {
+        return Ok(None);
+    }
+    let material = site.materials().iter().find(|material| material.name == ground.material);
+    let group = material.and_then(|material| material.group.as_deref());
+    let constant = changes.constant.iter().map(|(name, _)| name.as_str());
+    let mut changed = constant.chain(changes.scheduled.iter().map(|(name, _)| name.as_str()));
+    if changed.any(|name| *name == ground.material || Some(name) == group || name == "ground") {
+        return Ok(None);
+    }
+    Ok(Some(format!(
+        "`{}` reflects another share each month, and conditions have no date: the mean of the year counts, {} (or \
+         --reflectance ground=...)",
+        ground.material,
+        rounded(ground.mean())
+    )))
+}
+
+/// The rows of weather that are asked for, with the dates that results give them, and a sentence if their labels are odd.
+pub fn dated_rows(
+    (weather, file): (&Weather, &Path),
+    span: &Span,
+    year: Option<i32>,
+    every: Every,
+) -> Result<(DatedRows, Option<String>)> {
+    let intervals = weather.rows.iter().map(|row| row.interval).collect::<Vec<_>>();
+    let dated = match year {
+        Some(year) => DatedRows::in_year(&intervals, file, span, year)?,
+        None => DatedRows::of_file(&intervals, file, span)?,
+    };
+    let labels = match every {
+        Every::Hour => "times have these years",
+        Every::Day | Every::Month => "days and months have no year",
+        Every::Year | Every::Total => return Ok((dated, None)),
+    };
+    if dated.years != Years::Typical {
+        return Ok((dated, None));
+    }
+    let years = || dated.dates.iter().map(|date| date.year);
+    let (first, last) = (years().min().unwrap_or_default(), years().max().unwrap_or_default());
+    let note = format!(
+        "{}: its months come from different years, {first} to {last}, and {labels}; --year, as in --year 2019, puts them into one",
+        file.display()
+    );
+    Ok((dated, Some(note)))
+}
