@@ -44,6 +44,7 @@ impl Mean {
 /// Says how much of their hemisphere walls see nothing in, or receivers where there are no walls; `None` where that is next to nothing.
 pub fn nothing_seen(archive: &Archive) -> Result<Option<String>> {
     let mut lost = Lost::default();
+    archive.expect_all(format::RECEIVERS);
     for tile in 0..archive.tiles() {
         let table = tables::ReceiversTable::from_block(&Blocks::block(archive, format::RECEIVERS, tile)?)?;
         for ((views, normal), area) in table.views().zip(&table.normal).zip(&table.area) {

@@ -57,6 +57,13 @@ pub enum Error {
         /// What stands there in a good archive.
         expected: String,
     },
+    /// What is read is another one than when it was opened; nothing of both was mixed.
+    SourceChanged {
+        /// The archive.
+        path: PathBuf,
+        /// How that showed.
+        what: String,
+    },
     /// Blocks that are each as they were written do not fit together: what was checked when they were read does not hold.
     Defect {
         /// The archive.
@@ -126,6 +133,11 @@ impl Error {
         }
     }
 
+    /// Bytes that could not be read, for `map_err`; who holds them from afar may know more of it than a file system does.
+    pub fn unread(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
+        move |error| error.downcast::<Error>().unwrap_or_else(Error::io(path, "read"))
+    }
+
     /// For `map_err`: `File::open(p).map_err(Error::io(p, "open"))`.
     pub fn io<'a>(path: &'a Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + 'a {
         move |source| Error::Io { path: path.to_path_buf(), action, source }
@@ -154,6 +166,11 @@ impl fmt::Display for Error {
                 "{}: block {block} at byte {offset} is damaged: found {got}, expected {expected}\n  \
                  to fix: run `heliotile verify {}` for the full list, `heliotile repair`, or restore a copy",
                 path.display(),
+                path.display()
+            ),
+            Error::SourceChanged { path, what } => write!(
+                f,
+                "{}: has changed while it was read: {what}\n  to fix: run the command again, it then reads the new one",
                 path.display()
             ),
             Error::Defect { path, block, field, what } => write!(

@@ -101,6 +101,7 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
         let mut some: Vec<(u32, usize)> = some.iter().map(|&i| all[i]).collect();
         some.sort_unstable();
         let first = audited.receivers.len();
+        site.expect(&[format::RECEIVERS, format::PARTS], some.iter().map(|of| of.0));
         for of_tile in some.chunk_by(|a, b| a.0 == b.0) {
             let tile = of_tile[0].0;
             let table = site.tile_receivers(tile)?;

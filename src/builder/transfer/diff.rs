@@ -6,7 +6,7 @@ use crate::spill::{Sorted, Sorter};
 use crate::transfer::compare::{Difference, differences};
 use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::unknown;
-use crate::transfer::rows::{ArchiveReceivers, cells};
+use crate::transfer::rows::{ArchiveReceivers, all_cells};
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
@@ -124,7 +124,7 @@ fn by_id(site: &OpenSite, workspace: &Workspace) -> Result<Sorted> {
 }
 
 fn diff_cells(a: &CellSource, b: &CellSource, found: &mut Parted) -> Result<()> {
-    for side in union(cells(a, |_, _| true), cells(b, |_, _| true), |a: &Cell, b: &Cell| a.key.cmp(&b.key)) {
+    for side in union(all_cells(a), all_cells(b), |a: &Cell, b: &Cell| a.key.cmp(&b.key)) {
         found.add(&side?, |cell| cell_name(&cell.key), |a, b| (!same_cell(a, b)).then(String::new));
     }
     Ok(())

@@ -10,7 +10,7 @@ use crate::transfer::compare::differences;
 use crate::transfer::conflicts::Conflicts;
 use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::{ArchiveAssembly, Assembled, unknown};
-use crate::transfer::rows::{ArchiveReceivers, LayeredReceiver, Layers, Shown, cells};
+use crate::transfer::rows::{ArchiveReceivers, LayeredReceiver, Layers, Shown, all_cells};
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{Archive, Manifest, format};
@@ -146,7 +146,7 @@ fn merge_cells<'a>(
     b: &'a CellSource,
     conflicts: &'a mut Conflicts,
 ) -> impl Iterator<Item = Result<Cell>> + 'a {
-    union(cells(a, |_, _| true), cells(b, |_, _| true), |a: &Cell, b: &Cell| a.key.cmp(&b.key)).map(move |side| {
+    union(all_cells(a), all_cells(b), |a: &Cell, b: &Cell| a.key.cmp(&b.key)).map(move |side| {
         let side = side?;
         if side.both().is_some_and(|(a, b)| !same_cell(a, b)) {
             side.items().take(1).for_each(|cell| conflicts.add(|| format!("{what} {}", cell_name(&cell.key))));

@@ -111,6 +111,7 @@ impl<'a> ArchiveAssembly<'a> {
     pub fn scene(&mut self, archives: &[&Archive]) -> Result<()> {
         let holds = |archive: &&&Archive| archive.has(format::SCENE, 0);
         let Some(archive) = archives.iter().find(holds) else { return Ok(()) };
+        archive.expect_all(format::SCENE);
         archive.entries_of(format::SCENE).iter().try_for_each(|entry| {
             let table = tables::GeometryTable::from_block(&archive.fetch(entry)?)?;
             self.writer.append(table.encode(format::SCENE, entry.tile, pack::COMPRESSION)?)

@@ -1,5 +1,6 @@
 //! Which cells of an archive some keys lead to. In: keys. Out: a mark for each cell, one byte.
 
+use std::collections::VecDeque;
 use std::path::Path;
 
 use crate::spill::{Sorted, Sorter};
@@ -32,11 +33,20 @@ impl Keys {
     }
 }
 
+/// Keys that are looked at ahead, for their chunks to be told of.
+const AHEAD: usize = 1 << 16;
+
 /// Cells of one kind that are kept.
 #[derive(Default)]
 pub struct Marks(Vec<Vec<bool>>);
 
 impl Marks {
+    /// Chunks with a cell that is kept.
+    pub fn chunks(&self) -> Vec<usize> {
+        let kept = self.0.iter().enumerate().filter(|(_, rows)| rows.contains(&true));
+        kept.map(|(chunk, _)| chunk).collect()
+    }
+
     pub fn contains(&self, chunk: usize, row: usize) -> bool {
         self.0.get(chunk).and_then(|rows| rows.get(row)).copied().unwrap_or(false)
     }
@@ -51,8 +61,16 @@ impl Marks {
     ) -> Result<()> {
         self.0.resize(source.chunks(), Vec::new());
         let mut open: Option<(usize, Cells)> = None;
-        for key in keys.finish()? {
-            let key = key?;
+        let mut keys = keys.finish()?;
+        let mut ahead = VecDeque::new();
+        loop {
+            if ahead.is_empty() {
+                ahead = keys.by_ref().take(AHEAD).collect::<Result<_>>()?;
+                let mut chunks: Vec<usize> = ahead.iter().filter_map(|key| source.chunk_of(key)).collect();
+                chunks.dedup();
+                source.expect(chunks);
+            }
+            let Some(key) = ahead.pop_front() else { break };
             let number = source.chunk_of(&key).ok_or_else(|| source.missing(&key, from))?;
             let chunk = match open.take().filter(|(same, _)| *same == number) {
                 Some((_, chunk)) => chunk,

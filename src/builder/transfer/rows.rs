@@ -43,6 +43,9 @@ impl<L> LayeredReceiver<L> {
 
 /// Layers that can be read a tile at a time.
 pub trait Layers: Send + Sized {
+    /// What is read for them.
+    fn kinds() -> Vec<u32>;
+
     /// One value for each of a tile's receivers.
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>>;
 }
@@ -72,6 +75,10 @@ pub struct Shown {
 }
 
 impl Layers for Shown {
+    fn kinds() -> Vec<u32> {
+        vec![format::OVERVIEW]
+    }
+
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let Some(overview) = site.tile_overview(tile, receivers)? else {
             return Ok(vec![Shown::default(); receivers]);
@@ -82,12 +89,20 @@ impl Layers for Shown {
 }
 
 impl Layers for () {
+    fn kinds() -> Vec<u32> {
+        Vec::new()
+    }
+
     fn of_tile(_: &OpenSite, _: u32, receivers: usize) -> Result<Vec<Self>> {
         Ok(vec![(); receivers])
     }
 }
 
 impl Layers for TracedLayers {
+    fn kinds() -> Vec<u32> {
+        vec![format::SKY, format::HIT, format::MIRROR, format::CANOPY]
+    }
+
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let (sky, hits) = (site.tile_sky_textures(tile, receivers)?, site.tile_hits(tile, receivers)?);
         let layers = sky.into_iter().zip(hits.split(receivers)).zip(site.tile_extras(tile, receivers)?);
@@ -96,6 +111,10 @@ impl Layers for TracedLayers {
 }
 
 impl Layers for Response {
+    fn kinds() -> Vec<u32> {
+        vec![format::RESPONSE]
+    }
+
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let responses = site.tile_responses(tile)?;
         if responses.len() != receivers {
@@ -107,6 +126,10 @@ impl Layers for Response {
 }
 
 impl<A: Layers, B: Layers> Layers for (A, B) {
+    fn kinds() -> Vec<u32> {
+        [A::kinds(), B::kinds()].concat()
+    }
+
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let (a, b) = (A::of_tile(site, tile, receivers)?, B::of_tile(site, tile, receivers)?);
         Ok(a.into_iter().zip(b).collect())
@@ -120,13 +143,24 @@ pub struct ArchiveReceivers<'a, L> {
     tiles: std::vec::IntoIter<(u32, Option<&'a [bool]>)>,
     ready: VecDeque<LayeredReceiver<L>>,
     last: Vec<u8>,
+    /// Where as many tiles are left the next ones are told of.
+    told_from: usize,
 }
+
+/// Tiles between two times that others are told of.
+const AHEAD: usize = 64;
 
 impl<'a, L: Layers> ArchiveReceivers<'a, L> {
     /// All receivers of a site, in the archive's order.
     pub fn new(site: &OpenSite<'a>) -> Self {
         let tiles: Vec<_> = (0..site.tiles()).map(|tile| (tile, None)).collect();
-        ArchiveReceivers { site: site.clone(), tiles: tiles.into_iter(), ready: VecDeque::new(), last: Vec::new() }
+        ArchiveReceivers {
+            site: site.clone(),
+            tiles: tiles.into_iter(),
+            ready: VecDeque::new(),
+            last: Vec::new(),
+            told_from: usize::MAX,
+        }
     }
 
     /// Those receivers for which `kept` is true, in the archive's order; tiles without any are not read.
@@ -145,6 +179,11 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
 
     /// Reads the next tiles.
     fn refill(&mut self) -> Result<()> {
+        if self.tiles.len() <= self.told_from {
+            self.told_from = self.tiles.len().saturating_sub(AHEAD);
+            let kinds = [vec![format::RECEIVERS, format::PARTS], L::kinds()].concat();
+            self.site.expect(&kinds, self.tiles.as_slice().iter().take(2 * AHEAD).map(|(tile, _)| *tile));
+        }
         let numbers: Vec<_> = self.tiles.by_ref().take(rayon::current_num_threads()).collect();
         let site = &self.site;
         let tiles: Vec<Vec<LayeredReceiver<L>>> =
@@ -189,13 +228,20 @@ impl<L: Layers> Iterator for ArchiveReceivers<'_, L> {
     }
 }
 
-/// Some cells of one kind, in order: those for which `keep` (chunk, row) holds.
+/// All cells of one kind, in order.
+pub fn all_cells<'a>(source: &'a CellSource) -> impl Iterator<Item = Result<Cell>> + 'a {
+    cells(source, (0..source.chunks()).collect(), |_, _| true)
+}
+
+/// Some cells of one kind, in order: those of some chunks for which `keep` (chunk, row) holds.
 pub fn cells<'a>(
     source: &'a CellSource,
+    chunks: Vec<usize>,
     keep: impl Fn(usize, usize) -> bool + Sync + 'a,
 ) -> impl Iterator<Item = Result<Cell>> + 'a {
     let step = rayon::current_num_threads();
-    (0..source.chunks()).step_by(step).flat_map(move |first| {
+    source.expect(chunks.iter().copied());
+    (0..chunks.len()).step_by(step).flat_map(move |first| {
         let kept = |number: usize| -> Vec<Result<Cell>> {
             match source.chunk(number) {
                 Ok(chunk) => {
@@ -204,7 +250,7 @@ pub fn cells<'a>(
                 Err(error) => vec![Err(error)],
             }
         };
-        let numbers = first..source.chunks().min(first + step);
-        numbers.into_par_iter().map(kept).collect::<Vec<_>>().into_iter().flatten()
+        let numbers = chunks.get(first..chunks.len().min(first + step)).unwrap_or_default();
+        numbers.par_iter().copied().map(kept).collect::<Vec<_>>().into_iter().flatten()
     })
 }

@@ -14,6 +14,8 @@ pub trait Blocks: Sync {
     fn has(&self, kind: u32, tile: u32) -> bool;
     /// The block, checked and decoded.
     fn block(&self, kind: u32, tile: u32) -> Result<Block>;
+    /// Tells of blocks that will be read soon; see [`Archive::expect`].
+    fn expect(&self, _blocks: &[(u32, u32)]) {}
 }
 
 impl Blocks for Archive {
@@ -27,5 +29,9 @@ impl Blocks for Archive {
 
     fn block(&self, kind: u32, tile: u32) -> Result<Block> {
         Archive::block(self, kind, tile)
+    }
+
+    fn expect(&self, blocks: &[(u32, u32)]) {
+        Archive::expect(self, blocks.iter().copied());
     }
 }

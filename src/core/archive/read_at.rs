@@ -1,4 +1,4 @@
-//! Bytes by position. In: what holds an archive's bytes (memory, an open file, a mapping, later ranges of a server). Out: owned copies of
+//! Bytes by position. In: what holds an archive's bytes (memory, an open file, a mapping, ranges of a server). Out: owned copies of
 //! ranges, so that what was checked is what is used.
 
 use std::fmt::Debug;
@@ -6,6 +6,8 @@ use std::fmt::Debug;
 use std::fs::File;
 use std::io;
 use std::sync::Arc;
+
+use crate::archive::format::Entry;
 
 /// Bytes of a fixed number that many threads may read.
 pub trait ReadAt: Debug + Send + Sync {
@@ -21,6 +23,16 @@ pub trait ReadAt: Debug + Send + Sync {
         let mut bytes = vec![0; length];
         self.read_at(offset, &mut bytes)?;
         Ok(bytes)
+    }
+
+    /// Blocks that will be read soon, in any order: who fetches from afar may begin now and ask for neighbours at once. Nothing fails
+    /// here, and who holds the bytes already does nothing.
+    fn expect(&self, _blocks: &[Entry]) {}
+
+    /// The stored bytes of a block, for which the caller has made sure that they are inside. Whether they are right is for the caller to
+    /// check: an entry has their checksum, by which others may keep copies of blocks.
+    fn copy_block(&self, block: &Entry) -> io::Result<Vec<u8>> {
+        self.copy_at(block.offset, usize::try_from(block.stored).map_err(|_| io::ErrorKind::UnexpectedEof)?)
     }
 }
 

@@ -126,16 +126,29 @@ impl Archive {
         self.entries_of(kind).iter().map(|entry| self.fetch(entry))
     }
 
+    /// Tells where the bytes are held that blocks will be read soon, in any order: from afar they come together. A hint, which costs nothing
+    /// where bytes are at hand; blocks that do not exist are passed over.
+    pub fn expect(&self, blocks: impl IntoIterator<Item = (u32, u32)>) {
+        let row = |key: (u32, u32)| self.entries.binary_search_by_key(&key, Entry::key).ok();
+        let found = blocks.into_iter().filter_map(|key| self.entries.get(row(key)?).copied());
+        self.source.expect(&found.collect::<Vec<_>>());
+    }
+
+    /// The same for all blocks of a kind.
+    pub fn expect_all(&self, kind: u32) {
+        self.source.expect(self.entries_of(kind));
+    }
+
     /// A block as it is stored, for another archive: of any kind, packed in any way.
     pub fn copy(&self, entry: &Entry) -> Result<EncodedBlock> {
-        let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
+        let stored = self.source.read_block(entry)?;
         block::check_stored(self.path(), entry, &stored)?;
         Ok(EncodedBlock { entry: *entry, stored })
     }
 
     /// Reads, checks and decodes the block of a directory entry; one whose layout this release does not know is an error.
     pub fn fetch(&self, entry: &Entry) -> Result<Block> {
-        let stored = self.source.read(entry.offset, u64::from(entry.stored))?;
+        let stored = self.source.read_block(entry)?;
         let block = block::decode(self.source.path(), entry, &stored)?;
         // A layout that this release does not know must not be read as the one it knows.
         if format::schema_of(entry.kind).is_some() { block.require(entry.kind).map(|()| block) } else { Ok(block) }

@@ -6,6 +6,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::archive::format::Entry;
 #[cfg(all(feature = "mmap", any(unix, windows)))]
 use crate::archive::mapping::MappedFile;
 #[cfg(any(unix, windows))]
@@ -60,13 +61,24 @@ impl Source {
 
     /// A copy of `length` bytes at `offset`. Nothing is allocated for a range that is not inside the file.
     pub fn read(&self, offset: u64, length: u64) -> Result<Vec<u8>> {
-        self.copy(offset, length).map_err(Error::io(&self.name, "read"))
+        let copied = self.inside(offset, length).and_then(|length| self.bytes.copy_at(offset, length));
+        copied.map_err(Error::unread(&self.name))
     }
 
-    fn copy(&self, offset: u64, length: u64) -> io::Result<Vec<u8>> {
-        let outside = || io::Error::from(io::ErrorKind::UnexpectedEof);
-        offset.checked_add(length).filter(|&end| end <= self.length).ok_or_else(outside)?;
-        self.bytes.copy_at(offset, usize::try_from(length).map_err(|_| outside())?)
+    /// The stored bytes of a block; likewise.
+    pub fn read_block(&self, block: &Entry) -> Result<Vec<u8>> {
+        let copied = self.inside(block.offset, block.stored.into()).and_then(|_| self.bytes.copy_block(block));
+        copied.map_err(Error::unread(&self.name))
+    }
+
+    /// Tells of blocks that will be read soon.
+    pub fn expect(&self, blocks: &[Entry]) {
+        self.bytes.expect(blocks);
+    }
+
+    fn inside(&self, offset: u64, length: u64) -> io::Result<usize> {
+        let end = offset.checked_add(length).filter(|&end| end <= self.length);
+        end.and_then(|_| usize::try_from(length).ok()).ok_or_else(|| io::ErrorKind::UnexpectedEof.into())
     }
 }
 

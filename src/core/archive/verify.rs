@@ -89,6 +89,7 @@ fn verify_source(source: Source, deep: bool) -> Result<VerifyReport> {
             report.problems.push(Problem { part: name.to_string(), offset, reason: "wrong checksum".to_string() });
         }
     }
+    archive.source().expect(archive.entries());
     let site = Site::new(&archive, deep);
     let results: Vec<Result<()>> = archive.entries().par_iter().map(|entry| check(&archive, entry, &site)).collect();
     for (entry, result) in archive.entries().iter().zip(results) {

@@ -170,6 +170,7 @@ impl RadiositySolution {
         let (width, source) = (rules.width(), &tables.bounces);
         let mut keys = Vec::new();
         if rules.depth != MaxBounces::Count(1) {
+            source.expect(0..source.chunks());
             for chunk in 0..source.chunks() {
                 keys.extend(source.chunk(chunk)?.keys.into_iter().filter(|k| rules.closes(k)));
             }
@@ -282,6 +283,7 @@ impl<'a> System<'a> {
         if keys.is_empty() {
             return Ok(system);
         }
+        source.expect(0..source.chunks());
         for number in 0..source.chunks() {
             let chunk = source.chunk(number)?;
             let chains = Chains::of_cells(&chunk, source, &tables.mirrors, &centres)?;

@@ -29,6 +29,9 @@ pub struct TileView {
 }
 
 impl TileView {
+    /// What is read of a tile.
+    pub const KINDS: [u32; 4] = [format::RECEIVERS, format::HIT, format::MIRROR, format::CANOPY];
+
     /// Reads a tile.
     pub fn read(site: &OpenSite, number: u32) -> Result<Self> {
         TileView::of(site, number, site.tile_receivers(number)?)

@@ -111,6 +111,12 @@ impl<'a> CellSource<'a> {
         self.firsts.partition_point(|first| first <= key).checked_sub(1)
     }
 
+    /// Tells of chunks that will be read soon, with all their layers.
+    pub fn expect(&self, chunks: impl IntoIterator<Item = usize>) {
+        let [mirror, canopy] = format::cell_extras(self.kind);
+        self.site.expect(&[self.kind, mirror, canopy], chunks.into_iter().map(|chunk| chunk as u32));
+    }
+
     /// All cells of a chunk.
     pub fn chunk(&self, chunk: usize) -> Result<Cells> {
         let block = self.site.block(self.kind, chunk as u32)?;
@@ -129,6 +135,7 @@ impl<'a> CellSource<'a> {
     pub fn fetch(&self, keys: &[CellKey], referring: impl Fn(&CellKey) -> String + Sync) -> Result<Cells> {
         let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| self.chunk_of(a) == self.chunk_of(b)).collect();
         let missing = |key: &CellKey| self.missing(key, referring(key));
+        self.expect(parts.iter().filter_map(|part| self.chunk_of(part.first()?)));
         let found: Vec<Cells> = parts
             .into_par_iter()
             .map(|part| {

@@ -175,6 +175,12 @@ impl<'a> OpenSite<'a> {
         self.blocks.has(kind, tile)
     }
 
+    /// Tells of layers of some tiles that will be read soon: from afar they come together. Kinds that a tile does not have are passed over.
+    pub fn expect(&self, kinds: &[u32], tiles: impl IntoIterator<Item = u32>) {
+        let blocks: Vec<_> = tiles.into_iter().flat_map(|tile| kinds.iter().map(move |&kind| (kind, tile))).collect();
+        self.blocks.expect(&blocks);
+    }
+
     /// A block, checked and decoded; an error if it is damaged or not there.
     pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
         self.blocks.block(kind, tile)

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::archive::format::{RECEIVERS, block_name};
+use crate::archive::format::{RECEIVERS, RESPONSE, SKY, block_name};
 use crate::archive::tables::ReceiversTable;
 use crate::error::{Error, Result};
 use crate::hemisphere::texel_of;
@@ -79,6 +79,7 @@ impl ReceiverView {
         let cut_off =
             |field| Error::defect(site.path(), block_name(RECEIVERS, tile), field, format!("has no row {row}"));
         let (receiver, views) = (table.receivers().into_iter().nth(row), table.views().nth(row));
+        site.expect(&[TileView::KINDS.as_slice(), &[SKY, RESPONSE]].concat(), [tile]);
         let mut view = TileView::of(site, tile, table)?;
         let per_receiver = site.settings().hit * site.settings().hit;
         let texels = view.hits.texels.iter().skip(row * per_receiver).take(per_receiver).copied().collect();
@@ -178,6 +179,7 @@ impl ReceiverView {
 /// Tile and row of a receiver, and the table that it stands in.
 fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
     let mut near: Vec<(usize, String)> = Vec::new();
+    site.expect(&[RECEIVERS], 0..site.tiles());
     for tile in 0..site.tiles() {
         let table = site.tile_receivers(tile)?;
         if let Some(row) = table.ids.iter().position(|other| other == id) {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::archive::format;
 use crate::error::{Error, Result};
 use crate::layers::response::Response;
 use crate::light::canopies;
@@ -218,6 +219,7 @@ impl<'a> Replay<'a> {
         let fit = (half / self.forcing.working_bytes().max(1)).clamp(1, cores);
         let step = (RESULT_BYTES / self.forcing.tile_bytes().max(1)).clamp(fit, 16 * cores);
         (0..tiles.len()).step_by(step).flat_map(move |first| {
+            self.expect(tiles.get(first..tiles.len().min(first + 2 * step)).unwrap_or_default());
             match self.run(tiles.iter().copied().skip(first).take(step)) {
                 Ok(results) => results.into_iter().map(Ok).collect(),
                 Err(error) => vec![Err(error)],
@@ -228,9 +230,10 @@ impl<'a> Replay<'a> {
     /// Results of some tiles, all in memory at once; a damaged block among theirs is an error.
     pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
-        let reads = Reads { sky: self.forcing.reads_sky(), mirrors: self.mirrors.as_ref() };
+        self.expect(&tiles);
+        let reads = self.reads();
         let replayed = |(ids, layers): (Vec<String>, TileLayers)| (ids, self.forcing.replay(&layers));
-        let reflects = self.forcing.reads_responses() && self.site.settings().diffuse;
+        let reflects = self.reflects();
         let Some((tables, responder)) = self.responder.as_ref().filter(|_| reflects) else {
             let read = |tile: u32| {
                 let responses = if reflects { vec![self.site.tile_responses(tile)?] } else { Vec::new() };
@@ -243,5 +246,23 @@ impl<'a> Replay<'a> {
         let responses: Vec<Vec<Vec<Response>>> = responder.derive(tables, &views)?;
         let derived = |(view, responses)| Ok(replayed(TileLayers::of_view(&self.site, view, reads, responses)?));
         views.into_par_iter().zip(responses).map(derived).collect()
+    }
+
+    fn reads(&self) -> Reads<'_> {
+        Reads { sky: self.forcing.reads_sky(), mirrors: self.mirrors.as_ref() }
+    }
+
+    fn reflects(&self) -> bool {
+        self.forcing.reads_responses() && self.site.settings().diffuse
+    }
+
+    /// Tells of tiles that will be asked for soon.
+    fn expect(&self, tiles: &[u32]) {
+        let besides: &[u32] = match (self.reflects(), &self.responder) {
+            (true, None) => &[format::RESPONSE],
+            (true, Some(_)) => &TileView::KINDS,
+            (false, _) => &[],
+        };
+        self.reads().expect(&self.site, tiles, besides);
     }
 }

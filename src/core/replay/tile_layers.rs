@@ -40,6 +40,20 @@ pub struct Reads<'m> {
     pub mirrors: Option<&'m MirrorTable>,
 }
 
+impl Reads<'_> {
+    /// Tells of tiles that will be read soon, and what of them besides: [`format::RESPONSE`], or what responses are derived of.
+    pub fn expect(self, site: &OpenSite, tiles: &[u32], besides: &[u32]) {
+        let mut kinds = [&[format::RECEIVERS], besides].concat();
+        if self.sky {
+            kinds.extend([format::SKY, format::CANOPY]);
+        }
+        if self.mirrors.is_some() {
+            kinds.push(format::MIRROR);
+        }
+        site.expect(&kinds, tiles.iter().copied());
+    }
+}
+
 impl TileLayers {
     /// Reads a tile, with its receivers' names. `responses`: those to use, `[state][receiver]`.
     pub fn read(

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::archive::format;
 use crate::error::{Error, Result};
 use crate::layers::canopy::Powers;
 use crate::layers::response::Response;
@@ -84,6 +85,8 @@ impl<'a> Moments<'a> {
         let ready = |(_, layers): (Vec<String>, TileLayers)| {
             MomentTile::new(layers, &self.powers, &self.grids, self.site.settings().sides())
         };
+        let besides: &[u32] = if self.responder.is_some() { &TileView::KINDS } else { &[format::RESPONSE] };
+        reads.expect(&self.site, tiles, besides);
         let Some((tables, responder)) = &self.responder else {
             let read = |tile: &u32| {
                 let diffuse = self.site.settings().diffuse;

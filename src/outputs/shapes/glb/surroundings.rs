@@ -32,6 +32,7 @@ pub fn add(around: &Surroundings, origin: DVec3, binary: &mut Binary, scene: &mu
         }));
     }
     let mut primitives: Vec<Value> = Vec::new();
+    around.site.expect(&[format::SCENE], 0..around.chunks);
     for chunk in 0..around.chunks {
         let table = GeometryTable::from_block(&around.site.block(format::SCENE, chunk)?)?;
         let view = binary.begin(Some(ARRAY))?;
