@@ -5,6 +5,26 @@ pub fn counted(count: u64, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
+/// Whether a place is an address, such as `s3://bucket/site.helio`, and not a path.
+pub fn is_address(place: &str) -> bool {
+    place.split_once("://").is_some_and(|(scheme, _)| {
+        // A drive of Windows has one letter.
+        scheme.len() > 1 && scheme.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte))
+    })
+}
+
+/// A place as messages, tables and pages name it: of an address neither user nor password nor what stands behind `?` or `#`, which may be
+/// a signature.
+pub fn without_secrets(place: &str) -> String {
+    let Some((scheme, rest)) = place.split_once("://").filter(|_| is_address(place)) else { return place.to_owned() };
+    let rest = rest.split(['?', '#']).next().unwrap_or_default();
+    let (host, path) = rest.find('/').map_or((rest, ""), |slash| rest.split_at(slash));
+    // Containers of Azure stand where users do: `az://container@account`.
+    let user_and_host = host.rsplit_once('@').filter(|_| scheme.starts_with("http"));
+    let host = user_and_host.map_or(host, |(_, host)| host);
+    format!("{scheme}://{host}{path}")
+}
+
 /// A sentence with a list behind it, a line each: who shows it may stop after the first line.
 pub fn with_list(sentence: &str, list: impl IntoIterator<Item = String>) -> String {
     list.into_iter().fold(sentence.to_owned(), |text, item| text + "\n  " + &item)
@@ -26,6 +46,27 @@ pub fn separator_hint(header: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// 5 addresses are told from 4 paths, and of 6 places named without user, password and signature.
+    #[test]
+    fn addresses() {
+        for address in ["s3://b/a.helio", "gs://b/a", "az://c@account/a", "https://h/a", "abfs+x://c/a"] {
+            assert!(is_address(address), "{address}");
+        }
+        for path in ["a.helio", "c://a.helio", "a b://c", "folder/s3:/a"] {
+            assert!(!is_address(path), "{path}");
+        }
+        for (place, named) in [
+            ("https://me:secret@host:80/a.helio?X-Amz-Signature=ab#c", "https://host:80/a.helio"),
+            ("https://host?sig=ab", "https://host"),
+            ("http://a@b@host/x@y", "http://host/x@y"),
+            ("s3://bucket/a.helio?versionId=1", "s3://bucket/a.helio"),
+            ("az://container@account/a", "az://container@account/a"),
+            ("what?.helio", "what?.helio"),
+        ] {
+            assert_eq!(without_secrets(place), named);
+        }
+    }
 
     /// Of 5 first lines the 2 with other separators get a hint, the 3 others none.
     #[test]

@@ -34,6 +34,7 @@ pub mod manifest;
 #[cfg(all(feature = "mmap", any(unix, windows)))]
 mod mapping;
 pub mod negligible;
+pub mod pointer;
 pub mod read_at;
 pub mod reader;
 pub mod record;

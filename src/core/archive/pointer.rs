@@ -1,0 +1,94 @@
+//! A pointer: the small object that stands under an archive's name where the archive itself lies beside it, as `schema/pointer.md` says. In:
+//! bytes. Out: root, length and name of the archive; and back.
+//!
+//! Object stores cannot create a large object on the condition that none is there. They can do that with a small one, so it is written last.
+
+use serde::{Deserialize, Serialize};
+
+use crate::archive::format;
+
+/// Longest pointer, bytes.
+pub const MAX_POINTER: usize = 4096;
+
+/// How all pointers begin.
+const START: &[u8] = b"{\"heliotile_pointer\":";
+
+/// Where an archive lies whose name this is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pointer {
+    /// 1, the layout of this text.
+    heliotile_pointer: u32,
+    /// Name of the archive, in the same folder.
+    pub name: String,
+    /// Its number of bytes.
+    pub length: u64,
+    /// Its root, hexadecimal.
+    pub root: String,
+}
+
+impl Pointer {
+    /// To an archive of so many bytes, which lies beside the pointer: `site.ROOT.helio` of `site.helio`.
+    pub fn new(own_name: &str, root: &[u8; 32], length: u64) -> Self {
+        let root = format::hex(root);
+        Pointer { heliotile_pointer: 1, name: Pointer::name_of(own_name, &root), length, root }
+    }
+
+    /// Name of the archive that a pointer of a name leads to: `site.ROOT.helio` of `site.helio`.
+    fn name_of(own_name: &str, root: &str) -> String {
+        let stem = own_name.strip_suffix(".helio").unwrap_or(own_name);
+        format!("{stem}.{root}.helio")
+    }
+
+    /// Whether bytes begin as a pointer does.
+    pub fn begins(head: &[u8]) -> bool {
+        head.starts_with(START)
+    }
+
+    /// What bytes say; `None` if they are no pointer that this release understands, or one that leaves its folder.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let bytes = Some(bytes).filter(|bytes| bytes.len() <= MAX_POINTER && Pointer::begins(bytes))?;
+        let pointer: Pointer = serde_json::from_slice(bytes).ok()?;
+        let name = pointer.name.as_str();
+        let plain = !name.is_empty() && ![".", ".."].contains(&name) && !name.contains(['/', '\\', '?', '#', '%', ':']);
+        let hex =
+            pointer.root.len() == 64 && pointer.root.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
+        (pointer.heliotile_pointer == 1 && plain && hex && !name.contains(char::is_control)).then_some(pointer)
+    }
+
+    /// The bytes of the pointer.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        // Text and numbers always become JSON.
+        serde_json::to_vec(self).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pointer comes back from its 201 bytes; 9 others are none: of another layout, cut, longer than 4096 bytes, with a root that is none, or a
+    /// name in another folder.
+    #[test]
+    fn round_trip() {
+        let pointer = Pointer::new("site.helio", &[7; 32], 145_284_198);
+        let bytes = pointer.to_bytes();
+        assert_eq!((pointer.name.len(), bytes.len()), (75, 201));
+        assert_eq!(Pointer::from_bytes(&bytes), Some(pointer.clone()));
+        assert_eq!(Pointer::new("a", &[7; 32], 1).name.len(), 72);
+        let text = String::from_utf8(bytes).unwrap();
+        for (from, to) in [
+            ("_pointer\":1", "_pointer\":2"),
+            ("\"site.", "\"../site."),
+            ("\"site.", "\"/site."),
+            ("\"site.", "\"a\\\\site."),
+            ("\"site.", "\"http:site."),
+            ("\"root\":\"07", "\"root\":\"7"),
+            ("\"root\":\"07", "\"root\":\"0G"),
+            ("}", ""),
+        ] {
+            assert_ne!(text.replacen(from, to, 1), text);
+            assert_eq!(Pointer::from_bytes(text.replacen(from, to, 1).as_bytes()), None, "{to}");
+        }
+        assert_eq!(Pointer::from_bytes(format!("{text}{}", " ".repeat(4096)).as_bytes()), None);
+    }
+}
