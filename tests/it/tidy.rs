@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The crates, each with its folder below `src`; what lies in none of them is the program.
-const CRATES: [&str; 3] = ["core", "scene", "builder"];
+const CRATES: [&str; 4] = ["core", "scene", "builder", "remote"];
 
 fn sources() -> Vec<(PathBuf, String)> {
     fn walk(folder: &Path, found: &mut Vec<(PathBuf, String)>) {

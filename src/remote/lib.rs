@@ -1,0 +1,48 @@
+//! Archives in object stores and on web servers: read by ranges, published whole.
+//!
+//! # Map
+//!
+//! Rooms from left to right; none imports one to its right.
+//!
+//! ```text
+//! address failure traffic cache | store | object | opening spans | ahead | remote_file | publish download
+//! ```
+//!
+//! | room | in | out |
+//! | --- | --- | --- |
+//! | [`address`] | what a user typed | an address, and its name without what must not be told |
+//! | [`failure`] | what a store answered | what was found and what to do |
+//! | [`cache`] | blocks with their checksums | the same from this machine's disk |
+//! | [`store`] | an address, the environment | a connection |
+//! | [`object`] | a connection | ranges of one object that has not changed since it was opened |
+//! | [`remote_file`] | an address | [`ReadAt`](heliotile_core::archive::ReadAt): blocks that were told of come together, many at a time |
+//! | [`publish`] | a file | an object that is whole and that nobody else wrote meanwhile |
+//! | [`download`] | an object | a file that is whole |
+//!
+//! # What never happens
+//!
+//! - Bytes of two versions of an object are never mixed: every answer is of the version that was opened, or an error.
+//! - Bytes from the cache are never served unchecked.
+//! - No password, signature or key stands in a message or in a cache.
+//! - Nothing waits for ever: every request has its time, and every wait its end.
+//! - Nothing is printed; tokio stays inside.
+
+#![deny(missing_docs)]
+
+pub mod address;
+mod ahead;
+pub mod cache;
+pub mod download;
+pub mod failure;
+pub mod object;
+mod opening;
+pub mod publish;
+pub mod remote_file;
+mod spans;
+pub mod store;
+pub mod traffic;
+
+pub use address::Address;
+pub use cache::Cache;
+pub use remote_file::RemoteFile;
+pub use store::Connection;

@@ -1,0 +1,121 @@
+//! Connections to stores. In: an address, the environment of the process. Out: a client that signs, retries and gives up in time.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use heliotile_core::error::{Error, Result};
+use object_store::aws::AmazonS3Builder;
+use object_store::azure::MicrosoftAzureBuilder;
+use object_store::gcp::GoogleCloudStorageBuilder;
+use object_store::http::HttpBuilder;
+use object_store::path::Path as ObjectPath;
+use object_store::{BackoffConfig, ClientOptions, ObjectStore, RetryConfig};
+use tokio::runtime::Runtime;
+
+use crate::address::{Address, Scheme};
+use crate::failure::{Cause, Failure};
+
+/// Times that a request is made again where that can help.
+const RETRIES: usize = 5;
+
+/// How stores are spoken to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Connection {
+    /// What one request may take, and what asking again may take on top.
+    pub timeout: Duration,
+}
+
+impl Default for Connection {
+    /// 60 s.
+    fn default() -> Self {
+        Connection { timeout: Duration::from_secs(60) }
+    }
+}
+
+/// A store, and a name in it.
+#[derive(Clone, Debug)]
+pub struct Locator {
+    /// The client.
+    pub store: Arc<dyn ObjectStore>,
+    /// The object's name in it; empty where the client knows one object only.
+    pub path: ObjectPath,
+    /// The address, for messages.
+    pub address: Address,
+    /// How it is spoken to.
+    pub connection: Connection,
+}
+
+impl Locator {
+    /// Makes a client; asks nobody. An error: an environment that says something that cannot be.
+    pub fn connect(address: &Address, connection: Connection) -> Result<Self> {
+        let failed = |error: object_store::Error| Failure::of(&error).at(address);
+        let timeout = connection.timeout;
+        let options =
+            ClientOptions::new().with_timeout(timeout).with_connect_timeout(timeout.min(Duration::from_secs(10)));
+        let backoff = BackoffConfig {
+            init_backoff: Duration::from_millis(100),
+            max_backoff: Duration::from_secs(5),
+            ..BackoffConfig::default()
+        };
+        let retry = RetryConfig { backoff, max_retries: RETRIES, retry_timeout: timeout };
+        let url = address.url();
+        let path = || {
+            let wrong = |error| {
+                Failure::new(Cause::Refused, format!("has a name that stores do not take: {error}")).at(address)
+            };
+            ObjectPath::from_url_path(url.path()).map_err(wrong)
+        };
+        let (store, path): (Arc<dyn ObjectStore>, _) = match address.scheme() {
+            Scheme::S3 => {
+                // An endpoint without TLS is somebody's wish.
+                let plain = ["AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT"]
+                    .iter()
+                    .find_map(|name| std::env::var(name).ok())
+                    .is_some_and(|endpoint| endpoint.starts_with("http://"));
+                let builder = AmazonS3Builder::from_env().with_url(url.as_str());
+                let builder = builder.with_client_options(options.with_allow_http(plain)).with_retry(retry);
+                (Arc::new(builder.build().map_err(failed)?), path()?)
+            }
+            Scheme::Google => {
+                let builder = GoogleCloudStorageBuilder::from_env().with_url(url.as_str());
+                let builder = builder.with_client_options(options).with_retry(retry);
+                (Arc::new(builder.build().map_err(failed)?), path()?)
+            }
+            Scheme::Azure => {
+                let plain = std::env::var("AZURE_STORAGE_USE_EMULATOR").is_ok_and(|value| value == "true");
+                let builder = MicrosoftAzureBuilder::from_env().with_url(url.as_str());
+                let builder = builder.with_client_options(options.with_allow_http(plain)).with_retry(retry);
+                (Arc::new(builder.build().map_err(failed)?), path()?)
+            }
+            Scheme::Web => {
+                let builder = HttpBuilder::new().with_url(url.as_str()).with_retry(retry);
+                let builder = builder.with_client_options(options.with_allow_http(true));
+                // The address is whole: its spelling and its query stay as they are.
+                (Arc::new(builder.build().map_err(failed)?), ObjectPath::default())
+            }
+        };
+        Ok(Locator { store, path, address: address.clone(), connection })
+    }
+
+    /// Whether the last bytes of an object can be asked for before its length is known.
+    pub fn has_suffixes(&self) -> bool {
+        self.address.scheme() != Scheme::Azure
+    }
+}
+
+/// What requests run on: two threads of the process, begun when they are first needed.
+pub fn runtime() -> Result<&'static Runtime> {
+    static RUNTIME: OnceLock<std::result::Result<Runtime, String>> = OnceLock::new();
+    let begun = RUNTIME.get_or_init(|| {
+        let mut builder = tokio::runtime::Builder::new_multi_thread();
+        builder
+            .worker_threads(2)
+            .thread_name("heliotile-remote")
+            .enable_all()
+            .build()
+            .map_err(|error| error.to_string())
+    });
+    begun.as_ref().map_err(|error| {
+        Error::argument("--threads", format!("no thread can be started: {error}"), "end other programs")
+    })
+}
