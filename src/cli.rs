@@ -4,6 +4,7 @@ mod audit;
 mod build;
 mod buildings;
 mod choice;
+mod copy;
 mod cover;
 mod energyplus;
 mod everywhere;
@@ -37,6 +38,7 @@ pub use self::audit::AuditArgs;
 pub use self::build::{BuildArgs, PlanArgs};
 pub use self::buildings::{BuildingsArgs, ModuleSize, PlaceOn, PlacesArgs, YearArgs};
 pub use self::choice::{NamedValues, by_name, name_of};
+pub use self::copy::CopyArgs;
 pub use self::cover::{CoverArgs, Metres, ReceiversArgs};
 pub use self::energyplus::{EnergyplusArgs, Physics};
 pub use self::everywhere::EverywhereArgs;
@@ -113,6 +115,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// What two archives do not share; exit code 1 if they differ
     Diff(DiffArgs),
+    /// Copy an archive to an object store, or from there or a web server
+    Copy(CopyArgs),
     /// Show an archive in the browser of this machine: any sun, sky, weather and reflectance, live
     View(ViewArgs),
     /// Layers of a receiver as images, view factors of all receivers as a table

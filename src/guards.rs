@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
+use crate::files::is_address;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_scene::site::Site;
@@ -37,9 +38,11 @@ pub fn guard_archive(output: &Path) -> Result<()> {
     }
 }
 
-/// Whether a file is an archive by its name, or by its first bytes.
+/// Whether a file is an archive by its name, or by its first bytes; what is at an address is one, or nothing that is read.
 pub fn is_archive(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "helio") || starts_as_archive(path) == Some(true)
+    is_address(path)
+        || path.extension().is_some_and(|ending| ending == "helio")
+        || starts_as_archive(path) == Some(true)
 }
 
 /// Whether the first bytes of a file are those of an archive; `None` for one that cannot be read, or holds nothing.

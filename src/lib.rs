@@ -3,7 +3,8 @@
 //!
 //! This crate is the face of four: what a program needs stands here, what it is made of in [`heliotile_core`] (an archive and how it is
 //! replayed), [`heliotile_scene`] (files of the world) and [`heliotile_builder`] (tracing and writing). The arrow goes one way,
-//! `core <- scene <- builder <- heliotile`, and the compiler holds it. The command line is in here too, and private.
+//! `core <- scene <- builder <- heliotile`, and the compiler holds it. With the feature `remote` a fifth one opens archives in object stores
+//! and on web servers ([`files::open_archive`]). The command line is in here too, and private.
 //!
 //! # From a scene to watts
 //!

@@ -70,6 +70,9 @@ pub mod export {}
 #[doc = include_str!("archives.md")]
 pub mod archives {}
 
+#[doc = include_str!("remote.md")]
+pub mod remote {}
+
 #[doc = include_str!("method.md")]
 pub mod method {}
 

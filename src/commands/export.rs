@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Outcome, guard_output, invocation, warn};
 use crate::cli::ExportArgs;
-use crate::files::{open_archive, read_file, read_weather_as};
+use crate::files::{hold, open_archive, read_file, read_weather_as, shown};
 use crate::outputs::pictures::exr::exr;
 use crate::outputs::pictures::fisheye::{Overlay, fisheye};
 use crate::outputs::pictures::panel::{PanelSun, panel};
@@ -225,7 +225,7 @@ fn with_hours(about: Provenance, hours: &SunHours) -> Provenance {
 fn page(args: &ExportArgs) -> Result<Outcome> {
     let archive = open_archive(&args.archive, args.io)?;
     OpenSite::of(&archive)?;
-    let mut page = ViewerPage::default().with_archive(&args.archive)?;
+    let mut page = ViewerPage::default().with_archive(&shown(&args.archive), hold(&args.archive)?.as_ref())?;
     if let Some(file) = &args.weather {
         let weather = read_weather_as(file, &WeatherOptions::default(), &mut || Ok(archive.manifest().place))?;
         weather.report.warnings.iter().for_each(|w| warn(w));
@@ -233,7 +233,7 @@ fn page(args: &ExportArgs) -> Result<Outcome> {
         page = page.with_weather(file, &read_file(file)?)?;
     }
     if !page.holds_archive() {
-        warn(&format!("{} is larger than 50 MB: the page asks for it", args.archive.display()));
+        warn(&format!("{} is larger than 50 MB: the page asks for it", archive.path().display()));
     }
     page.write(args.output())?;
     Ok(Outcome::Fine)

@@ -7,8 +7,7 @@ use super::atlas::plan::is_atlas;
 use super::horizon::nothing_seen;
 use super::{Outcome, atlas, is_archive, say, scene, warn};
 use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
-use crate::files::open_archive;
-use heliotile_core::archive;
+use crate::files::{open_archive, shown, verify_archive};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::{format, tables};
 use heliotile_core::error::{Error, Result};
@@ -48,7 +47,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     let manifest = archive.manifest();
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
-    line!(out, "{}", path.display());
+    line!(out, "{}", archive.path().display());
     line!(out, "  written by  {} {}", manifest.creator.name, manifest.creator.version);
     line!(out, "  root        {}", format::hex(&archive.root()));
     line!(
@@ -180,24 +179,25 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
 pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
     if !is_atlas(&args.archive) {
-        return verify_archive(&args.archive, args);
+        return verify_one(&args.archive, args);
     }
     let mut outcome = Outcome::Fine;
     for part in atlas::about::built(&args.archive)? {
-        if verify_archive(&part, args)? == Outcome::ProblemFound {
+        if verify_one(&part, args)? == Outcome::ProblemFound {
             outcome = Outcome::ProblemFound;
         }
     }
     Ok(outcome)
 }
 
-fn verify_archive(path: &Path, args: &VerifyArgs) -> Result<Outcome> {
-    let report = archive::verify(path, args.io, args.deep)?;
+fn verify_one(path: &Path, args: &VerifyArgs) -> Result<Outcome> {
+    let report = verify_archive(path, args.io, args.deep)?;
     let mut out = String::new();
     for problem in &report.problems {
         line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);
     }
-    let (path, bad) = (path.display(), report.problems.len());
+    let (path, bad) = (shown(path), report.problems.len());
+    let path = path.display();
     let blocks = counted(report.blocks, "block");
     line!(out, "{path}: {blocks}, {} bytes checked, {bad} bad", report.stored_bytes);
     say(&out)?;

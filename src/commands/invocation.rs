@@ -1,8 +1,6 @@
 //! What was asked, for files that say how they were made. In: the command line. Out: [`Provenance`]: the command without what changes no
 //! values, and every option with the value that it had.
 
-use std::ffi::OsStr;
-
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory};
 use serde_json::{Map, Number, Value};
@@ -10,6 +8,7 @@ use serde_json::{Map, Number, Value};
 use super::console::shell_words::quoted;
 use crate::cli::{Cli, words};
 use crate::outputs::provenance::Provenance;
+use heliotile_core::text::without_secrets;
 
 /// Options that change where results go and how long they take, never their values.
 const NEUTRAL: [&str; 9] = ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map"];
@@ -36,7 +35,7 @@ fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
     for arg in command.get_arguments() {
         let id = arg.get_id().as_str();
         let (Ok(Some(raw)), false) = (matches.try_get_raw(id), NEUTRAL.contains(&id)) else { continue };
-        let values: Vec<&OsStr> = raw.collect();
+        let values: Vec<String> = raw.map(|value| without_secrets(&value.to_string_lossy())).collect();
         let is_flag = !arg.get_action().takes_values();
         let typed = matches.value_source(id) == Some(ValueSource::CommandLine);
         if is_flag && !typed {
@@ -56,19 +55,18 @@ fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
 }
 
 /// An argument as it would be typed.
-fn typed_words(arg: &Arg, values: &[&OsStr], is_flag: bool) -> Vec<String> {
+fn typed_words(arg: &Arg, values: &[String], is_flag: bool) -> Vec<String> {
     let name = arg.get_long().map(|long| format!("--{long}"));
     match name {
         Some(name) if is_flag => vec![name],
-        Some(name) => values.iter().flat_map(|value| [name.clone(), quoted(&value.to_string_lossy())]).collect(),
-        None => values.iter().map(|value| quoted(&value.to_string_lossy())).collect(),
+        Some(name) => values.iter().flat_map(|value| [name.clone(), quoted(value)]).collect(),
+        None => values.iter().map(|value| quoted(value)).collect(),
     }
 }
 
 /// A number where the word is one.
-fn value_of(word: &OsStr) -> Value {
-    let word = word.to_string_lossy();
-    word.parse::<Number>().map_or_else(|_| Value::from(word.as_ref()), Value::Number)
+fn value_of(word: &str) -> Value {
+    word.parse::<Number>().map_or_else(|_| Value::from(word), Value::Number)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ pub mod atlas;
 pub mod audit;
 pub mod build;
 mod console;
+pub mod copy;
 pub mod energyplus;
 pub mod export;
 mod horizon;
@@ -58,6 +59,14 @@ pub enum Outcome {
 pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
     preflight::check(command)?;
     set_up(everywhere)?;
+    let outcome = run_command(command);
+    if let Some(traffic) = files::traffic().filter(|_| everywhere.verbose) {
+        console::voice::aside(&format!("{traffic}\n"));
+    }
+    outcome
+}
+
+fn run_command(command: &Command) -> Result<Outcome> {
     match command {
         Command::Build(args) => build::run(args),
         Command::Partition(args) => atlas::partition::run(args),
@@ -82,6 +91,7 @@ pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
         Command::Extract(args) => transfer::extract(args),
         Command::Merge(args) => transfer::merge(args),
         Command::Diff(args) => transfer::diff(args),
+        Command::Copy(args) => copy::run(args),
         Command::View(args) => view::run(args),
         Command::Export(args) => export::run(args),
         Command::Study(args) => study::run(args),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::terminal::Terminal;
 use super::{Outcome, guard_archive, guard_site, interrupt, original, read_receivers, remark, workspace_beside};
 use crate::cli::RepairArgs;
+use crate::files::require_file;
 use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Start};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
@@ -20,6 +21,7 @@ use heliotile_core::text::counted;
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {
+    require_file(&args.archive, "only files are repaired")?;
     let output = args.output.as_ref().unwrap_or(&args.archive);
     let site = original::site_of(&args.archive, &args.scene)?;
     guard_site(output, &site, &[args.receivers.as_deref()])?;

@@ -29,9 +29,9 @@ pub fn merge(args: &MergeArgs) -> Result<Outcome> {
         cells.bounce_cells,
         summary.bytes as f64 / 1e6,
         merged.of_each[0],
-        args.first.display(),
+        a.path().display(),
         merged.of_each[1],
-        args.second.display(),
+        b.path().display(),
         merged.shared,
         format::hex(&summary.root),
     ))?;
@@ -79,14 +79,13 @@ fn selection(args: &ExtractArgs) -> Selection {
 pub fn diff(args: &DiffArgs) -> Result<Outcome> {
     let [a, b] = [open_archive(&args.first, args.io)?, open_archive(&args.second, args.io)?];
     let found = transfer::diff(&a, &b, &workspace(std::env::temp_dir(), args.memory))?;
-    say(&table(&found, args))?;
+    say(&table(&found, [a.path(), b.path()]))?;
     Ok(if found.is_equal() { Outcome::Fine } else { Outcome::ProblemFound })
 }
 
 /// The differences as a short table.
-fn table(found: &Differences, args: &DiffArgs) -> String {
+fn table(found: &Differences, [a, b]: [&Path; 2]) -> String {
     let mut out = String::new();
-    let [a, b]: [&Path; 2] = [&args.first, &args.second];
     if found.is_equal() {
         let roots = match found.same_root {
             true => "and so are the roots",

@@ -7,6 +7,7 @@ use std::path::Path;
 use serde_json::{Map, Value};
 
 use heliotile_core::archive::{Archive, format};
+use heliotile_core::text::without_secrets;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
@@ -102,7 +103,9 @@ impl Provenance {
 }
 
 fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    let shown = without_secrets(&path.to_string_lossy());
+    let name = Path::new(&shown).file_name();
+    name.map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned())
 }
 
 /// Text inside an element of XML or HTML.

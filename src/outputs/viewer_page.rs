@@ -1,8 +1,7 @@
 //! The page that shows an archive, with what it is to show put inside. In: files' names and bytes, or addresses. Out: one HTML file that
 //! needs no other.
 
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use base64::Engine;
@@ -13,6 +12,7 @@ use serde_json::Value;
 
 use super::page::escaped;
 use super::sink::Sink;
+use heliotile_core::archive::ReadAt;
 use heliotile_core::error::{Error, Result};
 
 /// As `src/viewer/build` makes it.
@@ -33,13 +33,10 @@ pub struct ViewerPage {
 
 impl ViewerPage {
     /// An archive, if it is small enough.
-    pub fn with_archive(mut self, path: &Path) -> Result<Self> {
+    pub fn with_archive(mut self, path: &Path, archive: &dyn ReadAt) -> Result<Self> {
         let name = name_of(path);
-        let mut file = File::open(path).map_err(Error::io(path, "open"))?;
-        let length = file.metadata().map_err(Error::io(path, "read the length of"))?.len();
-        if length <= MOST_BYTES {
-            let mut bytes = Vec::new();
-            file.read_to_end(&mut bytes).map_err(Error::io(path, "read"))?;
+        if let Some(length) = usize::try_from(archive.length()).ok().filter(|_| archive.length() <= MOST_BYTES) {
+            let bytes = archive.copy_at(0, length).map_err(Error::unread(path))?;
             self.add("archive", &name, "", &bytes);
             self.holds_archive = true;
         }
@@ -109,8 +106,7 @@ mod tests {
         assert_eq!(PAGE.matches(MARKER).count(), 1);
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("\"><script>alert(1)<.helio");
-        std::fs::write(&path, b"not an archive").expect("written");
-        let page = ViewerPage::default().with_archive(&path).expect("read");
+        let page = ViewerPage::default().with_archive(&path, &b"not an archive".to_vec()).expect("read");
         let html = page.with_option("archive", "</script><script>alert(1)").html();
         let count = |text: &str| html.matches(text).count() - PAGE.matches(text).count();
         assert_eq!((count("<script>alert"), count("<script type="), count("id=\"archive\"")), (0, 2, 1));

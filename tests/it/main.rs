@@ -1,6 +1,8 @@
 //! All integration tests in one binary, by question.
 
 mod accuracy;
+#[cfg(not(feature = "remote"))]
+mod addresses;
 mod archive;
 mod atlas;
 mod audit;
@@ -31,6 +33,8 @@ mod plan;
 mod pv;
 mod reader;
 mod reflectance;
+#[cfg(feature = "remote")]
+mod remote;
 mod replay;
 mod response;
 mod results;

@@ -45,7 +45,7 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
     };
     let left_out = &archive.manifest().settings.left_out;
     if !left_out.is_empty() {
-        remark(&format!("{} leaves out {}, and so does the judge\n", args.archive.display(), left_out.join(", ")))?;
+        remark(&format!("{} leaves out {}, and so does the judge\n", archive.path().display(), left_out.join(", ")))?;
     }
     let (prepared, terminal, storage) = (PreparedScene::new(&scene)?, Terminal::default(), temporary_files());
     let samples = args.samples.unwrap_or(if args.seconds.is_some() { u32::MAX } else { SAMPLES });
@@ -64,7 +64,7 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
         observer: &terminal,
     })?;
     let stated = archive.manifest().accuracy.as_ref();
-    let report = AuditReport::new(&args.archive, &audited, &conditions, &name, stated);
+    let report = AuditReport::new(archive.path(), &audited, &conditions, &name, stated);
     say(&report.text())?;
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;

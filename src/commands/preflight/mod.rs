@@ -6,6 +6,7 @@ mod kind;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
+use crate::files::{is_address, require_file, shown};
 use crate::guards::starts_as_archive;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::results::ResultFormat;
@@ -37,9 +38,14 @@ pub fn check(command: &Command) -> Result<()> {
     let mut files = Files::default();
     files.collect(command);
     files.outputs.iter().try_for_each(|(path, written)| check_output(path, written))?;
-    files.inputs.iter().try_for_each(|(path, wanted)| {
-        input::check(path)?;
-        wanted.check(path)
+    files.inputs.iter().try_for_each(|(path, wanted)| match wanted {
+        // Whoever opens it finds out.
+        Wanted::Archive | Wanted::SceneOrArchive if is_address(path) => Ok(()),
+        _ => {
+            require_file(path, "only archives are read from there")?;
+            input::check(path)?;
+            wanted.check(path)
+        }
     })
 }
 
@@ -162,6 +168,10 @@ impl<'a> Files<'a> {
                 self.read(&args.first, Wanted::Archive);
                 self.read(&args.second, Wanted::Archive);
             }
+            Command::Copy(args) => {
+                self.inputs.extend(Some((args.from.as_path(), Wanted::Other)).filter(|from| !is_address(from.0)));
+                self.outputs.extend(Some((args.to.as_path(), Written::File)).filter(|to| !is_address(to.0)));
+            }
             Command::View(args) => {
                 self.read(&args.archive, Wanted::Archive);
                 self.read_if(&args.weather, Wanted::Weather);
@@ -227,6 +237,10 @@ impl<'a> Files<'a> {
 fn check_output(path: &Path, written: &Written) -> Result<()> {
     if path == Path::new("-") && !matches!(written, Written::Archive | Written::Folder) {
         return Ok(());
+    }
+    if is_address(path) {
+        let hint = format!("write a file, and then: heliotile copy FILE {}", shown(path).display());
+        return Err(Error::input(&shown(path), None, "is an address, to which only `copy` writes", hint));
     }
     let has = |wanted: &str| ending(path) == wanted;
     match written {

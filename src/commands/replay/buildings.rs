@@ -8,6 +8,7 @@ use super::{Archives, each_tile, made_from, opened, with_series};
 use crate::cli::{BuildingsArgs, ReplayArgs};
 use crate::commands::voice::remark_aside;
 use crate::commands::{Outcome, guard_output, warn};
+use crate::files::shown;
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::records::Records;
@@ -71,7 +72,7 @@ fn write(args: &BuildingsArgs, replay: &ReplayArgs, archives: Archives, series: 
         warn(&format!(
             "{} of {}: nobody says how their receivers touch, each counts as one region (patches come from `heliotile receivers`)",
             counted(cadastre.vague() as u64, "roof face"),
-            args.year.archive.display()
+            shown(&args.year.archive).display()
         ));
     }
     let about = made_from(series, &replay.common, archives);

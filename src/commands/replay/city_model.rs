@@ -7,6 +7,7 @@ use super::chosen::choose;
 use super::{Archives, each_tile, made_from};
 use crate::cli::ReplayArgs;
 use crate::commands::{Outcome, remark, warn};
+use crate::files::shown;
 use crate::outputs::city_model::{CityModelWriter, ModelSums, RewriteError, is_city_model};
 use crate::outputs::periods::Every;
 use crate::outputs::sink::Sink;
@@ -98,7 +99,7 @@ pub fn write(args: &ReplayArgs, archives: Archives, series: &Series, model: &Pat
         let what = format!(
             "holds none of the {} of {}, such as `{example}`",
             counted(objects as u64, "city object"),
-            asked.archive.display()
+            shown(&asked.archive).display()
         );
         return Err(Error::input(model, None, what, HINT));
     }
@@ -109,7 +110,7 @@ pub fn write(args: &ReplayArgs, archives: Archives, series: &Series, model: &Pat
             model.display(),
             fitting.objects,
             fitting.faces,
-            asked.archive.display()
+            shown(&asked.archive).display()
         ));
     }
     if sums.homeless() > 0 {

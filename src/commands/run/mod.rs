@@ -17,7 +17,7 @@ use super::traced::{TraceRequest, up_to_date};
 use super::{Outcome, interrupt, invocation, load_scene, remark, say, temporary_files, warn};
 use crate::cli::{RunArgs, RunMap};
 use crate::covering::Covered;
-use crate::files::{read_file, read_weather_as};
+use crate::files::{hold, read_file, read_weather_as};
 use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
 use crate::outputs::kinds_and_sides::by_kind_and_side;
 use crate::outputs::periods::{ClockReading, Every, Periods};
@@ -152,8 +152,9 @@ fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>, about: 
 
 /// The page that shows the archive under this weather; a large one it reads from beside it.
 fn write_page(files: &Files, args: &RunArgs) -> Result<()> {
-    let page =
-        ViewerPage::default().with_archive(&files.archive)?.with_weather(&args.weather, &read_file(&args.weather)?)?;
+    let page = ViewerPage::default()
+        .with_archive(&files.archive, hold(&files.archive)?.as_ref())?
+        .with_weather(&args.weather, &read_file(&args.weather)?)?;
     let page = page.with_option("clock", args.about_weather.json());
     let page = if page.holds_archive() { page } else { page.with_option("archive", "../site.helio") };
     page.write(&files.page)

@@ -6,13 +6,13 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 
 use super::{Outcome, remark, warn};
 use crate::cli::ViewArgs;
-use crate::files::{open_archive, read_file, read_weather_as};
+use crate::files::{hold, is_address, open_archive, read_file, read_weather_as};
 use crate::outputs::viewer_page::{ViewerPage, packed};
 use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::weather::distance::far_apart;
-use server::{Served, serve};
+use server::{Served, ServedArchive, serve};
 
 /// Where the page is, unless something else is there already.
 const PORT: u16 = 8017;
@@ -34,11 +34,17 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
         weather = Some(read_file(path)?);
     }
     let listener = listen(args.port)?;
-    let address = listener.local_addr().map_err(Error::io(&args.archive, "find an address for"))?;
-    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", args.archive.display()))?;
+    let address = listener.local_addr().map_err(Error::io(archive.path(), "find an address for"))?;
+    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", archive.path().display()))?;
     let page = page.html();
-    let packed_page = packed(page.as_bytes()).map_err(Error::io(&args.archive, "pack the page of"))?;
-    serve(listener, Served { page, packed_page, archive: args.archive.clone(), weather })?;
+    let packed_page = packed(page.as_bytes()).map_err(Error::io(archive.path(), "pack the page of"))?;
+    let file = archive.path().to_path_buf();
+    let archive = if is_address(&args.archive) {
+        ServedArchive::Held(hold(&args.archive)?.into())
+    } else {
+        ServedArchive::File(file)
+    };
+    serve(listener, Served { page, packed_page, archive, weather })?;
     Ok(Outcome::Fine)
 }
 

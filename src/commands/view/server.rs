@@ -2,6 +2,7 @@
 
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use axum::Router;
 use axum::body::Bytes;
@@ -12,19 +13,31 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tower_http::services::ServeFile;
 
+use heliotile_core::archive::ReadAt;
 use heliotile_core::error::{Error, Result};
 
 /// Addresses of the page's files, relative to it.
 pub const ARCHIVE: &str = "site.helio";
 pub const WEATHER: &str = "weather";
 
+/// Bytes of one answer, of what is passed on.
+const MOST: u64 = 16 << 20;
+
 /// What is served; everything else is not found.
 pub struct Served {
     pub page: String,
     /// The page packed by gzip, for browsers that take it.
     pub packed_page: Vec<u8>,
-    pub archive: PathBuf,
+    pub archive: ServedArchive,
     pub weather: Option<Vec<u8>>,
+}
+
+/// The archive's bytes.
+pub enum ServedArchive {
+    /// In a file.
+    File(PathBuf),
+    /// From afar: the page's ranges are passed on.
+    Held(Arc<dyn ReadAt>),
 }
 
 /// Serves until the process ends.
@@ -46,14 +59,44 @@ fn router(served: Served, port: u16) -> Router {
         true => ([html, (header::CONTENT_ENCODING, "gzip")], packed.clone()).into_response(),
         false => ([html], plain.clone()).into_response(),
     };
-    let router =
-        Router::new().route("/", get(page)).route_service(&format!("/{ARCHIVE}"), ServeFile::new(served.archive));
+    let (router, archive) = (Router::new().route("/", get(page)), format!("/{ARCHIVE}"));
+    let router = match served.archive {
+        ServedArchive::File(path) => router.route_service(&archive, ServeFile::new(path)),
+        ServedArchive::Held(bytes) => router.route(&archive, get(async move |headers| passed_on(bytes, headers).await)),
+    };
     let router = match served.weather.map(Bytes::from) {
         Some(bytes) => router.route(&format!("/{WEATHER}"), get(async move || bytes.clone())),
         None => router,
     };
     let hosts = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
     router.layer(middleware::from_fn_with_state(hosts, guard))
+}
+
+/// A range of bytes that are held elsewhere, which is what the page asks for; no part of them is larger than a few of its pages.
+async fn passed_on(bytes: Arc<dyn ReadAt>, headers: HeaderMap) -> Response {
+    let length = bytes.length();
+    let asked = headers.get(header::RANGE).and_then(|value| value.to_str().ok());
+    let Some((first, last)) = asked.and_then(|range| range.strip_prefix("bytes=")?.split_once('-')) else {
+        return (StatusCode::FORBIDDEN, "this archive is served by ranges only\n").into_response();
+    };
+    let range = first.parse().ok().zip(if last.is_empty() { Some(u64::MAX) } else { last.parse().ok() });
+    let range = range.map(|(first, last): (u64, u64)| {
+        (first, last.min(length.saturating_sub(1)).min(first.saturating_add(MOST - 1)))
+    });
+    let Some((first, last)) = range.filter(|(first, last)| first <= last) else {
+        return (StatusCode::RANGE_NOT_SATISFIABLE, [(header::CONTENT_RANGE, format!("bytes */{length}"))])
+            .into_response();
+    };
+    let count = usize::try_from(last - first + 1).unwrap_or(0);
+    // Whoever holds them may wait.
+    let read = tokio::task::spawn_blocking(move || bytes.copy_at(first, count)).await;
+    match read.map_err(std::io::Error::other).and_then(|read| read) {
+        Ok(part) => {
+            let range = (header::CONTENT_RANGE, format!("bytes {first}-{last}/{length}"));
+            (StatusCode::PARTIAL_CONTENT, [range, (header::ACCEPT_RANGES, "bytes".into())], part).into_response()
+        }
+        Err(error) => (StatusCode::BAD_GATEWAY, format!("{error}\n")).into_response(),
+    }
 }
 
 /// Whether a browser names gzip among what it unpacks, and not as what it refuses.

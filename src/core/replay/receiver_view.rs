@@ -6,7 +6,8 @@ use crate::archive::format::{RECEIVERS, RESPONSE, SKY, block_name};
 use crate::archive::tables::ReceiversTable;
 use crate::error::{Error, Result};
 use crate::hemisphere::texel_of;
-use crate::layers::canopy::{Canopy, Powers, SKY};
+use crate::layers::canopy;
+use crate::layers::canopy::{Canopy, Powers};
 use crate::layers::mirror::MirrorPath;
 use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
@@ -118,7 +119,7 @@ impl ReceiverView {
 
     /// What leaves before the sky let through, by the stored transmittances; none where none stand before it.
     pub(super) fn veil(&self) -> Option<CanopyTransmittance> {
-        let shares = self.canopy.through(SKY, &self.powers);
+        let shares = self.canopy.through(canopy::SKY, &self.powers);
         shares.map(|shares| CanopyTransmittance::new(shares, self.sides))
     }
 

@@ -1,11 +1,17 @@
-//! Files that the engine takes as bytes, packed with gzip or not. In: a path. Out: what its reader makes of the file, or an error that names
-//! it.
+//! Files that the engine takes as bytes, packed with gzip or not, and archives wherever they are. In: a path, or the address of an archive.
+//! Out: what its reader makes of the file, or an error that names it.
+
+#[cfg(feature = "remote")]
+mod afar;
+#[cfg(not(feature = "remote"))]
+#[path = "not_afar.rs"]
+mod afar;
+mod archives;
 
 use std::path::Path;
 
 use heliotile_builder::build::Workspace;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
-use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
 use heliotile_core::weather::conditions::{ConditionsFile, parse_conditions};
@@ -16,14 +22,13 @@ use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::placing::plausible::far_receivers;
 
+pub(crate) use afar::{copy, traffic};
+pub(crate) use archives::{hold, require_file};
+pub use archives::{is_address, open_archive, shown, verify_archive};
+
 /// The bytes of a file; what gzip packed is unpacked, whatever the file's name.
 pub fn read_file(path: &Path) -> Result<Vec<u8>> {
     input::read(path)
-}
-
-/// The archive at a place; errors as of [`Archive::open`].
-pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
-    Archive::open_with(place, access)
 }
 
 /// See [`parse_conditions`].

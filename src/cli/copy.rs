@@ -1,0 +1,26 @@
+//! The command line of `copy`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// What `copy --help` says at its end.
+const ABOUT: &str = "\
+At least one of both is an address: s3://BUCKET/NAME, gs://BUCKET/NAME, az://CONTAINER/NAME, and to read from https://HOST/NAME. An object
+appears under its name once it is whole, and of two who write it at the same time one is told so. Archives beyond 16 MiB go to
+NAME.ROOT.helio, and under the name stands a small pointer that every command follows. Credentials are those of the environment:
+src/book/remote.md.";
+
+#[derive(Args, Debug)]
+#[command(after_long_help = ABOUT)]
+pub struct CopyArgs {
+    /// Archive, or another file: a path or an address
+    #[arg(value_name = "FROM")]
+    pub from: PathBuf,
+    /// Where it goes: a path or an address
+    #[arg(value_name = "TO")]
+    pub to: PathBuf,
+    /// Replace what is there
+    #[arg(long)]
+    pub replace: bool,
+}

@@ -1,0 +1,36 @@
+//! `heliotile copy`: an archive to an object store, or from there. In: two places. Out: the same bytes at the second one, whole or not at all.
+
+use super::terminal::Terminal;
+use super::{Outcome, guard_output, remark};
+use crate::cli::CopyArgs;
+use crate::files;
+use crate::files::{is_address, shown};
+use heliotile_core::error::{Error, Result};
+
+/// `heliotile copy`.
+pub fn run(args: &CopyArgs) -> Result<Outcome> {
+    if !is_address(&args.from) && !is_address(&args.to) {
+        let hint = "copy files with `cp`, or give an address such as s3://BUCKET/site.helio";
+        return Err(Error::input(&args.to, None, "is a path, as is what is copied", hint));
+    }
+    if !is_address(&args.to) {
+        guard_output(&args.to, &[])?;
+        if args.to.exists() && !args.replace {
+            return Err(Error::input(
+                &args.to,
+                None,
+                "is there already",
+                "give it another name, or replace it with --replace",
+            ));
+        }
+    }
+    let copied = files::copy(&args.from, &args.to, args.replace, &Terminal::default())?;
+    let (to, megabytes) = (shown(&args.to), copied.bytes as f64 / 1e6);
+    let to = to.display();
+    match (copied.was_there, copied.beside) {
+        (true, _) => remark(&format!("{to}: up to date, nothing was sent\n"))?,
+        (false, Some(beside)) => remark(&format!("{to}: {megabytes:.2} MB, in {}\n", beside.display()))?,
+        (false, None) => remark(&format!("{to}: {megabytes:.2} MB\n"))?,
+    }
+    Ok(Outcome::Fine)
+}

@@ -1,0 +1,156 @@
+//! Publishing and fetching: whole or not at all, and nothing of others replaced.
+
+use std::fs;
+use std::sync::atomic::Ordering;
+
+use super::server::Fault;
+use super::{HAGUE, afar, hague, run};
+use crate::cli::{stderr, stdout};
+
+const LARGE: usize = 20_000_000;
+
+/// An archive of 20 MB that opens: that of the block with zeros behind its end.
+fn large() -> Vec<u8> {
+    let mut bytes = HAGUE.1.clone();
+    bytes.resize(LARGE, 0);
+    bytes
+}
+
+/// A small archive and a table go to a store and back as they were; what is there stays, at both ends, unless `--replace` says otherwise.
+#[test]
+fn there_and_back() {
+    let (folder, store) = hague();
+    let ran = |line: &str| {
+        let ran = run(&folder, &store, line);
+        (ran.status.code(), format!("{}{}", stdout(&ran), stderr(&ran)))
+    };
+    assert_eq!(ran("copy site.helio s3://bucket/new/a.helio").0, Some(0));
+    assert_eq!(store.get("bucket/new/a.helio").as_ref(), Some(&HAGUE.1));
+    assert_eq!(ran("copy conditions.csv s3://bucket/new/c.csv").0, Some(0));
+    assert_eq!(ran("copy s3://bucket/new/a.helio b.helio").0, Some(0));
+    assert!(fs::read(folder.path("b.helio")).expect("a file") == HAGUE.1);
+    assert_eq!(ran("copy s3://bucket/new/c.csv c.csv").0, Some(0));
+    assert_eq!(fs::read(folder.path("c.csv")).ok(), fs::read(folder.path("conditions.csv")).ok());
+    assert!(ran("copy site.helio s3://bucket/new/a.helio").1.contains("up to date"));
+    for line in ["copy s3://bucket/new/c.csv b.helio", "copy conditions.csv s3://bucket/new/a.helio"] {
+        let (code, said) = ran(line);
+        assert!(code == Some(2) && said.contains("is there already") && said.contains("--replace"), "{said}");
+    }
+    assert_eq!(store.get("bucket/new/a.helio").as_ref(), Some(&HAGUE.1));
+    assert_eq!(ran("copy conditions.csv s3://bucket/new/a.helio --replace").0, Some(0));
+    assert_eq!(store.get("bucket/new/a.helio"), fs::read(folder.path("conditions.csv")).ok());
+    assert!(ran("copy site.helio other.helio").1.contains("copy files with `cp`"));
+    assert!(ran("copy site.helio https://host/site.helio").1.contains("to which nothing is written"));
+    let left = fs::read_dir(folder.path(""))
+        .expect("a folder")
+        .filter(|entry| entry.as_ref().is_ok_and(|entry| entry.file_name().to_string_lossy().starts_with(".copy")));
+    assert_eq!(left.count(), 0);
+}
+
+/// An archive of 20 MB goes in parts to a name with its root, and a pointer of 201 bytes to it stands under the name: commands follow it, here,
+/// and where both are files; one that leads to another archive is refused.
+#[test]
+fn a_pointer() {
+    let (folder, store) = hague();
+    fs::write(folder.path("large.helio"), large()).expect("written");
+    let sent = run(&folder, &store, "copy large.helio s3://bucket/large.helio");
+    assert!(sent.status.success(), "{}", stderr(&sent));
+    let names: Vec<String> = store.names().into_iter().filter(|name| name.contains("large")).collect();
+    assert_eq!(names.len(), 2);
+    let data = names.iter().find(|name| name.len() > 70).expect("a name with a root");
+    assert!(store.get(data) == Some(large()));
+    let pointer = store.get("bucket/large.helio").expect("a pointer");
+    assert_eq!(pointer.len(), 201);
+    let query = |place: &str| stdout(&run(&folder, &store, &format!("query {place} --conditions conditions.csv")));
+    let near = query("site.helio");
+    assert!(near.len() > 1000 && query("s3://bucket/large.helio") == near);
+    fs::create_dir(folder.path("copies")).expect("a folder");
+    fs::write(folder.path("copies/large.helio"), &pointer).expect("written");
+    fs::write(folder.path("copies").join(data.rsplit('/').next().expect("a name")), large()).expect("written");
+    assert_eq!(query("copies/large.helio"), near);
+    let fetched = run(&folder, &store, "copy s3://bucket/large.helio fetched.helio");
+    assert!(
+        fetched.status.success() && fs::read(folder.path("fetched.helio")).ok() == Some(large()),
+        "{}",
+        stderr(&fetched)
+    );
+    let other = folder.run("extract site.helio -r some.csv -o other.helio");
+    assert!(other.status.success());
+    store.put(data, fs::read(folder.path("other.helio")).expect("an archive"));
+    let said = stderr(&run(&folder, &store, "info s3://bucket/large.helio"));
+    assert!(said.contains("is not the archive that s3://bucket/large.helio points to"), "{said}");
+}
+
+/// Of two programs that publish different archives under one name at the same time one wins and the other says so, 5 times of 5; what stands
+/// there is whole. Two that publish the same both succeed.
+#[test]
+fn two_writers() {
+    let (folder, store) = hague();
+    let mut other = large();
+    let extracted = folder.run("extract site.helio -r some.csv -o other.helio");
+    assert!(extracted.status.success());
+    let small = fs::read(folder.path("other.helio")).expect("an archive");
+    other.fill(0);
+    other[..small.len()].copy_from_slice(&small);
+    fs::write(folder.path("a.helio"), large()).expect("written");
+    fs::write(folder.path("b.helio"), &other).expect("written");
+    for round in 0..6 {
+        let files = if round == 5 { ["a", "a"] } else { ["a", "b"] };
+        let writers = files.map(|file| {
+            let line = format!("copy {file}.helio s3://bucket/race{round}.helio");
+            afar(&folder, &store, &line, false).stderr(std::process::Stdio::piped()).spawn().expect("the program")
+        });
+        let ended = writers.map(|writer| writer.wait_with_output().expect("an end"));
+        let codes = [&ended[0], &ended[1]].map(|ended| ended.status.code().expect("a code"));
+        let said = format!("{}{}", stderr(&ended[0]), stderr(&ended[1]));
+        match round {
+            5 => assert_eq!(codes, [0, 0], "{said}"),
+            _ => {
+                assert!(codes == [0, 2] || codes == [2, 0], "{codes:?} {said}");
+                assert!(
+                    said.contains("was written by somebody else meanwhile") || said.contains("is there already"),
+                    "{said}"
+                );
+            }
+        }
+        let checked = run(&folder, &store, &format!("verify s3://bucket/race{round}.helio"));
+        assert!(checked.status.success(), "{}", stderr(&checked));
+    }
+}
+
+/// A store that fails while an archive is sent or fetched: 40 copies with faults end well or with an error, and whatever stands under the
+/// name afterwards is the whole archive, or nothing.
+#[test]
+fn faults_while_copying() {
+    let (folder, store) = hague();
+    fs::write(folder.path("large.helio"), large()).expect("written");
+    let mut done = [0, 0];
+    for round in 0..40_u64 {
+        let fault = move |number: u64| match (number * 7 + round * 13) % 17 {
+            0 => Fault::Status(500),
+            1 => Fault::Gone,
+            2 => Fault::Cut,
+            3 if round % 3 == 0 => Fault::Status(403),
+            _ => Fault::None,
+        };
+        let (line, name) = match round % 2 {
+            0 => (format!("copy large.helio s3://bucket/f{round}.helio"), format!("bucket/f{round}.helio")),
+            _ => (format!("copy s3://bucket/site.helio f{round}.helio"), String::new()),
+        };
+        store.set_faults(fault);
+        let ran = run(&folder, &store, &line);
+        assert!(matches!(ran.status.code(), Some(0 | 2)) && !stderr(&ran).contains("panicked"), "{}", stderr(&ran));
+        done[usize::from(ran.status.code() == Some(2))] += 1;
+        store.set_faults(|_| Fault::None);
+        match (round % 2, ran.status.success()) {
+            (1, true) => assert!(fs::read(folder.path(&format!("f{round}.helio"))).ok().as_ref() == Some(&HAGUE.1)),
+            (1, false) => assert!(!folder.path(&format!("f{round}.helio")).exists()),
+            (_, fine) => {
+                let checked = run(&folder, &store, &format!("verify s3://{name}"));
+                assert!(checked.status.success() || (!fine && store.get(&name).is_none()), "{}", stderr(&checked));
+            }
+        }
+        assert!(store.requests.load(Ordering::Relaxed) < 100);
+    }
+    assert!(done[0] > 10 && done[0] + done[1] == 40, "{done:?}");
+}

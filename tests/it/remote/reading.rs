@@ -1,0 +1,185 @@
+//! Reading from afar: what is read is what a file gives, or an error, however the store behaves.
+
+use std::fs;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use super::server::Fault;
+use super::{HAGUE, afar, hague, run};
+use crate::cli::{stderr, stdout};
+
+/// Commands that read archives, with `AT` for the archive; tables come to standard output, other files as `out`.
+const COMMANDS: [&str; 9] = [
+    "info AT",
+    "verify AT --deep",
+    "query AT --conditions conditions.csv",
+    "query AT --conditions conditions.csv --bounces 1 --reflectance ground=0.5",
+    "replay AT --weather w.epw --every month --by surface",
+    "factors AT --by surface",
+    "buildings AT --weather w.epw -o out.csv",
+    "export AT --view-factors -o out.csv",
+    "extract AT --bbox 0,0,1e9,1e9 -o out.helio",
+];
+
+/// 9 commands print and write the same bytes from a store as from a file, but for the archive's name; the store was asked in few requests:
+/// fewer than 40 each.
+#[test]
+fn as_from_a_file() {
+    let (folder, store) = hague();
+    for line in COMMANDS {
+        let line = line.replace("0,0,1e9,1e9", "-1e9,-1e9,1e9,1e9");
+        let outputs = ["out.csv", "out.csv-metadata.json", "out.helio"];
+        let [near, far] = ["site.helio", "s3://bucket/site.helio"].map(|place| {
+            outputs.iter().for_each(|name| drop(fs::remove_file(folder.path(name))));
+            store.set_faults(|_| Fault::None);
+            let ran = run(&folder, &store, &line.replace("AT", place));
+            assert_eq!(ran.status.code(), Some(0), "{line}: {}", stderr(&ran));
+            let said = stdout(&ran).replace("s3://bucket/", "");
+            let files = outputs.map(|name| fs::read(folder.path(name)).unwrap_or_default());
+            (said, files.map(|bytes| String::from_utf8_lossy(&bytes).replace("s3://bucket/", "").into_bytes()))
+        });
+        assert!(near == far, "{line}: {} {}", near.0, far.0);
+        let requests = store.requests.load(Ordering::Relaxed);
+        assert!(requests > 1 && requests < 40, "{line}: {requests} requests");
+    }
+}
+
+/// With a cache the second query asks for the ends of the archive only, 2 requests in place of 4 or more; a damaged file of the cache is
+/// fetched again; `verify` asks for everything all the same; an object that is replaced by another is read anew, with its own values.
+#[test]
+fn a_cache() {
+    let (folder, store) = hague();
+    let query = "query s3://bucket/site.helio --conditions conditions.csv";
+    let asked = |line: &str| {
+        store.set_faults(|_| Fault::None);
+        let ran = afar(&folder, &store, line, true).output().expect("the program");
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        (stdout(&ran), store.requests.load(Ordering::Relaxed), store.sent.load(Ordering::Relaxed))
+    };
+    let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let (cold, warm) = (asked(query), asked(query));
+    assert!(cold.0 == near && warm.0 == near);
+    assert!(cold.1 > warm.1 && warm.1 == 2 && warm.2 <= 80 << 10, "{} {} {}", cold.1, warm.1, warm.2);
+    let blocks: Vec<_> = fs::read_dir(folder.path("cache/blocks"))
+        .expect("blocks")
+        .flat_map(|entry| fs::read_dir(entry.expect("a folder").path()).expect("files"))
+        .map(|entry| entry.expect("a file").path())
+        .collect();
+    assert!(blocks.len() > 10, "{}", blocks.len());
+    for path in &blocks {
+        let mut bytes = fs::read(path).expect("a block");
+        bytes[0] ^= 1;
+        fs::write(path, bytes).expect("written");
+    }
+    let mended = asked(query);
+    assert!(mended.0 == near && mended.1 > 2, "{}", mended.1);
+    assert!(asked("verify s3://bucket/site.helio").2 as usize >= HAGUE.1.len());
+    let other = folder.run("extract site.helio -r some.csv -o other.helio");
+    assert!(other.status.success(), "{}", stderr(&other));
+    store.put("bucket/site.helio", fs::read(folder.path("other.helio")).expect("an archive"));
+    assert_eq!(asked(query).0, stdout(&folder.run("query other.helio --conditions conditions.csv")));
+}
+
+/// A generator of numbers that differ.
+fn mixed(seed: u64) -> u64 {
+    let mut x = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// 60 queries of a store where each request may meet one of 7 faults: every one gives the right table or an error that names the address and
+/// what to do, within 30 s, and most give the table; over 100 faults were met, and no secret was told.
+#[test]
+fn faults() {
+    let (folder, store) = hague();
+    let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let (mut right, mut refused, mut met) = (0, 0, 0);
+    for round in 0..60_u64 {
+        // `Replace` changes the object for good.
+        store.put("bucket/site.helio", HAGUE.1.clone());
+        let fault = move |number: u64| match mixed(round * 1000 + number) % 24 {
+            0 | 1 => Fault::Status(500),
+            2 => Fault::Status(503),
+            3 | 4 => Fault::Cut,
+            5 => Fault::Flip,
+            6 => Fault::Gone,
+            7 if round % 4 == 0 => Fault::Stall,
+            8 if round % 10 == 0 => Fault::Status(403),
+            9 if round % 10 == 5 => Fault::Replace,
+            _ => Fault::None,
+        };
+        store.set_faults(fault);
+        let begun = Instant::now();
+        let ran = run(&folder, &store, "query s3://bucket/site.helio --conditions conditions.csv");
+        assert!(begun.elapsed() < Duration::from_secs(30), "{round}: {:?}", begun.elapsed());
+        met += (0..store.requests.load(Ordering::Relaxed)).filter(|&number| fault(number) != Fault::None).count();
+        match ran.status.code() {
+            Some(0) => {
+                assert!(stdout(&ran) == near, "round {round}");
+                right += 1;
+            }
+            Some(2) => {
+                let said = stderr(&ran);
+                assert!(said.contains("s3://bucket/site.helio") && said.contains("to fix: "), "{said}");
+                assert!(
+                    !said.contains("s3cret") && !said.contains("panicked") && near.starts_with(&stdout(&ran)),
+                    "{said}"
+                );
+                refused += 1;
+            }
+            other => panic!("{round}: {other:?} {}", stderr(&ran)),
+        }
+    }
+    assert!(met > 100 && right > 40 && right + refused == 60, "{met} faults, {right} right, {refused} refused");
+}
+
+/// An object that is replaced after it was opened is an error that says so, not a mixture: 2 of 2, by what the server answers to If-Match.
+#[test]
+fn an_object_that_changes() {
+    let (folder, store) = hague();
+    for nth in [2, 3] {
+        store.put("bucket/site.helio", HAGUE.1.clone());
+        store.set_faults(move |number| if number == nth { Fault::Replace } else { Fault::None });
+        let ran = run(&folder, &store, "query s3://bucket/site.helio --conditions conditions.csv");
+        let said = stderr(&ran);
+        assert!(ran.status.code() == Some(2) && said.contains("has changed while it was read"), "{nth}: {said}");
+    }
+}
+
+/// 9 wrong places are refused with what was found and what to do, within 10 s; a web server without ranges serves a small archive whole and
+/// is refused beyond 50 MB, before that has come.
+#[test]
+fn what_cannot_be_read() {
+    let (folder, store) = hague();
+    let refused = |place: &str, parts: &[&str]| {
+        let begun = Instant::now();
+        let ran = run(&folder, &store, &format!("info {place}"));
+        let said = stderr(&ran);
+        assert_eq!(ran.status.code(), Some(2), "{place}: {said}");
+        assert!(parts.iter().all(|part| said.contains(part)) && said.contains("to fix: "), "{place}: {said}");
+        assert!(begun.elapsed() < Duration::from_secs(10), "{place}");
+    };
+    store.put("bucket/empty.helio", Vec::new());
+    store.put("bucket/text.helio", b"no archive".to_vec());
+    store.put("bucket/long.helio", vec![7; 200_000]);
+    refused("s3://bucket/nowhere.helio", &["s3://bucket/nowhere.helio: is not there (404)"]);
+    refused("s3://bucket/empty.helio", &["is empty"]);
+    refused("s3://bucket/text.helio", &["is not a heliotile archive"]);
+    refused("s3://bucket/long.helio", &["is not a heliotile archive"]);
+    refused("s3://bucket", &["names no object"]);
+    refused("ftp://host/site.helio", &["`ftp://` is not read"]);
+    refused("http://127.0.0.1:1/site.helio?sig=s3cret", &["http://127.0.0.1:1/site.helio: cannot be had"]);
+    store.set_faults(|_| Fault::Status(403));
+    refused("s3://bucket/site.helio", &["access is denied (403, Injected)", "AWS_ACCESS_KEY_ID"]);
+    store.set_faults(|_| Fault::Status(500));
+    refused("s3://bucket/site.helio", &["answers 500 (Injected), also when asked again"]);
+
+    store.set_faults(|_| Fault::None);
+    store.set_ranges(false);
+    let web = format!("http://{}/bucket/", store.address);
+    let whole = run(&folder, &store, &format!("query {web}site.helio --conditions conditions.csv"));
+    assert_eq!(stdout(&whole), stdout(&folder.run("query site.helio --conditions conditions.csv")));
+    store.put("bucket/large.helio", vec![0; 50_000_001]);
+    refused(&format!("{web}large.helio"), &["50000001 bytes", "sends no ranges", "use a server with byte ranges"]);
+}
