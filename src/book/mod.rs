@@ -58,6 +58,9 @@ pub mod energyplus {}
 #[doc = include_str!("pv.md")]
 pub mod pv {}
 
+#[doc = include_str!("python.md")]
+pub mod python {}
+
 #[doc = include_str!("viewing.md")]
 pub mod viewing {}
 

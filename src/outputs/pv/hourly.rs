@@ -85,7 +85,7 @@ impl SideHours {
         self.columns().into()
     }
 
-    /// Of a module with a rear, in the order of [`TWO_SIDES`].
+    /// Of a module with a rear, in the order of `TWO_SIDES`.
     pub fn with_rear(&self, rear: &SideHours, bifaciality: f32) -> Vec<Vec<f32>> {
         let (front, back) = (self.columns(), rear.columns());
         let global = front[0].iter().zip(&back[0]).map(|(front, back)| front + bifaciality * back).collect();

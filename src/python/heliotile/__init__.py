@@ -1,0 +1,59 @@
+"""How much sun does every point of a site get? Trace a site once, replay any weather, reflectance and season.
+
+>>> import heliotile
+>>> scene = heliotile.Scene("city.city.json", crs=28992)                    # doctest: +SKIP
+>>> site = heliotile.build(scene, "receivers.csv", "site.helio")            # doctest: +SKIP
+>>> months = site.replay("x.epw", every="month")                            # doctest: +SKIP
+>>> months["total"]                   # kWh/m2, shape (receivers, months)   # doctest: +SKIP
+"""
+
+from . import errors
+from ._heliotile import __version__, tiles_computed
+from .archive import Archive, Factors, Material, Place
+from .atlas import Atlas, AtlasPart
+from .errors import (
+    ArgumentError,
+    ChangedError,
+    CorruptError,
+    Error,
+    FileError,
+    HeliotileWarning,
+    IncompleteError,
+    InputError,
+    LimitError,
+    MissingFileError,
+    StoppedError,
+    UnsupportedError,
+)
+from .results import Results
+from .scene import BuildReport, Scene, build
+from .weather import Weather
+
+__all__ = [
+    "Archive",
+    "ArgumentError",
+    "Atlas",
+    "AtlasPart",
+    "BuildReport",
+    "ChangedError",
+    "CorruptError",
+    "Error",
+    "Factors",
+    "FileError",
+    "HeliotileWarning",
+    "IncompleteError",
+    "InputError",
+    "LimitError",
+    "Material",
+    "MissingFileError",
+    "Place",
+    "Results",
+    "Scene",
+    "StoppedError",
+    "UnsupportedError",
+    "Weather",
+    "__version__",
+    "build",
+    "errors",
+    "tiles_computed",
+]

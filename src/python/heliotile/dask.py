@@ -1,0 +1,53 @@
+"""Atlases on clusters: parts built and replayed by the workers of Dask. Workers need the scene files and the folder of the atlas under the same
+paths; nothing but names and arguments is sent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from .archive import Archive
+from .atlas import Atlas, Box
+from .errors import InputError
+
+if TYPE_CHECKING:
+    import dask.dataframe as dd
+    import pandas as pd
+    from distributed import Client
+
+
+def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = None, threads: int = 1, retries: int = 3) -> list[str]:
+    """Builds the parts that are missing, or those that are named, and waits for them. Names of what was built.
+
+    A build runs in a process of its own with so many `threads`; give workers as many threads as builds may run on them at once. One whose worker
+    is lost is tried again elsewhere, one that fails up to `retries` times: a part has its archive when it is whole, so nothing is there twice or half.
+    """
+    atlas = atlas if isinstance(atlas, Atlas) else Atlas.open(atlas)
+    wanted = [part.name for part in atlas.parts() if part.state == "missing"] if parts is None else list(parts)
+    # Not pure: a part that was removed is built again.
+    futures = client.map(_build, wanted, atlas=atlas.path, threads=threads, retries=retries, pure=False)
+    client.gather(futures)
+    return wanted
+
+
+def replay(atlas: Atlas | str, weather: Any, *, bbox: Box | None = None, **choices: Any) -> dd.DataFrame:
+    """Rows of `Archive.replay(...).to_pandas()` as a Dask DataFrame with a partition for each part. Nothing is replayed before it is computed."""
+    import dask.dataframe as dd
+
+    atlas = atlas if isinstance(atlas, Atlas) else Atlas.open(atlas)
+    archives = [archive.path for _, archive in atlas.archives(bbox)]
+    if not archives:
+        raise InputError(f"{atlas.path}: no part holds a receiver there\n  to fix: bbox is in the coordinates of the scene files")
+    first = Archive.open(archives[0])
+    meta = _rows(archives[0], weather, choices | {"receivers": [str(first.receivers()["receiver"][0])]}).iloc[:0]
+    return dd.from_map(_rows, archives, weather=weather, choices=choices, meta=meta)
+
+
+def _build(part: str, atlas: str, threads: int) -> str:
+    return Atlas.open(atlas).build(part, threads=threads).name
+
+
+def _rows(archive: str, weather: Any, choices: dict[str, Any]) -> pd.DataFrame:
+    rows = Archive.open(archive).replay(weather, **choices).to_pandas()
+    # Categories of one part are not those of another.
+    return rows.astype({"receiver": str})

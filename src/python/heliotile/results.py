@@ -1,0 +1,220 @@
+"""Results in memory: irradiance of receivers under weather or conditions, as NumPy, pandas, xarray, pvlib and Arrow take it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import timedelta, timezone
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _heliotile
+from .errors import ArgumentError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+class Frame:
+    """What results are about: receivers, labels, columns."""
+
+    def __init__(self, frame: _heliotile.FrameHandle) -> None:
+        self.receivers: list[str] = frame.receivers
+        self.labels: list[str] = frame.labels
+        self.columns: dict[str, str] = dict(frame.columns)
+        self.label: str = frame.label
+        self.unit: str = frame.unit
+        self.provenance: dict[str, str] = frame.provenance
+        self.time_utc: np.ndarray | None = None
+        self.utc_offset: timedelta | None = None
+        if (instants := frame.instants) is not None:
+            self.time_utc = np.asarray(instants[0]).astype("datetime64[s]")
+            self.utc_offset = timedelta(minutes=instants[1])
+
+    def index(self) -> pd.Index:
+        """Labels as pandas has them: times with their zone, or text."""
+        import pandas as pd
+
+        if self.time_utc is None or self.utc_offset is None:
+            return pd.Index(self.labels, name=self.label)
+        return pd.DatetimeIndex(self.time_utc, name=self.label, tz="UTC").tz_convert(timezone(self.utc_offset))
+
+    def coordinates(self, table: dict[str, np.ndarray]) -> dict[str, Any]:
+        """Coordinates of a Dataset: labels, and what is known of the receivers."""
+        coordinates: dict[str, Any] = {"receiver": ("receiver", np.array(self.receivers), {"long_name": "receiver", "cf_role": "timeseries_id"})}
+        coordinates[self.label] = self._labels()
+        for name, values in table.items():
+            if name != "receiver":
+                coordinates[name] = ("receiver", values, COORDINATES[name])
+        return coordinates
+
+    def _labels(self) -> tuple[str, np.ndarray, dict[str, str]]:
+        if self.time_utc is None or self.utc_offset is None:
+            return self.label, np.array(self.labels), {"long_name": self.label}
+        local = self.time_utc + np.timedelta64(int(self.utc_offset.total_seconds()), "s")
+        stamp = self.provenance.get("heliotile.stamp", "start")
+        about = {
+            "standard_name": "time",
+            "long_name": f"{stamp} of the interval, local standard time",
+            "utc_offset": self.provenance.get("heliotile.utc_offset", ""),
+        }
+        return self.label, local.astype("datetime64[ns]"), about
+
+    def attributes(self, column: str) -> dict[str, str]:
+        """Of a variable."""
+        units = {"W/m2": "W m-2", "kWh/m2": "kW h m-2"}[self.unit]
+        method = {"W/m2": "time: mean", "kWh/m2": "time: sum"}[self.unit] if self.label == "time" else ""
+        about = {"long_name": LONG_NAMES[column], "units": units}
+        return about | ({"cell_methods": method} if method else {})
+
+
+#: Light paths in words.
+LONG_NAMES = {
+    "sun_direct": "irradiance on the receiver from the sun's disc",
+    "sky_direct": "irradiance on the receiver from the sky",
+    "sun_diffuse": "irradiance on the receiver from the sun by diffuse reflection",
+    "sky_diffuse": "irradiance on the receiver from the sky by diffuse reflection",
+    "sun_specular": "irradiance on the receiver from the sun by mirrors",
+    "sky_specular": "irradiance on the receiver from the sky by mirrors",
+    "total": "solar irradiance on the receiver",
+    "longwave": "infrared irradiance on the receiver",
+    "sun_diffuse_ground": "irradiance on the receiver from the sun by diffuse reflection, ground seen first",
+    "sun_diffuse_obstruction": "irradiance on the receiver from the sun by diffuse reflection, obstructions seen first",
+    "sky_diffuse_ground": "irradiance on the receiver from the sky by diffuse reflection, ground seen first",
+    "sky_diffuse_obstruction": "irradiance on the receiver from the sky by diffuse reflection, obstructions seen first",
+}
+
+#: What is known of receivers.
+COORDINATES: dict[str, dict[str, str]] = {
+    "x": {"standard_name": "projection_x_coordinate", "long_name": "x, east", "units": "m"},
+    "y": {"standard_name": "projection_y_coordinate", "long_name": "y, north", "units": "m"},
+    "z": {"long_name": "z, up", "units": "m", "positive": "up"},
+    "nx": {"long_name": "normal of the receiver, x", "units": "1"},
+    "ny": {"long_name": "normal of the receiver, y", "units": "1"},
+    "nz": {"long_name": "normal of the receiver, z", "units": "1"},
+    "area": {"long_name": "area that the receiver stands for", "units": "m2"},
+    "surface": {"long_name": "surface that the receiver is on"},
+    "object": {"long_name": "object of the model"},
+    "building": {"long_name": "building of the model"},
+    "kind": {"long_name": "roof, wall, window, ground, floor or shade"},
+    "sky_view": {"long_name": "share of the hemisphere that is sky", "units": "1"},
+    "ground_view": {"long_name": "share of the hemisphere that is ground", "units": "1"},
+    "obstruction_view": {"long_name": "share of the hemisphere that is obstruction", "units": "1"},
+}
+
+
+class Results:
+    """Irradiance of receivers: W/m2, or kWh/m2 where it is summed over periods.
+
+    `results["total"]` is a column as float32, shape `(receivers, labels)`; it is read-only, since pandas, xarray and Arrow share
+    its memory (`.copy()` is yours). Names are those of `columns`.
+    """
+
+    def __init__(self, handle: _heliotile.Recombined, table: Callable[[], dict[str, np.ndarray]]) -> None:
+        self._handle = handle
+        self._frame = Frame(handle.frame())
+        self._table = table
+
+    @property
+    def receivers(self) -> list[str]:
+        """Ids, in the order of rows: the archive's."""
+        return self._frame.receivers
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns."""
+        return list(self._frame.columns)
+
+    @property
+    def labels(self) -> list[str]:
+        """Conditions, or times and periods as CSV tells them. Shape: labels."""
+        return self._frame.labels
+
+    @property
+    def time_utc(self) -> np.ndarray | None:
+        """Times as datetime64[s] in UTC; None where labels are no times. Shape: labels."""
+        return self._frame.time_utc
+
+    @property
+    def utc_offset(self) -> timedelta | None:
+        """How far the weather's local standard time is ahead of UTC."""
+        return self._frame.utc_offset
+
+    @property
+    def unit(self) -> str:
+        """`W/m2` for means, `kWh/m2` for sums."""
+        return self._frame.unit
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """What the results were made from: archive, root, weather, options."""
+        return self._frame.provenance
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Receivers, labels."""
+        return len(self.receivers), len(self.labels)
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        return np.asarray(self._handle.column(column))
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """All rows as an Arrow stream, values without a copy: `pyarrow.table(results)`, `polars.from_arrow`... Columns are named as in files."""
+        return self._handle.__arrow_c_stream__(requested_schema)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row for each receiver and label, named as in files."""
+        import pandas as pd
+
+        receivers, labels = self.shape
+        index = self._frame.index()
+        if self.time_utc is None:
+            index = pd.CategoricalIndex(index, categories=index.unique(), name=index.name)
+        codes = np.repeat(np.arange(receivers, dtype=np.int32), labels)
+        data: dict[str, Any] = {
+            self._frame.label: index.take(np.tile(np.arange(labels), receivers)),
+            "receiver": pd.Categorical.from_codes(codes, categories=pd.Index(self.receivers)),
+        }
+        data |= {name: self[column].reshape(-1) for column, name in self._frame.columns.items()}
+        return pd.DataFrame(data)
+
+    def to_xarray(self) -> xr.Dataset:
+        """A Dataset with the dimensions `receiver` and `time` (or `condition`), and the receivers' table as coordinates."""
+        import xarray as xr
+
+        frame = self._frame
+        whole = self._table()
+        place = {name: row for row, name in enumerate(whole["receiver"].tolist())}
+        rows = np.array([place[name] for name in self.receivers], dtype=np.intp)
+        table = {name: values[rows] for name, values in whole.items()}
+        dims = ("receiver", frame.label)
+        variables = {column: (dims, self[column], frame.attributes(column)) for column in self.columns}
+        return xr.Dataset(variables, frame.coordinates(table), frame.provenance)
+
+    def to_pvlib(self, receiver: str | int) -> pd.DataFrame:
+        """Light on one receiver by the names of `pvlib.irradiance.get_total_irradiance`, W/m2, a row for each hour.
+
+        `poa_direct` is the sun, straight and in mirrors; `poa_sky_diffuse` the sky, likewise; `poa_ground_diffuse` all that is reflected diffusely.
+        Times are those of the replay: `replay(..., stamp="middle")` gives the moments that solar positions are taken at.
+        """
+        import pandas as pd
+
+        if self.unit != "W/m2" or self._frame.label != "time":
+            what = "pvlib takes hours of a replay, these are other results"
+            raise ArgumentError(f'every: {what}\n  to fix: replay(weather, every="hour")')
+        row = self._row(receiver)
+        columns = {name: np.asarray(values) for name, values in self._handle.pvlib(row)}
+        return pd.DataFrame(columns, index=self._frame.index())
+
+    def _row(self, receiver: str | int) -> int:
+        if isinstance(receiver, int):
+            return receiver if receiver >= 0 else receiver + len(self.receivers)
+        try:
+            return self.receivers.index(receiver)
+        except ValueError:
+            raise KeyError(f"no receiver `{receiver}` among these {len(self.receivers)}") from None
+
+    def __repr__(self) -> str:
+        receivers, labels = self.shape
+        return f"Results({receivers} receivers x {labels} {self._frame.label}s, {', '.join(self.columns)}, {self.unit})"

@@ -1,0 +1,203 @@
+"""Scenes, and archives that are traced of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import _heliotile
+from .archive import MEMORY, Archive, Progress
+from .tables import columns_of, csv_of
+
+
+class Scene:
+    """Geometry with its materials, read from files of the world.
+
+    Parameters
+    ----------
+    files
+        One path or several, which become one scene, or a `site.toml` that lists them: what `heliotile build` takes. Metres, x east, y north, z up.
+    materials
+        A `materials.toml`: reflectances by name; they win over those of the files.
+    materials_only
+        Take nothing that the files state of materials.
+    ground
+        Whether a scene without ground gets a plane below it.
+    crs, latitude, longitude
+        EPSG number of the coordinates, or degrees, north and east positive; each counts more than what files say.
+    rotate_deg, elevation, scale
+        Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres a unit.
+    """
+
+    def __init__(
+        self,
+        files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+        *,
+        materials: str | os.PathLike[str] | None = None,
+        materials_only: bool = False,
+        ground: bool = True,
+        crs: int | None = None,
+        latitude: float | None = None,
+        longitude: float | None = None,
+        rotate_deg: float | None = None,
+        elevation: float | None = None,
+        scale: float | None = None,
+    ) -> None:
+        listed = [files] if isinstance(files, (str, os.PathLike)) else files
+        self.files = [os.fspath(file) for file in listed]
+        self._args: dict[str, Any] = {
+            "files": self.files,
+            "materials": None if materials is None else os.fspath(materials),
+            "materials_only": materials_only,
+            "assume_ground": ground,
+            "crs": crs,
+            "latitude": latitude,
+            "longitude": longitude,
+            "rotate_deg": rotate_deg,
+            "elevation": elevation,
+            "scale": scale,
+        }
+        self._handle = _heliotile.SceneHandle.load(self._args)
+
+    @property
+    def triangles(self) -> int:
+        """Number of triangles."""
+        return self._handle.triangles
+
+    @property
+    def materials(self) -> dict[str, tuple[float, float]]:
+        """Diffuse and specular reflectance by name, shares of the light."""
+        return {name: (diffuse, specular) for name, diffuse, specular in self._handle.materials}
+
+    @property
+    def place(self) -> tuple[float, float] | None:
+        """Latitude and longitude in degrees, if files or arguments say so."""
+        return self._handle.place
+
+    @property
+    def notes(self) -> list[str]:
+        """What was decided that nobody asked for."""
+        return self._handle.notes
+
+    def cover(
+        self,
+        output: str | os.PathLike[str],
+        *,
+        on: Sequence[str] = (),
+        types: Sequence[str] = (),
+        spacing: float = 2.0,
+        per_surface: int | None = None,
+        offset: float = 0.02,
+        min_area: float = 0.1,
+        progress: Progress | None = None,
+    ) -> str:
+        """Covers surfaces with receivers and writes their table, which `build` takes: `heliotile receivers`, byte by byte.
+
+        `on`: some of `"roof", "wall", "window", "ground", "floor", "shade"`, `"all"`, or names of materials; default: roofs, walls and windows of
+        buildings. `types`: types of objects of a city model. `spacing` and `offset` off the surface in metres, `min_area` in m2;
+        `per_surface` puts so many on each. Gives back what was covered, in words. Files are read again.
+        """
+        args = {
+            "on": [on] if isinstance(on, str) else list(on),
+            "types": [types] if isinstance(types, str) else list(types),
+            "spacing": spacing,
+            "per_surface": per_surface,
+            "offset": offset,
+            "min_area": min_area,
+        }
+        return self._handle.cover(os.fspath(output), args, progress)[1]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _reload, (type(self), self._args)
+
+    def __repr__(self) -> str:
+        return f"Scene({', '.join(self.files)}: {self.triangles} triangles)"
+
+
+def _reload(cls: type[Scene], args: dict[str, Any]) -> Scene:
+    """What a pickle becomes: the files, read again."""
+    args = dict(args)
+    return cls(args.pop("files"), ground=args.pop("assume_ground"), **args)
+
+
+@dataclass(frozen=True)
+class BuildReport:
+    """What a build did."""
+
+    seconds: dict[str, float]
+    """By stage."""
+    rays: int
+    bytes: int
+    """Length of the archive."""
+    error_percent: float | None
+    """RMSE of hourly totals that was found on other receivers, in percent of their mean; only where an error was asked for."""
+
+
+def build(
+    scene: Scene,
+    receivers: Any,
+    output: str | os.PathLike[str],
+    *,
+    quality: str = "standard",
+    error: float | None = None,
+    error_weather: str | os.PathLike[str] | None = None,
+    settings: Mapping[str, object] | None = None,
+    effects: str = "auto",
+    with_scene: bool = True,
+    fresh: bool = False,
+    checkpoint: float = 30.0,
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> Archive:
+    """Traces every receiver once and writes the archive: `heliotile build`, byte by byte.
+
+    Parameters
+    ----------
+    receivers
+        Path of a CSV file, a DataFrame or a mapping of arrays: `receiver` (id), `x, y, z` in metres, `nx, ny, nz` or `tilt_deg, azimuth_deg`,
+        and optionally `area` (m2), `surface` and what else the book's page of receivers lists.
+    output
+        The archive; an older archive of that name is replaced, any other file is not.
+    quality
+        `"draft"`, `"standard"`, `"fine"` or `"reference"`.
+    error, error_weather
+        Largest RMSE of hourly totals in percent of their mean, in place of a quality; estimated under this weather file.
+    settings
+        Single settings by name, as in `{"hit": 16}`.
+    effects
+        Light paths: `"auto"`, `"all"`, `"none"`, or some of `"diffuse,bounces,mirrors,canopies"`.
+    with_scene
+        Whether the archive holds the scene's triangles, for those who look at it.
+    fresh
+        Discards an interrupted build that lies there. Without it, one of the same inputs goes on: Ctrl-C, and the same call again.
+    checkpoint
+        Seconds between checkpoints: what a crash costs at most.
+    memory
+        Bytes to work in.
+    progress
+        Called now and then with the stage, how much of it is done, and how much there is (None: unknown).
+    """
+    source = receivers
+    if isinstance(receivers, os.PathLike):
+        source = os.fspath(receivers)
+    elif not isinstance(receivers, str):
+        source = csv_of(columns_of(receivers, "receivers"))
+    path = os.fspath(output)
+    args: dict[str, Any] = {
+        "output": path,
+        "quality": quality,
+        "error": error,
+        "error_weather": None if error_weather is None else os.fspath(error_weather),
+        "settings": [f"{name}={value}" for name, value in (settings or {}).items()],
+        "effects": effects,
+        "with_scene": with_scene,
+        "fresh": fresh,
+        "checkpoint": checkpoint,
+        "memory": memory,
+    }
+    handle, seconds, rays, length, found = scene._handle.build(source, args, progress)
+    archive = Archive(handle, path)
+    archive.built = BuildReport(dict(seconds), rays, length, found)
+    return archive

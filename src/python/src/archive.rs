@@ -1,0 +1,289 @@
+//! An archive that is open. In: a path. Out: its receivers, what they get under weather or conditions, factors over the sun's position.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::asked::{Asked, Forcing, LightArgs, ReplayArgs, Source};
+use crate::errors::raised;
+use crate::lazy::LazyReplay;
+use crate::memory::Block;
+use crate::results::{Frame, Gathered, Recombined};
+use crate::work;
+use heliotile::files::open_archive;
+use heliotile::recombine::{Chosen, FactorRows, Streamed};
+use heliotile::{Access, Archive, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
+use heliotile_builder::spill::TempFiles;
+use heliotile_builder::transfer::ArchiveReceivers;
+use heliotile_core::archive::format;
+use heliotile_core::memory::Use;
+use heliotile_core::replay::factors::FACTORS;
+use heliotile_core::site::receiver::Receiver;
+
+/// Names that a message shows.
+const NAMED: usize = 10;
+
+/// An archive, and which way is north. Many threads may read it at once.
+#[pyclass(frozen, module = "heliotile._heliotile")]
+pub struct ArchiveHandle {
+    archive: Arc<Archive>,
+    grid_north: bool,
+}
+
+/// Name, diffuse and specular reflectance, transmittance, group, class.
+type MaterialRow = (String, f64, f64, Option<f64>, Option<String>, String);
+
+/// Names, azimuths and altitudes in degrees, and each factor.
+type FactorColumns = (Vec<String>, Vec<f64>, Vec<f64>, Vec<(&'static str, Block)>);
+
+/// A receiver, and the shares of its hemisphere: sky, ground, obstruction.
+type ViewedReceiver = (Receiver, [f32; 3]);
+
+/// Receivers that are asked for: all, those of a list, those of a file.
+#[derive(FromPyObject)]
+pub enum Wanted {
+    Ids(Vec<String>),
+    File(PathBuf),
+}
+
+impl Wanted {
+    /// One byte for each receiver of the archive.
+    fn kept(&self, site: &OpenSite, memory: MemoryBudget) -> Result<Vec<bool>> {
+        let ids = match self {
+            Wanted::File(file) => {
+                let budget = memory.length(Use::ReceiverList);
+                return Selection::Receivers(file.clone()).resolve(
+                    std::slice::from_ref(site),
+                    &std::env::temp_dir(),
+                    budget,
+                );
+            }
+            Wanted::Ids(ids) => ids,
+        };
+        let mut missing: HashSet<&str> = ids.iter().map(String::as_str).collect();
+        let kept = ArchiveReceivers::<()>::new(site).map(|row| Ok(missing.remove(row?.receiver.id.as_str())));
+        let kept = kept.collect::<Result<Vec<bool>>>()?;
+        if !missing.is_empty() {
+            let mut names: Vec<&str> = missing.iter().copied().collect();
+            names.sort_unstable();
+            names.truncate(NAMED);
+            let count = heliotile_core::text::counted(missing.len() as u64, "receiver");
+            let what = format!("does not hold {count} of those asked for: {}", names.join(", "));
+            return Err(Error::input(site.path(), None, what, "take ids of `Archive.receivers()`"));
+        }
+        if ids.is_empty() {
+            return Err(Error::argument("receivers", "the list is empty", "leave it out for all of them"));
+        }
+        Ok(kept)
+    }
+}
+
+/// The site of an archive, with the north that is asked for.
+pub fn site_of(archive: &Archive, grid_north: bool) -> Result<OpenSite<'_>> {
+    let site = OpenSite::of(archive)?;
+    Ok(if grid_north { site.with_y_for_north() } else { site })
+}
+
+#[pymethods]
+impl ArchiveHandle {
+    /// Opens an archive; `access` is `map` or `pread`.
+    #[staticmethod]
+    fn open(py: Python<'_>, place: PathBuf, access: &str, grid_north: bool) -> PyResult<Self> {
+        let access: Access = by_name("access", access).map_err(|error| raised(py, &error))?;
+        let archive = work::run(py, None, |_| open_archive(&place, access))?;
+        Ok(ArchiveHandle { archive: Arc::new(archive), grid_north })
+    }
+
+    #[getter]
+    fn root(&self) -> String {
+        format::hex(&self.archive.root())
+    }
+
+    #[getter]
+    fn tiles(&self) -> u32 {
+        self.archive.tiles()
+    }
+
+    #[getter]
+    fn count(&self) -> u64 {
+        self.archive.manifest().receivers.count
+    }
+
+    /// Latitude, longitude, convergence of the grid, all in degrees, and the EPSG number.
+    #[getter]
+    fn place(&self) -> Option<(f64, f64, f64, Option<u32>)> {
+        let place = self.archive.manifest().place.as_ref()?;
+        Some((place.latitude_deg, place.longitude_deg, place.convergence_deg, place.epsg))
+    }
+
+    /// Settings of the build and their numbers; expected error in percent, if one was asked for.
+    #[getter]
+    fn settings(&self) -> Vec<(String, String)> {
+        let settings = &self.archive.manifest().settings;
+        let quality = ("quality".to_owned(), settings.quality.clone());
+        let numbers = settings.numbers().map(|(setting, number)| (setting.name.to_owned(), number.to_string()));
+        std::iter::once(quality).chain(numbers).collect()
+    }
+
+    /// Names, diffuse and specular reflectance, transmittance, group and class of the materials.
+    fn materials(&self, py: Python<'_>) -> PyResult<Vec<MaterialRow>> {
+        let site = OpenSite::of(&self.archive).map_err(|error| raised(py, &error))?;
+        let row = |m: &heliotile::Material| {
+            let class = format!("{:?}", m.class).to_lowercase();
+            (m.name.clone(), m.diffuse, m.specular, m.transmittance, m.group.clone(), class)
+        };
+        Ok(site.materials().iter().map(row).collect())
+    }
+
+    /// Columns of all receivers, in the order of results.
+    fn receivers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let rows = work::run(py, None, |_| {
+            let site = OpenSite::of(&self.archive)?;
+            let row = |row: heliotile_builder::transfer::LayeredReceiver<()>| (row.receiver, row.views);
+            ArchiveReceivers::<()>::new(&site).map(|r| r.map(row)).collect::<Result<Vec<_>>>()
+        })?;
+        let table = PyDict::new(py);
+        let texts = |of: fn(&Receiver) -> &str| rows.iter().map(|(r, _)| of(r).to_owned()).collect::<Vec<_>>();
+        let numbers =
+            |of: &dyn Fn(&ViewedReceiver) -> f64| Block::of::<f64>(rows.iter().map(of).collect(), &[rows.len()]);
+        table.set_item("receiver", texts(|r| &r.id))?;
+        table.set_item("x", numbers(&|(r, _)| r.position.x))?;
+        table.set_item("y", numbers(&|(r, _)| r.position.y))?;
+        table.set_item("z", numbers(&|(r, _)| r.position.z))?;
+        table.set_item("nx", numbers(&|(r, _)| r.normal.x))?;
+        table.set_item("ny", numbers(&|(r, _)| r.normal.y))?;
+        table.set_item("nz", numbers(&|(r, _)| r.normal.z))?;
+        table.set_item("area", numbers(&|(r, _)| r.area.unwrap_or(f64::NAN)))?;
+        table.set_item("surface", texts(|r| r.surface.as_deref().unwrap_or_default()))?;
+        table.set_item("object", texts(|r| &r.part.object))?;
+        table.set_item("building", texts(|r| &r.part.building))?;
+        table.set_item("kind", texts(|r| r.part.kind.as_str()))?;
+        table.set_item("sky_view", numbers(&|(_, views)| f64::from(views[0])))?;
+        table.set_item("ground_view", numbers(&|(_, views)| f64::from(views[1])))?;
+        table.set_item("obstruction_view", numbers(&|(_, views)| f64::from(views[2])))?;
+        Ok(table)
+    }
+
+    /// Irradiance through weather, all in memory.
+    #[pyo3(signature = (light, args, receivers, progress))]
+    fn replay(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        args: ReplayArgs,
+        receivers: Option<Wanted>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Recombined> {
+        self.recombine(py, light, Forcing::Weather(Box::new(args)), receivers, progress)
+    }
+
+    /// Irradiance under conditions, all in memory.
+    #[pyo3(signature = (light, conditions, receivers, progress))]
+    fn query(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        conditions: Source,
+        receivers: Option<Wanted>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Recombined> {
+        self.recombine(py, light, Forcing::Conditions(conditions), receivers, progress)
+    }
+
+    /// A replay that computes tiles as they are asked for, and keeps as many of them as fit into `cache` bytes.
+    fn lazy(&self, py: Python<'_>, light: LightArgs, args: ReplayArgs, cache: usize) -> PyResult<LazyReplay> {
+        let memory = light.memory();
+        let asked = Asked::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, &error))?;
+        work::run(py, None, |watch| {
+            let storage = TempFiles::new(std::env::temp_dir());
+            asked.with_series(&self.archive, &storage, watch, |series, recombination| {
+                let names = Chosen::of(&self.archive, &site_of(&self.archive, false)?, None).names()?;
+                let frame = Frame::new(names, (series, recombination), asked.columns.clone(), &self.archive);
+                let source = (&self.archive, self.grid_north);
+                LazyReplay::new(source, (series, recombination), frame, (cache, memory), watch)
+            })
+        })
+    }
+
+    /// The five factors over the sun's position: names, azimuths, altitudes, and `[name][azimuth][altitude]` for each factor.
+    #[pyo3(signature = (steps, by, receivers, memory, progress))]
+    fn factors(
+        &self,
+        py: Python<'_>,
+        steps: (f64, f64),
+        by: &str,
+        receivers: Option<Wanted>,
+        memory: u64,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<FactorColumns> {
+        let by = by_name("by", by).map_err(|error| raised(py, &error))?;
+        let memory = MemoryBudget::new(memory);
+        let (names, grid, columns) = work::run(py, progress.as_ref(), |watch| {
+            let site = site_of(&self.archive, self.grid_north)?;
+            let kept = receivers.map(|wanted| wanted.kept(&site, memory)).transpose()?;
+            let chosen = Chosen::of(&self.archive, &site, kept);
+            let storage = TempFiles::new(std::env::temp_dir());
+            let rows = FactorRows::new(&chosen, steps, by, (memory, &storage))?;
+            let grid = *rows.grid();
+            let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); FACTORS.len()]);
+            rows.each(watch, |name, factors| {
+                names.push(name.to_owned());
+                for sun in factors {
+                    columns.iter_mut().zip(sun).for_each(|(column, factor)| column.push(factor));
+                }
+                Ok(true)
+            })?;
+            work::count_tiles(chosen.parts().iter().map(|part| part.tiles().len()).sum());
+            Ok((names, grid, columns))
+        })?;
+        let (azimuths, altitudes) = (grid.azimuths_deg(), grid.altitudes_deg());
+        let shape = [names.len(), azimuths.len(), altitudes.len()];
+        let columns = FACTORS.into_iter().zip(columns).map(|(name, values)| (name, Block::of::<f64>(values, &shape)));
+        Ok((names, azimuths, altitudes, columns.collect()))
+    }
+}
+
+impl ArchiveHandle {
+    pub fn archive(&self) -> &Archive {
+        &self.archive
+    }
+
+    /// Of an archive that was built.
+    pub fn of(path: &Path) -> Result<Self> {
+        Ok(ArchiveHandle { archive: Arc::new(open_archive(path, Access::default())?), grid_north: false })
+    }
+
+    fn recombine(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        forcing: Forcing,
+        receivers: Option<Wanted>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Recombined> {
+        let memory = light.memory();
+        let asked = Asked::new(light, forcing).map_err(|error| raised(py, &error))?;
+        work::run(py, progress.as_ref(), |watch| {
+            let archive = &*self.archive;
+            let site = site_of(archive, self.grid_north)?;
+            let kept = receivers.map(|wanted| wanted.kept(&site, memory)).transpose()?;
+            let chosen = Chosen::of(archive, &site, kept);
+            let storage = TempFiles::new(std::env::temp_dir());
+            asked.with_series(archive, &storage, watch, |series, recombination| {
+                let names = chosen.names()?;
+                let frame = Frame::new(names, (series, recombination), asked.columns.clone(), archive);
+                let streamed = Streamed { chosen: &chosen, components: asked.columns.set() };
+                let start = || Gathered::new(&frame);
+                let gathered = streamed.each_tile(recombination, series, watch, start, |gathered, _, values| {
+                    gathered.add(&frame, values);
+                    work::count_tiles(1);
+                    Ok(true)
+                })?;
+                Ok(gathered.finish(frame))
+            })
+        })
+    }
+}

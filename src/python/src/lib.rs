@@ -1,0 +1,55 @@
+//! The Python package's own module, `heliotile._heliotile`. In: arguments that `heliotile/*.py` has put into plain types. Out: archives,
+//! results, tables, as memory that NumPy and Arrow share. Every number comes from the crates that the program's commands call.
+//!
+//! | file | in | out |
+//! | --- | --- | --- |
+//! | `work` | long work | the same without Python's lock, with progress and Ctrl-C |
+//! | `errors` | errors of the engine | exceptions of `heliotile.errors`, same text |
+//! | `memory` | numbers | what NumPy and Arrow see of them |
+//! | `asked` | arguments of `replay` and `query` | conditions, choices of light |
+//! | `archive` | a file | receivers, results, factors |
+//! | `results` | tiles | columns, Arrow, pvlib's names |
+//! | `lazy` | an archive and conditions | rows of single receivers, a tile at a time |
+//! | `atlas` | a folder of parts, words | parts; the program |
+//! | `scene` | files, receivers | a scene; an archive |
+
+mod archive;
+mod asked;
+mod atlas;
+mod errors;
+mod lazy;
+mod memory;
+mod results;
+mod scene;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _heliotile {
+    #[pymodule_export]
+    use super::archive::ArchiveHandle;
+    #[pymodule_export]
+    use super::atlas::atlas_parts;
+    #[pymodule_export]
+    use super::atlas::program;
+    #[pymodule_export]
+    use super::lazy::LazyReplay;
+    #[pymodule_export]
+    use super::memory::Block;
+    #[pymodule_export]
+    use super::results::FrameHandle;
+    #[pymodule_export]
+    use super::results::Recombined;
+    #[pymodule_export]
+    use super::scene::SceneHandle;
+    #[pymodule_export]
+    use super::work::tiles_computed;
+
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,242 @@
+//! Results in memory. In: tiles of irradiance. Out: a column of f32 for each component, `[receiver][label]`, which NumPy, Arrow and pvlib's
+//! names share.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::{Float32Array, RecordBatch, RecordBatchReader};
+use arrow_buffer::{Buffer, ScalarBuffer};
+use arrow_schema::{ArrowError, SchemaRef};
+use pyo3::exceptions::{PyIndexError, PyKeyError};
+use pyo3::prelude::*;
+use pyo3::types::PyCapsule;
+
+use crate::errors::raised;
+use crate::memory::Block;
+use heliotile::recombine::{ArrowRows, By, Layout, ONE_SIDE, Provenance, Recombination, RowLabels, Series, SideHours};
+use heliotile::{Archive, Component, ComponentList, Error, Result, TileValues};
+
+/// Rows that a record batch has at least, if there are so many.
+const BATCH_ROWS: usize = 1 << 20;
+
+/// What results are about: receivers, labels, columns, and what they were made from.
+pub struct Frame {
+    names: Vec<String>,
+    pub labels: RowLabels,
+    layout: Layout,
+    about: Provenance,
+}
+
+impl Frame {
+    /// Of a series on some receivers of an archive.
+    pub fn new(
+        names: Vec<String>,
+        (series, asked): (&Series, &Recombination),
+        components: ComponentList,
+        archive: &Archive,
+    ) -> Self {
+        let about = series.provenance.clone().with_archive(archive.path(), archive);
+        let about = about.with_option("patches", asked.patches_of(archive));
+        let layout = Layout { labels: series.kind, by: By::Receiver, components, facts: Vec::new() };
+        Frame { names, labels: series.labels.clone(), layout, about }
+    }
+
+    pub fn receivers(&self) -> usize {
+        self.names.len()
+    }
+
+    pub fn components(&self) -> &[Component] {
+        self.layout.components()
+    }
+
+    /// The place of a column by its name, with or without the ending of sums.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        let names = self.layout.values();
+        let place = self.components().iter().position(|component| component.name() == name);
+        place.or_else(|| names.iter().position(|known| known == name))
+    }
+}
+
+/// Irradiance of some receivers under a series of conditions.
+#[pyclass(frozen, module = "heliotile._heliotile")]
+pub struct Recombined {
+    frame: Arc<Frame>,
+    /// `[column]`: f32, `[receiver][label]`.
+    columns: Vec<Buffer>,
+}
+
+/// Results that tiles are put into one after the other.
+pub struct Gathered {
+    columns: Vec<Vec<f32>>,
+}
+
+impl Gathered {
+    /// Room for all of them; an error if there is none.
+    pub fn new(frame: &Frame) -> Result<Self> {
+        let len = frame.receivers() * frame.labels.len();
+        let columns = frame.components().iter().map(|_| {
+            let mut column = Vec::new();
+            column.try_reserve_exact(len).map_err(|_| Error::Limit {
+                what:
+                    "memory for results in bytes (open the archive with xarray, or ask for fewer receivers or columns)"
+                        .into(),
+                value: 4 * len as u64,
+                max: isize::MAX as u64,
+            })?;
+            Ok(column)
+        });
+        Ok(Gathered { columns: columns.collect::<Result<_>>()? })
+    }
+
+    /// Appends the receivers of a tile.
+    pub fn add(&mut self, frame: &Frame, values: &TileValues) {
+        for (column, component) in self.columns.iter_mut().zip(frame.components()) {
+            column.extend_from_slice(values.component(*component));
+        }
+    }
+
+    pub fn finish(self, frame: Frame) -> Recombined {
+        Recombined { frame: Arc::new(frame), columns: self.columns.into_iter().map(Buffer::from_vec).collect() }
+    }
+}
+
+#[pymethods]
+impl Recombined {
+    /// What these results are about.
+    fn frame(&self) -> FrameHandle {
+        FrameHandle(Arc::clone(&self.frame))
+    }
+
+    /// A column by its name, `[receiver][label]`.
+    fn column(&self, name: &str) -> PyResult<Block> {
+        let frame = &self.frame;
+        let found = frame.column(name).and_then(|place| self.columns.get(place));
+        let buffer = found.ok_or_else(|| PyKeyError::new_err(no_column(frame, name)))?;
+        Ok(Block::shared::<f32>(buffer.clone(), &[frame.receivers(), frame.labels.len()]))
+    }
+
+    /// Light on one receiver by pvlib's names, W/m2.
+    fn pvlib(&self, py: Python<'_>, receiver: usize) -> PyResult<Vec<(&'static str, Block)>> {
+        let (frame, labels) = (&self.frame, self.frame.labels.len());
+        if receiver >= frame.receivers() {
+            return Err(PyIndexError::new_err(format!("{receiver} of {} receivers", frame.receivers())));
+        }
+        let six = &Component::ALL[..6];
+        if let Some(missing) = six.iter().find(|component| !frame.components().contains(component)) {
+            let what = format!("`{}` is not among them, and pvlib's columns are made of all six", missing.name());
+            return Err(raised(py, &Error::argument("columns", what, "leave columns out")));
+        }
+        let hours = SideHours::of(|component| {
+            let place = frame.components().iter().position(|known| *known == component);
+            let all = place.and_then(|place| self.columns.get(place)).map(Buffer::typed_data::<f32>);
+            all.and_then(|all| all.get(receiver * labels..(receiver + 1) * labels)).unwrap_or_default()
+        });
+        let columns = ONE_SIDE.into_iter().zip(hours.one_side());
+        Ok(columns.map(|(name, values)| (name, Block::of(values, &[labels]))).collect())
+    }
+
+    /// The Arrow C stream of all rows, whose values are not copied.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // Those who ask get what there is, as the protocol allows.
+        let _ = requested_schema;
+        let frame = &self.frame;
+        let rows = ArrowRows::new(&frame.layout, &frame.labels, &frame.names, &frame.about);
+        let rows = rows.map_err(|error| raised(py, &error))?;
+        let columns = self.columns.iter().map(|column| ScalarBuffer::from(column.clone())).collect();
+        let batches = Batches { rows, columns, frame: Arc::clone(frame), next: 0 };
+        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(batches)), c"arrow_array_stream")
+    }
+}
+
+/// Names that a message shows.
+pub fn no_column(frame: &Frame, name: &str) -> String {
+    let known: Vec<&str> = frame.components().iter().map(|component| component.name()).collect();
+    format!("no column `{name}`: there are {}", known.join(", "))
+}
+
+/// Rows of results, some receivers at a time.
+struct Batches {
+    rows: ArrowRows,
+    columns: Vec<ScalarBuffer<f32>>,
+    frame: Arc<Frame>,
+    next: usize,
+}
+
+impl Iterator for Batches {
+    type Item = std::result::Result<RecordBatch, ArrowError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let labels = self.frame.labels.len();
+        let (first, left) = (self.next, self.frame.receivers().saturating_sub(self.next));
+        if left == 0 || labels == 0 {
+            return None;
+        }
+        let count = (BATCH_ROWS / labels).max(1).min(left);
+        self.next += count;
+        let of = |column: &ScalarBuffer<f32>| Float32Array::new(column.slice(first * labels, count * labels), None);
+        Some(self.rows.batch(first, count, self.columns.iter().map(of)))
+    }
+}
+
+impl RecordBatchReader for Batches {
+    fn schema(&self) -> SchemaRef {
+        Arc::clone(self.rows.schema())
+    }
+}
+
+/// What results are about, as Python sees it.
+#[pyclass(frozen, module = "heliotile._heliotile")]
+pub struct FrameHandle(pub Arc<Frame>);
+
+#[pymethods]
+impl FrameHandle {
+    /// Ids, in the order of rows.
+    #[getter]
+    fn receivers(&self) -> Vec<String> {
+        self.0.names.clone()
+    }
+
+    /// Text of the labels, as CSV has it.
+    #[getter]
+    fn labels(&self) -> Vec<String> {
+        self.0.labels.text.clone()
+    }
+
+    /// Seconds since 1970 in UTC, and minutes of the local clock ahead of it; none where labels are words.
+    #[getter]
+    fn instants(&self) -> Option<(Block, i32)> {
+        let instants = self.0.labels.instants.as_ref()?;
+        let block = Block::of(instants.utc_s.clone(), &[instants.utc_s.len()]);
+        Some((block, instants.offset.minutes()))
+    }
+
+    /// Names of components, and of the columns that files have.
+    #[getter]
+    fn columns(&self) -> Vec<(&'static str, String)> {
+        self.0.components().iter().map(|component| component.name()).zip(self.0.layout.values()).collect()
+    }
+
+    /// `time` or `condition`.
+    #[getter]
+    fn label(&self) -> &'static str {
+        self.0.layout.label()
+    }
+
+    /// `W/m2` or `kWh/m2`.
+    #[getter]
+    fn unit(&self) -> &'static str {
+        self.0.layout.unit()
+    }
+
+    /// What results were made from.
+    #[getter]
+    fn provenance(&self) -> BTreeMap<String, String> {
+        self.0.about.entries().into_iter().collect()
+    }
+}

@@ -1,0 +1,190 @@
+"""Bad input: an exception of the right class, with the program's text."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import heliotile
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from conftest import DATA, DAYS, PROGRAM
+
+SUN = {"sun_azimuth_deg": [180.0], "sun_altitude_deg": [40.0], "dni_w_m2": [800.0], "dhi_w_m2": [100.0]}
+
+
+def test_missing_files(site: heliotile.Archive, tmp_path: Path) -> None:
+    """3 files that are not there: FileNotFoundError and heliotile.Error, the text of the program, the file as an attribute."""
+    for ask in [
+        lambda: heliotile.Archive.open(tmp_path / "no.helio"),
+        lambda: site.replay(tmp_path / "no.epw"),
+        lambda: heliotile.Scene(tmp_path / "no.obj"),
+    ]:
+        with pytest.raises(FileNotFoundError, match="No such file") as found:
+            ask()
+        assert isinstance(found.value, heliotile.MissingFileError) and found.value.file.parent == tmp_path
+    done = subprocess.run([PROGRAM, "replay", site.path, "--weather", tmp_path / "no.epw"], capture_output=True, text=True)
+    with pytest.raises(heliotile.Error) as found:
+        site.replay(tmp_path / "no.epw")
+    assert done.returncode == 2 and str(found.value) in done.stderr
+
+
+def test_no_archive(tmp_path: Path) -> None:
+    """A file that is no archive is refused by name; a changed byte of one is a CorruptError that names the block."""
+    (tmp_path / "text.helio").write_text("not an archive, but long enough to be looked at" * 100)
+    with pytest.raises(heliotile.Error, match=r"text\.helio"):
+        heliotile.Archive.open(tmp_path / "text.helio")
+
+
+def test_a_changed_byte(site: heliotile.Archive, tmp_path: Path) -> None:
+    """One changed byte at 20 places: wherever a year's sums come from it, a CorruptError with the block and its offset; else the same sums."""
+    whole, expected, damaged = Path(site.path).read_bytes(), site.replay(DAYS, every="total")["total"], 0
+    for at in range(4096, len(whole), len(whole) // 20):
+        broken = bytearray(whole)
+        broken[at] ^= 0x40
+        (tmp_path / "broken.helio").write_bytes(broken)
+        try:
+            assert (heliotile.Archive.open(tmp_path / "broken.helio").replay(DAYS, every="total")["total"] == expected).all()
+        except heliotile.CorruptError as error:
+            damaged += 1
+            assert error.block and error.offset is not None and error.offset <= at and "is damaged" in str(error)
+    assert damaged >= 3
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"dni_w_m2": [np.nan]}, "conditions, line 2: column `dni_w_m2` holds `nan`"),
+        ({"sun_altitude_deg": [91.0]}, "column `sun_altitude_deg` holds `91.0`"),
+        ({"dhi_w_m2": [1.0, 2.0]}, "columns have different numbers of rows"),
+        ({"dhi_w_m2": [[1.0, 2.0]]}, r"column `dhi_w_m2` has the shape \(1, 2\)"),
+        ({"dhi_w_m2": None}, "column `dhi_w_m2` has the shape"),
+    ],
+)
+def test_conditions(site: heliotile.Archive, change: dict, text: str) -> None:
+    """5 wrong tables of conditions, each with the column that is wrong."""
+    with pytest.raises(heliotile.InputError, match=text) as found:
+        site.query({**SUN, **change})
+    assert "to fix" in str(found.value) and isinstance(found.value, ValueError)
+
+
+def test_missing_columns(site: heliotile.Archive) -> None:
+    """A column that is missing is named, with those that are needed."""
+    with pytest.raises(heliotile.InputError, match="column `dni_w_m2` is missing from the header"):
+        site.query({name: values for name, values in SUN.items() if name != "dni_w_m2"})
+    with pytest.raises(heliotile.InputError, match="give a path, a DataFrame or a mapping"):
+        site.query([1, 2, 3])
+
+
+def frame(**columns: object) -> pd.DataFrame:
+    return pd.DataFrame(columns, index=pd.date_range("2021-06-20", periods=24, freq="h"))
+
+
+def test_weather(site: heliotile.Archive) -> None:
+    """Times without a zone, no place, unknown columns, an infinite value, a wrong zone are refused; NaN is a missing value, as in files, and warned of by its line."""
+    good = frame(dni=500.0, dhi=100.0)
+    with pytest.raises(heliotile.InputError, match="its index has no time zone\n  to fix: .*tz_localize"):
+        site.replay(good)
+    with pytest.raises(heliotile.InputError, match="does not say where it is from"):
+        site.replay(good.tz_localize("UTC"))
+    place = dict(latitude=52.0, longitude=4.0, time_zone="+01:00")
+    assert site.replay(heliotile.Weather(good, **place)).shape == (78, 24)
+    with pytest.raises(heliotile.InputError, match="weather"):
+        site.replay(heliotile.Weather(frame(sun=500.0, sky=100.0), **place))
+    holes = good.copy()
+    holes.iloc[12, 0] = np.nan
+    with pytest.warns(heliotile.HeliotileWarning, match="line 14 and on: DNI or DHI of 1 hours is missing"):
+        site.replay(heliotile.Weather(holes, **place))
+    holes.iloc[12, 0] = np.inf
+    with pytest.raises(heliotile.InputError, match="column `dni` holds `inf`"):
+        site.replay(heliotile.Weather(holes, **place))
+    with pytest.raises(heliotile.InputError, match="has no times"):
+        site.replay({"dni": [1.0], "dhi": [1.0]})
+    with pytest.raises(heliotile.ArgumentError, match="time_zone: `CET` is none"):
+        site.replay(heliotile.Weather(good, latitude=52, longitude=4, time_zone="CET"))
+
+
+@pytest.mark.parametrize(
+    ("choice", "text"),
+    [
+        ({"every": "week"}, "every: `week` is none of its values\n  to fix: give hour, day, month, year, total"),
+        ({"columns": ["sun"]}, "columns: .*`?sun`?"),
+        ({"sky": "blue"}, "sky: "),
+        ({"paths": "roads"}, "paths: "),
+        ({"bounces": 0}, "bounces: is 0"),
+        ({"patches": 100}, "100"),
+        ({"steps": 0}, "steps: is not from 1 to 60"),
+        ({"start": "yesterday"}, "start: give a day that exists"),
+        ({"reflectance": {"ground": 1.5}}, "reflectance: is from 0 to 1, not 1.5"),
+        ({"reflectance": {"ground": [0.2, 0.3]}}, 'reflectance\\["ground"\\]'),
+        ({"reflectance": {"roses": 0.5}}, "there is no group and no material `roses`"),
+        ({"transmittance": {"wall": 0.5}}, "is no canopy"),
+        ({"snow": "deep"}, "snow: `deep` is none of its values"),
+        ({"temperature": {"ground": 10.0}}, "no column depends on it"),
+        ({"receivers": ["nobody"]}, "does not hold 1 receiver of those asked for: nobody"),
+        ({"receivers": []}, "the list is empty"),
+        ({"receivers": "no.csv"}, "No such file"),
+    ],
+)
+def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
+    """17 wrong choices, each refused with its name and what to give."""
+    with pytest.raises(heliotile.Error, match=text):
+        site.replay(DAYS, **choice)
+
+
+def test_longwave_of_a_query(site: heliotile.Archive) -> None:
+    """What conditions say nothing of is refused; in a replay it is a column, 200 to 500 W/m2."""
+    with pytest.raises(heliotile.UnsupportedError, match="longwave"):
+        site.query(SUN, columns=["longwave"])
+    values = site.replay(DAYS, columns=["longwave"], temperature={"ground": 10.0})["longwave"]
+    assert 100 < values.min() < values.max() < 600
+
+
+def test_builds(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path) -> None:
+    """6 wrong builds; nothing is left behind, and a file that is no archive stays as it was."""
+    receivers = DATA / "hague" / "receivers.csv"
+    out = tmp_path / "site.helio"
+    for change, text in [
+        ({"quality": "best"}, "quality: `best` is none of its values"),
+        ({"error": 99}, "error: is no error to aim at"),
+        ({"settings": {"hit": 3}}, "hit"),
+        ({"effects": "magic"}, "effects: "),
+        ({"checkpoint": -1}, "checkpoint: "),
+    ]:
+        with pytest.raises(heliotile.Error, match=text):
+            heliotile.build(scene, receivers, out, **change)
+    wrong = {name: values[:2] for name, values in site.receivers().items() if name in ("receiver", "x", "y", "z", "nx", "ny", "nz")}
+    with pytest.raises(heliotile.InputError, match="line 3.*`x`"):
+        heliotile.build(scene, {**wrong, "x": np.array([1.0, np.nan])}, out)
+    assert list(tmp_path.iterdir()) == []
+    out.write_text("mine")
+    with pytest.raises(heliotile.InputError, match="exists and is not an archive"):
+        heliotile.build(scene, receivers, out)
+    assert out.read_text() == "mine"
+
+
+def test_scenes() -> None:
+    """One coordinate without the other, and a system in degrees, are refused."""
+    scene = DATA / "hague" / "scene.obj"
+    with pytest.raises(heliotile.ArgumentError, match="give both"):
+        heliotile.Scene(scene, latitude=52)
+    with pytest.raises(heliotile.ArgumentError, match="degrees"):
+        heliotile.Scene(scene, crs=4326)
+
+
+def test_datasets(site: heliotile.Archive) -> None:
+    """Without weather there is nothing to replay; an unknown column, receiver and row are KeyErrors and IndexErrors that say what there is."""
+    with pytest.raises(TypeError, match="give weather"):
+        xr.open_dataset(site.path, engine="heliotile")
+    results = site.replay(DAYS, columns=["total"], every="day")
+    with pytest.raises(KeyError, match="no column `sun`: there are total"):
+        results["sun"]
+    with pytest.raises(heliotile.ArgumentError, match="pvlib takes hours"):
+        results.to_pvlib(0)
+    hours = site.replay(DAYS, columns=["total"])
+    with pytest.raises(heliotile.ArgumentError, match="`sun_direct` is not among them"):
+        hours.to_pvlib(0)
+    with pytest.raises(KeyError, match="no receiver `nobody`"):
+        hours.to_pvlib("nobody")

@@ -1,0 +1,159 @@
+"""Values are the program's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import heliotile
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import DATA, DAYS, PROGRAM, YEAR, program
+
+SIX = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular"]
+
+
+def of_program(folder: Path, command: str, site: heliotile.Archive, *words: object) -> np.ndarray:
+    """[receiver][label][column], as the program writes it."""
+    program(command, site.path, *words, "-o", folder / "out.npy")
+    return np.load(folder / "out.npy")
+
+
+def same(results: heliotile.Results, values: np.ndarray) -> None:
+    found = np.stack([results[column] for column in results.columns], axis=2)
+    assert found.dtype == np.float32 and found.shape == values.shape
+    assert found.tobytes() == values.tobytes()
+
+
+@pytest.mark.parametrize("every", ["hour", "day", "month", "year", "total"])
+def test_replay_is_the_programs(site: heliotile.Archive, tmp_path: Path, every: str) -> None:
+    """78 receivers, 7 columns, three days: equal to the bit for all five periods."""
+    values = of_program(tmp_path, "replay", site, "--weather", DAYS, "--every", every)
+    results = site.replay(DAYS, every=every)
+    same(results, values)
+    assert results.shape[0] == 78 and results.unit == ("W/m2" if every == "hour" else "kWh/m2")
+
+
+def test_choices_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """Reflectances by value, month and row, snow, sky, bounces, columns, a span and 3 receivers: equal to the bit."""
+    months = np.linspace(0.1, 0.8, 12)
+    (tmp_path / "months.csv").write_text("reflectance\n" + "\n".join(map(repr, months.tolist())) + "\n")
+    ids = site.receivers()["receiver"][[40, 3, 77]].tolist()
+    (tmp_path / "ids.csv").write_text("receiver\n" + "\n".join(ids) + "\n")
+    words = ["--weather", DAYS, "--reflectance", "wall=0.6", "--schedule", f"ground={tmp_path / 'months.csv'}", "--snow", "depth"]
+    words += ["--sky", "perez1990", "--bounces", 2, "--columns", "total,sun_diffuse_ground", "--receivers", tmp_path / "ids.csv"]
+    values = of_program(tmp_path, "replay", site, *words, "--year", 2019, "--steps", 3)
+    choices = dict(snow="depth", sky="perez1990", bounces=2, columns=["total", "sun_diffuse_ground"], year=2019, steps=3)
+    results = site.replay(DAYS, reflectance={"wall": 0.6, "ground": months}, receivers=ids, **choices)
+    same(results, values)
+    assert results.shape[0] == 3 and sorted(results.receivers) == sorted(ids)
+    same(site.replay(DAYS, reflectance={"wall": 0.6, "ground": str(tmp_path / "months.csv")}, receivers=tmp_path / "ids.csv", **choices), values)
+
+
+def test_query_is_the_programs(site: heliotile.Archive, conditions: Path, tmp_path: Path) -> None:
+    """A table of 2 conditions as a file, a DataFrame and a mapping: equal to the bit."""
+    values = of_program(tmp_path, "query", site, "--conditions", conditions)
+    table = pd.read_csv(conditions)
+    for given in [conditions, table, {name: table[name].to_numpy() for name in table.columns if name != "condition"}]:
+        same(site.query(given), values)
+    assert site.query(table).labels == ["noon", "overcast"]
+
+
+def test_arrow_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """The Arrow stream has the names, types, units and 5,616 rows of the program's .arrow file."""
+    import pyarrow as pa
+
+    program("replay", site.path, "--weather", DAYS, "-o", tmp_path / "hours.arrow")
+    with pa.ipc.open_file(tmp_path / "hours.arrow") as file:
+        expected = file.read_all()
+    found = pa.table(site.replay(DAYS))
+    assert found.schema.equals(expected.schema) and found.num_rows == expected.num_rows == 78 * 72
+    assert all(a.metadata == b.metadata for a, b in zip(found.schema, expected.schema, strict=True))
+    assert found.cast(found.schema).to_pandas().equals(expected.to_pandas())
+
+
+def test_factors_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """5 factors of 2 surfaces and 703 suns, as f32 of the program's Parquet file."""
+    program("factors", site.path, "--by", "surface", "-o", tmp_path / "factors.parquet")
+    table = pd.read_parquet(tmp_path / "factors.parquet")
+    factors = site.factors(by="surface")
+    assert factors.names == sorted(table["surface"].unique()) == ["roof", "wall"]
+    for name, values in factors.values.items():
+        assert values.shape == (2, 37, 19)
+        assert (values.reshape(-1).astype(np.float32) == table[name].to_numpy()).all()
+    assert factors.to_xarray()["ReflFacBmToDiffSolGnd"].sel(surface="roof", sun_azimuth_deg=180, sun_altitude_deg=45).item() > 0
+
+
+def test_pvlib_names(site: heliotile.Archive) -> None:
+    """poa_* of a receiver are sums of its components, to the bit, under times with their zone."""
+    hours = site.replay(DAYS, stamp="middle")
+    row = 10
+    table = hours.to_pvlib(hours.receivers[row])
+    assert list(table.columns) == ["poa_global", "poa_direct", "poa_diffuse", "poa_sky_diffuse", "poa_ground_diffuse"]
+    direct = hours["sun_direct"][row] + hours["sun_specular"][row]
+    sky = hours["sky_direct"][row] + hours["sky_specular"][row]
+    ground = hours["sun_diffuse"][row] + hours["sky_diffuse"][row]
+    assert (table["poa_direct"] == direct).all() and (table["poa_sky_diffuse"] == sky).all()
+    assert (table["poa_global"] == direct + (sky + ground)).all() and table["poa_global"].max() > 100
+    assert table.index[0].minute == 30 and table.index[0].utcoffset().total_seconds() == -7 * 3600
+
+
+def test_build_is_the_programs(scene: heliotile.Scene, tmp_path: Path) -> None:
+    """Receivers of a file and of a DataFrame give the program's archive, byte by byte."""
+    hague = DATA / "hague"
+    program("build", hague / "scene.obj", "-m", hague / "materials.toml", "-r", hague / "receivers.csv", "-o", tmp_path / "p.helio", "--quality", "draft")
+    expected = (tmp_path / "p.helio").read_bytes()
+    for given in [hague / "receivers.csv", pd.read_csv(hague / "receivers.csv")]:
+        site = heliotile.build(scene, given, tmp_path / "site.helio", quality="draft")
+        assert (tmp_path / "site.helio").read_bytes() == expected
+        assert site.built is not None and site.built.bytes == len(expected) and site.built.rays > 1e6
+
+
+def test_cover_is_the_programs(tmp_path: Path) -> None:
+    """The table of 1,228 receivers of README's block, and one of windows and roofs at 3 m: byte by byte."""
+    city = DATA / "cityjson" / "hague.city.json"
+    scene = heliotile.Scene(city)
+    for words, choices, start in [([], {}, "1228 receivers on 321 surfaces"), (["--on", "roof", "--spacing", "3m"], {"on": ["roof"], "spacing": 3.0}, "")]:
+        program("receivers", city, *words, "-o", tmp_path / "p.csv")
+        assert scene.cover(tmp_path / "own.csv", **choices).startswith(start)
+        assert (tmp_path / "own.csv").read_bytes() == (tmp_path / "p.csv").read_bytes()
+    with pytest.raises(heliotile.ArgumentError, match="spacing: is 0"):
+        scene.cover(tmp_path / "none.csv", spacing=0)
+    with pytest.raises(heliotile.ArgumentError, match="no kind of surface and no material `rooves`"):
+        scene.cover(tmp_path / "none.csv", on="rooves")
+    assert not (tmp_path / "none.csv").exists()
+
+
+def test_an_error_is_kept(scene: heliotile.Scene, tmp_path: Path) -> None:
+    """A build for 5 % states what it is off by; the settings are in the archive."""
+    some = pd.read_csv(DATA / "hague" / "receivers.csv").head(40)
+    site = heliotile.build(scene, some, tmp_path / "site.helio", error=5)
+    assert site.built is not None and site.built.error_percent is not None and 0 < site.built.error_percent < 10
+    assert site.count == 40 and int(site.settings["hit"]) >= 8
+
+
+def test_receivers(site: heliotile.Archive) -> None:
+    """78 receivers with unit normals, areas and surfaces, in the order of results; shares of the hemisphere are at most 1."""
+    table = pd.DataFrame(site.receivers())
+    assert len(table) == site.count == 78 and table["receiver"].tolist() == site.replay(DAYS, every="total").receivers
+    assert np.allclose(np.hypot(np.hypot(table["nx"], table["ny"]), table["nz"]), 1, atol=1e-12)
+    assert set(table["surface"]) == {"roof", "wall"} and table["area"].sum() == pytest.approx(670.831 + 1575.87, abs=0.01)
+    assert ((table[["sky_view", "ground_view", "obstruction_view"]].sum(axis=1)) <= 1 + 1e-6).all()
+    assert {material.kind for material in site.materials()} == {"ground", "obstruction"}
+
+
+def test_the_year(site: heliotile.Archive, tmp_path: Path) -> None:
+    """A year of 78 receivers by month: equal to the bit, and README's 1271.4 kWh/m2 of roofs within 2 % at draft quality."""
+    values = of_program(tmp_path, "replay", site, "--weather", YEAR, "--every", "month")
+    with pytest.warns(heliotile.HeliotileWarning, match="come from different years"):
+        results = site.replay(YEAR, every="month")
+    same(results, values)
+    table = site.receivers()
+    roof = table["surface"] == "roof"
+    mean = (results["total"].sum(axis=1) * table["area"])[roof].sum() / table["area"][roof].sum()
+    assert mean == pytest.approx(1271.37, rel=0.02)
+
+
+def test_the_program_is_there() -> None:
+    """What values are compared with is the program of version 0.1.0."""
+    assert PROGRAM.is_file() and heliotile.__version__ == "0.1.0"

@@ -1,0 +1,148 @@
+"""Long work: threads go on, Ctrl-C and exceptions of callbacks stop it, progress is told."""
+
+from __future__ import annotations
+
+import _thread
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import heliotile
+import numpy as np
+import pytest
+from conftest import DATA, DAYS, YEAR
+
+
+def test_ten_threads(site: heliotile.Archive, conditions: Path) -> None:
+    """10 threads ask one archive at once, 5 times each: 50 equal answers."""
+    expected = site.query(conditions)["total"]
+    with ThreadPoolExecutor(10) as pool:
+        found = list(pool.map(lambda _: site.query(conditions)["total"], range(50)))
+    assert len(found) == 50 and all((values == expected).all() for values in found)
+
+
+def test_other_threads_go_on(block: heliotile.Archive) -> None:
+    """While a year of 1,228 receivers is replayed, another thread counts more than 50 times a second."""
+    ticks, working = 0, threading.Event()
+
+    def count() -> None:
+        nonlocal ticks
+        while not working.is_set():
+            ticks += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    start = time.perf_counter()
+    thread.start()
+    block.replay(YEAR, columns=["total"])
+    seconds = time.perf_counter() - start
+    working.set()
+    thread.join()
+    assert ticks > 50 * seconds, f"{ticks} in {seconds} s"
+
+
+def test_progress(scene: heliotile.Scene, tmp_path: Path) -> None:
+    """A build tells of its stages, each of which ends with all of its items."""
+    told: dict[str, list[tuple[int, int | None]]] = {}
+    heliotile.build(
+        scene,
+        DATA / "hague" / "receivers.csv",
+        tmp_path / "site.helio",
+        progress=lambda stage, done, items: told.setdefault(stage, []).append((done, items)),
+    )
+    assert "receivers" in told and told["receivers"][-1][0] <= 78 and len(told) >= 2
+
+
+#: More columns than usual: longer work.
+SPLIT = ["total", "sun_diffuse_ground", "sun_diffuse_obstruction", "sky_diffuse_ground", "sky_diffuse_obstruction"]
+
+
+class Interrupted:
+    """Sends Ctrl-C to this process from another thread, once work has gone on."""
+
+    def __init__(self) -> None:
+        self.went_on = threading.Event()
+        self.thread = threading.Thread(target=self.interrupt)
+        self.thread.start()
+
+    def interrupt(self) -> None:
+        self.went_on.wait(60)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    def __call__(self, stage: str, done: int, items: int | None) -> None:
+        self.went_on.set()
+
+
+def test_ctrl_c_stops_a_replay(block: heliotile.Archive) -> None:
+    """Ctrl-C during a year of hours, 60 suns in each, is a KeyboardInterrupt with some of 20 tiles undone; the archive works afterwards."""
+    before = heliotile.tiles_computed()
+    interrupted = Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        block.replay(YEAR, steps=60, columns=SPLIT, progress=interrupted)
+    interrupted.thread.join()
+    assert heliotile.tiles_computed() - before < 20
+    assert (block.replay(DAYS, every="total")["total"] > 0).any()
+
+
+def test_ctrl_c_stops_a_build(scene: heliotile.Scene, tmp_path: Path) -> None:
+    """Ctrl-C during a build leaves no archive; the same call goes on and gives the bytes of a build that nobody stopped."""
+    receivers, path = DATA / "hague" / "receivers.csv", tmp_path / "site.helio"
+    interrupted = Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        heliotile.build(scene, receivers, path, quality="fine", checkpoint=0, progress=interrupted)
+    interrupted.thread.join()
+    assert not path.exists() and (tmp_path / "site.helio.partial").is_file()
+    with pytest.raises(heliotile.IncompleteError, match="fresh=True"):
+        heliotile.build(scene, receivers, path, quality="draft")
+    went_on = heliotile.build(scene, receivers, path, quality="fine")
+    whole = heliotile.build(scene, receivers, tmp_path / "whole.helio", quality="fine")
+    assert path.read_bytes() == (tmp_path / "whole.helio").read_bytes() and went_on.root == whole.root
+
+
+def test_a_callback_that_raises(block: heliotile.Archive) -> None:
+    """What progress raises is raised by the replay, which stops."""
+
+    def refuse(stage: str, done: int, items: int | None) -> None:
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        block.replay(YEAR, progress=refuse)
+
+
+def test_a_thread_that_is_not_the_main_one(site: heliotile.Archive) -> None:
+    """Signals are the main thread's: a replay in another thread is done all the same while Ctrl-C comes."""
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(site.replay, DAYS)
+        with pytest.raises(KeyboardInterrupt):
+            _thread.interrupt_main()
+            time.sleep(5)
+        assert future.result().shape == (78, 72)
+
+
+def test_forks_are_refused(site: heliotile.Archive) -> None:
+    """A forked process, which has no threads to compute on, says so instead of waiting for ever."""
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        text = pool.apply_async(forked, (site.path,)).get(timeout=30)
+    assert "forked off" in text and "spawn" in text
+
+
+def forked(path: str) -> str:
+    try:
+        return str(heliotile.Archive.open(path))
+    except RuntimeError as error:
+        return str(error)
+
+
+def test_lazy_rows_from_threads(block: heliotile.Archive) -> None:
+    """10 threads index one Dataset at once: all 1,228 rows as in memory."""
+    import xarray as xr
+
+    lazy = xr.open_dataset(block.path, engine="heliotile", weather=DAYS)["total"]
+    whole = block.replay(DAYS)["total"]
+    with ThreadPoolExecutor(10) as pool:
+        rows = list(pool.map(lambda row: lazy.isel(receiver=row).values, range(0, 1228, 13)))
+    assert (np.stack(rows) == whole[::13]).all()
