@@ -1,0 +1,113 @@
+"""Regions in parts: one of Python's own, Dask's workers, the program that a wheel has."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import heliotile
+import heliotile.dask
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import DATA, DAYS, program
+from distributed import Client, LocalCluster
+
+CITY = DATA / "cityjson" / "hague.city.json"
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> pd.Series:
+    """Sums of three days of the block as one archive, by receiver."""
+    folder = tmp_path_factory.mktemp("whole")
+    program("receivers", CITY, "--spacing", "4m", "-o", folder / "r.csv")
+    program("build", CITY, "-r", folder / "r.csv", "--quality", "draft", "-o", folder / "site.helio")
+    rows = heliotile.Archive.open(folder / "site.helio").replay(DAYS, every="total").to_pandas()
+    return rows.set_index(rows.receiver.astype(str)).total_kwh_m2.sort_index()
+
+
+def cut(folder: Path, size: str = "30m") -> heliotile.Atlas:
+    """The block in parts with a halo as wide as it."""
+    program("partition", CITY, "--spacing", "4m", "--quality", "draft", "--sample", "0", "--part-size", size, "-o", folder / "atlas")
+    return heliotile.Atlas.open(folder / "atlas")
+
+
+def test_parts(tmp_path: Path, whole: pd.Series) -> None:
+    """Four parts built one by one give the 425 sums of one archive to the bit; a box opens one part, and an atlas pickles by its path."""
+    atlas = cut(tmp_path, "45m")
+    parts = atlas.parts()
+    assert [part.state for part in parts] == ["missing"] * 4
+    with pytest.raises(heliotile.InputError, match="4 of its parts are not built"):
+        list(atlas.archives())
+    for part in parts:
+        assert atlas.build(part.name, threads=1).state == "built"
+    again = pickle.loads(pickle.dumps(atlas))
+    rows = pd.concat(results.to_pandas().astype({"receiver": str}) for _, results in again.replay(DAYS, every="total"))
+    found = rows.set_index("receiver").total_kwh_m2.sort_index()
+    assert len(found) == 425 and found.index.equals(whole.index)
+    np.testing.assert_array_equal(found.to_numpy(), whole.to_numpy())
+    (x0, y0), (x1, y1) = parts[0].low, parts[0].high
+    assert [part.name for part, _ in atlas.archives((x0 + 1, y0 + 1, x1 - 1, y1 - 1))] == [parts[0].name]
+    with pytest.raises(heliotile.Error, match="no part `nowhere`"):
+        atlas.build("nowhere")
+
+
+def test_dataset(tmp_path: Path, whole: pd.Series) -> None:
+    """One Dataset of four parts has 425 receivers with their parts, a chunk each; nothing is computed to open it, and its sums are the archive's."""
+    atlas = cut(tmp_path, "45m")
+    for part in atlas.parts():
+        atlas.build(part.name)
+    before = heliotile.tiles_computed()
+    data = atlas.to_xarray(DAYS, every="total", columns=["total"])
+    assert heliotile.tiles_computed() == before
+    assert data.sizes["receiver"] == 425 and len(data.total.chunksizes["receiver"]) == 4
+    found = data.total.isel(time=0).to_series().sort_index()
+    np.testing.assert_array_equal(found.to_numpy(), whole.to_numpy())
+    assert set(data.part.values) == {part.name for part in atlas.parts()}
+
+
+def test_lost_workers(tmp_path: Path, whole: pd.Series) -> None:
+    """Parts built by two workers, of which one is killed three times, are those of one machine: the same archives to the byte, 425 sums."""
+    alone, atlas = cut(tmp_path), cut(tmp_path / "cluster")
+    for part in alone.parts():
+        alone.build(part.name, threads=1)
+    with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster, Client(cluster) as client:
+        killed: list[int] = []
+
+        def kill() -> None:
+            chance = random.Random(7)
+            while len(killed) < 3:
+                time.sleep(1.0)
+                pids = [worker["pid"] for worker in client.run(lambda: {"pid": os.getpid()}).values()]
+                os.kill(chance.choice(pids), signal.SIGKILL)
+                killed.append(1)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        names = heliotile.dask.build(atlas, client)
+        killer.join()
+        rows = heliotile.dask.replay(atlas, str(DAYS), every="total", columns=["total"])
+        assert rows.npartitions == len(names)
+        found = rows.compute().set_index("receiver").total_kwh_m2.sort_index()
+    assert len(killed) == 3
+    np.testing.assert_array_equal(found.to_numpy(), whole.to_numpy())
+    assert sorted(names) == sorted(part.name for part in alone.parts())
+    for ours, theirs in zip(alone.parts(), atlas.parts(), strict=True):
+        assert ours.state == theirs.state
+        if ours.archive is not None and theirs.archive is not None:
+            assert Path(ours.archive).read_bytes() == Path(theirs.archive).read_bytes()
+
+
+def test_program() -> None:
+    """The wheel runs the program: `python -m heliotile --version` says the package's version, and a wrong word ends with 2."""
+    said = subprocess.run([sys.executable, "-m", "heliotile", "--version"], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == f"heliotile {heliotile.__version__}"
+    wrong = subprocess.run([sys.executable, "-m", "heliotile", "nothing"], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 2 and "nothing" in wrong.stderr
