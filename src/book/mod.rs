@@ -70,6 +70,9 @@ pub mod buildings {}
 #[doc = include_str!("export.md")]
 pub mod export {}
 
+#[doc = include_str!("regions.md")]
+pub mod regions {}
+
 #[doc = include_str!("archives.md")]
 pub mod archives {}
 

@@ -88,7 +88,7 @@ class Atlas:
         """
         import xarray as xr
 
-        opened = []
+        opened: list[xr.Dataset] = []
         for part, archive in self.archives(bbox):
             one = xr.open_dataset(archive, engine="heliotile", weather=weather, chunks={}, **choices)  # type: ignore[arg-type]
             opened.append(one.chunk({"receiver": -1}).assign_coords(part=("receiver", [part.name] * one.sizes["receiver"])))
