@@ -110,7 +110,6 @@ impl PvFolder {
             names.extend(args.points.is_some().then(|| PvFolder::list_of(point)));
             names.extend(args.search.then(|| PvFolder::picture_of(point)));
         }
-        names.sort();
         let mut now = MadeFrom::new(archive, weather, &args.weather, names);
         now.claim(&self.folder, args.replace)
     }

@@ -33,7 +33,8 @@ pub struct MadeFrom {
 }
 
 impl MadeFrom {
-    pub fn new(archive: &Archive, weather: &Weather, file: &Path, files: Vec<String>) -> Self {
+    pub fn new(archive: &Archive, weather: &Weather, file: &Path, mut files: Vec<String>) -> Self {
+        files.sort();
         MadeFrom {
             weather: file.display().to_string(),
             weather_hash: hash(weather),
