@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use super::listed::{ListedPart, parts};
 use super::part::{PartState, state};
 use super::plan::AtlasPlan;
 use crate::commands::say;
-use heliotile_core::archive::{Access, Archive};
+use crate::files::open_archive;
+use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
@@ -15,12 +17,7 @@ const NAMED: usize = 8;
 
 /// Archives of the parts that are built.
 pub fn built(atlas: &Path) -> Result<Vec<PathBuf>> {
-    let plan = AtlasPlan::read(atlas)?;
-    let built = |part| match state(atlas, part) {
-        PartState::Built(path) => Some(path),
-        PartState::Empty | PartState::Missing => None,
-    };
-    let paths: Vec<PathBuf> = plan.parts.iter().filter_map(built).collect();
+    let paths: Vec<PathBuf> = parts(atlas, None)?.iter().filter_map(ListedPart::archive).cloned().collect();
     match paths.is_empty() {
         true => Err(Error::input(atlas, None, "has no part that is built", "heliotile build ATLAS --part all")),
         false => Ok(paths),
@@ -34,7 +31,7 @@ pub fn info(atlas: &Path) -> Result<()> {
     for part in &plan.parts {
         match state(atlas, part) {
             PartState::Built(path) => {
-                receivers += Archive::open_with(&path, Access::Read)?.manifest().receivers.count;
+                receivers += open_archive(&path, Access::Read)?.manifest().receivers.count;
                 bytes += path.metadata().map_err(Error::io(&path, "read the length of"))?.len();
                 built += 1;
             }

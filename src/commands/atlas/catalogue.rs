@@ -4,21 +4,21 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::about;
-use super::listed::parts;
-use super::part::{PartState, state};
-use super::plan::{AtlasPlan, PlannedPart};
+use super::listed::{ListedPart, parts};
+use super::part::PartState;
+use super::plan::AtlasPlan;
 use crate::cli::{CatalogueArgs, FindArgs};
+use crate::commands::replay::mapped::crs_of;
 use crate::commands::{Outcome, remark, say, warn};
-use crate::outputs::shapes::MapCrs;
+use crate::files::open_archive;
 use crate::outputs::sink::write_texts;
 use crate::outputs::stac::{COLLECTION, StacAsset, StacItem, collection};
 use crate::outputs::tables::quoted;
-use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::archive::{Access, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
@@ -30,20 +30,14 @@ pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
     let (atlas, plan) = (args.atlas.as_path(), AtlasPlan::read(&args.atlas)?);
     let whole = std::path::absolute(atlas).map_err(Error::io(atlas, "find"))?;
     let name = whole.file_name().map_or("atlas".into(), |name| name.to_string_lossy().into_owned());
-    let built: Vec<(&PlannedPart, PathBuf)> = plan
-        .parts
-        .iter()
-        .filter_map(|part| match state(atlas, part) {
-            PartState::Built(path) => Some((part, path)),
-            PartState::Empty | PartState::Missing => None,
-        })
-        .collect();
+    let listed = parts(atlas, None)?;
+    let built: Vec<(&ListedPart, &PathBuf)> = listed.iter().filter_map(|part| Some((part, part.archive()?))).collect();
     let Some((_, first)) = built.first() else { return about::built(atlas).map(|_| Outcome::Fine) };
-    let crs = crs_of(first)?;
+    let crs = crs_of(&open_archive(first, Access::Read)?);
     if !crs.has_degrees() {
         warn("nobody says where the atlas lies on Earth: items have no footprint (partition it with --crs)");
     }
-    let item = |(part, path): &(&PlannedPart, PathBuf)| item(part, path, &plan, &name);
+    let item = |(part, path): &(&ListedPart, &PathBuf)| item(part, path, &plan, &name);
     let items: Vec<(StacItem, String)> = built.par_iter().map(item).collect::<Result<_>>()?;
     for ((item, _), (_, path)) in items.iter().zip(&built) {
         let folder = path.parent().unwrap_or(atlas);
@@ -52,7 +46,7 @@ pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
     let title = args.title.as_deref().unwrap_or(&name);
     let json = collection(&name, title, &args.license, &items, &crs);
     write_texts(atlas, &[(COLLECTION, text(&json))])?;
-    let missing = plan.parts.iter().filter(|part| state(atlas, part) == PartState::Missing).count();
+    let missing = listed.iter().filter(|part| part.state == PartState::Missing).count();
     if missing > 0 {
         warn(&format!("{} not built yet, and not in the catalogue", counted(missing as u64, "part")));
     }
@@ -64,16 +58,9 @@ fn text(json: &Value) -> String {
     format!("{json:#}\n")
 }
 
-/// The system of an archive's coordinates.
-fn crs_of(path: &Path) -> Result<MapCrs> {
-    let archive = Archive::open_with(path, Access::Read)?;
-    let [low, high] = archive.manifest().scene.bounds_m.map(DVec3::from);
-    Ok(MapCrs::of(archive.manifest().place.as_ref(), 0.5 * (low + high)))
-}
-
-fn item(part: &PlannedPart, path: &Path, plan: &AtlasPlan, name: &str) -> Result<(StacItem, String)> {
-    let archive = Archive::open_with(path, Access::Read)?;
-    let (manifest, within) = (archive.manifest(), plan.region_part(part));
+fn item(part: &ListedPart, path: &Path, plan: &AtlasPlan, name: &str) -> Result<(StacItem, String)> {
+    let archive = open_archive(path, Access::Read)?;
+    let manifest = archive.manifest();
     let file = File::open(path).map_err(Error::io(path, "open"))?;
     let about = file.metadata().map_err(Error::io(path, "read the length of"))?;
     let checksum = blake3::Hasher::new().update_reader(file).map_err(Error::io(path, "read"))?.finalize();
@@ -95,8 +82,8 @@ fn item(part: &PlannedPart, path: &Path, plan: &AtlasPlan, name: &str) -> Result
     let item = StacItem {
         id: part.name.clone(),
         collection: name.to_owned(),
-        low: within.low,
-        high: within.high,
+        low: part.low,
+        high: part.high,
         written,
         properties,
         assets: vec![StacAsset::archive(&file_name, about.len(), checksum)],

@@ -5,8 +5,9 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::cli::TableArgs;
-use crate::commands::atlas::part::{PartState, state};
-use crate::commands::atlas::plan::{AtlasPlan, PlannedPart, is_atlas};
+use crate::commands::atlas::listed::{ListedPart, parts};
+use crate::commands::atlas::part::PartState;
+use crate::commands::atlas::plan::is_atlas;
 use crate::commands::console::shell_words::quoted;
 use crate::commands::voice::remark_aside;
 use crate::files::open_archive;
@@ -36,8 +37,7 @@ impl Sources {
         if !is_atlas(&args.archive) {
             return Ok(Sources { first: open_archive(&args.archive, access(args))?, others: Vec::new() });
         }
-        let plan = AtlasPlan::read(&args.archive)?;
-        let mut parts = built(&plan, args)?.into_iter().map(|path| open_archive(&path, args.io.unwrap_or_default()));
+        let mut parts = built(args)?.into_iter().map(|path| open_archive(&path, args.io.unwrap_or_default()));
         let Some(first) = parts.next().transpose()? else {
             let what = "no part of it holds a receiver of what is asked for";
             return Err(Error::input(&args.archive, None, what, "--bbox is in the coordinates of the scene files"));
@@ -83,18 +83,13 @@ impl<'a> Archives<'a> {
 }
 
 /// Archives of the parts that may hold what is asked for; a part that is not built is an error.
-fn built(plan: &AtlasPlan, args: &TableArgs) -> Result<Vec<PathBuf>> {
-    let asked =
-        |part: &&PlannedPart| args.bbox.is_none_or(|bounds| plan.region_part(part).touches(bounds.low, bounds.high));
-    let (mut paths, mut missing) = (Vec::new(), Vec::new());
-    for part in plan.parts.iter().filter(asked) {
-        match state(&args.archive, part) {
-            PartState::Built(path) => paths.push(path),
-            PartState::Empty => {}
-            PartState::Missing => missing.push(part.name.as_str()),
-        }
-    }
-    let Some(first) = missing.first() else { return Ok(paths) };
+fn built(args: &TableArgs) -> Result<Vec<PathBuf>> {
+    let listed = parts(&args.archive, args.bbox)?;
+    let missing: Vec<&str> =
+        listed.iter().filter(|part| part.state == PartState::Missing).map(|part| part.name.as_str()).collect();
+    let Some(first) = missing.first() else {
+        return Ok(listed.iter().filter_map(ListedPart::archive).cloned().collect());
+    };
     let atlas = quoted(&args.archive.to_string_lossy());
     let hint = format!("heliotile build {atlas} --part {first}, or others with --bbox");
     let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");

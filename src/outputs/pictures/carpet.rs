@@ -5,7 +5,7 @@ use plotters::style::text_anchor::HPos;
 
 use super::colours::{STEPS, viridis, viridis_step};
 use super::plot_scale::round_steps;
-use super::sheet::{Drawn, Sheet, clean, letters, place, rgb, svg};
+use super::sheet::{Drawn, Sheet, clean, heading, letters, place, rgb, svg};
 use heliotile_core::error::Result;
 
 /// Hours of a day.
@@ -45,8 +45,7 @@ impl Carpet {
 
     fn draw(&self, page: &Sheet) -> Drawn {
         let (left, right, upper, lower) = AREA;
-        page.draw(&Text::new(clean(&self.title), place((16.0, 22.0)), letters(17, BLACK, HPos::Left)))?;
-        page.draw(&Text::new(clean(&self.called), place((16.0, 45.0)), letters(13, BLACK, HPos::Left)))?;
+        heading(page, &self.title, &self.called)?;
         let ticks = self.ticks();
         let top = ticks.last().copied().unwrap_or(1.0);
         let count = self.columns.len().max(1);

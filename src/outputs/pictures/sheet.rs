@@ -5,7 +5,7 @@ use std::io;
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
-use plotters::prelude::{IntoDrawingArea, IntoFont, RGBColor, SVGBackend, TextStyle, WHITE};
+use plotters::prelude::{BLACK, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, Text, TextStyle, WHITE};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::Rgb;
@@ -47,6 +47,12 @@ pub fn place((x, y): (f64, f64)) -> (i32, i32) {
 pub fn letters(pixels: i32, colour: RGBColor, side: HPos) -> TextStyle<'static> {
     let font = ("sans-serif", f64::from(pixels * FINE) * 1.24).into_font();
     font.color(&colour).pos(Pos::new(side, VPos::Center))
+}
+
+/// A title and what stands below it.
+pub fn heading(page: &Sheet, title: &str, called: &str) -> Drawn {
+    page.draw(&Text::new(clean(title), place((16.0, 22.0)), letters(17, BLACK, HPos::Left)))?;
+    page.draw(&Text::new(clean(called), place((16.0, 45.0)), letters(13, BLACK, HPos::Left)))
 }
 
 /// Text without what XML cannot hold; its own signs are escaped where they are written.
