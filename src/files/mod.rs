@@ -3,10 +3,9 @@
 
 #[cfg(feature = "remote")]
 mod afar;
-#[cfg(not(feature = "remote"))]
-#[path = "not_afar.rs"]
-mod afar;
 mod archives;
+#[cfg(any(test, not(feature = "remote")))]
+mod not_afar;
 
 use std::path::Path;
 
@@ -21,6 +20,9 @@ use heliotile_core::weather::series::Weather;
 use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::placing::plausible::far_receivers;
+
+#[cfg(not(feature = "remote"))]
+use not_afar as afar;
 
 pub(crate) use afar::{copy, traffic};
 pub(crate) use archives::{hold, require_file};

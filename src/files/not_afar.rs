@@ -25,3 +25,27 @@ pub fn copy(from: &Path, to: &Path, _: bool, _: &dyn Observer) -> Result<Copied>
 pub fn traffic() -> Option<String> {
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use heliotile_builder::observer::Silent;
+
+    use super::*;
+
+    /// A program without stores refuses an address that is read, copied from or copied to, 3 ways, with how to build one that takes it and
+    /// without the signature; it tells of 0 requests.
+    #[test]
+    fn refused_with_what_to_do() {
+        let (address, file) = (Path::new("https://me:secret@host/site.helio?sig=secret"), Path::new("a.helio"));
+        let copied = [(address, file), (file, address)].map(|(from, to)| copy(from, to, false, &Silent).err());
+        let told: Vec<String> =
+            [hold(address, true).err()].into_iter().chain(copied).flatten().map(|e| e.to_string()).collect();
+        assert_eq!(told.len(), 3);
+        for text in told {
+            assert!(text.contains("https://host/site.helio: is an address"), "{text}");
+            assert!(text.contains("cargo build --locked --release --features remote"), "{text}");
+            assert!(!text.contains("secret"), "{text}");
+        }
+        assert_eq!(traffic(), None);
+    }
+}

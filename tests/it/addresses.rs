@@ -1,20 +1,11 @@
-//! A program that is built without the feature `remote`.
+//! Addresses where only paths are taken, in a program with and without the feature `remote`.
 
 use crate::cli::Folder;
 
-/// 6 commands refuse an address with how to build a program that reads it, without a signature; a scene, weather and an output at an address are
-/// refused for what they are.
+/// 3 commands refuse an address, or a path, for what they cannot do with it, and say which command can.
 #[test]
-fn without_the_feature() {
+fn refused_for_what_they_are() {
     let folder = Folder::new();
-    let address = "https://me:secret@host/site.helio?sig=secret";
-    let build = ["https://host/site.helio: is an address", "cargo build --locked --release --features remote"];
-    for line in
-        ["info AT", "verify AT", "query AT --conditions conditions.csv", "view AT", "copy AT a.helio", "diff AT AT"]
-    {
-        folder.refused(&line.replace("AT", address), &build);
-        assert!(!crate::cli::stderr(&folder.run(&line.replace("AT", address))).contains("secret"), "{line}");
-    }
     folder.refused(
         "replay s3://b/site.helio --weather s3://b/x.epw",
         &["only archives are read from there", "heliotile copy"],

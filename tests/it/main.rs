@@ -1,7 +1,6 @@
 //! All integration tests in one binary, by question.
 
 mod accuracy;
-#[cfg(not(feature = "remote"))]
 mod addresses;
 mod archive;
 mod atlas;
