@@ -7,6 +7,9 @@ Progress = Callable[[str, int, int | None], object]
 
 __version__: str
 
+def use_threads(count: int) -> int:
+    """Makes all work of this process run on so many threads, if none has begun; how many they are."""
+
 def tiles_computed() -> int:
     """Tiles of 64 receivers that this process has computed since it began."""
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from .archive import Archive
 from .atlas import Atlas, Box
 from .errors import InputError
+from .workers import share_threads
 
 if TYPE_CHECKING:
     import dask.dataframe as dd
@@ -19,14 +20,24 @@ if TYPE_CHECKING:
 def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = None, threads: int = 1, retries: int = 3) -> list[str]:
     """Builds the parts that are missing, or those that are named, and waits for them. Names of what was built.
 
-    A build runs in a process of its own with so many `threads`; give workers as many threads as builds may run on them at once. One whose worker
-    is lost is tried again elsewhere, one that fails up to `retries` times: a part has its archive when it is whole, so nothing is there twice or half.
+    A build runs in a process of its own with so many `threads`, and a worker runs as many builds at once as it has threads: with 1, the default,
+    they fill its cores. One whose worker is lost is tried again elsewhere, one that fails up to `retries` times, and so is one that Dask gives up
+    because too many workers were lost around it. A part has its archive when it is whole, so nothing is there twice or half.
     """
+    from distributed import KilledWorker, wait
+
     atlas = atlas if isinstance(atlas, Atlas) else Atlas.open(atlas)
     wanted = [part.name for part in atlas.parts() if part.state == "missing"] if parts is None else list(parts)
-    # Not pure: a part that was removed is built again.
-    futures = client.map(_build, wanted, atlas=atlas.path, threads=threads, retries=retries, pure=False)
-    client.gather(futures)
+    left = wanted
+    for turn in range(retries + 1):
+        # Not pure: a part that was removed is built again.
+        futures = dict(zip(left, client.map(_build, left, atlas=atlas.path, threads=threads, retries=retries, pure=False), strict=True))
+        wait(list(futures.values()))
+        left = [name for name, future in futures.items() if isinstance(future.exception(), KilledWorker)]
+        # What else failed is raised here; what was given up as well, in the end.
+        client.gather([future for name, future in futures.items() if turn == retries or name not in left])
+        if not left:
+            break
     return wanted
 
 
@@ -48,6 +59,7 @@ def _build(part: str, atlas: str, threads: int) -> str:
 
 
 def _rows(archive: str, weather: Any, choices: dict[str, Any]) -> pd.DataFrame:
+    share_threads()
     rows = Archive.open(archive).replay(weather, **choices).to_pandas()
     # Categories of one part are not those of another.
     return rows.astype({"receiver": str})

@@ -10,6 +10,7 @@ import numpy as np
 from . import _heliotile
 from .archive import Archive, absolute
 from .results import Frame
+from .workers import share_threads
 
 #: Receivers whose rows are in memory at once, besides those that are asked for.
 AT_ONCE = 1024
@@ -28,6 +29,7 @@ class LazyReplay:
         """The engine's part, made when it is first asked for."""
         with self._lock:
             if self._handle is None:
+                share_threads()
                 archive, light, args, cache = self._made_of
                 self._handle = archive._handle.lazy(light, args, cache)
             return self._handle

@@ -45,6 +45,8 @@ mod _heliotile {
     use super::scene::SceneHandle;
     #[pymodule_export]
     use super::work::tiles_computed;
+    #[pymodule_export]
+    use super::work::use_threads;
 
     use super::*;
 

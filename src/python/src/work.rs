@@ -32,6 +32,14 @@ pub fn tiles_computed() -> u64 {
     TILES.load(Ordering::Relaxed)
 }
 
+/// Makes all work of this process run on so many threads; one that has begun already keeps its own. How many they are.
+#[pyfunction]
+pub fn use_threads(count: usize) -> usize {
+    // An error: there are threads already.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(count).build_global();
+    rayon::current_num_threads()
+}
+
 /// What the work tells, and whether it is to stop.
 #[derive(Default)]
 pub struct Watch {

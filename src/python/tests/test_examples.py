@@ -12,9 +12,9 @@ import pytest
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 
 
-def test_there_are_four() -> None:
-    """A city, PV, seasons, EnergyPlus: 4 examples."""
-    assert [example.stem for example in EXAMPLES] == ["city", "energyplus", "pv", "seasons"]
+def test_there_are_five() -> None:
+    """A city, parts on a cluster, PV, seasons, EnergyPlus: 5 examples."""
+    assert [example.stem for example in EXAMPLES] == ["city", "cluster", "energyplus", "pv", "seasons"]
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
