@@ -27,6 +27,8 @@ pub enum Cause {
     Changed,
     /// Credentials are missing, wrong or not enough.
     Denied,
+    /// Signatures carry the time, and this machine's is not the store's.
+    Clock,
     /// The server sends objects as a whole only.
     NoRanges,
     /// An answer that ended too early or came too late: may be otherwise the next time.
@@ -49,6 +51,11 @@ impl Failure {
         let found = Found::of(error);
         let code = found.code.as_ref().map_or(String::new(), |code| format!(", {code}"));
         match error {
+            _ if found.clock_is_off => {
+                let theirs = found.server_time.map_or(String::new(), |time| format!(", the store's says {time}"));
+                let status = found.status.unwrap_or(403);
+                Failure::new(Cause::Clock, format!("this machine's clock is off{theirs} ({status}{code})"))
+            }
             _ if found.code.as_deref() == Some("NoSuchBucket") => {
                 Failure::new(Cause::Missing, "is in a bucket that does not exist (404, NoSuchBucket)")
             }
@@ -83,6 +90,7 @@ impl Failure {
             Cause::Missing => "is the address right? capitals count".into(),
             Cause::Exists => "give it another name, or replace it with --replace".into(),
             Cause::Denied => format!("give the right to it: {variables}"),
+            Cause::Clock => "set the clock of this machine: stores take signatures of the last 15 minutes only".into(),
             Cause::NoRanges => "use a server with byte ranges, or fetch the file and open it from disk".into(),
             Cause::Passing | Cause::Unreached => {
                 "is the network there? try again; HELIOTILE_TIMEOUT=300 waits 300 s for each answer".into()
@@ -93,6 +101,9 @@ impl Failure {
     }
 }
 
+/// How S3, Azure and Google's givers of tokens say that a signature's time is too far from theirs.
+const OF_CLOCKS: [&str; 3] = ["RequestTimeTooSkewed", "Request date header too old", "in a reasonable timeframe"];
+
 /// What the depth of an error tells.
 struct Found {
     /// The innermost cause, in one line.
@@ -101,6 +112,10 @@ struct Found {
     status: Option<u16>,
     /// `<Code>` of S3, Azure and Google.
     code: Option<String>,
+    /// Whether a signature was refused for its time.
+    clock_is_off: bool,
+    /// `<ServerTime>` of S3.
+    server_time: Option<String>,
     /// Whether it was on the way to credentials.
     of_credentials: bool,
 }
@@ -119,13 +134,21 @@ impl Found {
         }
         let after = |mark: &str| text.split_once(mark).map(|(_, rest)| rest);
         let status = after("status code: ").and_then(|rest| rest.get(..3)?.parse().ok());
-        let code = after("<Code>").and_then(|rest| rest.split('<').next()).map(plain);
-        let code = code.filter(|code| !code.is_empty());
-        Found { status, code, of_credentials, text: plain(text.lines().next().unwrap_or_default()) }
+        let within = |mark: &str| after(mark).and_then(|rest| rest.split('<').next()).map(plain);
+        let [code, server_time] = ["<Code>", "<ServerTime>"].map(|mark| within(mark).filter(|value| !value.is_empty()));
+        let clock_is_off = OF_CLOCKS.iter().any(|words| text.contains(words));
+        Found {
+            status,
+            code,
+            clock_is_off,
+            server_time,
+            of_credentials,
+            text: plain(text.lines().next().unwrap_or_default()),
+        }
     }
 
     fn failure(self) -> Failure {
-        let Found { status, code, text, of_credentials } = self;
+        let Found { status, code, text, of_credentials, .. } = self;
         let code = code.map_or(String::new(), |code| format!(" ({code})"));
         match status {
             _ if of_credentials => Failure::new(Cause::Denied, "no credentials were found, and the store wants some"),
@@ -161,7 +184,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// 6 answers become messages that name the address, what was found and what to do, and none of the 3 secrets in them.
+    /// 9 answers become messages that name the address, what was found and what to do, and none of the 3 secrets in them.
     #[test]
     fn messages() {
         let generic = |text: &str| object_store::Error::Generic { store: "S3", source: text.to_string().into() };
@@ -177,6 +200,24 @@ mod tests {
             (object_store::Error::NotFound { path: path.clone(), source: source() }, "is not there (404)"),
             (object_store::Error::Precondition { path, source: source() }, "has changed while it was read"),
             (generic("status code: 503 Slow: <Code>SlowDown</Code>"), "answers 503 (SlowDown), also when asked again"),
+            (
+                generic(
+                    "status code: 403 Forbidden: <Error>\n<Code>RequestTimeTooSkewed</Code><ServerTime>2026-11-23T22:40:11Z</ServerTime>",
+                ),
+                "this machine's clock is off, the store's says 2026-11-23T22:40:11Z (403, RequestTimeTooSkewed)",
+            ),
+            (
+                generic(
+                    "status code: 403: <Code>AuthenticationFailed</Code>\n<AuthenticationErrorDetail>Request date header too old: 'Mon'",
+                ),
+                "this machine's clock is off (403, AuthenticationFailed)",
+            ),
+            (
+                generic(
+                    "status code: 400 Bad Request: {\"error\":\"invalid_grant\",\"error_description\":\"Invalid JWT: Token must be a short-lived token (60 minutes) and in a reasonable timeframe.\"}",
+                ),
+                "this machine's clock is off (400)",
+            ),
             (generic("operation timed out"), "gave no whole answer in time"),
             (generic("tcp connect to https://h/?sig=5ecret: refused"), "cannot be had: tcp connect to ... refused"),
         ];

@@ -182,6 +182,16 @@ pub async fn look(place: &Locator) -> Result<Option<ObjectMeta>, Failure> {
     match place.store.head(&place.path).await.map_err(|error| Failure::of(&error)) {
         Ok(meta) => Ok(Some(meta)),
         Err(failure) if failure.cause == Cause::Missing && !failure.what.contains("bucket") => Ok(None),
+        Err(failure) if failure.cause == Cause::Denied => Err(why(place, failure).await),
         Err(failure) => Err(failure),
+    }
+}
+
+/// Why access is denied: an answer to HEAD has no body, that to GET says more.
+async fn why(place: &Locator, denied: Failure) -> Failure {
+    let options = GetOptions { range: Some(GetRange::Bounded(0..1)), ..GetOptions::default() };
+    match get(place, options).await {
+        Err(failure) if matches!(failure.cause, Cause::Denied | Cause::Clock) => failure,
+        _ => denied,
     }
 }
