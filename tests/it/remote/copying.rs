@@ -16,7 +16,8 @@ fn large() -> Vec<u8> {
     bytes
 }
 
-/// A small archive and a table go to a store and back as they were; what is there stays, at both ends, unless `--replace` says otherwise.
+/// A small archive and a table go to a store and back as they were; what is there stays, at both ends, unless `--replace` says otherwise. A
+/// machine whose clock is off is told so: 1 of 1.
 #[test]
 fn there_and_back() {
     let (folder, store) = hague();
@@ -41,6 +42,10 @@ fn there_and_back() {
     assert_eq!(store.get("bucket/new/a.helio"), fs::read(folder.path("conditions.csv")).ok());
     assert!(ran("copy site.helio other.helio").1.contains("copy files with `cp`"));
     assert!(ran("copy site.helio https://host/site.helio").1.contains("to which nothing is written"));
+    // The first question is a HEAD, whose answer has no words.
+    store.set_faults(|_| Fault::Skewed);
+    let (code, said) = ran("copy site.helio s3://bucket/new/d.helio");
+    assert!(code == Some(2) && said.contains("this machine's clock is off, the store's says 2026-11-23"), "{said}");
     let left = fs::read_dir(folder.path(""))
         .expect("a folder")
         .filter(|entry| entry.as_ref().is_ok_and(|entry| entry.file_name().to_string_lossy().starts_with(".copy")));

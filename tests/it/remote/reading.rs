@@ -147,7 +147,7 @@ fn an_object_that_changes() {
     }
 }
 
-/// 9 wrong places are refused with what was found and what to do, within 10 s; a web server without ranges serves a small archive whole and
+/// 10 wrong places are refused with what was found and what to do, within 10 s; a web server without ranges serves a small archive whole and
 /// is refused beyond 50 MB, before that has come.
 #[test]
 fn what_cannot_be_read() {
@@ -172,6 +172,14 @@ fn what_cannot_be_read() {
     refused("http://127.0.0.1:1/site.helio?sig=s3cret", &["http://127.0.0.1:1/site.helio: cannot be had"]);
     store.set_faults(|_| Fault::Status(403));
     refused("s3://bucket/site.helio", &["access is denied (403, Injected)", "AWS_ACCESS_KEY_ID"]);
+    store.set_faults(|_| Fault::Skewed);
+    refused(
+        "s3://bucket/site.helio",
+        &[
+            "s3://bucket/site.helio: this machine's clock is off, the store's says 2026-11-23T22:40:11Z",
+            "set the clock",
+        ],
+    );
     store.set_faults(|_| Fault::Status(500));
     refused("s3://bucket/site.helio", &["answers 500 (Injected), also when asked again"]);
 

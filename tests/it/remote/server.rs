@@ -14,6 +14,8 @@ use std::time::Duration;
 pub enum Fault {
     None,
     Status(u16),
+    /// A signature of another time, in S3's words.
+    Skewed,
     /// Half of the body, then the end of the connection.
     Cut,
     /// Half of the body, then nothing.
@@ -150,6 +152,12 @@ impl Request {
     }
 }
 
+/// What S3 answers to a signature that is hours old.
+const SKEWED: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Error><Code>RequestTimeTooSkewed</Code>\
+    <Message>The difference between the request time and the current time is too large.</Message>\
+    <RequestTime>20261123T194011Z</RequestTime><ServerTime>2026-11-23T22:40:11Z</ServerTime>\
+    <MaxAllowedSkewMilliseconds>900000</MaxAllowedSkewMilliseconds></Error>";
+
 /// Bytes of the body that went out.
 fn answer(mut stream: TcpStream, held: &Mutex<Held>, fault: Fault, ranges: bool) -> std::io::Result<u64> {
     let request = Request::read(&stream)?;
@@ -167,6 +175,7 @@ fn answer(mut stream: TcpStream, held: &Mutex<Held>, fault: Fault, ranges: bool)
     }
     let (status, head, mut body) = match fault {
         Fault::Status(status) => (status, String::new(), b"<Error><Code>Injected</Code></Error>".to_vec()),
+        Fault::Skewed => (403, String::new(), SKEWED.as_bytes().to_vec()),
         _ => respond(&request, &mut held.lock().expect("held"), ranges),
     };
     let length = body.len();
