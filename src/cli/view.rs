@@ -7,6 +7,8 @@ use clap::Args;
 
 /// What `view --help` says at its end.
 const ABOUT: &str = "\
+Of an atlas one part is shown at a time; which one is chosen on a plan of them in the page.
+
 The page is served on 127.0.0.1 only, to this machine, until Ctrl-C; it reads what it shows from the archive, which is not changed. To look at an
 archive from elsewhere, put it on any web server that answers ranges and open the page with ?url=ADDRESS, or write a page that holds it with
 `heliotile export SITE.helio --html PAGE.html`. On a machine without a screen: `ssh -L 8017:127.0.0.1:8017 MACHINE`.";
@@ -15,7 +17,7 @@ archive from elsewhere, put it on any web server that answers ranges and open th
 #[command(after_long_help = ABOUT)]
 #[command(group(clock_of("weather")))]
 pub struct ViewArgs {
-    /// Archive to look at
+    /// Archive to look at, or folder of an atlas
     pub archive: PathBuf,
     /// Weather file whose hours and sums are shown: EPW, TMY3, SAM, PVGIS or CSV, packed with gzip or not
     #[arg(long, short)]

@@ -93,6 +93,43 @@ fn view_serves_its_own_files() {
     assert!(fs::read(folder.path("site.helio")).expect("an archive") == archive);
 }
 
+/// Of an atlas with two of its four parts `view` serves the page, their list and the archives of the built ones by ranges; a part that is not
+/// built, their receivers, the plan and 4 other paths are not found.
+#[test]
+fn view_serves_the_parts_of_an_atlas() {
+    let folder = Folder::new();
+    let model = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    let cut = "--crs EPSG:28992 --spacing 4m --quality draft --part-size 45m --sample 0 -o atlas";
+    assert!(folder.run(&format!("partition {} {cut}", model.display())).status.success());
+    folder.refused("view atlas --port 0", &["atlas", "no part that is built"]);
+    for part in ["x1749_y10177", "x1750_y10177"] {
+        assert!(folder.run(&format!("build atlas --part {part}")).status.success());
+    }
+    let served = Served::new(&folder, "view atlas --port 0");
+    let page = String::from_utf8(served.ask("GET", "/", &[]).2).expect("text");
+    assert!(page.contains("{\"parts\":\"parts.json\"}"));
+    let list: serde_json::Value = serde_json::from_slice(&served.ask("GET", "/parts.json", &[]).2).expect("JSON");
+    let states: Vec<_> = list["parts"].as_array().expect("parts").iter().map(|part| &part["state"]).collect();
+    assert_eq!(states, ["missing", "built", "missing", "built"]);
+    let place = "parts/x1749_y10177/site.helio";
+    assert!(list["parts"][1]["archive"] == place && list["parts"][0]["archive"].is_null());
+    let archive = fs::read(folder.path("atlas").join(place)).expect("an archive");
+    let (status, head, body) = served.ask("GET", &format!("/{place}"), &[("Range", "bytes=100-299")]);
+    assert!(status == 206 && head.contains(&format!("bytes 100-299/{}", archive.len())), "{head}");
+    assert!(body == archive[100..300]);
+    for path in [
+        "/parts/x1749_y10176/site.helio",
+        "/parts/x1749_y10177/receivers.csv",
+        "/atlas.json",
+        "/site.helio",
+        "/parts/%2e%2e/atlas.json",
+        "/parts/../atlas.json",
+        "/parts/x1749_y10177%2fsite.helio",
+    ] {
+        assert_eq!(served.ask("GET", path, &[]).0, 404, "{path}");
+    }
+}
+
 /// What cannot be shown is refused before anything is served: 5 of 5, with what to do.
 #[test]
 fn what_cannot_be_shown() {

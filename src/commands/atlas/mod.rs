@@ -4,6 +4,7 @@
 pub mod about;
 pub mod catalogue;
 pub mod listed;
+pub mod page;
 pub mod part;
 pub mod partition;
 pub mod plan;

@@ -1,9 +1,13 @@
-//! `heliotile view`: an archive in the browser. In: an archive, weather. Out: a page on an address of this machine, until Ctrl-C.
+//! `heliotile view`: an archive or the parts of an atlas in the browser. In: archives, weather. Out: a page on an address of this machine, until Ctrl-C.
 
 mod server;
 
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 
+use super::atlas::about::built;
+use super::atlas::listed::parts;
+use super::atlas::page::{PARTS, archive_of, list};
+use super::atlas::plan::is_atlas;
 use super::{Outcome, remark, warn};
 use crate::cli::ViewArgs;
 use crate::files::{hold, is_address, open_archive, read_file, read_weather_as};
@@ -19,9 +23,18 @@ const PORT: u16 = 8017;
 
 /// `heliotile view`.
 pub fn run(args: &ViewArgs) -> Result<Outcome> {
-    let archive = open_archive(&args.archive, Access::Read)?;
+    let parts = if is_atlas(&args.archive) { parts(&args.archive, None)? } else { Vec::new() };
+    // The first is what is seen first; whatever it holds, the others are opened by the page.
+    let first = match is_atlas(&args.archive) {
+        true => built(&args.archive)?.into_iter().next().unwrap_or_default(),
+        false => args.archive.clone(),
+    };
+    let archive = open_archive(&first, Access::Read)?;
     OpenSite::of(&archive)?;
-    let mut page = ViewerPage::default().with_option("archive", server::ARCHIVE);
+    let mut page = match parts.is_empty() {
+        true => ViewerPage::default().with_option("archive", server::ARCHIVE),
+        false => ViewerPage::default().with_option("parts", PARTS),
+    };
     let mut weather = None;
     if let Some(path) = &args.weather {
         let place = archive.manifest().place;
@@ -35,14 +48,18 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     }
     let listener = listen(args.port)?;
     let address = listener.local_addr().map_err(Error::io(archive.path(), "find an address for"))?;
-    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", archive.path().display()))?;
+    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", args.archive.display()))?;
     let page = page.html();
     let packed_page = packed(page.as_bytes()).map_err(Error::io(archive.path(), "pack the page of"))?;
     let file = archive.path().to_path_buf();
-    let archive = if is_address(&args.archive) {
-        ServedArchive::Held(hold(&args.archive)?.into())
-    } else {
-        ServedArchive::File(file)
+    let archive = match (parts.is_empty(), is_address(&args.archive)) {
+        (false, _) => {
+            let files =
+                parts.iter().filter_map(|part| archive_of(part).map(|(at, path)| (format!("/{at}"), path.clone())));
+            ServedArchive::Parts { list: list(&parts), files: files.collect() }
+        }
+        (true, true) => ServedArchive::Held(hold(&args.archive)?.into()),
+        (true, false) => ServedArchive::File(file),
     };
     serve(listener, Served { page, packed_page, archive, weather })?;
     Ok(Outcome::Fine)

@@ -1,5 +1,6 @@
 //! The page and its files on an address of this machine. In: a listener, what is served. Out: answers to browsers of this machine, for ever.
 
+use std::collections::HashMap;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tower_http::services::ServeFile;
 
+use crate::commands::atlas::page::PARTS;
 use heliotile_core::archive::ReadAt;
 use heliotile_core::error::{Error, Result};
 
@@ -38,6 +40,8 @@ pub enum ServedArchive {
     File(PathBuf),
     /// From afar: the page's ranges are passed on.
     Held(Arc<dyn ReadAt>),
+    /// Files of the parts of an atlas by their addresses, and the list of them.
+    Parts { list: String, files: HashMap<String, PathBuf> },
 }
 
 /// Serves until the process ends.
@@ -63,6 +67,13 @@ fn router(served: Served, port: u16) -> Router {
     let router = match served.archive {
         ServedArchive::File(path) => router.route_service(&archive, ServeFile::new(path)),
         ServedArchive::Held(bytes) => router.route(&archive, get(async move |headers| passed_on(bytes, headers).await)),
+        ServedArchive::Parts { list, files } => {
+            let (list, json) = (Bytes::from(list), (header::CONTENT_TYPE, "application/json"));
+            let files = Arc::new(files);
+            router
+                .route(&format!("/{PARTS}"), get(async move || ([json], list.clone())))
+                .route("/parts/{name}/{file}", get(async move |request| part_of(&files, request).await))
+        }
     };
     let router = match served.weather.map(Bytes::from) {
         Some(bytes) => router.route(&format!("/{WEATHER}"), get(async move || bytes.clone())),
@@ -70,6 +81,15 @@ fn router(served: Served, port: u16) -> Router {
     };
     let hosts = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
     router.layer(middleware::from_fn_with_state(hosts, guard))
+}
+
+/// The file of an address that is known; no other path is looked at.
+async fn part_of(files: &HashMap<String, PathBuf>, request: Request) -> Response {
+    let Some(path) = files.get(request.uri().path()) else { return StatusCode::NOT_FOUND.into_response() };
+    match ServeFile::new(path).try_call(request).await {
+        Ok(response) => response.into_response(),
+        Err(_) => StatusCode::NOT_FOUND.into_response(),
+    }
 }
 
 /// A range of bytes that are held elsewhere, which is what the page asks for; no part of them is larger than a few of its pages.

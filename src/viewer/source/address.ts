@@ -62,12 +62,15 @@ export function parseAddress(hash: string): Partial<State> {
   if (selected) found.selected = selected;
   const pinned = place(text("pinned"));
   if (pinned) found.pinned = pinned;
+  const part = text("part");
+  if (part) found.part = part;
   return found;
 }
 
 /** The part of the address of a state: only what differs from where everybody starts. */
 export function formatAddress(state: State): string {
   const parameters = new URLSearchParams();
+  if (state.part !== null) parameters.set("part", state.part);
   parameters.set("show", state.show);
   if (state.component !== DEFAULTS.component) parameters.set("component", state.component);
   parameters.set("light", state.light);
@@ -103,6 +106,9 @@ export function keepAddress(store: Store): void {
     if (location.hash === written) return;
     written = location.hash;
     const found = parseAddress(location.hash);
-    if (Object.keys(found).length > 0) store.set({ ...DEFAULTS, camera: store.state.camera, ...found });
+    const { part, camera } = store.state;
+    // Another part is looked at as a whole, if no camera is given.
+    const elsewhere = found.part !== undefined && found.part !== part;
+    if (Object.keys(found).length > 0) store.set({ ...DEFAULTS, part, camera: elsewhere ? null : camera, ...found });
   });
 }

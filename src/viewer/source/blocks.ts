@@ -17,6 +17,8 @@ export async function takeBlock(id: string): Promise<{ bytes: ArrayBuffer; name:
 
 export interface Options {
   archive?: string;
+  /** In place of an archive: address of the list of an atlas' parts. */
+  parts?: string;
   weather?: string;
   /** What the weather file is called, if not as its address ends. */
   weatherName?: string;
@@ -34,6 +36,7 @@ export function readOptions(): Options {
     const parsed: unknown = JSON.parse(text);
     if (typeof parsed === "object" && parsed !== null) {
       if ("archive" in parsed && typeof parsed.archive === "string") found.archive = parsed.archive;
+      if ("parts" in parsed && typeof parsed.parts === "string") found.parts = parsed.parts;
       if ("weatherName" in parsed && typeof parsed.weatherName === "string") found.weatherName = parsed.weatherName;
       if ("clock" in parsed && typeof parsed.clock === "object" && parsed.clock !== null) found.clock = parsed.clock;
       if ("weather" in parsed && typeof parsed.weather === "string") found.weather = parsed.weather;

@@ -13,8 +13,10 @@ import { OpenedSite, type Page } from "./opened";
 import { listenForFiles } from "./panel/files";
 import { LightPanel } from "./panel/light";
 import { Messages } from "./panel/messages";
+import { PartsPanel } from "./panel/parts";
 import { Player } from "./panel/play";
 import { ShowPanel } from "./panel/show";
+import { readParts } from "./parts";
 import { SurfacesPanel } from "./panel/surfaces";
 import { listenToTabs } from "./panel/tabs";
 import { Session } from "./session";
@@ -41,6 +43,13 @@ class Main {
   private readonly player: Player;
   private opened: OpenedSite | null = null;
   private keeping = false;
+  private parts: PartsPanel | null = null;
+  /** Of parts that are opened one after the other. */
+  private opening: Promise<void> = Promise.resolve();
+  /** Number of the last archive that was asked for. */
+  private turn = 0;
+  /** Reads the weather again, which an archive that is opened needs. */
+  private weather: () => Promise<WeatherInfo | null> = () => Promise.resolve(null);
 
   constructor() {
     this.player = new Player(this.store, () => this.opened);
@@ -79,12 +88,13 @@ class Main {
     const [archive, weather] = [await takeBlock("archive"), await takeBlock("weather")];
     const local = location.protocol === "file:";
     const source: Source | null = archive ? archive : options.archive && !local ? { url: options.archive } : null;
-    if (!source) {
+    const outside = options.archive ?? options.parts;
+    if (!source && (local || !outside)) {
       byId("welcome", HTMLElement).hidden = false;
-      if (options.archive) this.messages.tell([`A page opened from a file cannot load ${options.archive} by itself: open it here.`], false);
+      if (outside) this.messages.tell([`A page opened from a file cannot load ${outside} by itself: open ${options.archive ? "it" : "an archive"} here.`], false);
       return;
     }
-    await this.open(source, async () => {
+    this.weather = async () => {
       try {
         if (weather) return await this.loadWeather(weather.name, weather.bytes, options.clock);
         if (options.weather && !local) return await this.fetchWeather(options.weather, options.clock, options.weatherName);
@@ -92,7 +102,41 @@ class Main {
         this.messages.error("reading the weather", error);
       }
       return null;
+    };
+    await (source ? this.open(source) : this.openParts(outside ?? ""));
+  }
+
+  /** Shows the parts of an atlas: first the one of the address, or else the first that is built; later those that are wished for. */
+  private async openParts(address: string): Promise<void> {
+    const parts = await readParts(address);
+    this.parts = new PartsPanel(parts, (part) => {
+      this.stage.keepSide();
+      this.store.set({ part, camera: null, selected: null, pinned: null });
     });
+    const { part: wished } = this.given;
+    const first = parts.find(({ name, archive }) => archive !== null && name === wished) ?? parts.find(({ archive }) => archive !== null);
+    if (!first) throw new Error("no part of this atlas is built");
+    if (wished !== undefined && wished !== first.name) this.messages.tell([`There is no part ${wished} here that is built; this is ${first.name}.`], false);
+    this.given.part = first.name;
+    this.store.subscribe((changed) => {
+      if (changed.has("part")) this.opening = this.openPart();
+    });
+    this.store.set({ part: first.name });
+    await this.opening;
+  }
+
+  /** Opens the part of the state; what is set stays as it is where that part can show it. */
+  private async openPart(): Promise<void> {
+    const { part } = this.store.state;
+    const url = this.parts?.parts.find(({ name }) => name === part)?.archive;
+    if (part === null || !url) {
+      this.parts?.mark(null);
+      if (part !== null) this.messages.tell([`There is no part ${part} here that is built.`], false);
+      return;
+    }
+    this.parts?.mark(part);
+    if (this.opened) this.given = { ...this.store.state };
+    await this.open({ url }, part);
   }
 
   get card(): Card | null {
@@ -100,19 +144,24 @@ class Main {
   }
 
   async settled(): Promise<void> {
+    await this.opening;
     await this.opened?.settled();
   }
 
-  /** Opens an archive in place of the present one. */
-  private async open(source: Source, weather: () => Promise<WeatherInfo | null>): Promise<void> {
+  /** Opens an archive in place of the present one; a part is called by its name. */
+  private async open(source: Source, part: string | null = null): Promise<void> {
     const { engine } = this;
     if (!engine) return;
+    const turn = ++this.turn;
     byId("welcome", HTMLElement).hidden = true;
-    const name = "url" in source ? source.url : "file" in source ? source.file.name : source.name;
+    const name = part ?? ("url" in source ? source.url : "file" in source ? source.file.name : source.name);
     let site: Site;
     try {
       site = await engine.open(source);
+      if (part !== null) site = { ...site, name: part };
     } catch (error) {
+      // Who asks for another one meanwhile wants that.
+      if (turn !== this.turn) return;
       this.messages.error(`opening ${name}`, error);
       byId("welcome", HTMLElement).hidden = this.opened !== null;
       return;
@@ -129,11 +178,13 @@ class Main {
     if (!this.keeping) keepAddress(this.store);
     this.keeping = true;
     // Weather is read first where the address asks for what needs it, else the picture comes first.
-    const found = weather();
+    const found = this.weather();
     const reading = this.opened.read();
-    this.takeWeather(await found);
+    const weather = await found;
+    if (turn !== this.turn) return;
+    this.takeWeather(weather);
     await reading;
-    await this.opened.asker.settling();
+    await this.opened?.asker.settling();
   }
 
   /** Where the address says nothing: what this archive can show. */
@@ -208,7 +259,8 @@ class Main {
       this.given = {};
       this.store.set({ ...DEFAULTS });
     }
-    await this.open({ file }, () => Promise.resolve(null));
+    this.weather = () => Promise.resolve(null);
+    await this.open({ file });
   }
 
   private async anotherWeather(file: File): Promise<void> {
@@ -219,7 +271,9 @@ class Main {
     try {
       delete this.given.show;
       delete this.given.light;
-      this.takeWeather(await this.loadWeather(file.name, await file.arrayBuffer()));
+      const weather = async (): Promise<WeatherInfo> => this.loadWeather(file.name, await file.arrayBuffer());
+      this.takeWeather(await weather());
+      this.weather = weather;
     } catch (error) {
       this.messages.error(`reading ${file.name}`, error);
     }

@@ -30,6 +30,8 @@ export interface State {
   camera: readonly number[] | null;
   selected: Place | null;
   pinned: Place | null;
+  /** Of an atlas. */
+  part: string | null;
 }
 
 export const DEFAULTS: Readonly<State> = {
@@ -51,6 +53,7 @@ export const DEFAULTS: Readonly<State> = {
   camera: null,
   selected: null,
   pinned: null,
+  part: null,
 };
 
 type Listener = (changed: ReadonlySet<keyof State>) => void;

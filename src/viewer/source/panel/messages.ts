@@ -52,6 +52,8 @@ export class Messages {
       close,
     );
     close.addEventListener("click", () => message.remove());
+    // What is told again, as of the weather of each part, stands there once.
+    for (const former of [...this.box.children]) if (former.textContent === message.textContent) former.remove();
     this.box.append(message);
     while (this.box.children.length > MOST) this.box.firstElementChild?.remove();
   }

@@ -21,6 +21,8 @@ export class Stage {
   /** Radius of what there is to see, m; bounds how far one can go. */
   private radius = 100;
   private home: { position: Vector3; target: Vector3 } | null = null;
+  /** Unit vector from the target to where boxes are looked at from. */
+  private back: Vector3;
   private asked = false;
   /** Without a graphics card smooth edges cost more than they are worth. */
   readonly software: boolean;
@@ -28,6 +30,9 @@ export class Stage {
   private readonly afterMoving: (() => void)[] = [];
 
   constructor(readonly canvas: HTMLCanvasElement) {
+    // From the south-south-east, half from above; three's sphere has y up, ours z.
+    const towards = new Vector3().setFromSphericalCoords(1, 0.95, 0.45);
+    this.back = new Vector3(towards.x, -towards.z, towards.y);
     this.software = isSoftware();
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, powerPreference: "high-performance" });
     this.renderer.setClearColor(new Color("#d9e3ec"));
@@ -75,16 +80,19 @@ export class Stage {
     for (const listener of this.afterDrawing) listener();
   }
 
-  /** Looks from the south, half from above, at a box of the scene; with some of what is around it, if there is much. */
+  /** The next box is looked at from the side that the present one is. */
+  keepSide(): void {
+    this.back = this.camera.position.clone().sub(this.controls.target).normalize();
+  }
+
+  /** Looks from the south, half from above, or from the side that was kept, at a box of the scene; with some of what is around it, if there is much. */
   frame(box: Box3, around: Box3): void {
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
     this.radius = radius;
     this.controls.maxDistance = Math.max(radius * 12, around.getSize(new Vector3()).length());
     this.controls.minDistance = Math.min(0.5, radius / 20);
-    // From the south-south-east; three's sphere has y up, ours z.
-    const towards = new Vector3().setFromSphericalCoords(1, 0.95, 0.45);
-    const back = new Vector3(towards.x, -towards.z, towards.y);
+    const { back } = this;
     const right = new Vector3().crossVectors(UP, back).normalize();
     const above = new Vector3().crossVectors(back, right);
     const tall = Math.tan((this.camera.fov * Math.PI) / 360) * (around.getSize(new Vector3()).length() > 3 * radius ? 0.68 : 0.9);
