@@ -81,7 +81,7 @@ pub enum Command {
     Build(BuildArgs),
     /// Cut a region into parts that are built one by one, on any machines, and are asked like one archive
     Partition(PartitionArgs),
-    /// A static STAC catalogue of the parts of an atlas
+    /// A static STAC catalogue of the parts of an atlas, with pictures and a page
     Catalogue(CatalogueArgs),
     /// Which parts of an atlas lie in a box
     Find(FindArgs),

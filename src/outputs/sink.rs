@@ -35,6 +35,13 @@ pub fn write_texts(folder: &Path, texts: &[(&str, String)]) -> Result<()> {
     sinks.into_iter().try_for_each(|sink| sink.finish().map(|_| ()))
 }
 
+/// Writes a file of some bytes, whole or not at all.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
+    let mut sink = Sink::file(path)?;
+    sink.write_all(bytes).map_err(Error::io(path, "write to"))?;
+    sink.finish().map(|_| ())
+}
+
 impl Sink {
     pub fn stdout() -> Self {
         Sink { target: Target::Stdout(Some(io::stdout())), bytes: 0 }

@@ -18,6 +18,12 @@ const ARCHIVE: &str = "application/vnd.heliotile";
 /// Name of the file of the collection.
 pub const COLLECTION: &str = "collection.json";
 
+/// Name of the pictures of items and of the collection.
+pub const THUMBNAIL: &str = "thumbnail.png";
+
+/// Name of the page beside the collection.
+pub const VIEWER: &str = "view.html";
+
 /// Points of a footprint along each side: straight lines of a plane system are bent on the globe.
 const STEPS: usize = 4;
 
@@ -32,17 +38,27 @@ pub struct StacItem {
     pub written: SystemTime,
     /// What else is said of it, by keys with their prefix.
     pub properties: Map<String, Value>,
-    /// Files beside the item: key, name, media type, role, what else is said of it.
+    /// Files beside the item.
     pub assets: Vec<StacAsset>,
 }
 
-/// A file of an item.
+/// What is said of a collection besides its items.
+pub struct StacCollection<'a> {
+    pub id: &'a str,
+    pub title: &'a str,
+    /// SPDX name.
+    pub license: &'a str,
+    /// Files beside it.
+    pub assets: Vec<StacAsset>,
+}
+
+/// A file of an item or of a collection.
 pub struct StacAsset {
     pub key: &'static str,
     pub href: String,
     pub media_type: &'static str,
     pub role: &'static str,
-    pub title: &'static str,
+    pub title: String,
     pub bytes: u64,
     /// BLAKE3 of the whole file.
     pub checksum: blake3::Hash,
@@ -51,15 +67,27 @@ pub struct StacAsset {
 impl StacAsset {
     /// The archive itself.
     pub fn archive(name: &str, bytes: u64, checksum: blake3::Hash) -> Self {
-        let title = "Archive of heliotile: light of all receivers under any sun and sky";
         StacAsset {
             key: "archive",
             href: format!("./{name}"),
             media_type: ARCHIVE,
             role: "data",
-            title,
+            title: "Archive of heliotile: light of all receivers under any sun and sky".into(),
             bytes,
             checksum,
+        }
+    }
+
+    /// A picture of a clear year, beside; the brightest colour is so many kWh/m2.
+    pub fn thumbnail(png: &[u8], top_kwh_m2: f64) -> Self {
+        StacAsset {
+            key: "thumbnail",
+            href: format!("./{THUMBNAIL}"),
+            media_type: "image/png",
+            role: "thumbnail",
+            title: format!("Sun of a clear year, 0 to {top_kwh_m2} kWh/m2, from above"),
+            bytes: png.len() as u64,
+            checksum: blake3::hash(png),
         }
     }
 
@@ -77,7 +105,7 @@ impl StacAsset {
 }
 
 impl StacItem {
-    /// The item, two folders below its collection; `viewer` is a page that takes the place of an archive as `?url=`.
+    /// The item, two folders below its collection and the page that shows it.
     pub fn json(&self, crs: &MapCrs) -> Value {
         let footprint = footprint(self.low, self.high, crs);
         let mut properties = self.properties.clone();
@@ -89,10 +117,10 @@ impl StacItem {
             let [low, high] = [self.low, self.high].map(|corner| crs.coordinates(corner.extend(0.0)));
             properties.insert("proj:bbox".into(), json!([low[0], low[1], high[0], high[1]]));
         }
-        let assets: Map<String, Value> = self.assets.iter().map(|asset| (asset.key.to_owned(), asset.json())).collect();
         let up = format!("../../{COLLECTION}");
         let link = |rel: &str| json!({ "rel": rel, "href": up, "type": "application/json" });
-        let links = ["root", "parent", "collection"].map(link);
+        let mut links = ["root", "parent", "collection"].map(link).to_vec();
+        links.push(page_link(&format!("../../{VIEWER}#part={}", self.id)));
         let mut item = json!({
             "type": "Feature",
             "stac_version": VERSION,
@@ -102,7 +130,7 @@ impl StacItem {
             "geometry": footprint.as_ref().map(|ring| json!({ "type": "Polygon", "coordinates": [ring] })),
             "properties": properties,
             "links": links,
-            "assets": assets,
+            "assets": assets(&self.assets),
         });
         if let (Some(ring), Some(item)) = (footprint, item.as_object_mut()) {
             item.insert("bbox".into(), json!(around(&ring)));
@@ -112,28 +140,39 @@ impl StacItem {
 }
 
 /// The collection of all items: their names with the places of their files.
-pub fn collection(id: &str, title: &str, license: &str, items: &[(StacItem, String)], crs: &MapCrs) -> Value {
+pub fn collection(about: &StacCollection, items: &[(StacItem, String)], crs: &MapCrs) -> Value {
     let rings = items.iter().filter_map(|(item, _)| footprint(item.low, item.high, crs));
     let all: Vec<[f64; 2]> = rings.flatten().collect();
     let bbox = if all.is_empty() { [-180.0, -90.0, 180.0, 90.0] } else { around(&all) };
     let written = || items.iter().map(|(item, _)| item.written);
     let interval = [written().min(), written().max()].map(|at| at.map(time));
     let mut links = vec![json!({ "rel": "root", "href": format!("./{COLLECTION}"), "type": "application/json" })];
+    links.push(page_link(&format!("./{VIEWER}")));
     links.extend(items.iter().map(|(item, place)| {
         json!({ "rel": "item", "href": format!("./{place}"), "type": "application/geo+json", "title": item.id })
     }));
     json!({
         "type": "Collection",
         "stac_version": VERSION,
-        "stac_extensions": [],
-        "id": id,
-        "title": title,
+        "stac_extensions": if about.assets.is_empty() { vec![] } else { vec![OF_FILES] },
+        "id": about.id,
+        "title": about.title,
         "description": "Parts of an atlas of heliotile: each archive holds the hemispheres of its receivers, traced once, and answers \
                         for any sun, sky, weather and reflectance.",
-        "license": license,
+        "license": about.license,
         "extent": { "spatial": { "bbox": [bbox] }, "temporal": { "interval": [interval] } },
         "links": links,
+        "assets": assets(&about.assets),
     })
+}
+
+/// The same for people, who look at it through a web server.
+fn page_link(href: &str) -> Value {
+    json!({ "rel": "alternate", "href": href, "type": "text/html", "title": "Look at it: any sun and sky" })
+}
+
+fn assets(files: &[StacAsset]) -> Map<String, Value> {
+    files.iter().map(|asset| (asset.key.to_owned(), asset.json())).collect()
 }
 
 /// Ring of a rectangle, counter-clockwise, longitudes and latitudes; `None` without a coordinate system.

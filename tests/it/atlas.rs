@@ -198,7 +198,7 @@ fn refusals() {
 }
 
 /// A catalogue of four parts has four items with the size and the BLAKE3 of their archives, a footprint whose corner is where PROJ puts
-/// it within 1.5e-7 degrees, links that lead to files; `find` lists the two parts that a strip touches.
+/// it within 1.5e-7 degrees, links that lead to files, a picture of 400 pixels each and the page beside them, which lists all; `find` lists the two parts that a strip touches.
 #[test]
 fn catalogues() {
     let folder = block("--part-size 45m --sample 0 --crs EPSG:28992");
@@ -212,12 +212,24 @@ fn catalogues() {
     let items: Vec<&str> =
         links.iter().filter(|link| link["rel"] == "item").filter_map(|link| link["href"].as_str()).collect();
     assert_eq!(items.len(), 4);
-    let mut receivers = 0;
+    let (mut receivers, mut pictures) = (0, 0);
+    let listed = read(&folder.path("atlas/parts.json"));
     for item in items {
         let path = root.parent().expect("a folder").join(item);
         let item = read(&path);
         let beside = |href: &Value| path.parent().expect("a folder").join(href.as_str().expect("a link"));
-        assert!(item["links"].as_array().expect("links").iter().all(|link| beside(&link["href"]).exists()));
+        for link in item["links"].as_array().expect("links") {
+            let href = link["href"].as_str().expect("a link");
+            let (file, part) = href.split_once("#part=").unwrap_or((href, ""));
+            assert!(beside(&json!(file)).is_file() && (part.is_empty() || item["id"] == part), "{href}");
+        }
+        let thumbnail = &item["assets"]["thumbnail"];
+        let png = fs::read(beside(&thumbnail["href"])).expect("a picture");
+        assert_eq!((&thumbnail["roles"], &thumbnail["file:size"]), (&json!(["thumbnail"]), &json!(png.len())));
+        // Width and height stand at 16 in a PNG.
+        let size = |at: usize| u32::from_be_bytes([0, 1, 2, 3].map(|i| png[at + i]));
+        assert_eq!(size(16).max(size(20)), 400);
+        pictures += 1;
         let asset = &item["assets"]["archive"];
         let bytes = fs::read(beside(&asset["href"])).expect("an archive");
         assert_eq!(asset["file:size"], bytes.len());
@@ -237,7 +249,13 @@ fn catalogues() {
             assert_eq!(corners.as_array().expect("corners").len(), 17);
         }
     }
-    assert_eq!(receivers, 425);
+    assert_eq!((receivers, pictures), (425, 4));
+    let parts = listed["parts"].as_array().expect("a list");
+    assert!(parts.len() == 4 && parts.iter().all(|part| part["state"] == "built"), "{listed}");
+    assert!(folder.path("atlas").join(parts[3]["archive"].as_str().expect("an address")).is_file());
+    let page = fs::read_to_string(folder.path("atlas/view.html")).expect("a page");
+    assert!(page.contains("{\"parts\":\"parts.json\"}"));
+    assert_eq!(collection["assets"]["thumbnail"]["type"], "image/png");
     let found = stdout(&done(&folder, "find atlas --bbox 78700,457900,78720,458000"));
     assert_eq!(found.lines().count(), 1 + 2, "{found}");
     assert!(found.contains("x1749_y10176,78705,457920,built,atlas/parts/x1749_y10176/site.helio"), "{found}");

@@ -1,5 +1,6 @@
 //! `heliotile catalogue` and `heliotile find`: what an atlas holds, for programs that know STAC, and which parts lie where. In: an atlas.
-//! Out: `collection.json` beside the plan and `item.json` beside each archive; a list of parts.
+//! Out: `collection.json` beside the plan and `item.json` beside each archive, with pictures, the page
+//! that shows them; a list of parts.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -9,15 +10,18 @@ use serde_json::{Map, Value, json};
 
 use super::about;
 use super::listed::{ListedPart, parts};
+use super::page::{PARTS, list};
 use super::part::PartState;
 use super::plan::AtlasPlan;
+use super::thumbnails::Thumbnails;
 use crate::cli::{CatalogueArgs, FindArgs};
 use crate::commands::replay::mapped::crs_of;
 use crate::commands::{Outcome, remark, say, warn};
 use crate::files::open_archive;
-use crate::outputs::sink::write_texts;
-use crate::outputs::stac::{COLLECTION, StacAsset, StacItem, collection};
+use crate::outputs::sink::{write_file, write_texts};
+use crate::outputs::stac::{COLLECTION, StacAsset, StacCollection, StacItem, THUMBNAIL, VIEWER, collection};
 use crate::outputs::tables::quoted;
+use crate::outputs::viewer_page::ViewerPage;
 use heliotile_core::archive::{Access, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
@@ -37,14 +41,35 @@ pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
     if !crs.has_degrees() {
         warn("nobody says where the atlas lies on Earth: items have no footprint (partition it with --crs)");
     }
-    let item = |(part, path): &(&ListedPart, &PathBuf)| item(part, path, &plan, &name);
-    let items: Vec<(StacItem, String)> = built.par_iter().map(item).collect::<Result<_>>()?;
+    let pictures = Thumbnails::of(&built.iter().map(|(_, path)| path.as_path()).collect::<Vec<_>>())?;
+    if pictures.without() > 0 {
+        let parts = counted(pictures.without() as u64, "part");
+        warn(&format!(
+            "{parts} without a thumbnail: a clear year is stored where the place is known (--crs) and scenes are (no --no-scene)"
+        ));
+    }
+    let item = |(number, (part, path)): (usize, &(&ListedPart, &PathBuf))| {
+        let mut found = item(part, path, &plan, &name)?;
+        if let Some(png) = pictures.part(number)? {
+            write_file(&path.with_file_name(THUMBNAIL), &png)?;
+            found.0.assets.push(StacAsset::thumbnail(&png, pictures.top_kwh_m2()));
+        }
+        Ok(found)
+    };
+    let items: Vec<(StacItem, String)> = built.par_iter().enumerate().map(item).collect::<Result<_>>()?;
     for ((item, _), (_, path)) in items.iter().zip(&built) {
         let folder = path.parent().unwrap_or(atlas);
         write_texts(folder, &[(ITEM, text(&item.json(&crs)))])?;
     }
+    write_texts(atlas, &[(PARTS, list(&listed))])?;
+    ViewerPage::default().with_option("parts", PARTS).write(&atlas.join(VIEWER))?;
+    let mut assets = Vec::new();
+    if let Some(png) = pictures.all()? {
+        write_file(&atlas.join(THUMBNAIL), &png)?;
+        assets.push(StacAsset::thumbnail(&png, pictures.top_kwh_m2()));
+    }
     let title = args.title.as_deref().unwrap_or(&name);
-    let json = collection(&name, title, &args.license, &items, &crs);
+    let json = collection(&StacCollection { id: &name, title, license: &args.license, assets }, &items, &crs);
     write_texts(atlas, &[(COLLECTION, text(&json))])?;
     let missing = listed.iter().filter(|part| part.state == PartState::Missing).count();
     if missing > 0 {
@@ -100,11 +125,7 @@ pub fn find(args: &FindArgs) -> Result<Outcome> {
     }
     let mut out = String::from("part,x,y,state,archive\n");
     for part in found {
-        let state = match part.state {
-            PartState::Built(_) => "built",
-            PartState::Empty => "empty",
-            PartState::Missing => "missing",
-        };
+        let state = part.state.word();
         let path = part.archive().map(|path| path.display().to_string()).unwrap_or_default();
         out += &format!("{},{},{},{state},{}\n", part.name, part.low.x, part.low.y, quoted(&path));
     }

@@ -9,3 +9,4 @@ pub mod part;
 pub mod partition;
 pub mod plan;
 mod seams;
+mod thumbnails;

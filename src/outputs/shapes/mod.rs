@@ -12,7 +12,7 @@ mod geoparquet;
 mod glb;
 pub mod group_patches;
 mod outline;
-mod picture;
+pub mod picture;
 mod pvd;
 pub mod row;
 mod rows;

@@ -2,6 +2,7 @@
 //! both in one scale, with the page's colours, a legend and a scale bar. What is drawn takes memory by its pixels, however large the site.
 
 mod raster;
+pub mod thumbnail;
 mod view;
 
 use std::io::Write;
@@ -103,12 +104,14 @@ fn extents(rows: &mut MapRows, views: [View; 2]) -> Result<[[DVec2; 2]; 2]> {
         }
         Ok(())
     })?;
-    let around = |[low, high]: [DVec2; 2]| {
-        let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
-        let more = (0.03 * (high - low).max_element()).max(LEAST_M);
-        [low - more, high + more]
-    };
-    Ok(found.map(around))
+    Ok(found.map(padded))
+}
+
+/// Corners with a margin, of a page that has some size whatever it shows.
+fn padded([low, high]: [DVec2; 2]) -> [DVec2; 2] {
+    let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
+    let more = (0.03 * (high - low).max_element()).max(LEAST_M);
+    [low - more, high + more]
 }
 
 /// Both panels, side by side or one above the other, whichever is larger; and the page's width and height.

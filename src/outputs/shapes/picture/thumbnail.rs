@@ -1,0 +1,124 @@
+//! A small picture of a site from above, without words, for catalogues. In: places with a value each. Out: PNG, true north up and true to
+//! scale, in the colours of maps.
+
+use glam::DVec2;
+
+use super::raster::Raster;
+use super::view::{Panel, View};
+use super::{PAPER, draw_row, draw_scene, padded};
+use crate::outputs::pictures::canvas::Canvas;
+use crate::outputs::pictures::plot_scale::round_steps;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::shapes::glb::Surroundings;
+use crate::outputs::shapes::row::{MapPolygon, MapRow};
+use heliotile_core::error::Result;
+use heliotile_core::site::north::North;
+
+/// The longer side of a picture, pixels.
+pub const SIDE: f64 = 400.0;
+
+/// What a picture has to have room for.
+#[derive(Clone, Copy, Debug)]
+pub struct ThumbnailFrame {
+    view: View,
+    /// Lowest and highest metres to the right and up.
+    low: DVec2,
+    high: DVec2,
+    /// The largest value; 0 where there is none.
+    largest: f32,
+}
+
+impl ThumbnailFrame {
+    /// Of no place yet.
+    pub fn new(north: North) -> Self {
+        ThumbnailFrame { view: View::above(north), low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, largest: 0.0 }
+    }
+
+    /// Takes in a place, a row of one number.
+    pub fn add(&mut self, row: &MapRow) {
+        for corner in row.polygons.iter().flat_map(MapPolygon::corners) {
+            let at = self.view.of(*corner).truncate();
+            (self.low, self.high) = (self.low.min(at), self.high.max(at));
+        }
+        self.largest = row.numbers.iter().copied().fold(self.largest, f32::max);
+    }
+
+    /// Both; the north is that of the first.
+    pub fn union(mut self, other: &Self) -> Self {
+        (self.low, self.high) = (self.low.min(other.low), self.high.max(other.high));
+        self.largest = self.largest.max(other.largest);
+        self
+    }
+
+    /// The same room in the colours of another.
+    pub fn in_colours_of(mut self, other: &Self) -> Self {
+        self.largest = other.largest;
+        self
+    }
+
+    /// The value of the brightest colour; 0 is the darkest.
+    pub fn top(&self) -> f64 {
+        round_steps(self.largest.into(), 5).last().copied().unwrap_or(1.0)
+    }
+
+    /// The picture of what `draw` passes on.
+    pub fn png(
+        &self,
+        around: Option<&Surroundings>,
+        about: &Provenance,
+        draw: impl FnOnce(&mut dyn FnMut(&MapRow)) -> Result<()>,
+    ) -> Result<Vec<u8>> {
+        let [low, high] = padded([self.low, self.high]);
+        let size_m = high - low;
+        let scale = SIDE / size_m.max_element();
+        let panel = Panel { view: self.view, low, size_m, scale, corner: DVec2::ZERO };
+        let (size, top) = (panel.size().round().max(DVec2::ONE), self.top());
+        let mut canvas = Canvas::painted(size.x as usize, size.y as usize, |_, _| PAPER);
+        let mut raster = Raster::new(&mut canvas, panel);
+        if let Some(around) = around {
+            draw_scene(&mut raster, panel, around)?;
+        }
+        // As on maps, what lies below roofs is shown, too.
+        raster.forget_depth();
+        draw(&mut |row| draw_row(&mut raster, panel, row, 0, top))?;
+        let about = about.clone().with("colours", "viridis").with("colours_from", 0).with("colours_to", top);
+        canvas.png(about.ascii())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outputs::provenance;
+    use glam::DVec3;
+
+    /// A site of 30 m x 10 m whose east half gets the most and whose west half nothing is a picture of 400 x 150 pixels, dark left
+    /// and bright right, of 0 to 1,500; an empty one is a white page.
+    #[test]
+    fn small_pictures() {
+        let half = |x: f64, value: f32| {
+            let corner = |dx: f64, dy: f64| DVec3::new(x + dx, dy, 3.0);
+            let ring = vec![corner(0.0, 0.0), corner(15.0, 0.0), corner(15.0, 10.0), corner(0.0, 10.0)];
+            MapRow { numbers: vec![value], polygons: vec![MapPolygon { rings: vec![ring] }], ..MapRow::default() }
+        };
+        let (rows, mut frame) = ([half(0.0, 0.0), half(15.0, 1321.0)], ThumbnailFrame::new(North::default()));
+        rows.iter().for_each(|row| frame.add(row));
+        let decoded = |frame: &ThumbnailFrame, rows: &[MapRow]| {
+            let png = frame.png(None, &provenance::tests::example(), |draw| {
+                rows.iter().for_each(draw);
+                Ok(())
+            });
+            let mut reader = png::Decoder::new(std::io::Cursor::new(png.expect("a picture"))).read_info().expect("PNG");
+            let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+            let info = reader.next_frame(&mut pixels).expect("pixels");
+            (info.width, info.height, pixels)
+        };
+        let (width, height, pixels) = decoded(&frame, &rows);
+        assert_eq!((width, height, frame.top()), (400, 150, 1500.0));
+        let pixel = |x: usize, y: usize| [0, 1, 2].map(|i| pixels[3 * (400 * y + x) + i]);
+        assert_eq!([pixel(2, 74), pixel(100, 74)], [[255; 3], [68, 1, 84]]);
+        assert!(pixel(300, 74)[1] > 180, "{:?}", pixel(300, 74));
+        let (_, _, blank) = decoded(&ThumbnailFrame::new(North::default()), &[]);
+        assert!(blank.iter().all(|byte| *byte == 255));
+    }
+}
