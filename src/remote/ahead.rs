@@ -2,6 +2,7 @@
 //! Plain bookkeeping: nothing here waits or asks anybody.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use bytes::Bytes;
 use heliotile_core::archive::format::{ALIGNMENT, Entry};
@@ -15,6 +16,8 @@ const UNDER_WAY: usize = 16;
 const ROOM: u64 = 64 << 20;
 /// Bytes of blocks in memory.
 const KEPT: u64 = 128 << 20;
+/// Of both a file may take this much, however many are open.
+const LEAST: u64 = 4 << 20;
 /// After so many later calls that told of others a block that nobody read is no longer waited for.
 const FORGOTTEN: u64 = 8;
 
@@ -42,9 +45,26 @@ pub enum Lookup {
     Unknown,
 }
 
-/// All blocks of a file that were told of.
+/// Files that are open at the same time: what blocks may take is shared among them.
 #[derive(Debug, Default)]
+pub struct OpenFiles(AtomicU64);
+
+impl OpenFiles {
+    /// None yet.
+    pub const fn none() -> Self {
+        OpenFiles(AtomicU64::new(0))
+    }
+
+    /// Bytes that each of them may take of what one alone may.
+    fn share(&self, bytes: u64) -> u64 {
+        (bytes / self.0.load(Ordering::Relaxed).max(1)).max(LEAST)
+    }
+}
+
+/// All blocks of a file that were told of.
+#[derive(Debug)]
 pub struct Ahead {
+    open: &'static OpenFiles,
     /// By offset.
     blocks: HashMap<u64, State>,
     queue: VecDeque<ByteSpan>,
@@ -59,7 +79,29 @@ pub struct Ahead {
     told: u64,
 }
 
+impl Drop for Ahead {
+    fn drop(&mut self) {
+        self.open.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 impl Ahead {
+    /// Of one more file.
+    pub fn among(open: &'static OpenFiles) -> Self {
+        open.0.fetch_add(1, Ordering::Relaxed);
+        Ahead {
+            open,
+            blocks: HashMap::new(),
+            queue: VecDeque::new(),
+            under_way: 0,
+            unread: 0,
+            here: 0,
+            between: BTreeMap::new(),
+            clock: 0,
+            told: 0,
+        }
+    }
+
     /// Takes note of blocks of a file of so many bytes; those that are known already are passed over.
     pub fn tell(&mut self, blocks: impl Iterator<Item = Entry>, length: u64) {
         self.told += 1;
@@ -68,7 +110,7 @@ impl Ahead {
             self.blocks.extend(span.blocks.iter().map(|block| (block.offset, State::Queued)));
             self.queue.push_back(span);
         }
-        if self.unread > ROOM / 2 {
+        if self.unread > self.open.share(ROOM) / 2 {
             self.forget();
         }
     }
@@ -88,7 +130,7 @@ impl Ahead {
 
     /// The next span to ask for, if it is time.
     pub fn next(&mut self) -> Option<ByteSpan> {
-        if self.under_way >= UNDER_WAY || self.unread >= ROOM {
+        if self.under_way >= UNDER_WAY || self.unread >= self.open.share(ROOM) {
             return None;
         }
         let span = self.queue.pop_front()?;
@@ -153,7 +195,7 @@ impl Ahead {
             self.blocks.insert(block.offset, state);
         }
         self.keep_between(at, span.range.end, part);
-        if self.here > KEPT {
+        if self.here > self.open.share(KEPT) {
             self.drop_read();
         }
     }
@@ -188,8 +230,9 @@ impl Ahead {
             }
         }
         read.sort_unstable();
+        let kept = self.open.share(KEPT) / 4 * 3;
         for (_, offset, length) in read {
-            if self.here <= KEPT / 4 * 3 {
+            if self.here <= kept {
                 break;
             }
             self.blocks.remove(&offset);
@@ -211,12 +254,35 @@ mod tests {
         Entry { offset, stored, ..Entry::decode(&[0; 80]).expect("an entry") }
     }
 
+    fn alone() -> Ahead {
+        Ahead::among(Box::leak(Box::default()))
+    }
+
+    /// Of 10 files that are open each keeps 12.8 MiB of blocks that were read in place of 128; when 9 are closed the tenth keeps all again.
+    #[test]
+    fn memory_is_shared() {
+        let open: &'static OpenFiles = Box::leak(Box::default());
+        let mut files: Vec<Ahead> = (0..10).map(|_| Ahead::among(open)).collect();
+        let mut last = files.pop().expect("a file");
+        let read = |file: &mut Ahead, from: u64| {
+            file.tell((from..from + 100).map(|i| block(i << 20, 1 << 20)), 1 << 40);
+            while let Some(span) = file.next() {
+                file.came(&span, &vec![0; (span.range.end - span.range.start) as usize].into());
+                span.blocks.iter().for_each(|block| drop(file.find(block.offset)));
+            }
+            file.here >> 20
+        };
+        assert!((8..=14).contains(&read(&mut last, 0)), "{}", last.here);
+        drop(files);
+        assert!(read(&mut last, 100) >= 100, "{}", last.here);
+    }
+
     /// Of 100 blocks of 1 MiB 16 spans of 2 MiB are under way at first; as they come and are read all 100 come, each once and with its own
     /// byte; told of again they are not asked for again while they are in memory.
     #[test]
     fn all_come_once() {
         let blocks: Vec<Entry> = (0..100).map(|i| block(i << 20, 1 << 20)).collect();
-        let mut ahead = Ahead::default();
+        let mut ahead = alone();
         ahead.tell(blocks.iter().copied(), 100 << 20);
         let mut under_way: VecDeque<ByteSpan> = std::iter::from_fn(|| ahead.next()).collect();
         assert_eq!(under_way.len(), 16);
@@ -242,7 +308,7 @@ mod tests {
     /// Nothing is asked for ahead beyond 64 MiB that nobody reads, but what is read now is; memory stays below 128 MiB.
     #[test]
     fn memory_is_bounded() {
-        let mut ahead = Ahead::default();
+        let mut ahead = alone();
         ahead.tell((0..400).map(|i| block(i << 20, 1 << 20)), 400 << 20);
         let mut spans = 0;
         while let Some(span) = ahead.next() {
@@ -268,7 +334,7 @@ mod tests {
     /// The 28 bytes of padding between two blocks are known once both have come, and the 36 behind the last one; no others are.
     #[test]
     fn padding_comes_along() {
-        let mut ahead = Ahead::default();
+        let mut ahead = alone();
         ahead.tell([block(64, 100), block(192, 92)].into_iter(), 1000);
         let span = ahead.next().expect("a span");
         ahead.came(&span, &(64..320_u32).map(|i| i as u8).collect::<Vec<_>>().into());

@@ -74,6 +74,16 @@ impl Failure {
         }
     }
 
+    /// Whether all that is wrong is that no object has this name.
+    pub fn is_absence(&self) -> bool {
+        self.cause == Cause::Missing && !self.what.contains("bucket")
+    }
+
+    /// The same, or perhaps: S3 says of what is not there that it may not be read, to those who may not see lists.
+    pub fn may_be_absence(&self) -> bool {
+        self.is_absence() || self.cause == Cause::Denied
+    }
+
     /// The error of an address.
     pub fn at(self, address: &Address) -> Error {
         let path = address.shown();
@@ -87,7 +97,10 @@ impl Failure {
         };
         let hint = match self.cause {
             Cause::Changed => return Error::SourceChanged { path: path.to_path_buf(), what: self.what },
-            Cause::Missing => "is the address right? capitals count".into(),
+            Cause::Missing if address.name().contains('.') => "is the address right? capitals count".into(),
+            Cause::Missing => {
+                "is the address right? capitals count; that of an atlas is the folder that atlas.json lies in".into()
+            }
             Cause::Exists => "give it another name, or replace it with --replace".into(),
             Cause::Denied => format!("give the right to it: {variables}"),
             Cause::Clock => "set the clock of this machine: stores take signatures of the last 15 minutes only".into(),

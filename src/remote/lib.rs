@@ -5,7 +5,7 @@
 //! Rooms from left to right; none imports one to its right.
 //!
 //! ```text
-//! address failure traffic cache | store | object | opening spans | ahead | remote_file | publish download
+//! address failure traffic cache | store | object | listing opening spans | ahead | remote_file | publish download
 //! ```
 //!
 //! | room | in | out |
@@ -15,6 +15,7 @@
 //! | [`cache`] | blocks with their checksums | the same from this machine's disk |
 //! | [`store`] | an address, the environment | a connection |
 //! | [`object`] | a connection | ranges of one object that has not changed since it was opened |
+//! | [`listing`] | addresses | which of them are objects, and names below them |
 //! | [`remote_file`] | an address | [`ReadAt`](heliotile_core::archive::ReadAt): blocks that were told of come together, many at a time |
 //! | [`publish`] | a file | an object that is whole and that nobody else wrote meanwhile |
 //! | [`download`] | an object | a file that is whole |
@@ -34,6 +35,7 @@ mod ahead;
 pub mod cache;
 pub mod download;
 pub mod failure;
+pub mod listing;
 pub mod object;
 mod opening;
 pub mod publish;

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use bytes::{Bytes, BytesMut};
 use object_store::{GetOptions, GetRange, GetResult, ObjectMeta, ObjectStoreExt};
+use tokio::sync::{Semaphore, SemaphorePermit};
 
 use crate::failure::{Cause, Failure};
 use crate::store::Locator;
@@ -17,6 +18,10 @@ const ATTEMPTS: usize = 4;
 pub const PART: u64 = 2 << 20;
 /// Such requests under way.
 const AT_ONCE: usize = 8;
+
+/// Requests under way of the whole process, of however many objects: servers and systems have so many connections.
+const ALL_AT_ONCE: usize = 64;
+static TURNS: Semaphore = Semaphore::const_new(ALL_AT_ONCE);
 
 /// Without ranges, larger objects are not taken.
 pub const WHOLE_LIMIT: u64 = 50_000_000;
@@ -59,6 +64,7 @@ impl Object {
     /// Asks for a first range, which says what version there is.
     pub async fn open(place: &Locator, first: GetRange) -> Result<(Object, Bytes), Failure> {
         let mut result = Err(Failure::new(Cause::Passing, ""));
+        let _turn = turn().await;
         let begun = Instant::now();
         for _ in 0..ATTEMPTS {
             let options = GetOptions { range: Some(first.clone()), ..GetOptions::default() };
@@ -79,6 +85,7 @@ impl Object {
 
     /// All of an object whose server has no ranges, if it is not large.
     pub async fn whole(place: &Locator) -> Result<Bytes, Failure> {
+        let _turn = turn().await;
         let answer = get(place, GetOptions::default()).await?;
         if answer.meta.size > WHOLE_LIMIT {
             let what = format!(
@@ -112,6 +119,7 @@ impl Object {
             return Ok(Bytes::new());
         }
         let mut result = Err(Failure::new(Cause::Passing, ""));
+        let _turn = turn().await;
         let begun = Instant::now();
         for _ in 0..ATTEMPTS {
             result = self.once(&range).await;
@@ -154,6 +162,12 @@ impl Object {
     }
 }
 
+/// Waits until fewer than [`ALL_AT_ONCE`] objects are read from; the turn ends with what is given.
+async fn turn() -> Option<SemaphorePermit<'static>> {
+    // It is never closed: there is always one.
+    TURNS.acquire().await.ok()
+}
+
 /// Whether to ask again.
 fn again<T>(result: &Result<T, Failure>, place: &Locator, begun: Instant) -> bool {
     matches!(result, Err(failure) if failure.cause == Cause::Passing) && begun.elapsed() < 2 * place.connection.timeout
@@ -178,10 +192,11 @@ async fn body(answer: GetResult, range: &Range<u64>) -> Result<Bytes, Failure> {
 
 /// What the store knows of an object without sending it; none if it is not there.
 pub async fn look(place: &Locator) -> Result<Option<ObjectMeta>, Failure> {
+    let _turn = turn().await;
     traffic::asked();
     match place.store.head(&place.path).await.map_err(|error| Failure::of(&error)) {
         Ok(meta) => Ok(Some(meta)),
-        Err(failure) if failure.cause == Cause::Missing && !failure.what.contains("bucket") => Ok(None),
+        Err(failure) if failure.is_absence() => Ok(None),
         Err(failure) if failure.cause == Cause::Denied => Err(why(place, failure).await),
         Err(failure) => Err(failure),
     }

@@ -48,7 +48,7 @@ pub struct Published {
     pub was_there: bool,
 }
 
-/// Writes an object and looks at it again; `sent` is told of bytes. An error: something else is there, unless `replace`, or was written by
+/// Writes an object and looks at it again, unless the same is there; `sent` is told of bytes. An error: something else is there, unless `replace`, or was written by
 /// others meanwhile; a store that cannot write on conditions.
 pub fn publish(
     source: &Upload,
@@ -70,11 +70,11 @@ pub fn publish(
     let failed = |failure: Failure| failure.at(to);
     let before = runtime()?.block_on(look(&place)).map_err(failed)?;
     let mode = match before {
-        Some(meta) if replace => PutMode::Update(UpdateVersion { e_tag: meta.e_tag, version: meta.version }),
-        Some(_) => {
-            return was_there(source, to, connection)?
-                .ok_or_else(|| Failure::new(Cause::Exists, "is there already").at(to));
-        }
+        Some(meta) => match was_there(source, to, connection)? {
+            Some(published) => return Ok(published),
+            None if replace => PutMode::Update(UpdateVersion { e_tag: meta.e_tag, version: meta.version }),
+            None => return Err(Failure::new(Cause::Exists, "is there already").at(to)),
+        },
         None => PutMode::Create,
     };
     match source.root {
@@ -135,14 +135,23 @@ fn lost(failure: Failure, beside: &Address) -> Failure {
     )
 }
 
-/// Whether what is there is the archive that is published.
+/// Whether what is there is what is published.
 fn was_there(source: &Upload, to: &Address, connection: Connection) -> Result<Option<Published>> {
-    let Some(root) = source.root else { return Ok(None) };
     // What cannot be opened is something else.
     let Ok(there) = settled(to, connection) else { return Ok(None) };
-    let same = there.root() == Some(root) && there.length() == source.bytes.length();
+    let same = is_same(source, &there)?;
     let beside = Some(Address::parse(there.name())?).filter(|address| address.name() != to.name());
     Ok(same.then_some(Published { beside, was_there: true }))
+}
+
+/// Whether an object holds what is published: an archive of the same root does, of other files all bytes count.
+fn is_same(source: &Upload, there: &RemoteFile) -> Result<bool> {
+    let length = source.bytes.length();
+    if there.length() != length || source.root.is_some() {
+        return Ok(there.length() == length && there.root() == source.root);
+    }
+    let held = there.copy_at(0, usize::try_from(length).unwrap_or(usize::MAX));
+    Ok(held.map_err(Error::unread(there.name()))? == read(source, 0, length)?)
 }
 
 /// Opens what is there; again where others write it at that very moment, who may send the same archive.

@@ -13,7 +13,7 @@ use heliotile_core::error::Result;
 use tokio::runtime::Runtime;
 
 use crate::address::Address;
-use crate::ahead::{Ahead, Lookup};
+use crate::ahead::{Ahead, Lookup, OpenFiles};
 use crate::cache::Cache;
 use crate::failure::{Cause, Failure};
 use crate::opening::Opened;
@@ -22,6 +22,9 @@ use crate::store::{Connection, Locator, runtime};
 
 /// Times of what one request may take that a block is waited for: a request, asking again, what is queued before it.
 const PATIENCE: u32 = 6;
+
+/// Files that share the memory for blocks.
+static OPEN: OpenFiles = OpenFiles::none();
 
 /// An object, open for reading. Many threads may read from it.
 #[derive(Debug)]
@@ -42,16 +45,39 @@ impl RemoteFile {
     /// Opens what an address names, or the archive that a pointer there leads to. An error: it is not there, may not be read, cannot be
     /// reached, or its server has no ranges and it is large.
     pub fn open(address: &Address, connection: Connection, cache: Option<Cache>) -> Result<Self> {
+        RemoteFile::look(address, connection, cache)?.map_err(|failure| failure.at(address))
+    }
+
+    /// The same where nothing may be there: none for what `absent` says of a failure.
+    pub fn find(
+        address: &Address,
+        connection: Connection,
+        cache: Option<Cache>,
+        absent: fn(&Failure) -> bool,
+    ) -> Result<Option<Self>> {
+        match RemoteFile::look(address, connection, cache)? {
+            Ok(file) => Ok(Some(file)),
+            Err(failure) if absent(&failure) => Ok(None),
+            Err(failure) => Err(failure.at(address)),
+        }
+    }
+
+    /// What is wrong with the address itself stands apart from errors of what it leads to.
+    fn look(
+        address: &Address,
+        connection: Connection,
+        cache: Option<Cache>,
+    ) -> Result<std::result::Result<Self, Failure>> {
         let runtime = runtime()?;
-        let open = |place: &Locator| {
-            let opened = runtime.block_on(Opened::open_sound(place, cache.as_ref()));
-            opened.map_err(|failure| failure.at(&place.address))
-        };
+        let open = |place: &Locator| runtime.block_on(Opened::open_sound(place, cache.as_ref()));
         let mut place = Locator::connect(address, connection)?;
-        let mut opened = open(&place)?;
+        let mut opened = match open(&place) {
+            Ok(opened) => opened,
+            Err(failure) => return Ok(Err(failure)),
+        };
         if let Some(pointer) = opened.pointer().map_err(|failure| failure.at(address))? {
             place = Locator::connect(&address.beside(&pointer.name), connection)?;
-            opened = open(&place)?;
+            opened = open(&place).map_err(|failure| failure.at(&place.address))?;
             let root = opened.slot().map(|slot| format::hex(&slot.root));
             if root.as_ref() != Some(&pointer.root) || opened.length != pointer.length {
                 let what = format!(
@@ -62,8 +88,8 @@ impl RemoteFile {
                 return Err(Failure::new(Cause::Refused, what).at(&place.address));
             }
         }
-        let (ahead, news) = (Mutex::default(), Condvar::new());
-        Ok(RemoteFile(Arc::new(Shared { place, opened, cache, runtime, ahead, news })))
+        let (ahead, news) = (Mutex::new(Ahead::among(&OPEN)), Condvar::new());
+        Ok(Ok(RemoteFile(Arc::new(Shared { place, opened, cache, runtime, ahead, news }))))
     }
 
     /// What messages call it: the address, or that of the archive that a pointer leads to.
