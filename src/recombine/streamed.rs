@@ -15,6 +15,9 @@ use heliotile_core::replay::values::TileValues;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::formats::schedule_csv::ReadFile;
 
+/// Tiles of the next part that come while one is computed.
+const AHEAD: usize = 64;
+
 /// Choices that neither the archive nor the weather makes.
 #[derive(Clone, Copy)]
 pub struct Recombination<'a> {
@@ -94,11 +97,17 @@ impl Streamed<'_> {
         let elsewhere = |name: &str| parts.len() > 1 && parts.iter().any(|part| part.changeable().knows(name));
         let mut start = Some(start);
         let (mut taker, mut progress) = (None, None);
-        for part in parts {
+        for (number, part) in parts.iter().enumerate() {
             let place = (part.archive, &part.site);
             let replay = replay_beside(place, &elsewhere, asked, series, self.components, observer)?;
             if let Some(start) = start.take() {
                 taker = Some(start()?);
+            }
+            if let Some(next) = parts.get(number + 1) {
+                replay.expect_of(
+                    &next.site,
+                    &next.tiles().iter().take(AHEAD).map(|tile| tile.number).collect::<Vec<_>>(),
+                );
             }
             let progress = progress.get_or_insert_with(|| self.chosen.progress(observer));
             let Some(taker) = &mut taker else { break };

@@ -258,11 +258,16 @@ impl<'a> Replay<'a> {
 
     /// Tells of tiles that will be asked for soon.
     fn expect(&self, tiles: &[u32]) {
+        self.expect_of(&self.site, tiles);
+    }
+
+    /// The same of another site, of which a replay of equal conditions is next: from afar its blocks come while this one is computed.
+    pub fn expect_of(&self, site: &OpenSite, tiles: &[u32]) {
         let besides: &[u32] = match (self.reflects(), &self.responder) {
             (true, None) => &[format::RESPONSE],
             (true, Some(_)) => &TileView::KINDS,
             (false, _) => &[],
         };
-        self.reads().expect(&self.site, tiles, besides);
+        self.reads().expect(site, tiles, besides);
     }
 }
