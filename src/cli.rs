@@ -176,7 +176,7 @@ fn weather_files() -> ArgGroup {
 
 #[derive(Args, Debug)]
 pub struct VerifyArgs {
-    /// Archive to check
+    /// Archive to check, or the folder of an atlas: a path or an address
     pub archive: PathBuf,
     /// Also decode every layer and follow every reference between blocks
     #[arg(long)]

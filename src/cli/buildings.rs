@@ -12,7 +12,7 @@ use heliotile_core::archive::Access;
 /// An archive and the year that it is asked for.
 #[derive(Args, Debug)]
 pub struct YearArgs {
-    /// Archive to read
+    /// Archive to read, or the folder of an atlas: a path or an address
     pub archive: PathBuf,
     /// Weather file of a year: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
     #[arg(long, short)]

@@ -68,7 +68,7 @@ pub struct CatalogueArgs {
 
 #[derive(Args, Debug)]
 pub struct FindArgs {
-    /// Folder of the atlas
+    /// Folder of the atlas, or its address
     pub atlas: PathBuf,
     /// Box that parts touch, scene coordinates in metres: xmin,ymin,xmax,ymax; without it, all
     #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds)]

@@ -24,7 +24,7 @@ use heliotile_core::weather::temperatures::Temperature;
 /// Which receivers of which archive, and the table that is made of them.
 #[derive(Args, Debug)]
 pub struct TableArgs {
-    /// Archive to read, or the folder of an atlas
+    /// Archive to read, or the folder of an atlas: a path or an address
     pub archive: PathBuf,
     /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
     /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output; of `query` and `replay` also maps: .glb, .fgb,

@@ -1,5 +1,7 @@
-//! `heliotile copy`: an archive to an object store, or from there. In: two places. Out: the same bytes at the second one, whole or not at all.
+//! `heliotile copy`: an archive or an atlas to an object store, or from there. In: two places. Out: the same bytes at the second one, whole or not at all.
 
+use super::atlas::copied;
+use super::atlas::opened::Atlas;
 use super::terminal::Terminal;
 use super::{Outcome, guard_output, remark};
 use crate::cli::CopyArgs;
@@ -13,16 +15,15 @@ pub fn run(args: &CopyArgs) -> Result<Outcome> {
         let hint = "copy files with `cp`, or give an address such as s3://BUCKET/site.helio";
         return Err(Error::input(&args.to, None, "is a path, as is what is copied", hint));
     }
+    if let Some(atlas) = Atlas::find(&args.from)? {
+        return copied::copy(&atlas, &args.to, args.replace);
+    }
+    if !is_address(&args.from) && args.from.is_dir() {
+        let hint = "name an archive, another file, or the folder of an atlas";
+        return Err(Error::input(&args.from, None, "is a folder without an atlas.json", hint));
+    }
     if !is_address(&args.to) {
         guard_output(&args.to, &[])?;
-        if args.to.exists() && !args.replace {
-            return Err(Error::input(
-                &args.to,
-                None,
-                "is there already",
-                "give it another name, or replace it with --replace",
-            ));
-        }
     }
     let copied = files::copy(&args.from, &args.to, args.replace, &Terminal::default())?;
     let (to, megabytes) = (shown(&args.to), copied.bytes as f64 / 1e6);

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::atlas::plan::is_atlas;
+use super::atlas::opened::Atlas;
 use super::horizon::nothing_seen;
 use super::{Outcome, atlas, is_archive, say, scene, warn};
 use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
@@ -29,8 +29,12 @@ macro_rules! line {
 
 /// `heliotile info`.
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
+    if let [place] = args.files.as_slice()
+        && let Some(atlas) = Atlas::find(place)?
+    {
+        return atlas::about::info(&atlas).map(|()| Outcome::Fine);
+    }
     let path = match args.files.as_slice() {
-        [path] if is_atlas(path) => return atlas::about::info(path).map(|()| Outcome::Fine),
         [path] if is_archive(path) => path,
         files => return scene::info(&args.surfaces.site(files)?.framed(&args.place.frame())),
     };
@@ -178,11 +182,9 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
 pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
-    if !is_atlas(&args.archive) {
-        return verify_one(&args.archive, args);
-    }
+    let Some(atlas) = Atlas::find(&args.archive)? else { return verify_one(&args.archive, args) };
     let mut outcome = Outcome::Fine;
-    for part in atlas::about::built(&args.archive)? {
+    for part in atlas::about::built(&atlas)? {
         if verify_one(&part, args)? == Outcome::ProblemFound {
             outcome = Outcome::ProblemFound;
         }

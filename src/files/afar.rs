@@ -11,6 +11,8 @@ use heliotile_core::archive::{ReadAt, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 use heliotile_remote::download::download;
+use heliotile_remote::failure::Failure;
+use heliotile_remote::listing;
 use heliotile_remote::publish::{Upload, publish};
 use heliotile_remote::traffic::so_far;
 use heliotile_remote::{Address, Cache, Connection, RemoteFile};
@@ -34,10 +36,33 @@ pub fn hold(place: &Path, kept: bool) -> Result<RemoteFile> {
     RemoteFile::open(&address, connection()?, if kept { cache()? } else { None })
 }
 
-/// Copies what is at one place to another; at least one of them is an address.
+/// The same where nothing may be there; `sure`: what may not be read is an error, and not taken for nothing.
+pub fn find(place: &Path, kept: bool, sure: bool) -> Result<Option<RemoteFile>> {
+    let absent = if sure { Failure::is_absence } else { Failure::may_be_absence };
+    RemoteFile::find(&Address::parse(place)?, connection()?, if kept { cache()? } else { None }, absent)
+}
+
+/// Whether an object is there.
+pub fn exists(place: &Path) -> Result<bool> {
+    listing::exists(&Address::parse(place)?, connection()?)
+}
+
+/// Names of what lies below an address; none where nobody says.
+pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
+    listing::names_below(&Address::parse(place)?, connection()?)
+}
+
+/// Copies what is at one place to another; at least one of them is an address. What is there already is kept if it is the same.
 pub fn copy(from: &Path, to: &Path, replace: bool, observer: &dyn Observer) -> Result<Copied> {
     if !is_address(to) {
         let file = hold(from, false)?;
+        if to.is_file() && is_copy(&file, to)? {
+            return Ok(Copied { bytes: file.length(), beside: None, was_there: true });
+        }
+        if to.exists() && !replace {
+            let hint = "give it another name, or replace it with --replace";
+            return Err(Error::input(to, None, "is there already", hint));
+        }
         let stage = Stage::begin(observer, "copy", Some(file.length()));
         download(&file, to, replace, |bytes| stage.advance(bytes))?;
         return Ok(Copied { bytes: file.length(), beside: None, was_there: false });
@@ -54,6 +79,20 @@ pub fn copy(from: &Path, to: &Path, replace: bool, observer: &dyn Observer) -> R
     let published = publish(&source, &address, connection()?, replace, |bytes| stage.advance(bytes))?;
     let beside = published.beside.map(|beside| beside.shown().to_path_buf());
     Ok(Copied { bytes: bytes.length(), beside, was_there: published.was_there })
+}
+
+/// Whether a file holds what an object does: of archives the roots tell.
+fn is_copy(object: &RemoteFile, path: &Path) -> Result<bool> {
+    let file = hold_any(path)?;
+    if file.length() != object.length() {
+        return Ok(false);
+    }
+    if object.is_archive() {
+        return Ok(super::open_archive(path, Default::default()).is_ok_and(|held| Some(held.root()) == object.root()));
+    }
+    let length = usize::try_from(file.length()).unwrap_or(usize::MAX);
+    Ok(file.copy_at(0, length).map_err(Error::unread(path))?
+        == object.copy_at(0, length).map_err(Error::unread(object.name()))?)
 }
 
 /// What was asked of stores so far, in words; none if nothing was.

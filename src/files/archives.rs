@@ -41,6 +41,14 @@ pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
     Ok(archive)
 }
 
+/// The same where there may be none.
+pub(crate) fn find_archive(place: &Path, access: Access) -> Result<Option<Archive>> {
+    match is_address(place) {
+        true => afar::find(place, true, true)?.map(|file| Archive::of(shown(place), file)).transpose(),
+        false => place.is_file().then(|| open_archive(place, access)).transpose(),
+    }
+}
+
 /// Checks every block of the archive at a place; of an address what the store holds, not what this machine keeps of it. See
 /// [`archive::verify()`].
 pub fn verify_archive(place: &Path, access: Access, deep: bool) -> Result<VerifyReport> {

@@ -3,6 +3,7 @@
 
 #[cfg(feature = "remote")]
 mod afar;
+mod any_folder;
 mod archives;
 #[cfg(any(test, not(feature = "remote")))]
 mod not_afar;
@@ -25,7 +26,8 @@ use heliotile_scene::placing::plausible::far_receivers;
 use not_afar as afar;
 
 pub(crate) use afar::{copy, traffic};
-pub(crate) use archives::{hold, require_file};
+pub(crate) use any_folder::AnyFolder;
+pub(crate) use archives::{find_archive, hold, require_file};
 pub use archives::{is_address, open_archive, shown, verify_archive};
 
 /// The bytes of a file; what gzip packed is unpacked, whatever the file's name.

@@ -16,6 +16,21 @@ pub fn hold(place: &Path, _: bool) -> Result<Vec<u8>> {
     refuse(place)
 }
 
+/// Nothing is looked for.
+pub fn find(place: &Path, _: bool, _: bool) -> Result<Option<Vec<u8>>> {
+    refuse(place)
+}
+
+/// Nobody is asked.
+pub fn exists(place: &Path) -> Result<bool> {
+    refuse(place)
+}
+
+/// No list is read.
+pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
+    refuse(place)
+}
+
 /// Nothing is copied.
 pub fn copy(from: &Path, to: &Path, _: bool, _: &dyn Observer) -> Result<Copied> {
     refuse(if is_address(from) { from } else { to })
@@ -32,15 +47,20 @@ mod tests {
 
     use super::*;
 
-    /// A program without stores refuses an address that is read, copied from or copied to, 3 ways, with how to build one that takes it and
+    /// A program without stores refuses an address that is read, copied from or copied to, 6 ways, with how to build one that takes it and
     /// without the signature; it tells of 0 requests.
     #[test]
     fn refused_with_what_to_do() {
         let (address, file) = (Path::new("https://me:secret@host/site.helio?sig=secret"), Path::new("a.helio"));
         let copied = [(address, file), (file, address)].map(|(from, to)| copy(from, to, false, &Silent).err());
-        let told: Vec<String> =
-            [hold(address, true).err()].into_iter().chain(copied).flatten().map(|e| e.to_string()).collect();
-        assert_eq!(told.len(), 3);
+        let looked = [
+            hold(address, true).err(),
+            find(address, true, true).err(),
+            exists(address).err(),
+            names_below(address).err(),
+        ];
+        let told: Vec<String> = looked.into_iter().chain(copied).flatten().map(|e| e.to_string()).collect();
+        assert_eq!(told.len(), 6);
         for text in told {
             assert!(text.contains("https://host/site.helio: is an address"), "{text}");
             assert!(text.contains("cargo build --locked --release --features remote"), "{text}");

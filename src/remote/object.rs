@@ -192,9 +192,12 @@ async fn body(answer: GetResult, range: &Range<u64>) -> Result<Bytes, Failure> {
 
 /// What the store knows of an object without sending it; none if it is not there.
 pub async fn look(place: &Locator) -> Result<Option<ObjectMeta>, Failure> {
-    let _turn = turn().await;
-    traffic::asked();
-    match place.store.head(&place.path).await.map_err(|error| Failure::of(&error)) {
+    let answered = {
+        let _turn = turn().await;
+        traffic::asked();
+        place.store.head(&place.path).await.map_err(|error| Failure::of(&error))
+    };
+    match answered {
         Ok(meta) => Ok(Some(meta)),
         Err(failure) if failure.is_absence() => Ok(None),
         Err(failure) if failure.cause == Cause::Denied => Err(why(place, failure).await),

@@ -1,14 +1,12 @@
-//! What an atlas holds (`info`) and whether its parts are whole (`verify`). In: the folder of an atlas. Out: text.
+//! What an atlas holds (`info`) and whether its parts are whole (`verify`). In: an atlas. Out: text.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use super::listed::{ListedPart, parts};
-use super::part::{PartState, state};
-use super::plan::AtlasPlan;
+use super::listed::ListedPart;
+use super::opened::Atlas;
+use super::part::PartState;
 use crate::commands::say;
-use crate::files::open_archive;
-use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
@@ -16,30 +14,32 @@ use heliotile_core::text::counted;
 const NAMED: usize = 8;
 
 /// Archives of the parts that are built.
-pub fn built(atlas: &Path) -> Result<Vec<PathBuf>> {
-    let paths: Vec<PathBuf> = parts(atlas, None)?.iter().filter_map(ListedPart::archive).cloned().collect();
+pub fn built(atlas: &Atlas) -> Result<Vec<PathBuf>> {
+    let paths: Vec<PathBuf> = atlas.parts(None)?.iter().filter_map(ListedPart::archive).cloned().collect();
     match paths.is_empty() {
-        true => Err(Error::input(atlas, None, "has no part that is built", "heliotile build ATLAS --part all")),
+        true => {
+            Err(Error::input(&atlas.shown(), None, "has no part that is built", "heliotile build ATLAS --part all"))
+        }
         false => Ok(paths),
     }
 }
 
 /// `heliotile info ATLAS`.
-pub fn info(atlas: &Path) -> Result<()> {
-    let plan = AtlasPlan::read(atlas)?;
+pub fn info(atlas: &Atlas) -> Result<()> {
+    let plan = &atlas.plan;
     let (mut receivers, mut bytes, mut built, mut empty, mut missing) = (0, 0, 0, 0, Vec::new());
-    for part in &plan.parts {
-        match state(atlas, part) {
-            PartState::Built(path) => {
-                receivers += open_archive(&path, Access::Read)?.manifest().receivers.count;
-                bytes += path.metadata().map_err(Error::io(&path, "read the length of"))?.len();
+    for (part, state) in atlas.each_archive(|archive| (archive.manifest().receivers.count, archive.length()))? {
+        match state {
+            PartState::Built((count, length)) => {
+                receivers += count;
+                bytes += length;
                 built += 1;
             }
             PartState::Empty => empty += 1,
             PartState::Missing => missing.push(part.name.as_str()),
         }
     }
-    let mut out = format!("{}\n", atlas.display());
+    let mut out = format!("{}\n", atlas.shown().display());
     // Writing to a string cannot fail.
     let mut line = |name: &str, text: String| {
         let _ = writeln!(out, "  {name:<11} {text}");

@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::about;
 use super::listed::{ListedPart, parts};
+use super::opened::Atlas;
 use super::page::{PARTS, list};
 use super::part::PartState;
 use super::plan::AtlasPlan;
@@ -17,7 +18,7 @@ use super::thumbnails::Thumbnails;
 use crate::cli::{CatalogueArgs, FindArgs};
 use crate::commands::replay::mapped::crs_of;
 use crate::commands::{Outcome, remark, say, warn};
-use crate::files::open_archive;
+use crate::files::{open_archive, shown};
 use crate::outputs::sink::{write_file, write_texts};
 use crate::outputs::stac::{COLLECTION, StacAsset, StacCollection, StacItem, THUMBNAIL, VIEWER, collection};
 use crate::outputs::tables::quoted;
@@ -27,16 +28,17 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
 /// Beside the archive of a part.
-const ITEM: &str = "item.json";
+pub(super) const ITEM: &str = "item.json";
 
 /// `heliotile catalogue`.
 pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
-    let (atlas, plan) = (args.atlas.as_path(), AtlasPlan::read(&args.atlas)?);
+    let opened = Atlas::open(&args.atlas)?;
+    let (atlas, plan) = (args.atlas.as_path(), &opened.plan);
     let whole = std::path::absolute(atlas).map_err(Error::io(atlas, "find"))?;
     let name = whole.file_name().map_or("atlas".into(), |name| name.to_string_lossy().into_owned());
-    let listed = parts(atlas, None)?;
+    let listed = opened.parts(None)?;
     let built: Vec<(&ListedPart, &PathBuf)> = listed.iter().filter_map(|part| Some((part, part.archive()?))).collect();
-    let Some((_, first)) = built.first() else { return about::built(atlas).map(|_| Outcome::Fine) };
+    let Some((_, first)) = built.first() else { return about::built(&opened).map(|_| Outcome::Fine) };
     let crs = crs_of(&open_archive(first, Access::Read)?);
     if !crs.has_degrees() {
         warn("nobody says where the atlas lies on Earth: items have no footprint (partition it with --crs)");
@@ -49,7 +51,7 @@ pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
         ));
     }
     let item = |(number, (part, path)): (usize, &(&ListedPart, &PathBuf))| {
-        let mut found = item(part, path, &plan, &name)?;
+        let mut found = item(part, path, plan, &name)?;
         if let Some(png) = pictures.part(number)? {
             write_file(&path.with_file_name(THUMBNAIL), &png)?;
             found.0.assets.push(StacAsset::thumbnail(&png, pictures.top_kwh_m2()));
@@ -121,12 +123,12 @@ pub fn find(args: &FindArgs) -> Result<Outcome> {
     let found = parts(&args.atlas, args.bbox)?;
     if found.is_empty() {
         let what = "no part of it lies in the box";
-        return Err(Error::input(&args.atlas, None, what, "--bbox is in the coordinates of the scene files"));
+        return Err(Error::input(&shown(&args.atlas), None, what, "--bbox is in the coordinates of the scene files"));
     }
     let mut out = String::from("part,x,y,state,archive\n");
     for part in found {
         let state = part.state.word();
-        let path = part.archive().map(|path| path.display().to_string()).unwrap_or_default();
+        let path = part.archive().map(|path| shown(path).display().to_string()).unwrap_or_default();
         out += &format!("{},{},{},{state},{}\n", part.name, part.low.x, part.low.y, quoted(&path));
     }
     say(&out)?;

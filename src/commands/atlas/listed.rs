@@ -1,11 +1,11 @@
-//! The parts of an atlas, for programs that build and ask them one by one. In: the folder of an atlas. Out: names, squares, archives.
+//! The parts of an atlas, for programs that build and ask them one by one. In: the place of an atlas. Out: names, squares, archives.
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
-use super::part::{PartState, state};
-use super::plan::AtlasPlan;
+use super::opened::Atlas;
+use super::part::PartState;
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::error::Result;
 
@@ -24,14 +24,22 @@ pub struct ListedPart {
 
 /// Parts of an atlas by their names, those that a box touches if there is one.
 pub fn parts(atlas: &Path, within: Option<Bounds>) -> Result<Vec<ListedPart>> {
-    let plan = AtlasPlan::read(atlas)?;
-    let listed = plan.parts.iter().filter_map(|part| {
-        let square = plan.region_part(part);
-        let touched = within.is_none_or(|bounds| square.touches(bounds.low, bounds.high));
-        let (low, high) = (square.low, square.high);
-        touched.then(|| ListedPart { name: part.name.clone(), low, high, state: state(atlas, part) })
-    });
-    Ok(listed.collect())
+    Atlas::open(atlas)?.parts(within)
+}
+
+impl Atlas {
+    /// The same of one that is open.
+    pub fn parts(&self, within: Option<Bounds>) -> Result<Vec<ListedPart>> {
+        let look = |names: &[String]| {
+            let there = self.folder.has(names, self.plan.parts.len())?.into_iter();
+            Ok(there.zip(names).map(|(there, name)| there.then(|| self.folder.join(name))).collect())
+        };
+        let listed = self.states(within, look)?.into_iter().map(|(part, state)| {
+            let square = self.plan.region_part(part);
+            ListedPart { name: part.name.clone(), low: square.low, high: square.high, state }
+        });
+        Ok(listed.collect())
+    }
 }
 
 impl ListedPart {

@@ -3,7 +3,9 @@
 
 pub mod about;
 pub mod catalogue;
+pub mod copied;
 pub mod listed;
+pub mod opened;
 pub mod page;
 pub mod part;
 pub mod partition;

@@ -12,6 +12,7 @@ use crate::cli::BuildArgs;
 use crate::commands::receivers::cover_site;
 use crate::commands::traced::{TraceRequest, up_to_date};
 use crate::commands::{Outcome, interrupt, remark};
+use crate::files::require_file;
 use crate::outputs::sink::write_texts;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Lying;
@@ -34,23 +35,29 @@ const NOTHING: &str = "no-receivers.txt";
 
 /// What is there of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum PartState {
+pub enum PartState<A = PathBuf> {
     /// Nothing that is finished.
     Missing,
     /// It has no receiver.
     Empty,
     /// Its archive.
-    Built(PathBuf),
+    Built(A),
 }
 
-/// What there is of a part in an atlas.
-pub fn state(atlas: &Path, part: &PlannedPart) -> PartState {
-    let folder = folder_of(atlas, part);
-    let archive = folder.join(ARCHIVE);
-    match () {
-        () if archive.is_file() => PartState::Built(archive),
-        () if folder.join(NOTHING).is_file() => PartState::Empty,
-        () => PartState::Missing,
+impl PlannedPart {
+    /// Its archive, by its name in the folder of the atlas.
+    pub fn archive(&self) -> String {
+        self.beside(ARCHIVE)
+    }
+
+    /// What stands there instead if no receiver lies in it.
+    pub fn says_nothing(&self) -> String {
+        self.beside(NOTHING)
+    }
+
+    /// Another file of its folder, likewise.
+    pub fn beside(&self, file: &str) -> String {
+        format!("{FOLDER}/{}/{file}", self.name)
     }
 }
 
@@ -64,6 +71,7 @@ pub fn build(args: &BuildArgs, asked: &str) -> Result<Outcome> {
         let what = format!("{} scene files are named beside a part", args.scene.scene.len());
         return Err(Error::argument("--part", what, "name the folder of the atlas, which knows its files"));
     };
+    require_file(atlas, "parts are built in a folder, and copied when they are")?;
     if !is_atlas(atlas) {
         let what = format!("is no folder of an atlas: it holds no {FILE}");
         return Err(Error::input(atlas, None, what, "make one with `heliotile partition`"));

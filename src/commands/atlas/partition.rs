@@ -4,7 +4,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::part::{PartState, state};
+use super::listed::parts;
+use super::part::PartState;
 use super::plan::{AtlasPlan, Cut, FILE, absolute, is_atlas};
 use super::seams::{self, Seams};
 use crate::cli::PartitionArgs;
@@ -64,8 +65,7 @@ fn check_folder(args: &PartitionArgs, atlas: &Path) -> Result<()> {
             "--output FOLDER to keep both, or --replace if nothing of it is built",
         ));
     }
-    let there = AtlasPlan::read(atlas)?;
-    match there.parts.iter().find(|part| state(atlas, part) != PartState::Missing) {
+    match parts(atlas, None)?.iter().find(|part| part.state != PartState::Missing) {
         None => Ok(()),
         Some(part) => {
             let what = format!("holds parts that are built, such as {}", part.name);

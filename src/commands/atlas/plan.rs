@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::seams::Seams;
 use crate::cli::{AccuracyArgs, CoverArgs, SceneArgs};
-use crate::files::read_file;
+use crate::files::{AnyFolder, read_file, shown};
 use heliotile_builder::settings::Quality;
 use heliotile_core::error::{Error, Result};
 use heliotile_scene::region_part::RegionPart;
@@ -132,17 +132,26 @@ impl AtlasPlan {
         })
     }
 
-    /// Reads that of a folder.
+    /// Reads that of a folder, here or afar.
     pub fn read(atlas: &Path) -> Result<Self> {
-        let path = atlas.join(FILE);
-        let bytes = read_file(&path)?;
-        let refuse = |what: String| Error::input(&path, None, what, AGAIN);
+        let folder = AnyFolder::at(atlas);
+        let found = if folder.is_afar() { folder.read(FILE, true)? } else { Some(read_file(&folder.join(FILE))?) };
+        let nothing = || {
+            let hint = "give the folder that atlas.json lies in; `heliotile copy ATLAS ADDRESS` puts an atlas there";
+            Error::input(&shown(atlas), None, "holds no atlas.json: no atlas is there", hint)
+        };
+        AtlasPlan::of_file(&shown(&folder.join(FILE)), &found.ok_or_else(nothing)?)
+    }
+
+    /// What a file says, whose name is for messages.
+    pub fn of_file(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let refuse = |what: String| Error::input(path, None, what, AGAIN);
         #[derive(Deserialize)]
         struct Version {
             heliotile_atlas: u32,
         }
         let version: Version =
-            serde_json::from_slice(&bytes).map_err(|error| refuse(format!("is no plan of an atlas: {error}")))?;
+            serde_json::from_slice(bytes).map_err(|error| refuse(format!("is no plan of an atlas: {error}")))?;
         if version.heliotile_atlas != VERSION {
             return Err(Error::Unsupported {
                 what: format!("layout of {}", path.display()),
@@ -150,7 +159,7 @@ impl AtlasPlan {
                 supported: VERSION.to_string(),
             });
         }
-        let plan: AtlasPlan = serde_json::from_slice(&bytes).map_err(|error| refuse(error.to_string()))?;
+        let plan: AtlasPlan = serde_json::from_slice(bytes).map_err(|error| refuse(error.to_string()))?;
         plan.check().map_err(refuse)?;
         Ok(plan)
     }

@@ -185,8 +185,9 @@ impl<'a> Files<'a> {
                 StudyCommand::Wall(args) => self.write(&args.output, Written::Folder),
             },
             Command::Man(args) => self.write(&args.output, Written::Folder),
+            Command::Catalogue(args) => self.read(&args.atlas, Wanted::Other),
             // What is an atlas is seen when it is read.
-            Command::Catalogue(_) | Command::Find(_) | Command::Store(_) | Command::Completions(_) => {}
+            Command::Find(_) | Command::Store(_) | Command::Completions(_) => {}
         }
     }
 

@@ -2,21 +2,14 @@
 //! that hold what is asked for, of one scene's settings and place.
 
 use std::fs;
-use std::path::PathBuf;
 
 use crate::cli::TableArgs;
-use crate::commands::atlas::listed::{ListedPart, parts};
-use crate::commands::atlas::part::PartState;
-use crate::commands::atlas::plan::is_atlas;
-use crate::commands::console::shell_words::quoted;
+use crate::commands::atlas::opened::Atlas;
 use crate::commands::voice::remark_aside;
 use crate::files::open_archive;
 use heliotile_core::archive::{Access, Archive, Manifest};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
-
-/// Parts that a message names.
-const NAMED: usize = 5;
 
 /// Opened archives, at least one.
 pub struct Sources {
@@ -34,15 +27,15 @@ pub struct Archives<'a> {
 impl Sources {
     /// Opens what a table is made of.
     pub fn open(args: &TableArgs) -> Result<Self> {
-        if !is_atlas(&args.archive) {
+        let Some(atlas) = Atlas::find(&args.archive)? else {
             return Ok(Sources { first: open_archive(&args.archive, access(args))?, others: Vec::new() });
-        }
-        let mut parts = built(args)?.into_iter().map(|path| open_archive(&path, args.io.unwrap_or_default()));
-        let Some(first) = parts.next().transpose()? else {
-            let what = "no part of it holds a receiver of what is asked for";
-            return Err(Error::input(&args.archive, None, what, "--bbox is in the coordinates of the scene files"));
         };
-        let others: Vec<Archive> = parts.collect::<Result<_>>()?;
+        let mut archives = atlas.archives(args.bbox, args.io.unwrap_or_default())?.into_iter();
+        let Some(first) = archives.next() else {
+            let what = "no part of it holds a receiver of what is asked for";
+            return Err(Error::input(&atlas.shown(), None, what, "--bbox is in the coordinates of the scene files"));
+        };
+        let others: Vec<Archive> = archives.collect();
         others.iter().try_for_each(|other| check_fit(&first, other))?;
         Ok(Sources { first, others })
     }
@@ -80,21 +73,6 @@ impl<'a> Archives<'a> {
     pub fn roots(self) -> Vec<[u8; 32]> {
         self.iter().map(Archive::root).collect()
     }
-}
-
-/// Archives of the parts that may hold what is asked for; a part that is not built is an error.
-fn built(args: &TableArgs) -> Result<Vec<PathBuf>> {
-    let listed = parts(&args.archive, args.bbox)?;
-    let missing: Vec<&str> =
-        listed.iter().filter(|part| part.state == PartState::Missing).map(|part| part.name.as_str()).collect();
-    let Some(first) = missing.first() else {
-        return Ok(listed.iter().filter_map(ListedPart::archive).cloned().collect());
-    };
-    let atlas = quoted(&args.archive.to_string_lossy());
-    let hint = format!("heliotile build {atlas} --part {first}, or others with --bbox");
-    let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
-    let what = format!("{} of its parts are not built yet: {named}", missing.len());
-    Err(Error::input(&args.archive, None, what, hint))
 }
 
 /// Refuses parts that cannot stand in one table.

@@ -5,12 +5,11 @@ mod server;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 
 use super::atlas::about::built;
-use super::atlas::listed::parts;
+use super::atlas::opened::Atlas;
 use super::atlas::page::{PARTS, archive_of, list};
-use super::atlas::plan::is_atlas;
 use super::{Outcome, remark, warn};
 use crate::cli::ViewArgs;
-use crate::files::{hold, is_address, open_archive, read_file, read_weather_as};
+use crate::files::{hold, is_address, open_archive, read_file, read_weather_as, shown};
 use crate::outputs::viewer_page::{ViewerPage, packed};
 use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
@@ -23,11 +22,15 @@ const PORT: u16 = 8017;
 
 /// `heliotile view`.
 pub fn run(args: &ViewArgs) -> Result<Outcome> {
-    let parts = if is_atlas(&args.archive) { parts(&args.archive, None)? } else { Vec::new() };
     // The first is what is seen first; whatever it holds, the others are opened by the page.
-    let first = match is_atlas(&args.archive) {
-        true => built(&args.archive)?.into_iter().next().unwrap_or_default(),
-        false => args.archive.clone(),
+    let (parts, first) = match Atlas::find(&args.archive)? {
+        Some(atlas) if atlas.folder.is_afar() => {
+            let hint =
+                "open the view.html that `catalogue` writes and `copy` brings there, or copy the atlas to a folder";
+            return Err(Error::input(&atlas.shown(), None, "is an atlas afar, of which nothing is served", hint));
+        }
+        Some(atlas) => (atlas.parts(None)?, built(&atlas)?.into_iter().next().unwrap_or_default()),
+        None => (Vec::new(), args.archive.clone()),
     };
     let archive = open_archive(&first, Access::Read)?;
     OpenSite::of(&archive)?;
@@ -48,7 +51,7 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     }
     let listener = listen(args.port)?;
     let address = listener.local_addr().map_err(Error::io(archive.path(), "find an address for"))?;
-    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", args.archive.display()))?;
+    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", shown(&args.archive).display()))?;
     let page = page.html();
     let packed_page = packed(page.as_bytes()).map_err(Error::io(archive.path(), "pack the page of"))?;
     let file = archive.path().to_path_buf();

@@ -77,6 +77,11 @@ impl Archive {
         self.source.path()
     }
 
+    /// Number of bytes of all of it, as they are stored.
+    pub fn length(&self) -> u64 {
+        self.source.length()
+    }
+
     /// The manifest, read when the archive was opened.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest

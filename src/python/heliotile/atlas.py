@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit, urlunsplit
 
 from . import _heliotile
 from .archive import Archive
@@ -22,6 +23,15 @@ if TYPE_CHECKING:
 Box = tuple[float, float, float, float]
 
 
+def _shown(place: str) -> str:
+    """A place without user, password and signature."""
+    if "://" not in place:
+        return place
+    parts = urlsplit(place)
+    host = parts.netloc.rpartition("@")[2] if parts.scheme in ("http", "https") else parts.netloc
+    return urlunsplit((parts.scheme, host, parts.path, "", ""))
+
+
 @dataclass(frozen=True)
 class AtlasPart:
     """A part of a region: a square whose receivers are in one archive."""
@@ -33,7 +43,7 @@ class AtlasPart:
     state: str
     """`built`, `empty` (no receiver lies in it) or `missing`."""
     archive: str | None
-    """Path of its archive, if it is built."""
+    """Path or address of its archive, if it is built."""
 
 
 class Atlas:
@@ -45,7 +55,7 @@ class Atlas:
 
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> Atlas:
-        """The atlas of a folder."""
+        """The atlas of a folder, or of an address such as `s3://bucket/atlas`."""
         return cls(path)
 
     def parts(self, bbox: Box | None = None) -> list[AtlasPart]:
@@ -58,7 +68,7 @@ class Atlas:
         missing = [part.name for part in parts if part.state == "missing"]
         if missing:
             what = f"{len(missing)} of its parts are not built yet: {', '.join(missing[:5])}"
-            raise InputError(f"{self.path}: {what}\n  to fix: Atlas.build(name), heliotile.dask.build(atlas, client), or another bbox")
+            raise InputError(f"{_shown(self.path)}: {what}\n  to fix: Atlas.build(name), heliotile.dask.build(atlas, client), or another bbox")
         for part in parts:
             if part.archive is not None:
                 yield part, Archive.open(part.archive)
@@ -93,7 +103,7 @@ class Atlas:
             one = xr.open_dataset(archive, engine="heliotile", weather=weather, chunks={}, **choices)  # type: ignore[arg-type]
             opened.append(one.chunk({"receiver": -1}).assign_coords(part=("receiver", [part.name] * one.sizes["receiver"])))
         if not opened:
-            raise InputError(f"{self.path}: no part holds a receiver there\n  to fix: bbox is in the coordinates of the scene files")
+            raise InputError(f"{_shown(self.path)}: no part holds a receiver there\n  to fix: bbox is in the coordinates of the scene files")
         return xr.concat(opened, dim="receiver", data_vars="all", coords="minimal", compat="override", join="override", combine_attrs="drop_conflicts")
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -102,4 +112,4 @@ class Atlas:
     def __repr__(self) -> str:
         parts = self.parts()
         built = sum(part.state == "built" for part in parts)
-        return f"Atlas({self.path!r}, {len(parts)} parts, {built} built)"
+        return f"Atlas({_shown(self.path)!r}, {len(parts)} parts, {built} built)"

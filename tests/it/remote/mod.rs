@@ -1,5 +1,6 @@
 //! Archives in object stores and on web servers (feature `remote`), against a small store on this machine that can be told to fail.
 
+mod atlas;
 mod copying;
 mod reading;
 mod server;

@@ -1,4 +1,4 @@
-//! A small object store on this machine, with faults: GET and HEAD with ranges and conditions, PUT on conditions, uploads in parts, as S3 has
+//! A small object store on this machine, with faults: GET and HEAD with ranges and conditions, lists, PUT on conditions, uploads in parts, as S3 has
 //! them. One thread a connection, one request a connection.
 
 use std::collections::BTreeMap;
@@ -93,6 +93,17 @@ impl Store {
 
     pub fn get(&self, name: &str) -> Option<Vec<u8>> {
         self.held.lock().expect("held").objects.get(name).map(|object| object.0.clone())
+    }
+
+    pub fn remove(&self, name: &str) {
+        self.held.lock().expect("held").objects.remove(name);
+    }
+
+    /// The name that was written last.
+    pub fn newest(&self) -> String {
+        let held = self.held.lock().expect("held");
+        let newest = held.objects.iter().max_by_key(|(_, (_, version))| *version);
+        newest.map(|(name, _)| name.clone()).expect("an object")
     }
 
     pub fn names(&self) -> Vec<String> {
@@ -211,6 +222,19 @@ fn respond(request: &Request, held: &mut Held, ranges: bool) -> (u16, String, Ve
     }
     let upload = request.parameter("uploadId").map(str::to_owned);
     match (request.method.as_str(), upload) {
+        ("GET", _) if request.parameter("list-type").is_some() => {
+            let prefix = request.parameter("prefix").unwrap_or_default().replace("%2F", "/");
+            let within = format!("{}/{prefix}", request.path);
+            let names = held.objects.keys().filter_map(|name| {
+                let name = name.strip_prefix(&request.path)?.strip_prefix('/').filter(|_| name.starts_with(&within))?;
+                Some(format!(
+                    "<Contents><Key>{}</Key><Size>1</Size><LastModified>2026-11-02T10:00:00.000Z</LastModified></Contents>",
+                    name
+                ))
+            });
+            let names = names.collect::<String>();
+            (200, String::new(), format!("<ListBucketResult>{names}</ListBucketResult>").into_bytes())
+        }
         ("GET" | "HEAD", _) => {
             let (Some((bytes, _)), Some(etag)) = (known, etag) else { return none(404) };
             let about = format!("ETag: {etag}\r\nLast-Modified: Mon, 02 Nov 2026 10:00:00 GMT\r\n");

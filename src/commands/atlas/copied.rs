@@ -1,0 +1,130 @@
+//! `heliotile copy` of an atlas: to a store, from there, between two. In: an atlas, where it goes. Out: archives and catalogue there, and the plan
+//! last: who reads never finds an atlas of which a part is still on its way. What is there and is the same stays, so that the same command
+//! goes on after an interruption and brings parts that were built since.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::Path;
+
+use super::catalogue::ITEM;
+use super::opened::Atlas;
+use super::page::PARTS;
+use super::part::PartState;
+use super::plan::FILE;
+use crate::commands::terminal::Terminal;
+use crate::commands::{Outcome, interrupt, remark, warn};
+use crate::files::{self, AnyFolder, shown};
+use crate::outputs::stac::{COLLECTION, THUMBNAIL, VIEWER};
+use heliotile_builder::observer::{Silent, Stage};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
+
+/// What builds leave beside an archive, which nobody reads who asks it.
+const NOT_COPIED: [&str; 1] = ["receivers.csv"];
+
+/// Files that are copied between two looks at whether to stop.
+const STEP: usize = 64;
+
+/// Copies an atlas, file by file.
+pub fn copy(atlas: &Atlas, to: &Path, replace: bool) -> Result<Outcome> {
+    let to = AnyFolder::at(to);
+    let plan = atlas.plan.to_json()?;
+    check_place(&to, &plan)?;
+    let (names, missing) = names_of(atlas)?;
+    if !to.is_afar() {
+        for name in &names {
+            let path = to.join(name);
+            let folder = path.parent().unwrap_or(to.place());
+            fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
+        }
+    }
+    // Many are copied at a time if one of both places is afar, and one is.
+    let afar = if to.is_afar() { &to } else { &atlas.folder };
+    let terminal = Terminal::default();
+    let stage = Stage::begin(&terminal, "files", Some(names.len() as u64 + 1));
+    let one = |name: &String| {
+        let copied = files::copy(&atlas.folder.join(name), &to.join(name), replace, &Silent)?;
+        stage.advance(1);
+        Ok(if copied.was_there { (0, 0) } else { (1, copied.bytes) })
+    };
+    let _watch = interrupt::watch();
+    let (mut sent, mut bytes) = (0, 0);
+    for some in names.chunks(STEP) {
+        for (count, length) in afar.each(some, one)? {
+            sent += count;
+            bytes += length;
+        }
+        interrupt::stop_if_requested("before all of the atlas was copied")?;
+    }
+    if Atlas::open(atlas.folder.place())?.plan != atlas.plan {
+        let what = "its atlas.json is another one than at the beginning".to_owned();
+        return Err(Error::SourceChanged { path: atlas.shown(), what });
+    }
+    let (count, _) = one(&FILE.to_owned())?;
+    drop(stage);
+    if missing > 0 {
+        warn(&format!("{} not built yet, and not copied", counted(missing, "part")));
+    }
+    let megabytes = bytes as f64 / 1e6;
+    let all = counted(names.len() as u64 + 1, "file");
+    let place = shown(to.place());
+    remark(&format!("{}: {all}, {} of them new, {megabytes:.2} MB\n", place.display(), sent + count))?;
+    Ok(Outcome::Fine)
+}
+
+/// Parts of two atlases must not lie under one plan.
+fn check_place(to: &AnyFolder, plan: &str) -> Result<()> {
+    let refuse = |what: &str| Err(Error::input(&shown(to.place()), None, what, "give it a place of its own"));
+    if !to.is_afar() && to.place().exists() && !to.place().is_dir() {
+        return refuse("is a file, and an atlas is a folder");
+    }
+    match Atlas::find(to.place())? {
+        Some(there) if there.plan.to_json()? != plan => refuse("holds another atlas, of which nothing is replaced"),
+        _ => Ok(()),
+    }
+}
+
+/// Files of an atlas but its plan, archives first, and how many parts are not built.
+fn names_of(atlas: &Atlas) -> Result<(Vec<String>, u64)> {
+    let there = atlas.folder.names()?;
+    let is_there = |name: &String| there.as_ref().map(|names| names.binary_search(name).is_ok());
+    let (mut names, mut beside, mut missing) = (Vec::new(), Vec::new(), 0);
+    let look = |archives: &[String]| match &there {
+        Some(_) => Ok(archives.iter().map(|name| (is_there(name) == Some(true)).then_some(())).collect()),
+        None => {
+            let found = atlas.folder.has(archives, archives.len())?.into_iter();
+            Ok(found.map(|found| found.then_some(())).collect())
+        }
+    };
+    for (part, state) in atlas.states(None, look)? {
+        match state {
+            PartState::Built(()) => names.push(part.archive()),
+            PartState::Empty => names.push(part.says_nothing()),
+            PartState::Missing => missing += 1,
+        }
+        beside.push(part.beside(ITEM));
+    }
+    // Where nobody lists what lies there, what a catalogue has is looked for.
+    match &there {
+        Some(there) => {
+            let parts = names.iter().filter_map(|name| name.rsplit_once('/')).map(|(folder, _)| folder);
+            let (parts, own): (HashSet<&str>, HashSet<&String>) = (parts.collect(), names.iter().collect());
+            let known = |folder: &str| folder.is_empty() || parts.contains(folder);
+            let is_beside = |name: &&String| {
+                let (folder, file) = name.rsplit_once('/').unwrap_or(("", name));
+                let unfinished = file.starts_with('.') || file.ends_with(".partial");
+                let archive = own.contains(name) || file.ends_with(".helio") && !folder.is_empty();
+                !(unfinished || archive || NOT_COPIED.contains(&file) || name.as_str() == FILE) && known(folder)
+            };
+            let more: Vec<String> = there.iter().filter(is_beside).cloned().collect();
+            names.extend(more);
+        }
+        None => {
+            beside.extend(names.iter().filter_map(|name| Some(format!("{}/{THUMBNAIL}", name.rsplit_once('/')?.0))));
+            beside.extend([COLLECTION, THUMBNAIL, PARTS, VIEWER].map(str::to_owned));
+            let found = atlas.folder.has(&beside, beside.len())?;
+            names.extend(beside.into_iter().zip(found).filter_map(|(name, found)| found.then_some(name)));
+        }
+    }
+    Ok((names, missing))
+}

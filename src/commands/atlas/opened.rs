@@ -1,0 +1,119 @@
+//! An atlas that is asked, in a folder or below an address. In: its place. Out: its plan, read once; what there is of its parts; their archives.
+
+use std::path::Path;
+
+use super::part::PartState;
+use super::plan::{AtlasPlan, FILE, PlannedPart};
+use crate::commands::console::shell_words::quoted;
+use crate::files::{AnyFolder, find_archive, is_address, shown};
+use heliotile_builder::transfer::Bounds;
+use heliotile_core::archive::format::Entry;
+use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::error::{Error, Result};
+
+/// Parts that a message names.
+const NAMED: usize = 5;
+
+/// Blocks that whoever asks for results reads first.
+const READ_FIRST: [u32; 5] = [format::MATERIALS, format::OPTICS, format::MIRRORS, format::RECEIVERS, format::PARTS];
+
+/// A region in parts.
+pub struct Atlas {
+    /// Where it lies.
+    pub folder: AnyFolder,
+    /// As it was when it was opened: what is asked of the atlas is asked of this one.
+    pub plan: AtlasPlan,
+}
+
+impl Atlas {
+    /// The atlas at a place; none if that is something else.
+    pub fn find(place: &Path) -> Result<Option<Self>> {
+        let is_archive = || shown(place).extension().is_some_and(|ending| ending == "helio");
+        if is_address(place) && is_archive() {
+            return Ok(None);
+        }
+        let folder = AnyFolder::at(place);
+        let Some(bytes) = folder.read(FILE, false)? else { return Ok(None) };
+        let plan = AtlasPlan::of_file(&shown(&folder.join(FILE)), &bytes)?;
+        Ok(Some(Atlas { folder, plan }))
+    }
+
+    /// The same where nothing else will do.
+    pub fn open(place: &Path) -> Result<Self> {
+        Ok(Atlas { folder: AnyFolder::at(place), plan: AtlasPlan::read(place)? })
+    }
+
+    /// What messages call it.
+    pub fn shown(&self) -> std::path::PathBuf {
+        shown(self.folder.place())
+    }
+
+    /// Parts that a box touches, all without one.
+    fn touched(&self, within: Option<Bounds>) -> Vec<&PlannedPart> {
+        let touches = |part: &&PlannedPart| {
+            within.is_none_or(|bounds| self.plan.region_part(part).touches(bounds.low, bounds.high))
+        };
+        self.plan.parts.iter().filter(touches).collect()
+    }
+
+    /// What there is of the parts that a box touches; `look` is given the names of archives in the folder, and says what it makes of each.
+    pub fn states<A>(
+        &self,
+        within: Option<Bounds>,
+        look: impl FnOnce(&[String]) -> Result<Vec<Option<A>>>,
+    ) -> Result<Vec<(&PlannedPart, PartState<A>)>> {
+        let parts = self.touched(within);
+        let found = look(&parts.iter().map(|part| part.archive()).collect::<Vec<_>>())?;
+        let rest = parts.iter().zip(&found).filter(|(_, found)| found.is_none());
+        let rest: Vec<String> = rest.map(|(part, _)| part.says_nothing()).collect();
+        let mut empty = self.folder.has(&rest, self.plan.parts.len())?.into_iter();
+        let state = |found: Option<A>| match found {
+            Some(archive) => PartState::Built(archive),
+            None if empty.next() == Some(true) => PartState::Empty,
+            None => PartState::Missing,
+        };
+        Ok(parts.into_iter().zip(found.into_iter().map(state)).collect())
+    }
+
+    /// What there is of all parts, and of each archive what `about` makes of it: one is open no longer than that takes.
+    pub fn each_archive<T: Send>(
+        &self,
+        about: impl Fn(Archive) -> T + Sync,
+    ) -> Result<Vec<(&PlannedPart, PartState<T>)>> {
+        let open = |name: &String| Ok(find_archive(&self.folder.join(name), Access::Read)?.map(&about));
+        self.states(None, |names| self.folder.each(names, open))
+    }
+
+    /// Archives of the parts that a box touches, by the names of the parts; what is read first of all of them is on its way. A part that is
+    /// not built is an error.
+    pub fn archives(&self, within: Option<Bounds>, access: Access) -> Result<Vec<Archive>> {
+        let open = |name: &String| {
+            let archive = find_archive(&self.folder.join(name), access)?;
+            if let Some(archive) = &archive {
+                let first = archive.entries().iter().filter(|entry| READ_FIRST.contains(&entry.kind));
+                archive.expect(first.map(Entry::key));
+            }
+            Ok(archive)
+        };
+        let parts = self.states(within, |names| self.folder.each(names, open))?;
+        let is_missing = |state: &PartState<Archive>| matches!(state, PartState::Missing);
+        let missing = parts.iter().filter(|(_, state)| is_missing(state)).map(|(part, _)| part.name.as_str());
+        let missing: Vec<&str> = missing.collect();
+        let Some(first) = missing.first() else {
+            let archive = |(_, state)| if let PartState::Built(archive) = state { Some(archive) } else { None };
+            return Ok(parts.into_iter().filter_map(archive).collect());
+        };
+        let hint = match self.folder.is_afar() {
+            true => format!(
+                "build it (heliotile build ATLAS --part {first}) and copy the atlas again, or ask for others with --bbox"
+            ),
+            false => {
+                let atlas = quoted(&self.folder.place().to_string_lossy());
+                format!("heliotile build {atlas} --part {first}, or others with --bbox")
+            }
+        };
+        let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
+        let what = format!("{} of its parts are not built yet: {named}", missing.len());
+        Err(Error::input(&self.shown(), None, what, hint))
+    }
+}

@@ -1,0 +1,209 @@
+//! Atlases that lie in a store or on a web server: asked like the folder, published so that nobody sees half of one.
+
+use std::fs;
+use std::path::Path;
+use std::sync::LazyLock;
+use std::sync::atomic::Ordering;
+
+use super::run;
+use super::server::{Fault, Store};
+use crate::cli::{Folder, golden, stderr, stdout};
+
+/// The block of The Hague in four parts with a catalogue, built once for all tests here.
+static BLOCK: LazyLock<Folder> = LazyLock::new(|| {
+    let folder = Folder::new();
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    let cut = "--crs EPSG:28992 --part-size 45m --spacing 4m --quality draft --sample 0";
+    for line in [
+        &format!("partition {} {cut} -o atlas", model.display()),
+        "build atlas --part all",
+        "catalogue atlas --title Block",
+    ] {
+        let ran = folder.run(line);
+        assert!(ran.status.success(), "{line}: {}", stderr(&ran));
+    }
+    folder
+});
+
+/// Files of an atlas that are copied, with what they hold.
+fn files() -> Vec<(String, Vec<u8>)> {
+    let root = BLOCK.path("atlas");
+    let mut names: Vec<String> = vec!["atlas.json".into(), "collection.json".into()];
+    for part in fs::read_dir(root.join("parts")).expect("parts") {
+        let part = part.expect("a part").file_name().to_string_lossy().into_owned();
+        names.extend(["site.helio", "item.json"].map(|name| format!("parts/{part}/{name}")));
+    }
+    names.sort();
+    names.into_iter().map(|name| (name.clone(), fs::read(root.join(name)).expect("a file"))).collect()
+}
+
+/// A folder with a copy of the atlas, weather and conditions, and a store that holds the atlas, put there without the program.
+fn placed() -> (Folder, Store) {
+    let (folder, store) = (Folder::new(), Store::new());
+    fs::copy(golden(), folder.path("w.epw")).expect("copied");
+    for (name, bytes) in files() {
+        let path = folder.path("atlas").join(&name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        fs::write(path, &bytes).expect("written");
+        store.put(&format!("bucket/atlas/{name}"), bytes);
+    }
+    (folder, store)
+}
+
+/// A box in one of the four parts.
+const BOX: &str = "78706,457921,78749,457964";
+
+/// 10 commands give the same bytes from a store and from a web server as from the folder, which needs no scene file; `find` of a box takes 5
+/// requests at most, `replay` of a box in one part less than half of the bytes of all.
+#[test]
+fn as_from_a_folder() {
+    let (folder, store) = placed();
+    let mut bytes = Vec::new();
+    for line in [
+        &format!("find AT --bbox {BOX}"),
+        "find AT",
+        "info AT",
+        "verify AT",
+        "query AT --conditions conditions.csv --by surface",
+        &format!("replay AT --weather w.epw --every total --bbox {BOX}"),
+        "replay AT --weather w.epw --every total",
+        &format!("factors AT --bbox {BOX} --by surface"),
+        "buildings AT --weather w.epw -o out.csv",
+        "places AT --weather w.epw -o out.csv",
+    ] {
+        let web = format!("http://{}/bucket/", store.address);
+        let [near, far, at_web] = ["", "s3://bucket/", &web].map(|prefix| {
+            store.set_faults(|_| Fault::None);
+            let ran = run(&folder, &store, &line.replace("AT", &format!("{prefix}atlas")));
+            assert_eq!(ran.status.code(), Some(0), "{prefix} {line}: {}", stderr(&ran));
+            let table = fs::read_to_string(folder.path("out.csv")).unwrap_or_default();
+            let requests = store.requests.load(Ordering::Relaxed);
+            if !prefix.is_empty() {
+                assert!((2..120).contains(&requests), "{line}: {requests}");
+            }
+            if prefix.starts_with("s3") {
+                bytes.push((requests, store.sent.load(Ordering::Relaxed)));
+            }
+            let said = stdout(&ran);
+            (if prefix.is_empty() { said } else { said.replace(prefix, "") }, table)
+        });
+        assert!(near == far && near == at_web, "{line}: {} {} {}", near.0, far.0, at_web.0);
+    }
+    assert!(bytes[0].0 <= 5, "{bytes:?}");
+    assert!(bytes[5].1 * 2 < bytes[6].1 && bytes[5].1 > 10_000, "{bytes:?}");
+}
+
+/// An atlas of 10 files goes to a store and back to a folder as it was, atlas.json last of all that is written; the same command again writes
+/// nothing; a part that was left out of an interrupted copy comes with it; another part in a place stops it, and another atlas does even with
+/// `--replace`.
+#[test]
+fn there_and_back() {
+    let (folder, store) = placed();
+    let ran = |line: &str| {
+        let ran = run(&folder, &store, line);
+        (ran.status.code(), format!("{}{}", stdout(&ran), stderr(&ran)))
+    };
+    let is_there = |prefix: &str| {
+        files().iter().all(|(name, bytes)| store.get(&format!("{prefix}/{name}")).as_ref() == Some(bytes))
+    };
+    // It ends with an error while requests fail, before the plan is written.
+    store.set_faults(|number| if number > 12 { Fault::Status(403) } else { Fault::None });
+    let (code, said) = ran("copy atlas s3://bucket/new");
+    assert!(code == Some(2) && store.get("bucket/new/atlas.json").is_none(), "{said}");
+    store.set_faults(|_| Fault::None);
+    let (code, said) = ran("copy atlas s3://bucket/new");
+    assert!(code == Some(0) && is_there("bucket/new"), "{said}");
+    assert_eq!(store.newest(), "bucket/new/atlas.json");
+    let (code, said) = ran("copy atlas s3://bucket/new");
+    assert!(code == Some(0) && said.contains("10 files, 0 of them new"), "{said}");
+    for place in ["s3://bucket/new".to_owned(), format!("http://{}/bucket/new", store.address)] {
+        let line = format!("copy {place} back");
+        for new in ["10 of them new", "0 of them new"] {
+            let (code, said) = ran(&line);
+            assert!(code == Some(0) && said.contains(new), "{said}");
+        }
+        for (name, bytes) in files() {
+            assert!(fs::read(folder.path("back").join(&name)).ok() == Some(bytes), "{name}");
+        }
+        fs::remove_dir_all(folder.path("back")).expect("removed");
+    }
+    assert_eq!(ran("copy s3://bucket/new s3://bucket/second").0, Some(0));
+    assert!(is_there("bucket/second"));
+    let part = files().into_iter().find(|(name, _)| name.ends_with(".helio")).expect("a part");
+    store.put(&format!("bucket/new/{}", part.0), b"another".to_vec());
+    let (code, said) = ran("copy atlas s3://bucket/new");
+    assert!(code == Some(2) && said.contains("site.helio: is there already") && said.contains("--replace"), "{said}");
+    assert_eq!(ran("copy atlas s3://bucket/new --replace").0, Some(0));
+    assert!(is_there("bucket/new"));
+    let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
+    folder.write("atlas/atlas.json", &plan.replace("\"halo_m\": 300.0", "\"halo_m\": 200.0"));
+    let (code, said) = ran("copy atlas s3://bucket/new --replace");
+    assert!(code == Some(2) && said.contains("s3://bucket/new: holds another atlas"), "{said}");
+    assert!(ran("copy atlas https://host/atlas").1.contains("to fix"));
+    assert!(ran("copy atlas other").1.contains("copy files with `cp`"));
+}
+
+/// 13 wrong places and parts are refused with what was found and what to do, and no secret is told; a plan that is replaced while it is read is
+/// never mixed.
+#[test]
+fn what_cannot_be_asked() {
+    let (folder, store) = placed();
+    let refused = |line: &str, parts: &[&str]| {
+        let ran = run(&folder, &store, line);
+        let said = stderr(&ran);
+        assert_eq!(ran.status.code(), Some(2), "{line}: {said}");
+        assert!(parts.iter().all(|part| said.contains(part)) && !said.contains("s3cret"), "{line}: {said}");
+    };
+    let replay = |place: &str| format!("replay {place} --weather w.epw --every total");
+    refused(&replay("s3://bucket/nowhere"), &["s3://bucket/nowhere: is not there (404)", "atlas.json"]);
+    refused("find s3://bucket/nowhere", &["s3://bucket/nowhere: holds no atlas.json", "heliotile copy"]);
+    refused("find http://127.0.0.1:1/atlas?sig=s3cret", &["127.0.0.1:1/atlas/atlas.json: cannot be had"]);
+    refused("find s3://bucket/atlas --bbox 0,0,1,1", &["no part of it lies in the box"]);
+    refused("build s3://bucket/atlas --part 0", &["is an address: parts are built in a folder"]);
+    refused("catalogue s3://bucket/atlas", &["is an address"]);
+    refused("view s3://bucket/atlas", &["is an atlas afar", "view.html"]);
+    refused("view s3://bucket/nowhere", &["is not there"]);
+    let site = "bucket/atlas/parts/x1749_y10177/site.helio";
+    let whole = store.get(site).expect("a part");
+    store.remove(site);
+    refused(
+        &replay("s3://bucket/atlas"),
+        &["s3://bucket/atlas: 1 of its parts are not built yet: x1749_y10177", "copy"],
+    );
+    let boxed = run(&folder, &store, &(replay("s3://bucket/atlas") + &format!(" --bbox {BOX}")));
+    assert!(boxed.status.success(), "{}", stderr(&boxed));
+    store.put("bucket/atlas/parts/x1749_y10177/no-receivers.txt", b"Nothing.".to_vec());
+    let three = run(&folder, &store, &replay("s3://bucket/atlas"));
+    assert!(three.status.success(), "{}", stderr(&three));
+    let found = stdout(&run(&folder, &store, "find s3://bucket/atlas"));
+    assert!(found.contains("x1749_y10177,78705,457965,empty,\n"), "{found}");
+    store.put(site, whole[..whole.len() / 2].to_vec());
+    refused(&replay("s3://bucket/atlas"), &["x1749_y10177/site.helio"]);
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    for line in [
+        format!("receivers {} --spacing 8m -o r.csv", model.display()),
+        format!("build {} -r r.csv --quality draft --set hit=8 -o other.helio", model.display()),
+    ] {
+        let ran = folder.run(&line);
+        assert!(ran.status.success(), "{}", stderr(&ran));
+    }
+    store.put(site, fs::read(folder.path("other.helio")).expect("an archive"));
+    refused(&replay("s3://bucket/atlas"), &["x1749_y10177/site.helio: was built with other settings"]);
+    store.put(site, whole);
+    let plan = store.get("bucket/atlas/atlas.json").expect("a plan");
+    let text = String::from_utf8(plan.clone()).expect("text");
+    for (from, to, part) in [
+        ("\"heliotile_atlas\": 1", "\"heliotile_atlas\": 9", "layout of s3://bucket/atlas/atlas.json: found 9"),
+        ("{", "<html>", "s3://bucket/atlas/atlas.json: is no plan of an atlas"),
+    ] {
+        store.put("bucket/atlas/atlas.json", text.replacen(from, to, 1).into_bytes());
+        refused(&replay("s3://bucket/atlas"), &[part]);
+    }
+    // Beyond what the first request takes, so that others follow.
+    let long = text.replacen('{', &format!("{{{}", " ".repeat(200_000)), 1);
+    store.put("bucket/atlas/atlas.json", long.into_bytes());
+    store.set_faults(|number| if number == 2 { Fault::Replace } else { Fault::None });
+    refused("find s3://bucket/atlas", &["s3://bucket/atlas/atlas.json: has changed while it was read"]);
+    store.set_faults(|_| Fault::Status(403));
+    refused("info s3://bucket/atlas", &["access is denied (403, Injected)", "AWS_ACCESS_KEY_ID"]);
+}
