@@ -16,6 +16,9 @@ def tiles_computed() -> int:
 def atlas_parts(
     atlas: str, bbox: tuple[float, float, float, float] | None = None
 ) -> list[tuple[str, tuple[float, float], tuple[float, float], str, str | None]]: ...
+def shown(place: str) -> str:
+    """What messages call a place: of an address, no password and no signature."""
+
 def program(words: list[str]) -> int:
     """Runs the program with these words, its name first; once in a process. Its exit code."""
 

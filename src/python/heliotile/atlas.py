@@ -8,7 +8,6 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit, urlunsplit
 
 from . import _heliotile
 from .archive import Archive
@@ -21,15 +20,6 @@ if TYPE_CHECKING:
 
 #: xmin, ymin, xmax, ymax in the coordinates of the scene files, metres.
 Box = tuple[float, float, float, float]
-
-
-def _shown(place: str) -> str:
-    """A place without user, password and signature."""
-    if "://" not in place:
-        return place
-    parts = urlsplit(place)
-    host = parts.netloc.rpartition("@")[2] if parts.scheme in ("http", "https") else parts.netloc
-    return urlunsplit((parts.scheme, host, parts.path, "", ""))
 
 
 @dataclass(frozen=True)
@@ -68,7 +58,7 @@ class Atlas:
         missing = [part.name for part in parts if part.state == "missing"]
         if missing:
             what = f"{len(missing)} of its parts are not built yet: {', '.join(missing[:5])}"
-            raise InputError(f"{_shown(self.path)}: {what}\n  to fix: Atlas.build(name), heliotile.dask.build(atlas, client), or another bbox")
+            raise InputError(f"{_heliotile.shown(self.path)}: {what}\n  to fix: Atlas.build(name), heliotile.dask.build(atlas, client), or another bbox")
         for part in parts:
             if part.archive is not None:
                 yield part, Archive.open(part.archive)
@@ -103,7 +93,7 @@ class Atlas:
             one = xr.open_dataset(archive, engine="heliotile", weather=weather, chunks={}, **choices)  # type: ignore[arg-type]
             opened.append(one.chunk({"receiver": -1}).assign_coords(part=("receiver", [part.name] * one.sizes["receiver"])))
         if not opened:
-            raise InputError(f"{_shown(self.path)}: no part holds a receiver there\n  to fix: bbox is in the coordinates of the scene files")
+            raise InputError(f"{_heliotile.shown(self.path)}: no part holds a receiver there\n  to fix: bbox is in the coordinates of the scene files")
         return xr.concat(opened, dim="receiver", data_vars="all", coords="minimal", compat="override", join="override", combine_attrs="drop_conflicts")
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -112,4 +102,4 @@ class Atlas:
     def __repr__(self) -> str:
         parts = self.parts()
         built = sum(part.state == "built" for part in parts)
-        return f"Atlas({_shown(self.path)!r}, {len(parts)} parts, {built} built)"
+        return f"Atlas({_heliotile.shown(self.path)!r}, {len(parts)} parts, {built} built)"

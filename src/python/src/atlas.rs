@@ -5,7 +5,7 @@ use std::path::Path;
 use pyo3::prelude::*;
 
 use crate::errors::raised;
-use heliotile::atlas::{PartState, parts};
+use heliotile::atlas::parts;
 use heliotile::{Bounds, DVec3};
 
 /// Name, square, state and archive of a part.
@@ -21,15 +21,16 @@ pub fn atlas_parts(py: Python<'_>, atlas: &str, bbox: Option<(f64, f64, f64, f64
     });
     let listed = py.detach(|| parts(Path::new(atlas), within)).map_err(|error| raised(py, &error))?;
     let row = |part: &heliotile::atlas::ListedPart| {
-        let state = match part.state {
-            PartState::Built(_) => "built",
-            PartState::Empty => "empty",
-            PartState::Missing => "missing",
-        };
         let archive = part.archive().map(|path| path.to_string_lossy().into_owned());
-        (part.name.clone(), part.low.into(), part.high.into(), state, archive)
+        (part.name.clone(), part.low.into(), part.high.into(), part.state.word(), archive)
     };
     Ok(listed.iter().map(row).collect())
+}
+
+/// What messages call a place: of an address, no password and no signature.
+#[pyfunction]
+pub fn shown(place: &str) -> String {
+    heliotile::files::shown(Path::new(place)).to_string_lossy().into_owned()
 }
 
 /// Runs the program with these words, its name first; once in a process. Its exit code.

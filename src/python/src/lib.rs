@@ -34,6 +34,8 @@ mod _heliotile {
     #[pymodule_export]
     use super::atlas::program;
     #[pymodule_export]
+    use super::atlas::shown;
+    #[pymodule_export]
     use super::lazy::LazyReplay;
     #[pymodule_export]
     use super::memory::Block;

@@ -143,7 +143,7 @@ fn there_and_back() {
     assert!(ran("copy atlas other").1.contains("copy files with `cp`"));
 }
 
-/// 13 wrong places and parts are refused with what was found and what to do, and no secret is told; a plan that is replaced while it is read is
+/// 14 wrong places and parts are refused with what was found and what to do, and no secret is told; a plan that is replaced while it is read is
 /// never mixed.
 #[test]
 fn what_cannot_be_asked() {
