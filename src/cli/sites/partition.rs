@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choice::choice;
-use super::{Bytes, CoverArgs, Metres, SceneArgs, parse_bounds, parse_memory};
+use crate::cli::values::{Bytes, choice, parse_bounds, parse_memory};
+use crate::cli::{CoverArgs, Metres, SceneArgs};
 use heliotile_builder::settings::Quality;
 use heliotile_builder::transfer::Bounds;
 

@@ -3,13 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use super::choice::choice;
-use super::scene::parse_latitude;
-use super::weather::parse_time_zone;
 use clap::{ArgGroup, Args};
 use glam::DVec3;
 
-use super::{Bytes, parse_depth, parse_memory};
+use crate::cli::sites::{parse_latitude, parse_time_zone};
+use crate::cli::values::{Bytes, choice, parse_depth, parse_memory};
 use heliotile_core::archive::Access;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;

@@ -102,7 +102,7 @@ impl PlaceArgs {
 }
 
 /// `EPSG:28992`, `epsg:28992` or `28992`.
-pub(super) fn parse_crs(text: &str) -> Result<u32, String> {
+pub fn parse_crs(text: &str) -> Result<u32, String> {
     let upper = text.trim().to_ascii_uppercase();
     let digits = upper.strip_prefix("EPSG:").unwrap_or(&upper);
     let number = digits.parse().map_err(|_| "give the number of a system in the EPSG register, such as EPSG:28992")?;
@@ -113,13 +113,13 @@ fn parse_number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| format!("`{text}` is not a number"))
 }
 
-pub(super) fn parse_latitude(text: &str) -> Result<f64, String> {
+pub fn parse_latitude(text: &str) -> Result<f64, String> {
     let degrees = parse_number(text)?;
     let hint = "give degrees from -90 to 90, north positive";
     if (-90.0..=90.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }
 }
 
-pub(super) fn parse_longitude(text: &str) -> Result<f64, String> {
+pub fn parse_longitude(text: &str) -> Result<f64, String> {
     let degrees = parse_number(text)?;
     let hint = "give degrees from -180 to 180, east positive";
     if (-180.0..=180.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }

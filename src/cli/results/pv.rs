@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
 
-use super::choice::choice;
-use super::{AccuracyArgs, Bytes, ClockArgs, SceneArgs, parse_memory};
+use crate::cli::values::{Bytes, choice, parse_memory};
+use crate::cli::{AccuracyArgs, ClockArgs, SceneArgs};
 use heliotile_core::orientation::fan::TurnLimits;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::StampedAt;

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Bytes, ClockArgs, SceneArgs, clock_of, parse_memory};
+use super::clock_of;
+use crate::cli::values::{Bytes, parse_memory};
+use crate::cli::{ClockArgs, SceneArgs};
 use heliotile_core::sky::model::SkyModel;
 
 #[derive(Args, Debug)]

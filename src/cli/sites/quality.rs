@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 
-use super::choice::choice;
+use crate::cli::values::choice;
 use heliotile_builder::settings::Quality;
 
 #[derive(Args, Debug)]

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::SceneArgs;
+use crate::cli::SceneArgs;
 use crate::covering::{CoverRequest, Density};
 
 #[derive(Args, Debug)]

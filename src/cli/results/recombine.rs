@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use clap::Args;
 
-use super::choice::choice;
-use super::{Bytes, WeatherArgs, parse_bounds, parse_depth, parse_memory};
+use crate::cli::WeatherArgs;
+use crate::cli::values::{Bytes, choice, parse_bounds, parse_depth, parse_memory};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
 use heliotile_builder::transfer::Bounds;

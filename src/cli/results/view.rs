@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::{ClockArgs, clock_of};
 use clap::Args;
+
+use crate::cli::ClockArgs;
+use crate::cli::sites::clock_of;
 
 /// What `view --help` says at its end.
 const ABOUT: &str = "\

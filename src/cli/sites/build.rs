@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choice::choice;
-use crate::cli::{
-    AccuracyArgs, Bytes, ClockArgs, Percent, SceneArgs, clock_of, parse_memory, parse_negligible, weather_files,
-};
+use super::{clock_of, weather_files};
+use crate::cli::values::{Bytes, choice, parse_memory};
+use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// What the plan of an atlas says of its parts.

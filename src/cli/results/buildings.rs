@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
-use super::choice::choice;
-use super::{Bytes, WeatherArgs, parse_memory};
+use crate::cli::WeatherArgs;
+use crate::cli::values::{Bytes, choice, parse_memory};
 use heliotile_core::archive::Access;
 
 /// An archive and the year that it is asked for.

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use super::choice::{NamedValues, choice};
-use super::cover::Metres;
-use super::scene::parse_crs;
-use crate::cli::{AccuracyArgs, Bytes, MaterialsArgs, parse_memory};
+use crate::cli::Metres;
+use crate::cli::sites::parse_crs;
+use crate::cli::values::{Bytes, NamedValues, choice, parse_memory};
+use crate::cli::{AccuracyArgs, MaterialsArgs};
 
 #[derive(Args, Debug)]
 pub struct EnergyplusArgs {

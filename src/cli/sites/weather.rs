@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use serde_json::Value;
 
-use super::choice::choice;
-use super::scene::{parse_latitude, parse_longitude};
+use super::{parse_latitude, parse_longitude};
+use crate::cli::values::choice;
 use heliotile_core::weather::options::{StampedAt, TimeShift, WeatherOptions, parse_zone};
 
 /// Where a weather file was measured and how it reads the clock, for commands that know no scene.
@@ -93,6 +93,16 @@ impl fmt::Display for ClockArgs {
     }
 }
 
-pub(super) fn parse_time_zone(text: &str) -> Result<f64, String> {
+pub fn parse_time_zone(text: &str) -> Result<f64, String> {
     parse_zone(text).ok_or_else(|| "give hours ahead of UTC, -12 to 14, such as +01:00, -7, 5.5 or UTC".into())
+}
+
+/// The options of [`ClockArgs`], where weather is not needed: they say nothing without it.
+pub fn clock_of(weather: &'static str) -> ArgGroup {
+    ArgGroup::new("clock").args(["time_zone", "shift", "weather_stamp"]).multiple(true).requires(weather)
+}
+
+/// Weather files that what is said of the clock can be about.
+pub fn weather_files() -> ArgGroup {
+    ArgGroup::new("weather_files").args(["error_weather", "weather"]).multiple(true)
 }

@@ -6,9 +6,7 @@ use heliotile_core::error::Error;
 use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::weather::options::StampedAt;
 
-use super::run::RunMap;
 use crate::outputs::periods::Every;
-use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -91,17 +89,6 @@ impl NamedValues for By {
         ("object", "One for each object of the model: city objects, zones and shades", By::Object),
         ("building", "One for each building, with all of its parts", By::Building),
         ("kind", "One for each kind of surface: roof, wall, window, ground, floor, shade", By::Kind),
-    ];
-}
-
-impl NamedValues for RunMap {
-    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("glb", "For Blender, three.js and Cesium, with the scene around", RunMap::Map(MapFormat::Glb)),
-        ("fgb", "FlatGeobuf, for QGIS", RunMap::Map(MapFormat::FlatGeobuf)),
-        ("geojson", "Longitude and latitude, for small maps in browsers", RunMap::Map(MapFormat::GeoJson)),
-        ("geoparquet", "For geopandas and DuckDB: annual.parquet", RunMap::Map(MapFormat::GeoParquet)),
-        ("vtu", "For ParaView and PyVista", RunMap::Map(MapFormat::Vtu)),
-        ("cityjson", "The CityJSON of the scene with attributes: annual.city.json", RunMap::CityModel),
     ];
 }
 

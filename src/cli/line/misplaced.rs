@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{CommandFactory, Parser};
 
-use super::{Cli, words};
+use crate::cli::{Cli, words};
 
 /// Parses the command line; ends the program where it asks for help or is wrong.
 pub fn parse() -> Cli {

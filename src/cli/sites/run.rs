@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use super::choice::choice;
-use super::{AccuracyArgs, Bytes, ClockArgs, CoverArgs, Percent, SceneArgs, parse_memory, parse_negligible};
+use crate::cli::values::{Bytes, NamedValues, choice, parse_memory};
+use crate::cli::{AccuracyArgs, ClockArgs, CoverArgs, Percent, SceneArgs, parse_negligible};
 use crate::outputs::periods::Every;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
@@ -19,6 +19,17 @@ pub enum RunMap {
     Map(MapFormat),
     /// The city model of the scene, with sums.
     CityModel,
+}
+
+impl NamedValues for RunMap {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("glb", "For Blender, three.js and Cesium, with the scene around", RunMap::Map(MapFormat::Glb)),
+        ("fgb", "FlatGeobuf, for QGIS", RunMap::Map(MapFormat::FlatGeobuf)),
+        ("geojson", "Longitude and latitude, for small maps in browsers", RunMap::Map(MapFormat::GeoJson)),
+        ("geoparquet", "For geopandas and DuckDB: annual.parquet", RunMap::Map(MapFormat::GeoParquet)),
+        ("vtu", "For ParaView and PyVista", RunMap::Map(MapFormat::Vtu)),
+        ("cityjson", "The CityJSON of the scene with attributes: annual.city.json", RunMap::CityModel),
+    ];
 }
 
 /// Endings of tables that `replay` writes.

@@ -1,0 +1,141 @@
+//! Arguments of commands on archives as files: `info`, `verify`, `repair`, `store`, `extract`, `merge`, `diff`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args, Subcommand};
+
+use super::values::{Bytes, choice, parse_bounds, parse_memory};
+use super::{MaterialsArgs, PlaceArgs, SceneArgs};
+use heliotile_builder::transfer::Bounds;
+use heliotile_core::archive::Access;
+
+#[derive(Args, Debug)]
+pub struct VerifyArgs {
+    /// Archive to check, or the folder of an atlas: a path or an address
+    pub archive: PathBuf,
+    /// Also decode every layer and follow every reference between blocks
+    #[arg(long)]
+    pub deep: bool,
+    /// How the archive is read
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
+    pub io: Access,
+}
+
+#[derive(Args, Debug)]
+pub struct RepairArgs {
+    /// Archive to repair
+    pub archive: PathBuf,
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Receivers that it was built from; needed where the archive's own are damaged
+    #[arg(long, short)]
+    pub receivers: Option<PathBuf>,
+    /// Where the repaired archive goes; without it the damaged one is replaced
+    #[arg(long, short, value_name = "SITE.helio")]
+    pub output: Option<PathBuf>,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}
+
+#[derive(Args, Debug)]
+pub struct StoreArgs {
+    #[command(subcommand)]
+    pub command: StoreCommand,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum StoreCommand {
+    /// List the archives of a store, least recently used first
+    Ls {
+        /// Folder of the store
+        folder: PathBuf,
+    },
+    /// Remove the least recently used archives of a store
+    Gc {
+        /// Folder of the store
+        folder: PathBuf,
+        /// What may stay, such as 10GiB
+        #[arg(long)]
+        keep: Bytes,
+    },
+    /// Check every archive of a store; exit code 1 if one is damaged
+    Verify {
+        /// Folder of the store
+        folder: PathBuf,
+    },
+}
+
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    /// Archive, or scene files as a build takes them
+    #[arg(required = true, value_name = "SITE.helio|SCENE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub surfaces: MaterialsArgs,
+    #[command(flatten)]
+    pub place: PlaceArgs,
+    /// How the archive is read
+    #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
+    pub io: Access,
+}
+
+#[derive(Args, Debug)]
+#[command(group(ArgGroup::new("selection").required(true).args(["receivers", "bbox", "surface", "object"])))]
+pub struct ExtractArgs {
+    /// Archive to read
+    pub archive: PathBuf,
+    /// Archive to write
+    #[arg(long, short, value_name = "PART.helio")]
+    pub output: PathBuf,
+    /// Keep the receivers of a CSV file: ids in a column `receiver`
+    #[arg(long, short, value_name = "FILE")]
+    pub receivers: Option<PathBuf>,
+    /// Keep the receivers in a box, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax
+    #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds)]
+    pub bbox: Option<Bounds>,
+    /// Keep the receivers of these surfaces
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub surface: Vec<String>,
+    /// Keep the receivers of these objects or buildings
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub object: Vec<String>,
+    /// Leave out the scene's triangles
+    #[arg(long)]
+    pub no_scene: bool,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archive is read
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
+    pub io: Access,
+}
+
+#[derive(Args, Debug)]
+pub struct MergeArgs {
+    /// Archives to read
+    pub first: PathBuf,
+    pub second: PathBuf,
+    /// Archive to write
+    #[arg(long, short, value_name = "SITE.helio")]
+    pub output: PathBuf,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archives are read
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
+    pub io: Access,
+}
+
+#[derive(Args, Debug)]
+pub struct DiffArgs {
+    /// Archives to compare, A and B
+    pub first: PathBuf,
+    pub second: PathBuf,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archives are read
+    #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
+    pub io: Access,
+}

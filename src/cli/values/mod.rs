@@ -1,0 +1,7 @@
+//! Values of options.
+
+mod choice;
+mod numbers;
+
+pub use choice::{NamedValues, by_name, choice, name_of};
+pub use numbers::{Bytes, parse_bounds, parse_depth, parse_memory};
