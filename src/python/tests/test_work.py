@@ -8,6 +8,7 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -59,6 +60,14 @@ def test_progress(scene: heliotile.Scene, tmp_path: Path) -> None:
 
 #: More columns than usual: longer work.
 SPLIT = ["total", "sun_diffuse_ground", "sun_diffuse_obstruction", "sky_diffuse_ground", "sky_diffuse_obstruction"]
+
+
+@pytest.fixture(autouse=True)
+def ctrl_c_is_heard() -> Iterator[None]:
+    """Python's own handler of Ctrl-C, which it leaves out where a shell has started the tests in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 class Interrupted:
