@@ -48,6 +48,8 @@ enums:
     17: parts
     18: scene
     19: overview
+    20: extents
+    21: names
 types:
   slot:
     seq:
@@ -179,6 +181,19 @@ types:
       polygons: { pos: 'columns[5].start', type: u1, repeat: expr, repeat-expr: 'columns[5].count' }
       corners: { pos: 'columns[6].start', type: u1, repeat: expr, repeat-expr: 'columns[6].count' }
       offset: { pos: 'columns[7].start', type: s4, repeat: expr, repeat-expr: 'columns[7].count * 3' }
+  table_extents:
+    instances:
+      columns: { pos: _io.size - 16, type: 'column(_io.size - 16 + 8 * _index)', repeat: expr, repeat-expr: 2 }
+      low: { pos: 'columns[0].start', type: f8, repeat: expr, repeat-expr: 'columns[0].count * 3' }
+      high: { pos: 'columns[1].start', type: f8, repeat: expr, repeat-expr: 'columns[1].count * 3' }
+  table_names:
+    instances:
+      columns: { pos: _io.size - 40, type: 'column(_io.size - 40 + 8 * _index)', repeat: expr, repeat-expr: 5 }
+      of: { pos: 'columns[0].start', type: u1, repeat: expr, repeat-expr: 'columns[0].count' }
+      shared: { pos: 'columns[1].start', type: u2, repeat: expr, repeat-expr: 'columns[1].count' }
+      own: { pos: 'columns[2].start', type: u2, repeat: expr, repeat-expr: 'columns[2].count' }
+      text: { pos: 'columns[3].start', size: 'columns[3].count' }
+      tile: { pos: 'columns[4].start', type: u4, repeat: expr, repeat-expr: 'columns[4].count' }
   layer_hit:
     doc: The rest is four byte planes of the texels, lowest first.
     seq:

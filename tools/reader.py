@@ -67,12 +67,16 @@ OVERVIEW = [
     ("position", "3f", lambda p: all(abs(x) <= 2e9 for x in p)), ("normal", "3h", lambda n: abs(math.hypot(*n) - 32767) <= 2),
     ("area", "1f", lambda a: 0 <= a < math.inf), ("sky_view", "1B", None), ("clear_year", "1f", lambda y: 0 <= y < math.inf),
     ("polygons", "1B", None), ("corners", "1B", lambda c: c >= 3), ("offset", "3i", lambda o: all(abs(x) <= 2**30 for x in o))]
+EXTENTS = [(name, "3d", lambda p: all(map(math.isfinite, p))) for name in ("low", "high")]
+NAMES = [("of", "1B", lambda o: o <= 3), ("shared", "1H", lambda n: n <= MAX_STRING),
+         ("own", "1H", lambda n: n <= MAX_STRING), ("text", "1B", None), ("tile", "1I", None)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
          5: ("probes", 3, CELLS), 6: ("bounce", 3, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
-         18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW)}
+         18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
+         21: ("names", 1, NAMES)}
 # Kinds of which the schema before is read too: that of format 1.0, with the same layout (3.10), and responses up to 1.2.
 SCHEMA_BEFORE = {3, 4, 5, 6, 7, 8, 10, 12, 13}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
@@ -559,6 +563,7 @@ class Checker:
     def __init__(self, archive):
         self.archive, self.keys, self.seen, self.first, self.last = archive, {}, [], {}, {}
         self.settings, self.rows, self.problems = archive.manifest["settings"], {}, []
+        self.boxes, self.names, self.chunks = {}, set(), {}
         self.materials = sum(e.items for e in archive.of("materials"))
 
     def run(self, take):
@@ -571,6 +576,7 @@ class Checker:
         for name, counts in zip(("slot A", "slot B"), archive.counts):
             self.guard(name, lambda c=counts: need(c, "no magic or wrong checksum: it does not count"))
         self.guard("cells", self.cells)
+        self.guard("names", self.gazetteer)
         self.guard("padding", self.padding)
 
     def guard(self, name, work):
@@ -597,6 +603,17 @@ class Checker:
         known = {of: set(self.keys.get(of, [])) for of in ("probes", "bounce")}
         for name, of, seen in self.seen:
             need(known[of].issuperset(seen), f"{name} sees a cell that is not there")
+
+    def gazetteer(self):
+        """What chunks of names say together, and of receivers."""
+        if not self.chunks:
+            return
+        firsts, chunks = self.chunks.pop(0, []), [rows for _, rows in sorted(self.chunks.items())]
+        need([row[2] for row in firsts] == list(range(1, len(chunks) + 1)), "chunk 0 names other chunks")
+        need([row[:2] for row in firsts] == [rows[0][:2] for rows in chunks], "chunk 0 has other first names")
+        rows = sum(chunks, [])
+        need(all(len(chunk) == 2048 for chunk in chunks[:-1]), "a chunk of another length")
+        need(rows == sorted(self.names), "names are not those of the receivers")
 
     def decode(self, e, raw):
         kind, _, columns = KINDS[e.kind]
@@ -627,11 +644,14 @@ class Checker:
             rays, side = (s["probe_hits"], s["probe"]) if kind == "probes" else (s["bounce_hits"], s["bounce_sky"])
             per_row = {"bits": -(-side * side // 8), "hits": rays}
         for name, v in values.items():
-            if not name.startswith("seen_") and name not in ("vertex", "corners", "offset") and (v or name != "clear_year"):
+            if not name.startswith("seen_") and name not in ("vertex", "corners", "offset", "text") and (v or name != "clear_year"):
                 need(len(v) == e.items * per_row.get(name, 1), f"{len(v)} values of {name}, {e.items} rows")
         if kind == "receivers":
             need(1 <= e.items <= MAX_ROWS, f"{e.items} rows")
             self.rows[e.tile] = e.items
+            axes = list(zip(*values["position"]))
+            self.boxes[e.tile] = (tuple(map(min, axes)), tuple(map(max, axes)))
+            self.names |= {(of, name, e.tile) for of, column in enumerate(("ids", "surface")) for name in values[column] if name}
         elif kind == "materials":
             need(e.tile == 0 and 1 <= e.items <= MAX_MATERIALS, f"{e.items} materials in tile {e.tile}")
             need(len(set(values["name"])) == e.items, "two materials of one name")
@@ -651,12 +671,34 @@ class Checker:
             need(len(values["offset"]) == sum(values["corners"]), f"{len(values['offset'])} corners")
         elif kind == "parts":
             need(self.rows.get(e.tile) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")
+            self.names |= {(of, name, e.tile) for of, column in ((2, "object"), (3, "building")) for name in values[column] if name}
+        elif kind == "extents":
+            held = [self.boxes.get(4096 * e.tile + i) for i in range(e.items)]
+            need(held == list(zip(values["low"], values["high"])), "boxes that are not those of the receivers")
+            need(e.items == 4096 or 4096 * e.tile + e.items == len(self.boxes), f"{e.items} tiles")
+        elif kind == "names":
+            self.chunks[e.tile] = self.rows_of_names(values)
         elif kind == "index":
             need(e.tile in (0, 1), f"index {e.tile}")
             self.first[e.tile] = self.key_column(values)
         else:
             self.chunk(e, values)
         return {name: packed for name, (packed, _) in found.items()}
+
+    def rows_of_names(self, v):
+        text, name, at, rows = bytes(v["text"]), b"", 0, []
+        for of, shared, own, tile in zip(v["of"], v["shared"], v["own"], v["tile"]):
+            need(shared <= len(name) and at + own <= len(text), "a name of bytes that are not there")
+            name, at = name[:shared] + text[at:at + own], at + own
+            need(1 <= len(name) <= MAX_STRING, "a name of another length")
+            try:
+                name.decode()
+            except UnicodeDecodeError as error:
+                raise Damage("a name that is not UTF-8") from error
+            need(not rows or rows[-1] < (of, name, tile), "names do not ascend")
+            rows.append((of, name, tile))
+        need(rows and at == len(text), "text of no name")
+        return rows
 
     def key_column(self, v, prefix=""):
         need(len(v[prefix + "voxel"]) == len(v[prefix + "tag"]) == len(v[prefix + "material"]), "lengths of a key")

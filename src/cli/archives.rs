@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand};
 
-use super::values::{Bytes, choice, parse_bounds, parse_memory};
+use super::values::{Bytes, SelectionArgs, choice, parse_memory};
 use super::{MaterialsArgs, PlaceArgs, SceneArgs};
-use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 
 #[derive(Args, Debug)]
@@ -81,25 +80,15 @@ pub struct InfoArgs {
 }
 
 #[derive(Args, Debug)]
-#[command(group(ArgGroup::new("selection").required(true).args(["receivers", "bbox", "surface", "object"])))]
+#[command(group(ArgGroup::new("some").required(true).args(["receivers", "bbox", "surface", "object"])))]
 pub struct ExtractArgs {
     /// Archive to read
     pub archive: PathBuf,
     /// Archive to write
     #[arg(long, short, value_name = "PART.helio")]
     pub output: PathBuf,
-    /// Keep the receivers of a CSV file: ids in a column `receiver`
-    #[arg(long, short, value_name = "FILE")]
-    pub receivers: Option<PathBuf>,
-    /// Keep the receivers in a box, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax
-    #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds)]
-    pub bbox: Option<Bounds>,
-    /// Keep the receivers of these surfaces
-    #[arg(long, value_name = "NAME", num_args = 1..)]
-    pub surface: Vec<String>,
-    /// Keep the receivers of these objects or buildings
-    #[arg(long, value_name = "NAME", num_args = 1..)]
-    pub object: Vec<String>,
+    #[command(flatten)]
+    pub of: SelectionArgs,
     /// Leave out the scene's triangles
     #[arg(long)]
     pub no_scene: bool,

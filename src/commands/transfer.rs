@@ -7,9 +7,9 @@ use super::terminal::Terminal;
 use super::{Outcome, guard_archive, guard_output, remark, say, workspace, workspace_beside};
 use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
 use crate::files::open_archive;
-use heliotile_builder::transfer::{self, Assembled, Difference, Differences, Selection, listed};
+use heliotile_builder::transfer::{self, Assembled, Difference, Differences, listed};
 use heliotile_core::archive::format;
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
 /// `heliotile merge`.
@@ -40,9 +40,15 @@ pub fn merge(args: &MergeArgs) -> Result<Outcome> {
 
 /// `heliotile extract`.
 pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
-    let selection = selection(args);
+    let Some(selection) = args.of.selection() else {
+        return Err(Error::argument(
+            "extract",
+            "no receivers are named",
+            "name some by --receivers, --bbox, --surface or --object",
+        ));
+    };
     let mut inputs = vec![args.archive.as_path()];
-    inputs.extend(args.receivers.as_deref());
+    inputs.extend(args.of.receivers.as_deref());
     guard_output(&args.output, &inputs)?;
     guard_archive(&args.output)?;
     let archive = open_archive(&args.archive, args.io)?;
@@ -63,16 +69,6 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
         format::hex(&summary.root),
     ))?;
     Ok(Outcome::Fine)
-}
-
-/// The choice of a command line, which makes exactly one.
-fn selection(args: &ExtractArgs) -> Selection {
-    match (&args.receivers, args.bbox) {
-        (Some(file), _) => Selection::Receivers(file.clone()),
-        (None, Some(bounds)) => Selection::Bounds(bounds),
-        (None, None) if args.surface.is_empty() => Selection::Objects(args.object.clone()),
-        (None, None) => Selection::Surfaces(args.surface.clone()),
-    }
 }
 
 /// `heliotile diff`: a difference is a finding (exit 1).

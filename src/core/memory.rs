@@ -27,6 +27,8 @@ pub enum Use {
     ReceiverList,
     /// Names of receivers, while archives are merged; of one of two archives that are compared.
     ReceiverIds,
+    /// Names of receivers and what they stand for, while those of all tiles are put in order.
+    Gazetteer,
     /// One list of keys of cells, while an archive is extracted from.
     ExtractedKeys,
 }
@@ -35,7 +37,7 @@ impl Use {
     /// Share of the whole, in sixteenths.
     const fn sixteenths(self) -> u64 {
         match self {
-            Use::SortedReceivers | Use::CellKeys | Use::BounceCells => 2,
+            Use::SortedReceivers | Use::Gazetteer | Use::CellKeys | Use::BounceCells => 2,
             Use::Radiosity | Use::TileGroup | Use::ReceiverList | Use::ReceiverIds | Use::ExtractedKeys => 4,
             Use::SurfaceSums => 6,
             Use::MapRows | Use::MapPatches => 1,
@@ -44,9 +46,10 @@ impl Use {
 }
 
 /// What is alive together, by the time of its command when most is.
-pub const TOGETHER: [(&str, &[Use]); 6] = [
+pub const TOGETHER: [(&str, &[Use]); 7] = [
     ("build, cells", &[Use::SortedReceivers, Use::CellKeys, Use::BounceCells]),
     ("build, responses", &[Use::SortedReceivers, Use::Radiosity, Use::TileGroup]),
+    ("build, merge, extract, names", &[Use::SortedReceivers, Use::Gazetteer]),
     ("replay", &[Use::Radiosity, Use::TileGroup, Use::SurfaceSums, Use::MapRows, Use::MapPatches]),
     ("replay, choice of receivers", &[Use::ReceiverList]),
     ("merge, diff", &[Use::ReceiverIds, Use::ReceiverIds]),

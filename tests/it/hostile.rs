@@ -91,7 +91,7 @@ fn seeds_are_valid() {
     let path = folder.path().join("site.helio");
     fs::write(&path, archive).expect("written");
     let report = verify(&path, Access::Read, true).expect("an archive");
-    assert_eq!((report.problems.len(), report.blocks), (0, 15));
+    assert_eq!((report.problems.len(), report.blocks), (0, 18));
 }
 
 /// The seeds of all 12 formats of scenes are scenes of 1 to 4 triangles.

@@ -177,7 +177,7 @@ fn builds_share_a_store_at_once() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
-/// One damaged block of each of the 15 kinds of a site with mirrors, one kind at a time, is repaired to the very bytes that were; where
+/// One damaged block of each of the 17 kinds of a site with mirrors, one kind at a time, is repaired to the very bytes that were; where
 /// receivers are damaged the receivers file is asked for; another scene,
 /// other receivers, and the same ones with one other area or surface are refused; a good archive is left alone.
 #[test]
@@ -196,7 +196,7 @@ fn repair_gives_the_same_bytes() {
     };
     let first_of = |(kind, name, _)| Some((kind, name, entries.iter().find(|entry| entry.kind == kind)?));
     let kinds: Vec<_> = format::KINDS.into_iter().filter_map(first_of).collect();
-    assert_eq!(kinds.len(), 15);
+    assert_eq!(kinds.len(), 17);
     for (kind, name, entry) in kinds {
         let mut bytes = whole.clone();
         bytes[entry.offset as usize + entry.stored as usize / 2] ^= 4;

@@ -1,4 +1,5 @@
-//! What an archive shows: the scene's triangles, and an overview of its receivers. In: a mesh, receivers, the archive so far. Out: blocks.
+//! What is told of a site besides its light: the scene's triangles, an overview of its receivers, and where they stand. In: a mesh, receivers,
+//! the archive so far. Out: blocks.
 
 use std::sync::Arc;
 
@@ -7,12 +8,13 @@ use rayon::prelude::*;
 use super::report::Clock;
 use super::site_tracer::SiteTracer;
 use crate::observer::Stage;
-use crate::pack::{COMPRESSION, OverviewRow, overview};
+use crate::pack::{COMPRESSION, GazetteerWriter, OverviewRow, overview};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::writing::Writer;
 use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES};
 use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
+use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
@@ -82,6 +84,22 @@ impl SiteTracer<'_> {
             blocks.into_iter().try_for_each(|block| writer.append(block))?;
             self.checkpoint(writer)?;
         }
+    }
+
+    /// Writes where the receivers stand, when everything else is written: it stands in one piece, too.
+    pub(super) fn write_gazetteer(&self, receivers: &mut ReceiverTiles, writer: &mut Writer) -> Result<()> {
+        // The first names of all chunks come last.
+        if writer.has(format::NAMES, 0) {
+            return Ok(());
+        }
+        let mut gazetteer = GazetteerWriter::new(&self.folder, self.memory.length(Use::Gazetteer));
+        for tile in receivers.tiles()? {
+            gazetteer.add(tile?.iter())?;
+        }
+        gazetteer.finish(|block| {
+            let (kind, chunk) = block.entry().key();
+            if writer.has(kind, chunk) { Ok(()) } else { writer.append(block) }
+        })
     }
 
     /// Sums over the clear year of all receivers of some tiles, kWh/m2, rounded to `SUM_STEP`.

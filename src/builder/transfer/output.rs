@@ -5,6 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use crate::build::Workspace;
 use crate::observer::{Observer, Stage};
 use crate::pack;
 use crate::pack::Chunks;
@@ -18,6 +19,7 @@ use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::memory::Use;
 use heliotile_core::site::receiver::TILE;
 
 /// The archive being written; the methods are called in the order in which they stand.
@@ -152,6 +154,23 @@ impl<'a> ArchiveAssembly<'a> {
             Ok(vec![pack::overview(number, origin, shown)?])
         })?;
         Ok(())
+    }
+
+    /// Writes where the receivers stand, in the same order as before; names that do not fit the workspace's memory go to files in its folder.
+    pub fn gazetteer(
+        &mut self,
+        workspace: &Workspace,
+        mut rows: impl Iterator<Item = Result<LayeredReceiver<()>>>,
+    ) -> Result<()> {
+        let budget = workspace.memory.length(Use::Gazetteer);
+        let mut gazetteer = pack::GazetteerWriter::new(&workspace.folder, budget);
+        loop {
+            let tile: Vec<_> = rows.by_ref().take(TILE).collect::<Result<_>>()?;
+            if tile.is_empty() {
+                return gazetteer.finish(|block| self.writer.append(block));
+            }
+            gazetteer.add(tile.iter().map(|row| &row.receiver))?;
+        }
     }
 
     /// Copies the blocks of kinds that this release does not know; of equal names the first archive's.

@@ -153,7 +153,12 @@ const AHEAD: usize = 64;
 impl<'a, L: Layers> ArchiveReceivers<'a, L> {
     /// All receivers of a site, in the archive's order.
     pub fn new(site: &OpenSite<'a>) -> Self {
-        let tiles: Vec<_> = (0..site.tiles()).map(|tile| (tile, None)).collect();
+        ArchiveReceivers::of_tiles(site, 0..site.tiles())
+    }
+
+    /// The receivers of some tiles, whose numbers ascend.
+    pub fn of_tiles(site: &OpenSite<'a>, tiles: impl IntoIterator<Item = u32>) -> Self {
+        let tiles: Vec<_> = tiles.into_iter().map(|tile| (tile, None)).collect();
         ArchiveReceivers {
             site: site.clone(),
             tiles: tiles.into_iter(),

@@ -1,16 +1,18 @@
-//! Which receivers of an archive are meant: those of a list, of a box, of some surfaces.
+//! Which receivers of an archive are meant: those of a list, of a box, of some surfaces. Tiles without any are not read where the archive tells
+//! where its receivers stand.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::spill::Sorter;
+use crate::spill::{Sorted, Sorter};
 use crate::transfer::conflicts::listed;
 use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
+use heliotile_core::archive::tables::NameOf;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::opened::OpenSite;
+use heliotile_core::opened::{Gazetteer, OpenSite, tiles_within};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::covering::receiver_ids::ReceiverIds;
 
@@ -31,6 +33,8 @@ pub struct Bounds {
 pub enum Selection {
     /// Ids in a column `receiver` of a CSV file.
     Receivers(PathBuf),
+    /// Ids.
+    Ids(Vec<String>),
     /// Positions in a box, its faces included.
     Bounds(Bounds),
     /// Names of surfaces.
@@ -43,21 +47,23 @@ impl Selection {
     /// For each receiver of some archives whether it is meant, in their order, one byte each. Nobody, and names that do not exist in
     /// any of them, are errors.
     pub fn resolve(&self, sites: &[OpenSite], folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
-        let rows = || receivers_of(sites);
         let kept = match self {
             Selection::Receivers(file) => listed_in(file, sites, folder, budget_bytes)?,
+            Selection::Ids(ids) => {
+                let (kept, missing) = by_id(ids.iter().map(|id| Ok((id.clone(), 0))), sites, folder, budget_bytes)?;
+                if missing.count > 0 {
+                    let what = format!("does not hold {}", missing.listed(|id, _| id.to_owned()));
+                    return Err(Error::input(first(sites), None, what, "name receivers as `receivers.csv` does"));
+                }
+                kept
+            }
             Selection::Bounds(Bounds { low, high }) => {
                 let inside = |p: DVec3| p.cmpge(*low).all() && p.cmple(*high).all();
-                rows().map(|receiver| Ok(inside(receiver?.position))).collect::<Result<_>>()?
+                let tiles = |site: &OpenSite| tiles_within(site, [*low, *high]);
+                marked(sites, tiles, |receiver| inside(receiver.position))?
             }
-            Selection::Surfaces(names) => {
-                let of = |receiver: &Receiver| [receiver.surface.clone().unwrap_or_default(), String::new()];
-                named(names, "surfaces", of, sites)?
-            }
-            Selection::Objects(names) => {
-                let of = |receiver: &Receiver| [receiver.part.object.clone(), receiver.part.building.clone()];
-                named(names, "objects", of, sites)?
-            }
+            Selection::Surfaces(names) => named(names, "surfaces", &[NameOf::Surface], sites)?,
+            Selection::Objects(names) => named(names, "objects", &[NameOf::Object, NameOf::Building], sites)?,
         };
         if kept.contains(&true) {
             return Ok(kept);
@@ -67,9 +73,56 @@ impl Selection {
     }
 }
 
-/// All receivers of some archives, in their order.
-fn receivers_of<'a>(sites: &'a [OpenSite]) -> impl Iterator<Item = Result<Receiver>> + 'a {
-    sites.iter().flat_map(ArchiveReceivers::<()>::new).map(|row| Ok(row?.receiver))
+/// The receivers of some tiles (all: `None`) of each of some archives, with their places among all receivers.
+fn receivers_of<'a>(
+    sites: &'a [OpenSite],
+    tiles: Vec<Option<Vec<u32>>>,
+) -> impl Iterator<Item = Result<(usize, Receiver)>> + 'a {
+    let mut first = 0;
+    sites.iter().zip(tiles).flat_map(move |(site, tiles)| {
+        let all = 0..site.tiles();
+        let starts: Vec<usize> = all
+            .clone()
+            .scan(first, |next, tile| {
+                let start = *next;
+                *next += site.tile_rows(tile);
+                Some(start)
+            })
+            .collect();
+        first += site.receivers() as usize;
+        let tiles = tiles.unwrap_or_else(|| all.collect());
+        let rows: Vec<_> = tiles
+            .iter()
+            .filter_map(|&tile| {
+                let start = *starts.get(tile as usize)?;
+                Some(start..start + site.tile_rows(tile))
+            })
+            .collect();
+        let receivers = ArchiveReceivers::<()>::of_tiles(site, tiles);
+        rows.into_iter().flatten().zip(receivers).map(|(row, receiver)| Ok((row, receiver?.receiver)))
+    })
+}
+
+/// The receivers that are meant, of those in the tiles that hold some.
+fn marked(
+    sites: &[OpenSite],
+    tiles: impl Fn(&OpenSite) -> Result<Option<Vec<u32>>>,
+    mut meant: impl FnMut(&Receiver) -> bool,
+) -> Result<Vec<bool>> {
+    let tiles: Vec<_> = sites.iter().map(tiles).collect::<Result<_>>()?;
+    let mut kept = nobody(sites);
+    for receiver in receivers_of(sites, tiles) {
+        let (row, receiver) = receiver?;
+        if let Some(kept) = kept.get_mut(row) {
+            *kept = meant(&receiver);
+        }
+    }
+    Ok(kept)
+}
+
+/// One byte for each receiver of some archives.
+fn nobody(sites: &[OpenSite]) -> Vec<bool> {
+    vec![false; sites.iter().map(|site| site.receivers() as usize).sum()]
 }
 
 /// What messages name.
@@ -78,21 +131,25 @@ fn first<'a>(sites: &[OpenSite<'a>]) -> &'a Path {
 }
 
 /// The receivers that one of some names is a name of; a name of nobody is an error.
-fn named(
-    names: &[String],
-    what: &'static str,
-    of: impl Fn(&Receiver) -> [String; 2],
-    sites: &[OpenSite],
-) -> Result<Vec<bool>> {
-    let mut missing: BTreeSet<&str> = names.iter().map(String::as_str).collect();
-    let kept = receivers_of(sites).map(|receiver| {
-        let own = of(&receiver?);
-        for name in &own {
-            missing.remove(name.as_str());
+fn named(names: &[String], what: &'static str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
+    let tiles = |site: &OpenSite| {
+        let Some(mut gazetteer) = Gazetteer::of(site)? else { return Ok(None) };
+        let asked = || of.iter().flat_map(|&of| names.iter().map(move |name| (of, name.as_str())));
+        gazetteer.expect(asked());
+        let mut tiles = BTreeSet::new();
+        for (of, name) in asked() {
+            tiles.extend(gazetteer.tiles(of, name)?);
         }
-        Ok(own.iter().any(|name| names.contains(name)))
-    });
-    let kept: Vec<bool> = kept.collect::<Result<_>>()?;
+        Ok(Some(tiles.into_iter().collect()))
+    };
+    let mut missing: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+    let kept = marked(sites, tiles, |receiver| {
+        let own = NameOf::names(receiver).into_iter().filter(|(what, name)| of.contains(what) && !name.is_empty());
+        own.fold(false, |found, (_, name)| {
+            missing.remove(name);
+            found || names.iter().any(|asked| asked == name)
+        })
+    })?;
     if missing.is_empty() {
         return Ok(kept);
     }
@@ -105,39 +162,94 @@ fn named(
 
 /// The receivers whose ids stand in a file.
 fn listed_in(file: &Path, sites: &[OpenSite], folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
+    let ids = ReceiverIds::open(file)?.map(|row| row.map(|(id, line)| (id, line as u64)));
+    let (kept, missing) = by_id(ids, sites, folder, budget_bytes)?;
+    if missing.count == 0 {
+        return Ok(kept);
+    }
+    let names = missing.listed(|id, line| format!("{id} (line {line})"));
+    let what = format!("{} does not hold {names}", first(sites).display());
+    Err(Error::input(file, None, what, "remove these rows, or name the archive that holds them"))
+}
+
+/// Ids that no archive holds.
+#[derive(Default)]
+struct MissingIds {
+    count: u64,
+    /// The first ones, with their lines.
+    some: Vec<(String, u64)>,
+}
+
+impl MissingIds {
+    fn listed(&self, name: impl Fn(&str, u64) -> String) -> String {
+        let names: Vec<String> = self.some.iter().map(|(id, line)| name(id, *line)).collect();
+        listed(self.count, "receivers", &names)
+    }
+}
+
+/// The receivers of some ids, each with its line, and the ids of nobody.
+fn by_id(
+    ids: impl Iterator<Item = Result<(String, u64)>>,
+    sites: &[OpenSite],
+    folder: &Path,
+    budget_bytes: usize,
+) -> Result<(Vec<bool>, MissingIds)> {
     let mut wanted = Sorter::new(folder, budget_bytes / 2).unique();
-    for id in ReceiverIds::open(file)? {
+    for id in ids {
         let (id, line) = id?;
-        wanted.push(id.as_bytes(), &(line as u64).to_le_bytes())?;
+        wanted.push(id.as_bytes(), &line.to_le_bytes())?;
+    }
+    let mut wanted = wanted.finish()?;
+    let mut tiles = Vec::new();
+    for site in sites {
+        tiles.push(tiles_of_ids(site, &mut wanted)?);
     }
     let mut held = Sorter::new(folder, budget_bytes / 2);
-    let mut count = 0_u64;
-    for receiver in receivers_of(sites) {
-        held.push(receiver?.id.as_bytes(), &count.to_le_bytes())?;
-        count += 1;
+    for receiver in receivers_of(sites, tiles) {
+        let (row, receiver) = receiver?;
+        held.push(receiver.id.as_bytes(), &(row as u64).to_le_bytes())?;
     }
     let number = |payload: &[u8]| payload.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
-    let mut kept = vec![false; count as usize];
-    let (mut missing, mut missing_count) = (Vec::new(), 0);
-    for side in union(wanted.finish()?, held.finish()?, |a, b| a.0.cmp(&b.0)) {
+    let (mut kept, mut missing) = (nobody(sites), MissingIds::default());
+    for side in union(wanted, held.finish()?, |a, b| a.0.cmp(&b.0)) {
         match side? {
-            Side::Both(_, (_, place)) => {
-                if let Some(kept) = kept.get_mut(number(&place) as usize) {
+            Side::Both(_, (_, row)) => {
+                if let Some(kept) = kept.get_mut(number(&row) as usize) {
                     *kept = true;
                 }
             }
             Side::Left((id, line)) => {
-                missing_count += 1;
-                if missing.len() < NAMED {
-                    missing.push(format!("{} (line {})", String::from_utf8_lossy(&id), number(&line)));
+                missing.count += 1;
+                if missing.some.len() < NAMED {
+                    missing.some.push((String::from_utf8_lossy(&id).into_owned(), number(&line)));
                 }
             }
             Side::Right(_) => {}
         }
     }
-    if missing_count == 0 {
-        return Ok(kept);
+    Ok((kept, missing))
+}
+
+/// Ids that are looked up together.
+const TOGETHER: usize = 4096;
+
+/// The tiles that hold receivers of some ids, which are left at their beginning; `None` where the archive does not tell.
+fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Option<Vec<u32>>> {
+    let Some(mut gazetteer) = Gazetteer::of(site)? else { return Ok(None) };
+    let mut tiles = BTreeSet::new();
+    loop {
+        let ids: Vec<String> = wanted
+            .by_ref()
+            .take(TOGETHER)
+            .map(|record| Ok(String::from_utf8_lossy(&record?.0).into_owned()))
+            .collect::<Result<_>>()?;
+        if ids.is_empty() {
+            wanted.rewind()?;
+            return Ok(Some(tiles.into_iter().collect()));
+        }
+        gazetteer.expect(ids.iter().map(|id| (NameOf::Receiver, id.as_str())));
+        for id in &ids {
+            tiles.extend(gazetteer.tiles(NameOf::Receiver, id)?);
+        }
     }
-    let what = format!("{} does not hold {}", first(sites).display(), listed(missing_count, "receivers", &missing));
-    Err(Error::input(file, None, what, "remove these rows, or name the archive that holds them"))
 }

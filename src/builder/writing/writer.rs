@@ -374,6 +374,10 @@ impl Blocks for Writer {
         Writer::has(self, kind, tile)
     }
 
+    fn rows(&self, kind: u32, tile: u32) -> Option<u32> {
+        self.entry(kind, tile).map(|entry| entry.items)
+    }
+
     fn block(&self, kind: u32, tile: u32) -> Result<Block> {
         self.read_back(kind, tile)
     }

@@ -6,10 +6,9 @@ use std::str::FromStr;
 use clap::Args;
 
 use crate::cli::WeatherArgs;
-use crate::cli::values::{Bytes, choice, parse_bounds, parse_depth, parse_memory};
+use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
-use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::Access;
 use heliotile_core::error::Error;
 use heliotile_core::light::paths::LightPaths;
@@ -31,13 +30,8 @@ pub struct TableArgs {
     /// .geojson, .vtu, .pvd (hours for ParaView), .parquet with --geo
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
-    /// Take the receivers of a CSV file only: ids in a column `receiver`
-    #[arg(long, short, value_name = "FILE")]
-    pub receivers: Option<PathBuf>,
-    /// Take the receivers in a box only, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax; of an atlas, no other
-    /// part is opened
-    #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds, conflicts_with = "receivers")]
-    pub bbox: Option<Bounds>,
+    #[command(flatten)]
+    pub of: SelectionArgs,
     /// What rows are about
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,

@@ -1,7 +1,9 @@
 //! Values of options.
 
 mod choice;
+mod chosen;
 mod numbers;
 
 pub use choice::{NamedValues, by_name, choice, name_of};
+pub use chosen::SelectionArgs;
 pub use numbers::{Bytes, parse_bounds, parse_depth, parse_memory};

@@ -156,7 +156,7 @@ impl<'a> Files<'a> {
             }
             Command::Extract(args) => {
                 self.read(&args.archive, Wanted::Archive);
-                self.read_if(&args.receivers, Wanted::Other);
+                self.read_if(&args.of.receivers, Wanted::Other);
                 self.write(&args.output, Written::Archive);
             }
             Command::Merge(args) => {
@@ -210,7 +210,7 @@ impl<'a> Files<'a> {
 
     fn read_table(&mut self, args: &'a TableArgs) {
         self.read(&args.archive, Wanted::Archive);
-        self.read_if(&args.receivers, Wanted::Other);
+        self.read_if(&args.of.receivers, Wanted::Other);
     }
 
     fn read(&mut self, path: &'a Path, wanted: Wanted) {

@@ -88,7 +88,7 @@ pub fn guard(args: &RecombineArgs, forcing: &[&Path], every: Option<Every>) -> R
     for (i, path) in args.plot.iter().enumerate() {
         Plot::of(path, every)?;
         let inputs: Vec<&Path> = [archive].into_iter().chain(forcing.iter().copied()).collect();
-        guard_output(path, &[&inputs[..], args.table.receivers.as_deref().as_slice()].concat())?;
+        guard_output(path, &[&inputs[..], args.table.of.receivers.as_deref().as_slice()].concat())?;
         // A table has other endings.
         if args.plot.iter().take(i).any(|other| other == path) {
             let what = format!("`{}` is written twice", path.display());

@@ -30,7 +30,7 @@ impl Sources {
         let Some(atlas) = Atlas::find(&args.archive)? else {
             return Ok(Sources { first: open_archive(&args.archive, access(args))?, others: Vec::new() });
         };
-        let mut archives = atlas.archives(args.bbox, args.io.unwrap_or_default())?.into_iter();
+        let mut archives = atlas.archives(args.of.bbox, args.io.unwrap_or_default())?.into_iter();
         let Some(first) = archives.next() else {
             let what = "no part of it holds a receiver of what is asked for";
             return Err(Error::input(&atlas.shown(), None, what, "--bbox is in the coordinates of the scene files"));

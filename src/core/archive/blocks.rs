@@ -12,6 +12,8 @@ pub trait Blocks: Sync {
     fn path(&self) -> &Path;
     /// Whether there is such a block.
     fn has(&self, kind: u32, tile: u32) -> bool;
+    /// Number of rows of such a block, by the directory.
+    fn rows(&self, kind: u32, tile: u32) -> Option<u32>;
     /// The block, checked and decoded.
     fn block(&self, kind: u32, tile: u32) -> Result<Block>;
     /// Tells of blocks that will be read soon; see [`Archive::expect`].
@@ -25,6 +27,10 @@ impl Blocks for Archive {
 
     fn has(&self, kind: u32, tile: u32) -> bool {
         Archive::has(self, kind, tile)
+    }
+
+    fn rows(&self, kind: u32, tile: u32) -> Option<u32> {
+        self.entry(kind, tile).map(|entry| entry.items)
     }
 
     fn block(&self, kind: u32, tile: u32) -> Result<Block> {

@@ -6,7 +6,7 @@ pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Format version that this release reads and writes.
 pub const MAJOR: u16 = 1;
 /// Minor format version that this release writes; readers take larger ones, and read what they know.
-pub const MINOR: u16 = 4;
+pub const MINOR: u16 = 5;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 /// Bytes of a slot, its checksum included.
@@ -86,6 +86,10 @@ pub const PARTS: u32 = 17;
 pub const SCENE: u32 = 18;
 /// Kind: what is drawn of a tile's receivers before anything else is read; in archives that may show their scene.
 pub const OVERVIEW: u32 = 19;
+/// Kind: some tiles' boxes, one block after the other for all of them.
+pub const EXTENTS: u32 = 20;
+/// Kind: names in order, each with the tiles that hold it; chunk 0 holds the first name of each other chunk.
+pub const NAMES: u32 = 21;
 
 /// Kinds of the layers of a chunk of cells of a kind that only some scenes call for: mirrors, canopies; their tile is the chunk's.
 pub fn cell_extras(kind: u32) -> [u32; 2] {
@@ -93,7 +97,7 @@ pub fn cell_extras(kind: u32) -> [u32; 2] {
 }
 
 /// Kinds that this release knows: id, name, schema id of the raw bytes that it writes.
-pub const KINDS: [(u32, &str, u16); 19] = [
+pub const KINDS: [(u32, &str, u16); 21] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
@@ -113,6 +117,8 @@ pub const KINDS: [(u32, &str, u16); 19] = [
     (PARTS, "parts", 1),
     (SCENE, "scene", 1),
     (OVERVIEW, "overview", 1),
+    (EXTENTS, "extents", 1),
+    (NAMES, "names", 1),
 ];
 
 /// Schema ids of format 1.0, which are still read: classes of materials were numbered the other way round, and voxels and seeds of

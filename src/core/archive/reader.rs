@@ -109,15 +109,20 @@ impl Archive {
         self.manifest.receivers.tiles
     }
 
+    /// The directory entry of a block.
+    pub fn entry(&self, kind: u32, tile: u32) -> Option<&Entry> {
+        let row = self.entries.binary_search_by_key(&(kind, tile), Entry::key).ok()?;
+        self.entries.get(row)
+    }
+
     /// Whether the archive holds a block.
     pub fn has(&self, kind: u32, tile: u32) -> bool {
-        self.entries.binary_search_by_key(&(kind, tile), Entry::key).is_ok()
+        self.entry(kind, tile).is_some()
     }
 
     /// A block, checked and decoded; an error if it is damaged or not there.
     pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
-        let found = self.entries.binary_search_by_key(&(kind, tile), Entry::key).ok();
-        match found.and_then(|row| self.entries.get(row)) {
+        match self.entry(kind, tile) {
             Some(entry) => self.fetch(entry),
             None => {
                 let what = format!("holds no block {}", format::block_name(kind, tile));
@@ -134,8 +139,7 @@ impl Archive {
     /// Tells where the bytes are held that blocks will be read soon, in any order: from afar they come together. A hint, which costs nothing
     /// where bytes are at hand; blocks that do not exist are passed over.
     pub fn expect(&self, blocks: impl IntoIterator<Item = (u32, u32)>) {
-        let row = |key: (u32, u32)| self.entries.binary_search_by_key(&key, Entry::key).ok();
-        let found = blocks.into_iter().filter_map(|key| self.entries.get(row(key)?).copied());
+        let found = blocks.into_iter().filter_map(|(kind, tile)| self.entry(kind, tile).copied());
         self.source.expect(&found.collect::<Vec<_>>());
     }
 

@@ -1,5 +1,6 @@
 //! The full check of an archive. In: a path, or bytes from anywhere. Out: every part that is not as it was written, by name and with the reason.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -7,8 +8,9 @@ use rayon::prelude::*;
 use crate::archive::codec::block::Block;
 use crate::archive::format;
 use crate::archive::format::{
-    BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS, OPTICS,
-    OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SCENE, SKY, SLOT_OFFSETS, SLOT_SIZE,
+    BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, EXTENTS, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS,
+    NAMES, OPTICS, OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SCENE, SKY, SLOT_OFFSETS,
+    SLOT_SIZE,
 };
 use crate::archive::read_at::ReadAt;
 use crate::archive::reader::{Archive, by_place};
@@ -16,8 +18,8 @@ use crate::archive::reader::{Archive, by_place};
 use crate::archive::source::Access;
 use crate::archive::source::Source;
 use crate::archive::tables::{
-    CellsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, OpticsTable, OverviewTable, PartsTable,
-    ReceiversTable,
+    CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, NameOf, NameRow, NamesTable,
+    OpticsTable, OverviewTable, PartsTable, ReceiversTable, TILES_A_CHUNK,
 };
 use crate::error::{Error, Result};
 use crate::layers::canopy;
@@ -187,6 +189,9 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
             same_rows(archive, &block, RECEIVERS)?;
             OverviewTable::from_block(&block).map(|_| ())
         }
+        EXTENTS => check_extents(archive, &block, site.keys.is_some()),
+        NAMES if entry.tile == 0 && site.keys.is_some() => check_names(archive, &block),
+        NAMES => NamesTable::from_block(&block).map(|_| ()),
         INDEX => IndexTable::from_block(&block).map(|_| ()),
         PROBES => check_cells(&block, &site.probes, site),
         BOUNCE => check_cells(&block, &site.bounces, site),
@@ -218,6 +223,69 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         }
         kind if format::schema_of(kind).is_some() => block.require(kind),
         _ => Ok(()),
+    }
+}
+
+/// Boxes of tiles: as many as there are, and, in a deep check, those of the receivers.
+fn check_extents(archive: &Archive, block: &Block, deep: bool) -> Result<()> {
+    let table = ExtentsTable::from_block(block)?;
+    let first = (block.entry().tile as usize).saturating_mul(TILES_A_CHUNK);
+    let expected = (archive.tiles() as usize).saturating_sub(first).min(TILES_A_CHUNK);
+    if table.rows() != expected {
+        return Err(block.corrupt(format!("{} tiles", table.rows()), format!("{expected}")));
+    }
+    let held = archive.entries_of(RECEIVERS).iter().skip(first);
+    for (entry, stated) in held.zip(table.boxes()).filter(|_| deep) {
+        // Receivers that cannot be read are named by themselves.
+        let Ok(receivers) = archive.fetch(entry).and_then(|block| ReceiversTable::from_block(&block)) else { continue };
+        if ExtentsTable::around(receivers.position.iter().map(|&p| p.into())) != Some(stated) {
+            return Err(block.corrupt(format!("another box of tile {}", entry.tile), "that of its receivers"));
+        }
+    }
+    Ok(())
+}
+
+/// All chunks of names, by the chunk that tells of them: they ascend from chunk to chunk, begin as it says, and are the names of the receivers.
+fn check_names(archive: &Archive, block: &Block) -> Result<()> {
+    let firsts = NamesTable::from_block(block)?.names();
+    let chunks = archive.entries_of(NAMES).get(1..).unwrap_or_default();
+    let (mut stated, mut last): (NameDigest, Option<NameRow>) = Default::default();
+    if chunks.len() != firsts.len() {
+        return Err(block.corrupt(format!("first names of {} chunks", firsts.len()), format!("{}", chunks.len())));
+    }
+    for (first, entry) in firsts.iter().zip(chunks) {
+        // A chunk that cannot be read is named by itself.
+        let Ok(rows) = archive.fetch(entry).and_then(|block| Ok(NamesTable::from_block(&block)?.names())) else {
+            return Ok(());
+        };
+        let begins = rows.first().is_some_and(|row| (row.of, &row.name) == (first.of, &first.name));
+        if first.tile != entry.tile || !begins || last.as_ref() >= rows.first() {
+            return Err(block.corrupt(format!("chunk {} with other names", entry.tile), "names in order"));
+        }
+        rows.iter().for_each(|row| stated.add(row.of, &row.name, row.tile));
+        last = rows.into_iter().next_back();
+    }
+    let mut held = NameDigest::default();
+    for tile in 0..archive.tiles() {
+        let Ok(receivers) = PartsTable::receivers(archive, tile) else { return Ok(()) };
+        let names: BTreeSet<(NameOf, &str)> = receivers.iter().flat_map(NameOf::names).collect();
+        names.iter().filter(|(_, name)| !name.is_empty()).for_each(|(of, name)| held.add(*of, name, tile));
+    }
+    if held == stated { Ok(()) } else { Err(block.corrupt("other names", "those of the receivers")) }
+}
+
+/// Tells one set of names from another, whatever their order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct NameDigest {
+    count: u64,
+    sum: u64,
+}
+
+impl NameDigest {
+    fn add(&mut self, of: NameOf, name: &str, tile: u32) {
+        let row = [&[of as u8], &tile.to_le_bytes()[..], name.as_bytes()].concat();
+        self.count = self.count.saturating_add(1);
+        self.sum = self.sum.wrapping_add(u64::from_le_bytes(format::checksum(&row)));
     }
 }
 

@@ -175,6 +175,11 @@ impl<'a> OpenSite<'a> {
         self.blocks.has(kind, tile)
     }
 
+    /// Number of receivers of a tile, by the directory; 0 if there is no such tile.
+    pub fn tile_rows(&self, tile: u32) -> usize {
+        self.blocks.rows(format::RECEIVERS, tile).unwrap_or(0) as usize
+    }
+
     /// Tells of layers of some tiles that will be read soon: from afar they come together. Kinds that a tile does not have are passed over.
     pub fn expect(&self, kinds: &[u32], tiles: impl IntoIterator<Item = u32>) {
         let blocks: Vec<_> = tiles.into_iter().flat_map(|tile| kinds.iter().map(move |&kind| (kind, tile))).collect();

@@ -1,6 +1,5 @@
 //! An archive that is open. In: a path. Out: its receivers, what they get under weather or conditions, factors over the sun's position.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -22,9 +21,6 @@ use heliotile_core::archive::format;
 use heliotile_core::memory::Use;
 use heliotile_core::replay::factors::FACTORS;
 use heliotile_core::site::receiver::Receiver;
-
-/// Names that a message shows.
-const NAMED: usize = 10;
 
 /// An archive, and which way is north. Many threads may read it at once.
 #[pyclass(frozen, module = "heliotile._heliotile")]
@@ -52,32 +48,14 @@ pub enum Wanted {
 impl Wanted {
     /// One byte for each receiver of the archive.
     fn kept(&self, site: &OpenSite, memory: MemoryBudget) -> Result<Vec<bool>> {
-        let ids = match self {
-            Wanted::File(file) => {
-                let budget = memory.length(Use::ReceiverList);
-                return Selection::Receivers(file.clone()).resolve(
-                    std::slice::from_ref(site),
-                    &std::env::temp_dir(),
-                    budget,
-                );
+        let selection = match self {
+            Wanted::Ids(ids) if ids.is_empty() => {
+                return Err(Error::argument("receivers", "the list is empty", "leave it out for all of them"));
             }
-            Wanted::Ids(ids) => ids,
+            Wanted::Ids(ids) => Selection::Ids(ids.clone()),
+            Wanted::File(file) => Selection::Receivers(file.clone()),
         };
-        let mut missing: HashSet<&str> = ids.iter().map(String::as_str).collect();
-        let kept = ArchiveReceivers::<()>::new(site).map(|row| Ok(missing.remove(row?.receiver.id.as_str())));
-        let kept = kept.collect::<Result<Vec<bool>>>()?;
-        if !missing.is_empty() {
-            let mut names: Vec<&str> = missing.iter().copied().collect();
-            names.sort_unstable();
-            names.truncate(NAMED);
-            let count = heliotile_core::text::counted(missing.len() as u64, "receiver");
-            let what = format!("does not hold {count} of those asked for: {}", names.join(", "));
-            return Err(Error::input(site.path(), None, what, "take ids of `Archive.receivers()`"));
-        }
-        if ids.is_empty() {
-            return Err(Error::argument("receivers", "the list is empty", "leave it out for all of them"));
-        }
-        Ok(kept)
+        selection.resolve(std::slice::from_ref(site), &std::env::temp_dir(), memory.length(Use::ReceiverList))
     }
 }
 

@@ -179,6 +179,8 @@ pub fn write() {
         ("materials_table", format::MATERIALS),
         ("scene_table", format::SCENE),
         ("overview_table", format::OVERVIEW),
+        ("extents_table", format::EXTENTS),
+        ("names_table", format::NAMES),
     ] {
         seed(target, &[&[raw(kind).items() as u8], raw(kind).bytes()].concat());
     }

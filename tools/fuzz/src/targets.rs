@@ -9,7 +9,7 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
 use heliotile_core::archive::tables::{
-    CellsTable, GeometryTable, IndexTable, MaterialsTable, OverviewTable, ReceiversTable,
+    CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, NamesTable, OverviewTable, ReceiversTable,
 };
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
 use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
@@ -43,7 +43,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 38] = [
+pub const TARGETS: [(&str, Target); 40] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -53,6 +53,8 @@ pub const TARGETS: [(&str, Target); 38] = [
     ("materials_table", materials_table),
     ("scene_table", scene_table),
     ("overview_table", overview_table),
+    ("extents_table", extents_table),
+    ("names_table", names_table),
     ("sky", sky),
     ("hit", hit),
     ("response", response),
@@ -263,6 +265,25 @@ fn overview_table(data: &[u8]) {
     with_block(format::OVERVIEW, data, |block| {
         OverviewTable::from_block(block).map(|table| {
             assert_eq!(table.patches().len(), table.rows());
+            table.to_bytes().expect("checked")
+        })
+    });
+}
+
+fn extents_table(data: &[u8]) {
+    with_block(format::EXTENTS, data, |block| {
+        ExtentsTable::from_block(block).map(|table| {
+            assert_eq!(table.boxes().count(), table.rows());
+            table.to_bytes().expect("checked")
+        })
+    });
+}
+
+fn names_table(data: &[u8]) {
+    with_block(format::NAMES, data, |block| {
+        NamesTable::from_block(block).map(|table| {
+            // What shares less than it could comes back with all that is shared.
+            assert_eq!(NamesTable::new(&table.names()).names(), table.names());
             table.to_bytes().expect("checked")
         })
     });

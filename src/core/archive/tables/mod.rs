@@ -2,9 +2,11 @@
 //! values, or a block's raw bytes. A layout that was released never changes: a test of each table holds its bytes.
 
 mod cells;
+mod extents;
 mod geometry;
 mod index;
 mod materials;
+mod names;
 mod optics;
 mod overview;
 mod parts;
@@ -15,9 +17,11 @@ use std::fmt::Debug;
 use crate::error::Error;
 
 pub use cells::{CellsTable, pack_tag, unpack_tag};
+pub use extents::{ExtentsTable, TILES_A_CHUNK};
 pub use geometry::{GeometryTable, MAX_TRIANGLES};
 pub use index::IndexTable;
 pub use materials::MaterialsTable;
+pub use names::{NAMES_A_CHUNK, NameOf, NameRow, NamesTable};
 pub use optics::{MirrorsTable, OpticsTable};
 pub use overview::{NORMAL_STEPS, OverviewTable};
 pub use parts::PartsTable;

@@ -1,0 +1,162 @@
+//! Where receivers stand, for those who look for some of them. In: receivers, tile by tile. Out: blocks of tiles' boxes and of names.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::pack::COMPRESSION;
+use crate::spill::Sorter;
+use heliotile_core::archive::tables::{ExtentsTable, NAMES_A_CHUNK, NameOf, NameRow, NamesTable, TILES_A_CHUNK};
+use heliotile_core::archive::{EncodedBlock, format};
+use heliotile_core::error::Result;
+use heliotile_core::site::receiver::Receiver;
+
+/// Names and boxes of tiles, until all tiles are there.
+pub(crate) struct GazetteerWriter {
+    boxes: Vec<[DVec3; 2]>,
+    /// Names by (what they are of, name); tiles ascend.
+    names: Sorter,
+}
+
+impl GazetteerWriter {
+    /// Of no tiles yet; names that do not fit a budget go to files in a folder.
+    pub(crate) fn new(folder: &Path, budget_bytes: usize) -> Self {
+        GazetteerWriter { boxes: Vec::new(), names: Sorter::new(folder, budget_bytes) }
+    }
+
+    /// The receivers of the next tile.
+    pub(crate) fn add<'r>(&mut self, receivers: impl Iterator<Item = &'r Receiver> + Clone) -> Result<()> {
+        let tile = (self.boxes.len() as u32).to_le_bytes();
+        self.boxes.extend(ExtentsTable::around(receivers.clone().map(|receiver| receiver.position)));
+        let names: BTreeSet<(NameOf, &str)> =
+            receivers.flat_map(NameOf::names).filter(|(_, name)| !name.is_empty()).collect();
+        for (of, name) in names {
+            self.names.push(&[&[of as u8], name.as_bytes()].concat(), &tile)?;
+        }
+        Ok(())
+    }
+
+    /// The blocks of all tiles, in the order in which they are written.
+    pub(crate) fn finish(self, mut append: impl FnMut(EncodedBlock) -> Result<()>) -> Result<()> {
+        for (chunk, boxes) in (0..).zip(self.boxes.chunks(TILES_A_CHUNK)) {
+            append(ExtentsTable::new(boxes).encode(format::EXTENTS, chunk, COMPRESSION)?)?;
+        }
+        let mut names = self.names.finish()?.map(|record| record.map(|(key, tile)| row(&key, &tile)));
+        let mut firsts: Vec<NameRow> = Vec::new();
+        for chunk in 1.. {
+            let rows: Vec<NameRow> = names.by_ref().take(NAMES_A_CHUNK).collect::<Result<_>>()?;
+            let Some(first) = rows.first() else { break };
+            firsts.push(NameRow { tile: chunk, ..first.clone() });
+            append(NamesTable::new(&rows).encode(format::NAMES, chunk, COMPRESSION)?)?;
+        }
+        match firsts.is_empty() {
+            true => Ok(()),
+            false => append(NamesTable::new(&firsts).encode(format::NAMES, 0, COMPRESSION)?),
+        }
+    }
+}
+
+/// What was pushed.
+fn row(key: &[u8], tile: &[u8]) -> NameRow {
+    let (of, name) = key.split_first().map_or((0, &[][..]), |(of, name)| (usize::from(*of), name));
+    NameRow {
+        of: NameOf::ALL.get(of).copied().unwrap_or(NameOf::Receiver),
+        name: String::from_utf8_lossy(name).into_owned(),
+        tile: tile.first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use heliotile_core::archive::codec::block;
+    use heliotile_core::archive::manifest::{ReceiverSummary, Settings};
+    use heliotile_core::archive::{Block, Blocks};
+    use heliotile_core::opened::{Gazetteer, OpenSite, SiteFacts, tiles_within};
+    use heliotile_core::site::model_part::ModelPart;
+    use heliotile_core::site::patch::Patch;
+
+    struct Held(BTreeMap<(u32, u32), EncodedBlock>);
+
+    impl Blocks for Held {
+        fn path(&self) -> &Path {
+            Path::new("site.helio")
+        }
+
+        fn has(&self, kind: u32, tile: u32) -> bool {
+            self.0.contains_key(&(kind, tile))
+        }
+
+        fn rows(&self, kind: u32, tile: u32) -> Option<u32> {
+            self.0.get(&(kind, tile)).map(|block| block.entry().items)
+        }
+
+        fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+            let found = &self.0[&(kind, tile)];
+            block::decode(&self.path().into(), found.entry(), found.stored())
+        }
+    }
+
+    fn receiver(tile: usize, number: usize) -> Receiver {
+        Receiver {
+            id: format!("t{tile}/r{number}"),
+            position: DVec3::new(tile as f64, number as f64, 0.0),
+            normal: DVec3::Z,
+            area: None,
+            surface: Some(if number == 0 { "terrain".to_owned() } else { format!("wall {}", tile / 3) }),
+            part: ModelPart { object: format!("o{}", tile / 100), ..ModelPart::default() },
+            patch: Patch::default(),
+        }
+    }
+
+    /// Of 5,000 tiles of two receivers each, sorted with 20 kB of memory: the terrain's rows fill three chunks and lie in all tiles, an id in
+    /// one, a wall in three, an object in a hundred, names before, between and behind all others in none; a box over a seam of chunks meets
+    /// the 7 tiles that it covers, and the whole takes 13 chunks of names and the one that tells of them, and 2 of boxes.
+    #[test]
+    fn names_and_boxes_lead_to_tiles() {
+        let mut writer = GazetteerWriter::new(&std::env::temp_dir(), 20_000);
+        for tile in 0..5000 {
+            writer.add([receiver(tile, 0), receiver(tile, 1)].iter()).expect("names");
+        }
+        let mut blocks = BTreeMap::new();
+        let keep = |block: EncodedBlock| {
+            blocks.insert(block.entry().key(), block);
+            Ok(())
+        };
+        writer.finish(keep).expect("blocks");
+        let held = Held(blocks);
+        let of_kind = |kind| held.0.keys().filter(|key| key.0 == kind).count();
+        assert_eq!([of_kind(format::NAMES), of_kind(format::EXTENTS)], [14, 2]);
+
+        let receivers = ReceiverSummary { count: 10_000, tiles: 5000, ..ReceiverSummary::default() };
+        let settings = crate::settings::BuildSettings::default().stated();
+        let stated: (&Settings, _, _) = (&settings, DVec3::ZERO, &receivers);
+        let facts = SiteFacts::given(held.path(), stated, Vec::new(), Vec::new()).expect("facts");
+        let site = OpenSite::over(&held, facts.into());
+        let mut gazetteer = Gazetteer::of(&site).expect("names").expect("some");
+        let mut tiles = |of, name: &str| gazetteer.tiles(of, name).expect("tiles");
+        assert_eq!(tiles(NameOf::Surface, "terrain"), Vec::from_iter(0..5000));
+        assert_eq!(tiles(NameOf::Receiver, "t4321/r1"), [4321]);
+        assert_eq!(tiles(NameOf::Surface, "wall 1000"), [3000, 3001, 3002]);
+        assert_eq!(tiles(NameOf::Object, "o49"), Vec::from_iter(4900..5000));
+        for (of, name) in [
+            (NameOf::Receiver, "!"),
+            (NameOf::Receiver, "t4321"),
+            (NameOf::Receiver, "t4321/r11"),
+            (NameOf::Surface, "t4321/r1"),
+            (NameOf::Object, "o490"),
+            (NameOf::Building, "zzz"),
+        ] {
+            assert!(tiles(of, name).is_empty(), "{of:?} {name}");
+        }
+        let within = |low: f64, high: f64| {
+            let corners = [DVec3::new(low, 0.5, -1.0), DVec3::new(high, 2.0, 1.0)];
+            tiles_within(&site, corners).expect("boxes").expect("some")
+        };
+        assert_eq!(within(4092.5, 4099.0), Vec::from_iter(4093..4100));
+        assert!(within(-3.0, -1.0).is_empty());
+    }
+}
