@@ -94,17 +94,18 @@ fn table(found: &Differences, [a, b]: [&Path; 2]) -> String {
     for Difference { item, values: [a, b] } in &found.statements {
         let _ = writeln!(out, "{item}: {a} in A, {b} in B");
     }
-    for (what, parted) in [
-        ("receivers", &found.receivers),
-        ("probes (level/facing/material/voxel)", &found.probes),
-        ("bounce cells (level/facing/material/voxel)", &found.bounces),
-        ("blocks of unknown kinds", &found.unknown),
+    const CELLS: &str = " (level/facing/material/voxel)";
+    for (thing, note, parted) in [
+        ("receiver", "", &found.receivers),
+        ("probe", CELLS, &found.probes),
+        ("bounce cell", CELLS, &found.bounces),
+        ("unknown block", "", &found.unknown),
     ] {
         for (side, names) in
             [("only in A", &parted.only_a), ("only in B", &parted.only_b), ("different", &parted.different)]
         {
             if names.count > 0 {
-                let _ = writeln!(out, "{side:<9}  {}", listed(names.count, what, &names.first));
+                let _ = writeln!(out, "{side:<9}  {}{note}", listed(names.count, thing, &names.first));
             }
         }
     }

@@ -282,14 +282,14 @@ fn parts_of_a_site() {
     assert_eq!((same.status.code(), stdout(&same).as_str()), (Some(0), "equal, and so are the roots\n"));
     let other = folder.run("diff site.helio few.helio");
     assert_eq!(other.status.code(), Some(1));
-    assert!(stdout(&other).contains("only in A  1 receivers: south\n"), "{}", stdout(&other));
+    assert!(stdout(&other).contains("only in A  1 receiver: south\n"), "{}", stdout(&other));
 
     folder.refused("extract site.helio -o x.helio", &["--receivers", "--bbox", "--surface"]);
     folder.refused("extract site.helio --bbox 0,0,1,1 --surface top -o x.helio", &["--bbox", "--surface"]);
     folder.refused("extract site.helio --bbox 0,0,1 -o x.helio", &["3 numbers", "xmin,ymin,xmax,ymax"]);
     folder.refused("extract site.helio --bbox 5,0,1,1 -o x.helio", &["above its highest"]);
     folder.refused("extract site.helio --bbox 90,90,91,91 -o x.helio", &["site.helio", "none of the receivers"]);
-    folder.refused("extract site.helio --surface top attic -o x.helio", &["site.helio", "1 surfaces: attic"]);
+    folder.refused("extract site.helio --surface top attic -o x.helio", &["site.helio", "1 surface: attic"]);
     folder.refused("extract site.helio --receivers conditions.csv -o x.helio", &["conditions.csv", "`receiver`"]);
     folder.refused("extract site.helio --receivers few.csv -o few.csv", &["few.csv", "input"]);
     folder.refused("diff site.helio none.helio", &["none.helio", "No such file"]);

@@ -339,7 +339,7 @@ fn conflicts_are_named() {
             })
         }
     };
-    for (kind, name) in [(format::PROBES, "1 conflicts: probe "), (format::BOUNCE, "1 conflicts: bounce cell ")] {
+    for (kind, name) in [(format::PROBES, "1 conflict: probe "), (format::BOUNCE, "1 conflict: bounce cell ")] {
         folder.forge("a.helio", "b.helio", change(kind), Vec::new(), |_| {});
         let message = folder.refused("a.helio", "b.helio");
         assert!(message.contains(name), "{message}");
@@ -358,7 +358,7 @@ fn conflicts_are_named() {
     };
     folder.forge("a.helio", "b.helio", response, Vec::new(), |_| {});
     let message = folder.refused("b.helio", "a.helio");
-    assert!(message.contains("1 conflicts: receiver ") && message.contains("(response)"), "{message}");
+    assert!(message.contains("1 conflict: receiver ") && message.contains("(response)"), "{message}");
 }
 
 /// Two blocks of unknown kinds and keys of the manifest on 4 levels pass through extract and merge; an equal block is kept
@@ -390,7 +390,7 @@ fn what_is_unknown_is_kept() {
     assert!(merged.has(format::RESPONSE, 2) && !Blocks::has(&merged, format::RESPONSE, 3));
 
     folder.forge("whole.helio", "b.helio", none, vec![later(1, b"other")], state("x"));
-    assert!(folder.refused("a.helio", "b.helio").contains("1 conflicts: block kind-77/1"));
+    assert!(folder.refused("a.helio", "b.helio").contains("1 conflict: block kind-77/1"));
     folder.forge("whole.helio", "b.helio", none, vec![], state("y"));
     assert!(folder.refused("a.helio", "b.helio").contains("settings.later.key is \"x\" there and \"y\" here"));
 }

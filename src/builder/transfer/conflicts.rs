@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
 
 /// Names that a message holds.
 const NAMED: usize = 10;
@@ -28,14 +29,14 @@ impl Conflicts {
             return Ok(());
         }
         let what =
-            format!("cannot be merged with {}: {}", first.display(), listed(self.count, "conflicts", &self.names));
+            format!("cannot be merged with {}: {}", first.display(), listed(self.count, "conflict", &self.names));
         let hint = "see `heliotile diff`; build one of the two anew, or leave receivers out with `heliotile extract`";
         Err(Error::input(second, None, what, hint))
     }
 }
 
 /// `12 receivers: a, b, ...`, where names may be fewer than the count.
-pub fn listed(count: u64, what: &str, names: &[String]) -> String {
+pub fn listed(count: u64, thing: &str, names: &[String]) -> String {
     let more = if count > names.len() as u64 { ", ..." } else { "" };
-    format!("{count} {what}: {}{more}", names.join(", "))
+    format!("{}: {}{more}", counted(count, thing), names.join(", "))
 }

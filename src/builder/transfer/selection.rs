@@ -28,6 +28,21 @@ pub struct Bounds {
     pub high: DVec3,
 }
 
+impl Bounds {
+    /// Of xmin, ymin, xmax, ymax, for all heights or with zmin, zmax behind them.
+    pub fn of(numbers: &[f64]) -> std::result::Result<Self, String> {
+        let (low, high) = match *numbers {
+            [x0, y0, x1, y1] => (DVec3::new(x0, y0, f64::NEG_INFINITY), DVec3::new(x1, y1, f64::INFINITY)),
+            [x0, y0, x1, y1, z0, z1] => (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)),
+            _ => return Err(format!("{} numbers, not 4 or 6: give xmin,ymin,xmax,ymax[,zmin,zmax]", numbers.len())),
+        };
+        if !low.cmple(high).all() {
+            return Err("a lowest value is above its highest: give xmin,ymin,xmax,ymax[,zmin,zmax]".into());
+        }
+        Ok(Bounds { low, high })
+    }
+}
+
 /// Which receivers of an archive are meant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Selection {
@@ -62,8 +77,8 @@ impl Selection {
                 let tiles = |site: &OpenSite| tiles_within(site, [*low, *high]);
                 marked(sites, tiles, |receiver| inside(receiver.position))?
             }
-            Selection::Surfaces(names) => named(names, "surfaces", &[NameOf::Surface], sites)?,
-            Selection::Objects(names) => named(names, "objects", &[NameOf::Object, NameOf::Building], sites)?,
+            Selection::Surfaces(names) => named(names, "surface", &[NameOf::Surface], sites)?,
+            Selection::Objects(names) => named(names, "object", &[NameOf::Object, NameOf::Building], sites)?,
         };
         if kept.contains(&true) {
             return Ok(kept);
@@ -131,7 +146,7 @@ fn first<'a>(sites: &[OpenSite<'a>]) -> &'a Path {
 }
 
 /// The receivers that one of some names is a name of; a name of nobody is an error.
-fn named(names: &[String], what: &'static str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
+fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
     let tiles = |site: &OpenSite| {
         let Some(mut gazetteer) = Gazetteer::of(site)? else { return Ok(None) };
         let asked = || of.iter().flat_map(|&of| names.iter().map(move |name| (of, name.as_str())));
@@ -154,9 +169,9 @@ fn named(names: &[String], what: &'static str, of: &[NameOf], sites: &[OpenSite]
         return Ok(kept);
     }
     let names: Vec<String> = missing.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
-    let found = format!("holds no receivers of {}", listed(missing.len() as u64, what, &names));
+    let found = format!("holds no receivers of {}", listed(missing.len() as u64, thing, &names));
     let hint =
-        format!("name {what} as `receivers.csv` does; `--surface` takes surfaces, `--object` objects and buildings");
+        format!("name {thing}s as `receivers.csv` does; `--surface` takes surfaces, `--object` objects and buildings");
     Err(Error::input(first(sites), None, found, hint))
 }
 
@@ -183,7 +198,7 @@ struct MissingIds {
 impl MissingIds {
     fn listed(&self, name: impl Fn(&str, u64) -> String) -> String {
         let names: Vec<String> = self.some.iter().map(|(id, line)| name(id, *line)).collect();
-        listed(self.count, "receivers", &names)
+        listed(self.count, "receiver", &names)
     }
 }
 

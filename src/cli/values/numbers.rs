@@ -2,8 +2,6 @@
 
 use std::str::FromStr;
 
-use glam::DVec3;
-
 use heliotile_builder::transfer::Bounds;
 
 /// A number of bytes: `2GiB`, `512MiB`, `800MB`.
@@ -48,16 +46,7 @@ pub fn parse_bounds(text: &str) -> Result<Bounds, String> {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(format!("`{part}` is not a number")),
     };
-    let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    let (low, high) = match numbers[..] {
-        [x0, y0, x1, y1] => (DVec3::new(x0, y0, f64::NEG_INFINITY), DVec3::new(x1, y1, f64::INFINITY)),
-        [x0, y0, x1, y1, z0, z1] => (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)),
-        _ => return Err(format!("{} numbers, not 4 or 6: give xmin,ymin,xmax,ymax[,zmin,zmax]", numbers.len())),
-    };
-    if low.cmpgt(high).any() {
-        return Err("a lowest value is above its highest: give xmin,ymin,xmax,ymax[,zmin,zmax]".into());
-    }
-    Ok(Bounds { low, high })
+    Bounds::of(&text.split(',').map(number).collect::<Result<Vec<f64>, _>>()?)
 }
 
 /// A number of reflections.

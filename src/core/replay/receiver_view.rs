@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::archive::format::{RECEIVERS, RESPONSE, SKY, block_name};
-use crate::archive::tables::ReceiversTable;
+use crate::archive::tables::{NameOf, ReceiversTable};
 use crate::error::{Error, Result};
 use crate::hemisphere::texel_of;
 use crate::layers::canopy;
@@ -16,7 +16,7 @@ use crate::light::canopies::stored;
 use crate::light::mirrors::MirrorTable;
 use crate::light::response::Viewer;
 use crate::light::tile_view::TileView;
-use crate::opened::OpenSite;
+use crate::opened::{Gazetteer, OpenSite};
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::specular::MirrorView;
 use crate::replay::tile_layers::{Reads, TileLayers};
@@ -179,6 +179,17 @@ impl ReceiverView {
 
 /// Tile and row of a receiver, and the table that it stands in.
 fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
+    let told = match Gazetteer::of(site)? {
+        Some(mut gazetteer) => gazetteer.tiles(NameOf::Receiver, id)?,
+        None => Vec::new(),
+    };
+    for tile in told {
+        let table = site.tile_receivers(tile)?;
+        if let Some(row) = table.ids.iter().position(|held| held == id) {
+            return Ok((tile, row, table));
+        }
+    }
+    // Nobody tells, or nobody is called so: all are read, and those with such names suggested.
     let mut near: Vec<(usize, String)> = Vec::new();
     site.expect(&[RECEIVERS], 0..site.tiles());
     for tile in 0..site.tiles() {

@@ -69,17 +69,17 @@ class ArchiveHandle:
     def materials(self) -> list[tuple[str, float, float, float | None, str | None, str]]: ...
     def receivers(self) -> dict[str, Any]: ...
     def replay(
-        self, light: dict[str, Any], args: dict[str, Any], receivers: list[str] | str | None, progress: Progress | None
+        self, light: dict[str, Any], args: dict[str, Any], receivers: Any, progress: Progress | None
     ) -> Recombined: ...
     def query(
-        self, light: dict[str, Any], conditions: dict[str, Any], receivers: list[str] | str | None, progress: Progress | None
+        self, light: dict[str, Any], conditions: dict[str, Any], receivers: Any, progress: Progress | None
     ) -> Recombined: ...
     def lazy(self, light: dict[str, Any], args: dict[str, Any], cache: int) -> LazyReplay: ...
     def factors(
         self,
         steps: tuple[float, float],
         by: str,
-        receivers: list[str] | str | None,
+        receivers: Any,
         memory: int,
         progress: Progress | None,
     ) -> tuple[list[str], list[float], list[float], list[tuple[str, Block]]]: ...

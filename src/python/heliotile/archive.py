@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -26,6 +26,9 @@ Progress = Callable[[str, int, "int | None"], object]
 
 #: A number, a path of a CSV file, or a value for each row of the weather, or for each month.
 Follow = Any
+
+#: Ids, a path of a CSV file, or one of `{"objects": names}`, `{"surfaces": names}`, `{"bbox": (xmin, ymin, xmax, ymax)}`.
+Wanted: TypeAlias = "Sequence[str] | str | os.PathLike[str] | Mapping[str, str | Sequence[str] | Sequence[float]]"
 
 #: What a session works in unless more is said, bytes.
 MEMORY = 4 << 30
@@ -124,7 +127,7 @@ class Archive:
         *,
         every: str = "hour",
         columns: Sequence[str] | None = None,
-        receivers: Sequence[str] | str | os.PathLike[str] | None = None,
+        receivers: Wanted | None = None,
         reflectance: Mapping[str, Follow] | None = None,
         transmittance: Mapping[str, Follow] | None = None,
         snow: str | None = None,
@@ -153,7 +156,9 @@ class Archive:
         columns
             Names of components; default: the six and their `total`.
         receivers
-            Ids, or the path of a CSV file with a column `receiver`; default: all. Tiles without any of them are not computed.
+            Ids, or the path of a CSV file with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
+            `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. Tiles without any of them are
+            neither read nor computed.
         reflectance, transmittance
             By group, material or class: a number from 0 to 1, the path of a CSV file, or an array with a value for each row of the
             weather, or twelve for the months.
@@ -183,7 +188,7 @@ class Archive:
         conditions: Any,
         *,
         columns: Sequence[str] | None = None,
-        receivers: Sequence[str] | str | os.PathLike[str] | None = None,
+        receivers: Wanted | None = None,
         reflectance: Mapping[str, Follow] | None = None,
         transmittance: Mapping[str, Follow] | None = None,
         sky: str = "perez",
@@ -215,7 +220,7 @@ class Archive:
         azimuth_step: float = 10.0,
         altitude_step: float = 5.0,
         by: str = "receiver",
-        receivers: Sequence[str] | str | os.PathLike[str] | None = None,
+        receivers: Wanted | None = None,
         memory: int = MEMORY,
         progress: Progress | None = None,
     ) -> Factors:
@@ -268,11 +273,13 @@ def _reopen(cls: type[Archive], path: str, access: str, grid_north: bool, root: 
     return archive
 
 
-def _wanted(receivers: Any) -> list[str] | str | None:
+def _wanted(receivers: Wanted | None) -> list[str] | str | dict[str, list[Any]] | None:
     if receivers is None or isinstance(receivers, str):
         return receivers
     if isinstance(receivers, os.PathLike):
         return os.fspath(receivers)
+    if isinstance(receivers, Mapping):
+        return {by: [of] if isinstance(of, str) else list(of) for by, of in receivers.items()}
     return [str(receiver) for receiver in receivers]
 
 

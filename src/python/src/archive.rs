@@ -1,5 +1,6 @@
 //! An archive that is open. In: a path. Out: its receivers, what they get under weather or conditions, factors over the sun's position.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,7 +15,7 @@ use crate::results::{Frame, Gathered, Recombined};
 use crate::work;
 use heliotile::files::open_archive;
 use heliotile::recombine::{Chosen, FactorRows, Streamed};
-use heliotile::{Access, Archive, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
+use heliotile::{Access, Archive, Bounds, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
 use heliotile_builder::spill::TempFiles;
 use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_core::archive::format;
@@ -38,24 +39,48 @@ type FactorColumns = (Vec<String>, Vec<f64>, Vec<f64>, Vec<(&'static str, Block)
 /// A receiver, and the shares of its hemisphere: sky, ground, obstruction.
 type ViewedReceiver = (Receiver, [f32; 3]);
 
-/// Receivers that are asked for: all, those of a list, those of a file.
+/// Receivers that are asked for: those of a list, of a file, of `objects`, `surfaces` or a `bbox`.
 #[derive(FromPyObject)]
 pub enum Wanted {
     Ids(Vec<String>),
     File(PathBuf),
+    Of(BTreeMap<String, Of>),
+}
+
+/// Names, or the numbers of a box.
+#[derive(FromPyObject)]
+pub enum Of {
+    Names(Vec<String>),
+    Numbers(Vec<f64>),
 }
 
 impl Wanted {
     /// One byte for each receiver of the archive.
     fn kept(&self, site: &OpenSite, memory: MemoryBudget) -> Result<Vec<bool>> {
-        let selection = match self {
+        let selection = self.selection()?;
+        selection.resolve(std::slice::from_ref(site), &std::env::temp_dir(), memory.length(Use::ReceiverList))
+    }
+
+    fn selection(&self) -> Result<Selection> {
+        const HINT: &str =
+            "say which by one of {\"objects\": names}, {\"surfaces\": names} and {\"bbox\": (xmin, ymin, xmax, ymax)}";
+        let of = match self {
             Wanted::Ids(ids) if ids.is_empty() => {
                 return Err(Error::argument("receivers", "the list is empty", "leave it out for all of them"));
             }
-            Wanted::Ids(ids) => Selection::Ids(ids.clone()),
-            Wanted::File(file) => Selection::Receivers(file.clone()),
+            Wanted::Ids(ids) => return Ok(Selection::Ids(ids.clone())),
+            Wanted::File(file) => return Ok(Selection::Receivers(file.clone())),
+            Wanted::Of(of) => of,
         };
-        selection.resolve(std::slice::from_ref(site), &std::env::temp_dir(), memory.length(Use::ReceiverList))
+        let mut all = of.iter();
+        match (all.next(), all.next()) {
+            (Some((by, Of::Names(names))), None) if by == "objects" => Ok(Selection::Objects(names.clone())),
+            (Some((by, Of::Names(names))), None) if by == "surfaces" => Ok(Selection::Surfaces(names.clone())),
+            (Some((by, Of::Numbers(numbers))), None) if by == "bbox" => {
+                Bounds::of(numbers).map(Selection::Bounds).map_err(|found| Error::argument("receivers", found, HINT))
+            }
+            _ => Err(Error::argument("receivers", "are chosen by something else", HINT)),
+        }
     }
 }
 

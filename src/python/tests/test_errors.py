@@ -123,7 +123,7 @@ def test_weather(site: heliotile.Archive) -> None:
         ({"transmittance": {"wall": 0.5}}, "is no canopy"),
         ({"snow": "deep"}, "snow: `deep` is none of its values"),
         ({"temperature": {"ground": 10.0}}, "no column depends on it"),
-        ({"receivers": ["nobody"]}, "does not hold 1 receiver of those asked for: nobody"),
+        ({"receivers": ["nobody"]}, "does not hold 1 receiver: nobody"),
         ({"receivers": []}, "the list is empty"),
         ({"receivers": "no.csv"}, "No such file"),
     ],
@@ -188,3 +188,18 @@ def test_datasets(site: heliotile.Archive) -> None:
         hours.to_pvlib(0)
     with pytest.raises(KeyError, match="no receiver `nobody`"):
         hours.to_pvlib("nobody")
+
+
+def test_receivers_that_are_not_there(site: heliotile.Archive) -> None:
+    """6 ways to name receivers that are none: each an error with what to do."""
+    for receivers, text in [
+        (["nobody"], "does not hold 1 receiver: nobody"),
+        ([], "the list is empty"),
+        ({"objects": ["nobody"]}, "holds no receivers of 1 object: nobody"),
+        ({"bbox": (0.0, 0.0, 1.0)}, "3 numbers, not 4 or 6"),
+        ({"bbox": (0.0, 0.0, 1.0, 1.0)}, "holds none of the receivers"),
+        ({"zone": ["a"]}, "are chosen by something else"),
+    ]:
+        with pytest.raises(heliotile.Error, match=text) as found:
+            site.query(SUN, receivers=receivers)
+        assert "to fix" in str(found.value)

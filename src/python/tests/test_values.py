@@ -50,6 +50,23 @@ def test_choices_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
     same(site.replay(DAYS, reflectance={"wall": 0.6, "ground": str(tmp_path / "months.csv")}, receivers=tmp_path / "ids.csv", **choices), values)
 
 
+def test_receivers_by_object_surface_and_box(block: heliotile.Archive, tmp_path: Path) -> None:
+    """A building, two surfaces and a box, of 1,228 receivers: equal to the bit to the program's, and to a list of their ids."""
+    table = pd.DataFrame(block.receivers())
+    first = table.iloc[0]
+    surfaces = table["surface"].unique()[:2].tolist()
+    box = (first.x - 3.0, first.y - 3.0, first.x + 3.0, first.y + 3.0)
+    cases = [
+        ({"objects": first.building}, ["--object", first.building], table.building == first.building),
+        ({"surfaces": surfaces}, ["--surface", *surfaces], table.surface.isin(surfaces)),
+        ({"bbox": box}, ["--bbox=" + ",".join(map(str, box))], table.x.between(*box[::2]) & table.y.between(*box[1::2])),
+    ]
+    for receivers, words, expected in cases:
+        results = block.replay(DAYS, every="day", receivers=receivers)
+        assert results.receivers == table.receiver[expected].tolist() and 0 < len(results.receivers) < 400
+        same(results, of_program(tmp_path, "replay", block, "--weather", DAYS, "--every", "day", *words))
+
+
 def test_query_is_the_programs(site: heliotile.Archive, conditions: Path, tmp_path: Path) -> None:
     """A table of 2 conditions as a file, a DataFrame and a mapping: equal to the bit."""
     values = of_program(tmp_path, "query", site, "--conditions", conditions)
