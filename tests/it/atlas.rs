@@ -47,8 +47,8 @@ fn block(cut: &str) -> Folder {
     folder
 }
 
-/// Four parts that see the whole block give, built in any order, all rows of the one archive to the digit: 425 receivers, and means of 19
-/// buildings that parts share; no receiver stands in two parts.
+/// Four parts that see the whole block give, built in any order, all rows of the one archive to the digit: 425 receivers, those of one building, and means
+/// of 19 buildings that parts share; no receiver stands in two parts.
 #[test]
 fn parts_are_the_whole() {
     let folder = block("--part-size 45m --sample 8");
@@ -58,6 +58,15 @@ fn parts_are_the_whole() {
     let (whole, parts) = (sums(&folder, "whole.helio", ""), sums(&folder, "atlas", ""));
     assert_eq!(parts.len(), 425 + 1);
     assert_eq!(whole, parts);
+    // A building that parts share, by its name.
+    let table = fs::read_to_string(folder.path("r.csv")).expect("receivers");
+    let building = table.lines().nth(1).and_then(|row| row.split(',').nth(10)).expect("a building").to_owned();
+    let some = format!("--object {building}");
+    let (whole, parts) = (sums(&folder, "whole.helio", &some), sums(&folder, "atlas", &some));
+    assert!(parts.len() > 2 && parts.len() < 100 && whole == parts, "{}", parts.len());
+    let weather = golden().display().to_string();
+    let nobody = format!("replay atlas --weather {weather} --object nobody");
+    folder.refused(&nobody, &["and 3 other archives hold no receivers of 1 object: nobody", "--object"]);
     let by_building = |place| {
         let rows = sums(&folder, place, "--by building --columns total");
         let number = |row: &String| row.split(',').nth(2).and_then(|n| n.parse::<f64>().ok());
@@ -152,7 +161,7 @@ fn builders_take_turns() {
     assert!(verified.contains(" 0 bad"), "{verified}");
 }
 
-/// Twelve wrong inputs are refused with what to do.
+/// Fourteen wrong inputs are refused with what to do.
 #[test]
 fn refusals() {
     let folder = block("--part-size 45m --sample 0");
@@ -166,6 +175,8 @@ fn refusals() {
         (format!("{partition} -o new --skyline 95"), ["--skyline", "0.1 to 90"]),
         (format!("{partition} -o new --set nothing=1"), ["nothing", "to fix"]),
         ("partition nowhere.city.json -o new".into(), ["nowhere.city.json", "No such file"]),
+        ("build atlas".into(), ["is an atlas: which parts", "--part all"]),
+        (format!("build {model}"), ["receivers and the archive to write", "-r"]),
         ("build atlas --part 9".into(), ["no part `9`", "0 to 3"]),
         ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
         (format!("build {model} --part 0"), ["no folder of an atlas", "partition"]),

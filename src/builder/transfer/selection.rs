@@ -14,6 +14,7 @@ use heliotile_core::archive::tables::NameOf;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::{Gazetteer, OpenSite, tiles_within};
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::counted;
 use heliotile_scene::covering::receiver_ids::ReceiverIds;
 
 /// Names that a message holds.
@@ -67,7 +68,7 @@ impl Selection {
             Selection::Ids(ids) => {
                 let (kept, missing) = by_id(ids.iter().map(|id| Ok((id.clone(), 0))), sites, folder, budget_bytes)?;
                 if missing.count > 0 {
-                    let what = format!("does not hold {}", missing.listed(|id, _| id.to_owned()));
+                    let what = format!("{} {}", none(sites, NOT_HELD), missing.listed(|id, _| id.to_owned()));
                     return Err(Error::input(first(sites), None, what, "name receivers as `receivers.csv` does"));
                 }
                 kept
@@ -145,6 +146,17 @@ fn first<'a>(sites: &[OpenSite<'a>]) -> &'a Path {
     sites.first().map_or(Path::new(""), OpenSite::path)
 }
 
+/// What one archive does not, or several do not.
+const NOT_HELD: [&str; 2] = ["does not hold", "do not hold"];
+
+/// How a message goes on, behind the name of the first of some archives.
+fn none(sites: &[OpenSite], [one, several]: [&str; 2]) -> String {
+    match sites.len() {
+        0 | 1 => one.to_owned(),
+        count => format!("and {} {several}", counted(count as u64 - 1, "other archive")),
+    }
+}
+
 /// The receivers that one of some names is a name of; a name of nobody is an error.
 fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
     let tiles = |site: &OpenSite| {
@@ -169,7 +181,11 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
         return Ok(kept);
     }
     let names: Vec<String> = missing.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
-    let found = format!("holds no receivers of {}", listed(missing.len() as u64, thing, &names));
+    let found = format!(
+        "{} receivers of {}",
+        none(sites, ["holds no", "hold no"]),
+        listed(missing.len() as u64, thing, &names)
+    );
     let hint =
         format!("name {thing}s as `receivers.csv` does; `--surface` takes surfaces, `--object` objects and buildings");
     Err(Error::input(first(sites), None, found, hint))
@@ -183,7 +199,7 @@ fn listed_in(file: &Path, sites: &[OpenSite], folder: &Path, budget_bytes: usize
         return Ok(kept);
     }
     let names = missing.listed(|id, line| format!("{id} (line {line})"));
-    let what = format!("{} does not hold {names}", first(sites).display());
+    let what = format!("{} {} {names}", first(sites).display(), none(sites, NOT_HELD));
     Err(Error::input(file, None, what, "remove these rows, or name the archive that holds them"))
 }
 

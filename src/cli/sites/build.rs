@@ -37,10 +37,10 @@ pub struct BuildArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
-    #[arg(long, short, required_unless_present = "part")]
+    #[arg(long, short)]
     pub receivers: Option<PathBuf>,
     /// Archive to write
-    #[arg(long, short, value_name = "SITE.helio", required_unless_present = "part")]
+    #[arg(long, short, value_name = "SITE.helio")]
     pub output: Option<PathBuf>,
     /// Build one part of the atlas that SCENE is the folder of, by its name or number, or `all` of them; what it is built from and with
     /// stands in the atlas

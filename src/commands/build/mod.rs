@@ -27,7 +27,22 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     match (&args.part, &args.receivers, &args.output) {
         (Some(part), ..) => atlas::part::build(args, part),
         (None, Some(receivers), Some(output)) => build(args, receivers, output),
-        _ => Err(Error::argument("--output", "an archive and its receivers have to be named", "-r FILE -o SITE.helio")),
+        _ => Err(unnamed(args)),
+    }
+}
+
+/// What a build lacks that names no receivers or no archive.
+fn unnamed(args: &BuildArgs) -> Error {
+    match args.scene.scene.as_slice() {
+        [only] if only.join(atlas::plan::FILE).is_file() => {
+            let hint = "--part all, or the name or number of one; what they are built from stands in the atlas";
+            Error::argument("--part", format!("{} is an atlas: which parts of it?", only.display()), hint)
+        }
+        _ => Error::argument(
+            "build",
+            "receivers and the archive to write have to be named",
+            "-r RECEIVERS.csv -o SITE.helio",
+        ),
     }
 }
 
