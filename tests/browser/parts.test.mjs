@@ -8,7 +8,7 @@ import { closeServers, serve } from "./server.mjs";
 
 const ATLAS = `${out}atlas`;
 const BUILT = ["x1749_y10176", "x1750_y10176", "x1750_y10177"];
-let program = null;
+const programs = [];
 
 before(() => {
   rmSync(ATLAS, { recursive: true, force: true });
@@ -18,14 +18,16 @@ before(() => {
   heliotile("--quiet", "catalogue", ATLAS);
 });
 after(async () => {
-  program?.kill();
+  // One that goes on would keep this file from ending.
+  for (const program of programs) program.kill("SIGKILL");
   await close();
   closeServers();
 });
 
 /** Address that `view` prints. */
 async function viewed(...args) {
-  program = spawn(process.env.HELIOTILE, ["view", ...args, "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const program = spawn(process.env.HELIOTILE, ["view", ...args, "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  programs.push(program);
   for await (const chunk of program.stdout) {
     const address = /http:\/\/[^/]+/.exec(String(chunk))?.[0];
     if (address) return address;
