@@ -148,7 +148,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
         }
     }
     if let Some(part) = &site.within {
-        pile.cut(part);
+        pile.cut(part, &palette);
     }
     let has_terrain = !rasters.is_empty();
     pile.add_rasters(rasters, &mut palette)?;
@@ -161,8 +161,9 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
 
 impl Pile {
     /// Puts aside what receivers in a part of the region do not see.
-    fn cut(&mut self, part: &RegionPart) {
-        let seen = part.seen(&self.positions, &self.triangles, &self.objects);
+    fn cut(&mut self, part: &RegionPart, palette: &Palette) {
+        let is_ground = |material| palette.class(material).0 == Class::Ground;
+        let seen = part.seen(&self.positions, &self.triangles, &self.objects, is_ground);
         let kept_before = |end: usize| seen.iter().take(end).filter(|seen| **seen).count();
         for model in &mut self.models {
             model.triangles = kept_before(model.triangles.start)..kept_before(model.triangles.end);

@@ -1,7 +1,8 @@
 //! A rectangle of a region that is built by itself. In: triangles with their objects. Out: which of them receivers in the rectangle may
 //! see, and which receivers are its own.
 //!
-//! Objects stay whole, so that none has an open side; what is wider than the part, as terrain is, is taken face by face.
+//! Objects stay whole, so that none has an open side; what is wider than the part is taken face by face. Ground is all taken: where it
+//! ended, what looks over the nearest roofs would see nothing below the horizon.
 
 use glam::{DVec2, DVec3};
 
@@ -48,18 +49,26 @@ impl RegionPart {
         (high - low).truncate().cmpgt(self.high - self.low).any()
     }
 
-    /// `[triangle]`: whether it belongs to its scene; `objects` are theirs, `[triangle]`.
-    pub(crate) fn seen(&self, positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32]) -> Vec<bool> {
+    /// `[triangle]`: whether it belongs to its scene; `objects` are theirs, `[triangle]`, and `is_ground` tells of a material.
+    pub(crate) fn seen(
+        &self,
+        positions: &[DVec3],
+        triangles: &[RawTriangle],
+        objects: &[u32],
+        is_ground: impl Fn(u32) -> bool,
+    ) -> Vec<bool> {
         let box_of = |triangle: &RawTriangle| {
             let corners = triangle.corners.iter().filter_map(|&corner| positions.get(corner as usize));
             corners.fold(NOTHING, |(low, high), p| (low.min(*p), high.max(*p)))
         };
-        let mut extents = vec![NOTHING; objects.iter().max().map_or(0, |&last| last as usize + 1)];
+        // The box of each object, and whether it is ground and nothing else: floors of buildings are no ground without their walls.
+        let mut extents = vec![(NOTHING, true); objects.iter().max().map_or(0, |&last| last as usize + 1)];
         let (mut inside_m, mut lowest_m) = (f64::INFINITY, f64::INFINITY);
         for (triangle, &object) in triangles.iter().zip(objects) {
             let (low, high) = box_of(triangle);
-            if let Some(extent) = extents.get_mut(object as usize) {
+            if let Some((extent, is_all_ground)) = extents.get_mut(object as usize) {
                 *extent = (extent.0.min(low), extent.1.max(high));
+                *is_all_ground &= is_ground(triangle.material);
             }
             lowest_m = lowest_m.min(low.z);
             if self.touches(low, high) {
@@ -69,7 +78,8 @@ impl RegionPart {
         let base_m = if inside_m.is_finite() { inside_m } else { lowest_m };
         let seen = |(triangle, &object): (&RawTriangle, &u32)| {
             let (low, high) = match extents.get(object as usize) {
-                Some(&(low, high)) if !self.is_wider(low, high) => (low, high),
+                Some((_, true)) => return true,
+                Some(&((low, high), false)) if !self.is_wider(low, high) => (low, high),
                 _ => box_of(triangle),
             };
             self.counts(low, high, base_m)
@@ -107,13 +117,29 @@ mod tests {
         assert_eq!([counts(250.0, 20.0), counts(-161.0, 3.0)], [false; 2]);
     }
 
-    /// Of a house of two triangles, one of them in the halo, both are seen; of terrain 500 m wide, only the triangle that touches it.
+    /// Of a house of two triangles, one of them in the halo, both are seen; of a viaduct 500 m wide, only the triangle that touches it; of
+    /// terrain as wide both, and of a house 480 m away neither its wall nor its floor, which is of the ground's material.
     #[test]
-    fn wholes_and_wide_ones() {
-        let triangle = |first: u32| RawTriangle { corners: [first, first + 1, first + 2], material: 0 };
+    fn wholes_wide_ones_and_ground() {
+        const GROUND: u32 = 7;
         let at = |x: f64| [DVec3::new(x, 0.0, 0.0), DVec3::new(x + 20.0, 0.0, 0.0), DVec3::new(x, 20.0, 1.0)];
-        let positions = [at(140.0), at(155.0), at(0.0), at(480.0)].concat();
-        let seen = PART.seen(&positions, &[0, 3, 6, 9].map(triangle), &[0, 0, 1, 1]);
-        assert_eq!(seen, [true, true, true, false]);
+        let of = [
+            (140.0, 0, 0, true),
+            (155.0, 0, 0, true),
+            (0.0, 1, 0, true),
+            (480.0, 1, 0, false),
+            (0.0, 2, GROUND, true),
+            (480.0, 2, GROUND, true),
+            (480.0, 3, 0, false),
+            (480.0, 3, GROUND, false),
+        ];
+        let positions: Vec<DVec3> = of.iter().flat_map(|(x, ..)| at(*x)).collect();
+        let triangle = |(first, (_, _, material, _)): (u32, &(f64, u32, u32, bool))| RawTriangle {
+            corners: [0, 1, 2].map(|corner| 3 * first + corner),
+            material: *material,
+        };
+        let triangles: Vec<RawTriangle> = (0..).zip(&of).map(triangle).collect();
+        let seen = PART.seen(&positions, &triangles, &of.map(|(_, object, ..)| object), |material| material == GROUND);
+        assert_eq!(seen, of.map(|(.., seen)| seen));
     }
 }

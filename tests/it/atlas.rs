@@ -81,18 +81,48 @@ fn parts_are_the_whole() {
     assert_eq!(stated["seams"]["rmse_percent"], 0.0);
 }
 
-/// A halo of 10 m is stated to cost more than 1 % and costs more than 0.3 % of the sum; one of 30 m is stated to cost less than 0.1 %, and
-/// costs less than 0.1 %.
+/// Ground beyond the halo lights what looks over the roofs: a tower of 60 m on a plain of 800 m has in parts of 40 m with a halo of 10 m the
+/// sums of one archive, to the digit, at 48 receivers; of these, one that faces west far up gets more than 5 % of its light from ground.
+#[test]
+fn ground_goes_on_beyond_the_halo() {
+    let folder = Folder::new();
+    let plain = "o plain\nv -400 -400 0\nv 400 -400 0\nv 400 400 0\nv -400 400 0\nusemtl grass\nf 1 2 3 4\n";
+    let ring = "v 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 0 0 60\nv 20 0 60\nv 20 20 60\nv 0 20 60\n";
+    let walls = "usemtl roof\nf 9 10 11 12\nusemtl wall\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n";
+    folder.write("tower.obj", &format!("{plain}o tower\n{ring}{walls}"));
+    done(&folder, "receivers tower.obj --on wall --spacing 10m -o r.csv");
+    done(&folder, "build tower.obj -r r.csv --quality draft -o whole.helio");
+    let cut = "--part-size 40m --halo 10m --sample 16 --on wall --spacing 10m --quality draft";
+    let said = stdout(&done(&folder, &format!("partition tower.obj {cut} -o atlas")));
+    assert!(said.contains("16 receivers in 1 part by 0 % RMSE of the mean total (95 %: at most 0 %)"), "{said}");
+    done(&folder, "build atlas --part all");
+    let (whole, parts) = (sums(&folder, "whole.helio", ""), sums(&folder, "atlas", ""));
+    assert_eq!((whole.len(), &whole), (49, &parts));
+    let columns: Vec<&str> = whole.first().expect("a header").split(',').collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name).expect("a column");
+    let number = |row: &str, name: &str| row.split(',').nth(at(name)).and_then(|n| n.parse::<f64>().ok());
+    let share = |row: &String| {
+        let reflected = number(row, "sun_diffuse_kwh_m2")? + number(row, "sky_diffuse_kwh_m2")?;
+        Some(reflected / number(row, "total_kwh_m2")?)
+    };
+    let most = whole.iter().filter_map(share).fold(0.0, f64::max);
+    assert!(most > 0.05, "{most}");
+}
+
+/// A halo of 10 m is stated to cost more than 1 % and costs more than 0.3 % of the sum; one of 30 m is stated to cost less than 1 % of
+/// hours (a low sun behind one house, at one receiver), and costs less than 0.1 % of the sum. The upper bound of both is above what is
+/// found, and below three times what is stated.
 #[test]
 fn halos_state_their_error() {
     for (halo, stated_least, stated_most, found_least, found_most) in
-        [("10m", 1.0, 20.0, 0.3, 5.0), ("30m", 0.0, 0.1, 0.0, 0.1)]
+        [("10m", 1.0, 20.0, 0.3, 5.0), ("30m", 0.0, 1.0, 0.0, 0.1)]
     {
         let folder = block(&format!("--part-size 30m --halo {halo} --skyline 80"));
         done(&folder, "build atlas --part all");
         let plan: Value =
             serde_json::from_slice(&fs::read(folder.path("atlas/atlas.json")).expect("a plan")).expect("JSON");
-        let stated = plan["seams"]["rmse_percent"].as_f64().expect("a number");
+        let of = |name: &str| plan["seams"][name].as_f64().expect("a number");
+        let (stated, at_most) = (of("rmse_percent"), of("at_most_percent"));
         let (whole, parts) = (sums(&folder, "whole.helio", ""), sums(&folder, "atlas", ""));
         let (whole, parts) = (totals(&whole), totals(&parts));
         assert_eq!((whole.len(), parts.len()), (425, 425));
@@ -100,6 +130,7 @@ fn halos_state_their_error() {
         let found = 100.0 * (squares / 425.0).sqrt() / (whole.values().sum::<f64>() / 425.0);
         assert!((stated_least..=stated_most).contains(&stated), "{halo}: stated {stated}");
         assert!((found_least..=found_most).contains(&found), "{halo}: found {found}");
+        assert!(found.max(stated) <= at_most && at_most <= 3.0 * stated, "{halo}: {found}, {stated}, {at_most}");
     }
 }
 
@@ -196,7 +227,8 @@ fn refusals() {
     folder.refused(&format!("replay atlas --weather {weather}"), &["other settings", "--fresh"]);
     let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
     for (from, to, quoted) in [
-        ("\"heliotile_atlas\": 1", "\"heliotile_atlas\": 7", "found 7"),
+        ("\"heliotile_atlas\": 2", "\"heliotile_atlas\": 7", "found 7"),
+        ("\"heliotile_atlas\": 2", "\"heliotile_atlas\": 1", "see no ground beyond the halo"),
         ("\"part_size_m\": 45.0", "\"part_size_m\": -1", "a part of -1 m"),
         ("\"quality\": \"draft\"", "\"quality\": \"best\"", "`best` is no rung"),
         ("\"name\": \"x1749_y10176\"", "\"name\": \"../x\"", "`../x` is no name"),

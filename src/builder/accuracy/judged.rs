@@ -26,8 +26,14 @@ const PATHS: f64 = 4096.0;
 const LEAST_PATHS: f64 = 2048.0;
 const MOST_PATHS: f64 = 32768.0;
 
-/// The total.
-const TOTAL: usize = PARTS - 1;
+/// The total, after the six components.
+pub const TOTAL: usize = PARTS - 1;
+
+/// A row of results with its total, W/m2.
+pub fn with_total(row: &[f32; 8]) -> [f64; PARTS] {
+    let sum = row.iter().take(TOTAL).map(|v| f64::from(*v)).sum();
+    std::array::from_fn(|part| if part < TOTAL { f64::from(row[part]) } else { sum })
+}
 
 /// Receivers of a sample as the judge sees them.
 pub struct JudgedSample {
@@ -77,12 +83,8 @@ impl JudgedSample {
 
     /// How far a light of the same receivers and conditions is off; `tile` of a receiver.
     pub fn accuracy(&self, light: &Irradiances, tile: impl Fn(usize) -> u32) -> Accuracy {
-        let row = |receiver: usize, condition: usize| light.rows[receiver * self.conditions + condition];
-        let parts = |row: [f32; 8]| -> [f64; PARTS] {
-            let sum = row.iter().take(TOTAL).map(|v| f64::from(*v)).sum();
-            std::array::from_fn(|part| if part < TOTAL { f64::from(row[part]) } else { sum })
-        };
-        let with_result = |pair: &Pair| Pair { result: parts(row(pair.receiver, pair.condition)), ..*pair };
+        let row = |receiver: usize, condition: usize| &light.rows[receiver * self.conditions + condition];
+        let with_result = |pair: &Pair| Pair { result: with_total(row(pair.receiver, pair.condition)), ..*pair };
         let pairs: Vec<Pair> = self.pairs.iter().map(with_result).collect();
         let mean = mean_w_m2(&pairs);
         let in_percent = |difference: f64| rounded(percent(difference, mean));
@@ -91,7 +93,7 @@ impl JudgedSample {
         let components = found.iter().take(TOTAL).map(|found| in_percent(found.rmse_w_m2.value));
         // Of each receiver's mean over all conditions.
         let yearly = |(receiver, judged): (usize, &Judged)| {
-            let all = (0..self.conditions).map(|condition| parts(row(receiver, condition))[TOTAL]);
+            let all = (0..self.conditions).map(|condition| with_total(row(receiver, condition))[TOTAL]);
             let difference = all.sum::<f64>() / self.conditions.max(1) as f64 - judged.mean[TOTAL];
             difference * difference - judged.error[TOTAL].powi(2)
         };

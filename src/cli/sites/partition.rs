@@ -37,7 +37,7 @@ pub struct PartitionArgs {
     #[arg(long)]
     pub no_scene: bool,
     /// Receivers that are traced with three times the halo, too, to say what the halo costs; 0 leaves that out
-    #[arg(long, value_name = "N", default_value_t = 96)]
+    #[arg(long, value_name = "N", default_value_t = 256)]
     pub sample: usize,
     /// Write another plan over one of which nothing is built
     #[arg(long)]

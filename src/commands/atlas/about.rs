@@ -65,14 +65,7 @@ pub fn info(atlas: &Atlas) -> Result<()> {
         line("to build", format!("{}: {named}{more} (heliotile build ATLAS --part {first})", missing.len()));
     }
     if let Some(seams) = &plan.seams {
-        let parts = counted(seams.parts as u64, "part");
-        line(
-            "seams",
-            format!(
-                "beside three times the halo, {} receivers of {parts}: RMSE {} % of the mean total, bias {:+} %",
-                seams.receivers, seams.rmse_percent, seams.bias_percent
-            ),
-        );
+        line("seams", seams.words());
         let parts = seams.components_percent.iter().filter(|(_, percent)| **percent > 0.0);
         line("", parts.map(|(name, percent)| format!("{name} {percent} %")).collect::<Vec<_>>().join(", "));
     }

@@ -77,6 +77,7 @@ pub fn build(args: &BuildArgs, asked: &str) -> Result<Outcome> {
         return Err(Error::input(atlas, None, what, "make one with `heliotile partition`"));
     }
     let plan = AtlasPlan::read(atlas)?;
+    plan.check_layout(atlas)?;
     match asked {
         "all" => plan.parts.iter().try_for_each(|part| build_part(args, atlas, &plan, part))?,
         asked => build_part(args, atlas, &plan, plan.part(asked, atlas)?)?,

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::listed::parts;
 use super::part::PartState;
 use super::plan::{AtlasPlan, Cut, FILE, absolute, is_atlas};
-use super::seams::{self, Seams};
+use super::seams;
 use crate::cli::PartitionArgs;
 use crate::commands::build::settings_of;
 use crate::commands::console::shell_words::quoted;
@@ -83,11 +83,8 @@ fn summary(plan: &AtlasPlan, atlas: &Path) -> String {
         plan.halo_m,
         counted(plan.files.len() as u64, "file")
     );
-    if let Some(Seams { receivers, parts, rmse_percent, bias_percent, .. }) = &plan.seams {
-        text += &format!(
-            "  three times the halo changes the light of {receivers} receivers in {} by {rmse_percent} % RMSE of the mean total, {bias_percent:+} % on average\n",
-            counted(*parts as u64, "part")
-        );
+    if let Some(seams) = &plan.seams {
+        text += &format!("  {}\n", seams.words());
     }
     let last = plan.parts.len() - 1;
     text + &format!(

@@ -20,8 +20,9 @@ use heliotile_scene::survey::FileSurvey;
 /// Its name in the folder of an atlas.
 pub const FILE: &str = "atlas.json";
 
-/// Of the layout of this file.
-const VERSION: u32 = 1;
+/// Of the layout of this file. Parts of layout 1 lack ground beyond the halo: those that are built are read.
+const VERSION: u32 = 2;
+const OLDEST: u32 = 1;
 
 /// What to do about a plan that cannot be used.
 const AGAIN: &str = "make it again with `heliotile partition`";
@@ -70,7 +71,7 @@ pub struct PlannedPart {
     pub name: String,
     /// South-west corner, metres.
     pub low: [f64; 2],
-    /// Objects that touch it.
+    /// Objects that touch it, those wider than a part aside: terrain is everywhere.
     pub objects: usize,
 }
 
@@ -96,9 +97,10 @@ impl AtlasPlan {
         let mut touched: BTreeMap<[i64; 2], usize> = BTreeMap::new();
         for object in surveyed.iter().flat_map(|file| &file.objects).filter(|object| any || object.is_usual) {
             let [low, high] = object.bounds.map(|corner| (corner.truncate() / cut.part_size_m).floor().as_i64vec2());
+            let is_wider = (object.bounds[1] - object.bounds[0]).truncate().max_element() > cut.part_size_m;
             for x in low.x..=high.x {
                 for y in low.y..=high.y {
-                    *touched.entry([x, y]).or_default() += 1;
+                    *touched.entry([x, y]).or_default() += usize::from(!is_wider);
                     if touched.len() > MOST_PARTS {
                         let (what, max) = ("the number of parts".to_owned(), MOST_PARTS as u64);
                         return Err(Error::Limit { what, value: max + 1, max });
@@ -152,16 +154,26 @@ impl AtlasPlan {
         }
         let version: Version =
             serde_json::from_slice(bytes).map_err(|error| refuse(format!("is no plan of an atlas: {error}")))?;
-        if version.heliotile_atlas != VERSION {
+        if !(OLDEST..=VERSION).contains(&version.heliotile_atlas) {
             return Err(Error::Unsupported {
                 what: format!("layout of {}", path.display()),
                 found: version.heliotile_atlas.to_string(),
-                supported: VERSION.to_string(),
+                supported: format!("{OLDEST} to {VERSION}"),
             });
         }
         let plan: AtlasPlan = serde_json::from_slice(bytes).map_err(|error| refuse(error.to_string()))?;
         plan.check().map_err(refuse)?;
         Ok(plan)
+    }
+
+    /// Refuses to build parts that would not fit those of today.
+    pub fn check_layout(&self, atlas: &Path) -> Result<()> {
+        if self.heliotile_atlas == VERSION {
+            return Ok(());
+        }
+        let what = format!("is of layout {}, whose parts see no ground beyond the halo", self.heliotile_atlas);
+        let hint = "make another atlas with `heliotile partition`; parts of this one that are built can be read";
+        Err(Error::input(&atlas.join(FILE), None, what, hint))
     }
 
     /// What is wrong with its numbers.

@@ -193,7 +193,7 @@ fn what_cannot_be_asked() {
     let plan = store.get("bucket/atlas/atlas.json").expect("a plan");
     let text = String::from_utf8(plan.clone()).expect("text");
     for (from, to, part) in [
-        ("\"heliotile_atlas\": 1", "\"heliotile_atlas\": 9", "layout of s3://bucket/atlas/atlas.json: found 9"),
+        ("\"heliotile_atlas\": 2", "\"heliotile_atlas\": 9", "layout of s3://bucket/atlas/atlas.json: found 9"),
         ("{", "<html>", "s3://bucket/atlas/atlas.json: is no plan of an atlas"),
     ] {
         store.put("bucket/atlas/atlas.json", text.replacen(from, to, 1).into_bytes());
