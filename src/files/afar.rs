@@ -13,7 +13,7 @@ use heliotile_core::text::counted;
 use heliotile_remote::download::download;
 use heliotile_remote::failure::Failure;
 use heliotile_remote::listing;
-use heliotile_remote::publish::{Upload, publish};
+use heliotile_remote::publish::{Upload, check_target, publish};
 use heliotile_remote::traffic::so_far;
 use heliotile_remote::{Address, Cache, Connection, RemoteFile};
 
@@ -50,6 +50,11 @@ pub fn exists(place: &Path) -> Result<bool> {
 /// Names of what lies below an address; none where nobody says.
 pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
     listing::names_below(&Address::parse(place)?, connection()?)
+}
+
+/// Refuses an address that nothing can be written to.
+pub fn check_writable(place: &Path) -> Result<()> {
+    check_target(&Address::parse(place)?)
 }
 
 /// Copies what is at one place to another; at least one of them is an address. What is there already is kept if it is the same.

@@ -25,7 +25,7 @@ use heliotile_scene::placing::plausible::far_receivers;
 #[cfg(not(feature = "remote"))]
 use not_afar as afar;
 
-pub(crate) use afar::{copy, traffic};
+pub(crate) use afar::{check_writable, copy, traffic};
 pub(crate) use any_folder::AnyFolder;
 pub(crate) use archives::{find_archive, hold, require_file};
 pub use archives::{is_address, open_archive, shown, verify_archive};

@@ -31,6 +31,11 @@ pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
     refuse(place)
 }
 
+/// Nothing is written.
+pub fn check_writable(place: &Path) -> Result<()> {
+    refuse(place)
+}
+
 /// Nothing is copied.
 pub fn copy(from: &Path, to: &Path, _: bool, _: &dyn Observer) -> Result<Copied> {
     refuse(if is_address(from) { from } else { to })
@@ -47,8 +52,8 @@ mod tests {
 
     use super::*;
 
-    /// A program without stores refuses an address that is read, copied from or copied to, 6 ways, with how to build one that takes it and
-    /// without the signature; it tells of 0 requests.
+    /// A program without stores refuses an address that is read, copied from, copied to or written to, 7 ways, with how to build one that
+    /// takes it and without the signature; it tells of 0 requests.
     #[test]
     fn refused_with_what_to_do() {
         let (address, file) = (Path::new("https://me:secret@host/site.helio?sig=secret"), Path::new("a.helio"));
@@ -58,9 +63,10 @@ mod tests {
             find(address, true, true).err(),
             exists(address).err(),
             names_below(address).err(),
+            check_writable(address).err(),
         ];
         let told: Vec<String> = looked.into_iter().chain(copied).flatten().map(|e| e.to_string()).collect();
-        assert_eq!(told.len(), 6);
+        assert_eq!(told.len(), 7);
         for text in told {
             assert!(text.contains("https://host/site.helio: is an address"), "{text}");
             assert!(text.contains("cargo build --locked --release --features remote"), "{text}");

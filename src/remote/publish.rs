@@ -48,6 +48,15 @@ pub struct Published {
     pub was_there: bool,
 }
 
+/// Refuses addresses that nothing can be written to, before there is something to write.
+pub fn check_target(to: &Address) -> Result<()> {
+    if to.scheme() == Scheme::Web {
+        let hint = "give s3://BUCKET/NAME, gs://BUCKET/NAME or az://CONTAINER/NAME";
+        return Err(Error::input(to.shown(), None, "is a web server's, to which nothing is written", hint));
+    }
+    Ok(())
+}
+
 /// Writes an object and looks at it again, unless the same is there; `sent` is told of bytes. An error: something else is there, unless `replace`, or was written by
 /// others meanwhile; a store that cannot write on conditions.
 pub fn publish(
@@ -57,10 +66,7 @@ pub fn publish(
     replace: bool,
     sent: impl Fn(u64),
 ) -> Result<Published> {
-    if to.scheme() == Scheme::Web {
-        let hint = "give s3://BUCKET/NAME, gs://BUCKET/NAME or az://CONTAINER/NAME";
-        return Err(Error::input(to.shown(), None, "is a web server's, to which nothing is written", hint));
-    }
+    check_target(to)?;
     let length = source.bytes.length();
     if source.root.is_none() && length > LARGEST_FILE {
         let what = format!("{}: bytes of a file that is no archive", source.name.display());

@@ -42,8 +42,8 @@ pub struct BuildArgs {
     /// Archive to write
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: Option<PathBuf>,
-    /// Build one part of the atlas that SCENE is the folder of, by its name or number, or `all` of them; what it is built from and with
-    /// stands in the atlas
+    /// Build one part of the atlas that SCENE is the folder or the address of, by its name or number, or `all` of them; what it is built
+    /// from and with stands in the atlas
     #[arg(long, value_name = "K", conflicts_with_all = PLANNED)]
     pub part: Option<String>,
     /// Said by older command lines: a build goes on anyway where one of the same inputs was interrupted

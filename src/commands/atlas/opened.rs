@@ -103,15 +103,8 @@ impl Atlas {
             let archive = |(_, state)| if let PartState::Built(archive) = state { Some(archive) } else { None };
             return Ok(parts.into_iter().filter_map(archive).collect());
         };
-        let hint = match self.folder.is_afar() {
-            true => format!(
-                "build it (heliotile build ATLAS --part {first}) and copy the atlas again, or ask for others with --bbox"
-            ),
-            false => {
-                let atlas = quoted(&self.folder.place().to_string_lossy());
-                format!("heliotile build {atlas} --part {first}, or others with --bbox")
-            }
-        };
+        let atlas = quoted(&self.shown().to_string_lossy());
+        let hint = format!("heliotile build {atlas} --part {first}, or others with --bbox");
         let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
         let what = format!("{} of its parts are not built yet: {named}", missing.len());
         Err(Error::input(&self.shown(), None, what, hint))

@@ -1,18 +1,20 @@
 //! `heliotile build --part`: one part of a region. In: an atlas, the name or number of a part. Out: its receivers and its archive, in a
 //! folder of its own, from nothing but the plan and the scene files near the part. A part that is there is not traced again, and two processes
-//! that build one part do so one after the other.
+//! that build one part do so one after the other. Below an address, the archive is published when it is whole, unless one is there.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-use super::plan::{AtlasPlan, FILE, PlannedPart, is_atlas};
+use super::opened::Atlas;
+use super::plan::{FILE, PlannedPart, is_atlas};
 use crate::cli::BuildArgs;
 use crate::commands::receivers::cover_site;
+use crate::commands::terminal::Terminal;
 use crate::commands::traced::{TraceRequest, up_to_date};
 use crate::commands::{Outcome, interrupt, remark};
-use crate::files::require_file;
+use crate::files::{self, is_address, shown};
 use crate::outputs::sink::write_texts;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Lying;
@@ -61,28 +63,59 @@ impl PlannedPart {
     }
 }
 
-fn folder_of(atlas: &Path, part: &PlannedPart) -> PathBuf {
-    atlas.join(FOLDER).join(&part.name)
-}
-
 /// `heliotile build ATLAS --part K`.
 pub fn build(args: &BuildArgs, asked: &str) -> Result<Outcome> {
-    let [atlas] = args.scene.scene.as_slice() else {
+    let [place] = args.scene.scene.as_slice() else {
         let what = format!("{} scene files are named beside a part", args.scene.scene.len());
-        return Err(Error::argument("--part", what, "name the folder of the atlas, which knows its files"));
+        return Err(Error::argument(
+            "--part",
+            what,
+            "name the folder or the address of the atlas, which knows its files",
+        ));
     };
-    require_file(atlas, "parts are built in a folder, and copied when they are")?;
-    if !is_atlas(atlas) {
+    if !is_address(place) && !is_atlas(place) {
         let what = format!("is no folder of an atlas: it holds no {FILE}");
-        return Err(Error::input(atlas, None, what, "make one with `heliotile partition`"));
+        return Err(Error::input(place, None, what, "make one with `heliotile partition`"));
     }
-    let plan = AtlasPlan::read(atlas)?;
-    plan.check_layout(atlas)?;
+    let atlas = Atlas::open(place)?;
+    atlas.plan.check_layout(&atlas.shown())?;
     match asked {
-        "all" => plan.parts.iter().try_for_each(|part| build_part(args, atlas, &plan, part))?,
-        asked => build_part(args, atlas, &plan, plan.part(asked, atlas)?)?,
+        "all" => atlas.plan.parts.iter().try_for_each(|part| build_part(args, &atlas, part))?,
+        asked => build_part(args, &atlas, atlas.plan.part(asked, &atlas.shown())?)?,
     }
     Ok(Outcome::Fine)
+}
+
+fn build_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart) -> Result<()> {
+    if atlas.folder.is_afar() {
+        return publish_part(args, atlas, part);
+    }
+    let folder = atlas.folder.join(FOLDER).join(&part.name);
+    fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
+    let _alone = alone(&folder)?;
+    trace_part(args, atlas, part, &folder)
+}
+
+/// Builds a part here and sends what others read of it; of two who do so one is first, and both have the same bytes.
+fn publish_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart) -> Result<()> {
+    files::check_writable(atlas.folder.place())?;
+    let there = atlas.folder.has(&[part.archive(), part.says_nothing()], atlas.plan.parts.len())?;
+    if !args.fresh && there.contains(&true) {
+        return remark(&format!("{}: is there, nothing is traced again (--fresh replaces it)\n", part.name));
+    }
+    let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;
+    trace_part(args, atlas, part, folder.path())?;
+    for file in [ARCHIVE, NOTHING] {
+        let built = folder.path().join(file);
+        if built.is_file() {
+            let place = atlas.folder.join(&part.beside(file));
+            let copied = files::copy(&built, &place, args.fresh, &Terminal::default())?;
+            let megabytes = copied.bytes as f64 / 1e6;
+            let was_there = if copied.was_there { ", sent by another meanwhile" } else { "" };
+            remark(&format!("{}: {megabytes:.2} MB{was_there}\n", shown(&place).display()))?;
+        }
+    }
+    Ok(())
 }
 
 /// Waits until nobody else builds there; a builder that was killed holds nothing.
@@ -104,20 +137,19 @@ fn alone(folder: &Path) -> Result<File> {
     Ok(file)
 }
 
-fn build_part(args: &BuildArgs, atlas: &Path, plan: &AtlasPlan, part: &PlannedPart) -> Result<()> {
-    let folder = folder_of(atlas, part);
-    fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
-    let _alone = alone(&folder)?;
-    let site = plan.site(plan.region_part(part), atlas)?;
+/// Builds a part in a folder.
+fn trace_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart, folder: &Path) -> Result<()> {
+    let plan = &atlas.plan;
+    let site = plan.site(plan.region_part(part), &atlas.shown())?;
     let files = site.parts.len();
     let (scene, covered) = cover_site(&site, &plan.cover)?;
     if covered.count(Lying::Free) == 0 {
-        write_texts(&folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;
-        return remark(&format!("{}: no receiver, nothing to build\n", folder.display()));
+        write_texts(folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;
+        return remark(&format!("{}: no receiver, nothing to build\n", part.name));
     }
     let accuracy = plan.accuracy()?;
     let request = TraceRequest {
-        folder: &folder,
+        folder,
         receivers: &folder.join("receivers.csv"),
         archive: &folder.join(ARCHIVE),
         accuracy: &accuracy,

@@ -64,7 +64,7 @@ class Atlas:
                 yield part, Archive.open(part.archive)
 
     def build(self, part: str, *, threads: int | None = None, fresh: bool = False) -> AtlasPart:
-        """Builds a part, by its name, in a process of its own; one that is there and fits is kept.
+        """Builds a part, by its name, in a process of its own; one that is there and fits is kept. Below an address, it is published when it is whole.
 
         `threads` are those of the build (all cores without it). `fresh` replaces what is there of other inputs.
         """

@@ -1,5 +1,5 @@
-"""Atlases on clusters: parts built and replayed by the workers of Dask. Workers need the scene files and the folder of the atlas under the same
-paths; nothing but names and arguments is sent."""
+"""Atlases on clusters: parts built and replayed by the workers of Dask. Workers need the scene files under the same paths, and the folder of the
+atlas, unless it lies at an address; nothing but names and arguments is sent."""
 
 from __future__ import annotations
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import pickle
 import random
+import re
 import signal
 import subprocess
 import sys
 import threading
 import time
+import urllib.request
 from pathlib import Path
 
 import dask
@@ -20,6 +22,7 @@ import pandas as pd
 import pytest
 from conftest import DATA, DAYS, program
 from distributed import Client, LocalCluster
+from moto.server import ThreadedMotoServer
 
 CITY = DATA / "cityjson" / "hague.city.json"
 
@@ -108,6 +111,36 @@ def test_lost_workers(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.Monk
         assert ours.state == theirs.state
         if ours.archive is not None and theirs.archive is not None:
             assert Path(ours.archive).read_bytes() == Path(theirs.archive).read_bytes()
+
+
+def test_store(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four parts that two workers build where the atlas lies, in an S3 store (moto), give the 425 sums of one archive to the bit, nothing
+    but their archives is there then, and the folder of the plan still holds no part; a part that is there is not built again."""
+    plan = cut(tmp_path, "45m")
+    server = ThreadedMotoServer(ip_address="127.0.0.1", port=0)
+    server.start()
+    host, port = server.get_host_and_port()
+    settings = {"AWS_ACCESS_KEY_ID": "k", "AWS_SECRET_ACCESS_KEY": "s", "AWS_REGION": "us-east-1", "AWS_ENDPOINT_URL": f"http://{host}:{port}"}
+    for name, value in settings.items():
+        monkeypatch.setenv(name, value)
+    try:
+        urllib.request.urlopen(urllib.request.Request(f"http://{host}:{port}/bucket", method="PUT")).close()
+        subprocess.run([sys.executable, "-m", "heliotile", "copy", plan.path, "s3://bucket/atlas"], check=True)
+        atlas = heliotile.Atlas.open("s3://bucket/atlas")
+        assert [part.state for part in atlas.parts()] == ["missing"] * 4
+        with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster, Client(cluster) as client:
+            names = heliotile.dask.build(atlas, client)
+            assert heliotile.dask.build(atlas, client) == []
+            rows = heliotile.dask.replay(atlas, str(DAYS), every="total", columns=["total"]).compute()
+        found = rows.set_index("receiver").total_kwh_m2.sort_index()
+        np.testing.assert_array_equal(found.to_numpy(), whole.to_numpy())
+        with urllib.request.urlopen(f"http://{host}:{port}/bucket?list-type=2") as listed:
+            keys = re.findall("<Key>([^<]*)</Key>", listed.read().decode())
+        assert sorted(keys) == ["atlas/atlas.json", *(f"atlas/parts/{name}/site.helio" for name in sorted(names))]
+        assert [part.state for part in plan.parts()] == ["missing"] * 4 and len(names) == 4
+        assert atlas.build(names[0]).state == "built"
+    finally:
+        server.stop()
 
 
 def test_program() -> None:

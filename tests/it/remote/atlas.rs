@@ -93,6 +93,59 @@ fn as_from_a_folder() {
     assert!(bytes[5].1 * 2 < bytes[6].1 && bytes[5].1 > 10_000, "{bytes:?}");
 }
 
+/// Parts are built where the atlas lies: of a plan alone in a store, four parts by name and all at once, with the bytes of those that were
+/// built in a folder and nothing else beside the plan; one that is there is not traced again, which a lost scene file shows, and stays
+/// when another was put in its place. A web server, a part and an atlas that are not there and requests that fail are refused: 4 of 4.
+#[test]
+fn built_in_a_store() {
+    let (folder, store) = (Folder::new(), Store::new());
+    fs::copy(golden(), folder.path("w.epw")).expect("copied");
+    let model = folder.path("block.city.json");
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json"), &model)
+        .expect("copied");
+    let cut = "--crs EPSG:28992 --part-size 45m --spacing 4m --quality draft --sample 0";
+    let said = |line: &str, code: i32, words: &[&str]| {
+        let ran = run(&folder, &store, line);
+        let text = format!("{}{}", stdout(&ran), stderr(&ran));
+        assert_eq!(ran.status.code(), Some(code), "{line}: {text}");
+        for word in words {
+            assert!(text.contains(word), "{line}: `{word}` is not in {text}");
+        }
+    };
+    said(&format!("partition block.city.json {cut} -o atlas"), 0, &["4 parts of 45 m"]);
+    said("copy atlas s3://bucket/atlas", 0, &["4 parts not built yet", "1 file"]);
+    let there = || store.names().into_iter().filter(|name| name.starts_with("bucket/atlas/")).collect::<Vec<_>>();
+    assert_eq!(there(), ["bucket/atlas/atlas.json"]);
+    let replay = "replay s3://bucket/atlas --weather w.epw --every total";
+    said(replay, 2, &["4 of its parts are not built yet", "heliotile build s3://bucket/atlas --part x1749_y10176"]);
+    said("build s3://bucket/atlas --part 9", 2, &["s3://bucket/atlas has no part `9`"]);
+    said("build s3://bucket/atlas --part x1749_y10176", 0, &["atlas/parts/x1749_y10176/site.helio: 0."]);
+    said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: is there, nothing is traced again (--fresh"]);
+    let built = |name: &str| fs::read(BLOCK.path("atlas").join(name)).expect("an archive");
+    let archives: Vec<String> = there()
+        .iter()
+        .filter_map(|name| name.strip_prefix("bucket/atlas/parts/"))
+        .map(|name| format!("parts/{name}"))
+        .collect();
+    assert_eq!((archives.len(), there().len()), (4, 5));
+    for name in &archives {
+        assert!(store.get(&format!("bucket/atlas/{name}")) == Some(built(name)), "{name}");
+    }
+    let near = stdout(&BLOCK.run(&format!("replay atlas --weather {} --every total", golden().display())));
+    assert_eq!(stdout(&run(&folder, &store, replay)), near);
+    // What another wrote meanwhile is theirs, and no scene file is needed to see it.
+    fs::remove_file(&model).expect("removed");
+    store.put("bucket/atlas/parts/x1749_y10176/site.helio", b"theirs".to_vec());
+    said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: is there, nothing is traced again"]);
+    assert_eq!(store.get("bucket/atlas/parts/x1749_y10176/site.helio"), Some(b"theirs".to_vec()));
+    said("build s3://bucket/atlas --part 0 --fresh", 2, &["block.city.json"]);
+    let web = format!("build http://{}/bucket/atlas --part 0", store.address);
+    said(&web, 2, &["is a web server's, to which nothing is written", "s3://BUCKET/NAME"]);
+    said("build s3://bucket/nothing --part 0", 2, &["holds no atlas.json"]);
+    store.set_faults(|_| Fault::Status(403));
+    said("build s3://bucket/atlas --part 0", 2, &["access is denied"]);
+}
+
 /// An atlas of 10 files goes to a store and back to a folder as it was, atlas.json last of all that is written; the same command again writes
 /// nothing; a part that was left out of an interrupted copy comes with it; another part in a place stops it, and another atlas does even with
 /// `--replace`.
@@ -159,7 +212,7 @@ fn what_cannot_be_asked() {
     refused("find s3://bucket/nowhere", &["s3://bucket/nowhere: holds no atlas.json", "heliotile copy"]);
     refused("find http://127.0.0.1:1/atlas?sig=s3cret", &["127.0.0.1:1/atlas/atlas.json: cannot be had"]);
     refused("find s3://bucket/atlas --bbox 0,0,1,1", &["no part of it lies in the box"]);
-    refused("build s3://bucket/atlas --part 0", &["is an address: parts are built in a folder"]);
+    refused("build s3://bucket/nowhere --part 0", &["s3://bucket/nowhere: holds no atlas.json"]);
     refused("catalogue s3://bucket/atlas", &["is an address"]);
     refused("view s3://bucket/atlas", &["is an atlas afar", "view.html"]);
     refused("view s3://bucket/nowhere", &["is not there"]);
@@ -168,7 +221,10 @@ fn what_cannot_be_asked() {
     store.remove(site);
     refused(
         &replay("s3://bucket/atlas"),
-        &["s3://bucket/atlas: 1 of its parts are not built yet: x1749_y10177", "copy"],
+        &[
+            "s3://bucket/atlas: 1 of its parts are not built yet: x1749_y10177",
+            "heliotile build s3://bucket/atlas --part x1749",
+        ],
     );
     let boxed = run(&folder, &store, &(replay("s3://bucket/atlas") + &format!(" --bbox {BOX}")));
     assert!(boxed.status.success(), "{}", stderr(&boxed));
