@@ -110,16 +110,19 @@ class Archive:
         """Whose reflectance a replay can change."""
         return [Material(*row) for row in self._handle.materials()]
 
-    def receivers(self) -> dict[str, np.ndarray]:
-        """The receivers in the order of results: `pandas.DataFrame(archive.receivers())`.
+    def receivers(self, receivers: Wanted | None = None, *, memory: int = MEMORY) -> dict[str, np.ndarray]:
+        """All receivers, or those that are asked for as in `replay`, in the order of results: `pandas.DataFrame(archive.receivers())`.
 
-        Arrays of shape `(receivers,)`: `receiver` (id), `x, y, z` in metres, the unit normal `nx, ny, nz`, `area` in m2 (NaN where
+        Read-only arrays of shape `(receivers,)`: `receiver` (id), `x, y, z` in metres, the unit normal `nx, ny, nz`, `area` in m2 (NaN where
         nobody says), `surface, object, building, kind` (empty where nobody says), and the shares of the hemisphere `sky_view, ground_view,
         obstruction_view`.
         """
-        if self._table is None:
-            self._table = {name: np.asarray(values) for name, values in self._handle.receivers().items()}
-        return dict(self._table)
+        if receivers is None and self._table is not None:
+            return dict(self._table)
+        table = {name: np.asarray(values) for name, values in self._handle.receivers(_wanted(receivers), memory).items()}
+        if receivers is None:
+            self._table = table
+        return dict(table)
 
     def replay(
         self,
@@ -181,7 +184,7 @@ class Archive:
         """
         light = light_args(columns, reflectance, transmittance, sky, patches, paths, bounces, memory)
         args = replay_args(weather, every, stamp, year, start, end, steps, snow, snow_reflectance, temperature)
-        return Results(self._handle.replay(light, args, _wanted(receivers), progress), self.receivers)
+        return self._results(self._handle.replay(light, args, _wanted(receivers), progress), receivers is None)
 
     def query(
         self,
@@ -212,7 +215,12 @@ class Archive:
             if "condition" not in table and table:
                 table["condition"] = np.arange(len(next(iter(table.values()))))
             source["bytes"] = csv_of(table)
-        return Results(self._handle.query(light, source, _wanted(receivers), progress), self.receivers)
+        return self._results(self._handle.query(light, source, _wanted(receivers), progress), receivers is None)
+
+    def _results(self, handle: _heliotile.Recombined, whole: bool) -> Results:
+        # What is known of some receivers is read by their ids: their tiles alone, not the table of all.
+        results = Results(handle, lambda: self.receivers(None if whole else results.receivers))
+        return results
 
     def factors(
         self,

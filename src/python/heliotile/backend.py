@@ -91,7 +91,7 @@ class HeliotileBackend(BackendEntrypoint):
         args = replay_args(weather, every, stamp, year, start, end, steps, snow, snow_reflectance, temperature)
         replay = LazyReplay(archive, light, args, cache_bytes)
         frame = replay.frame
-        shape = (len(frame.receivers), len(frame.labels))
+        shape = (frame.receivers, len(frame.labels))
         dims = ("receiver", frame.label)
         dropped = {drop_variables} if isinstance(drop_variables, str) else set(drop_variables or ())
         encoding = {"preferred_chunks": {"receiver": TILE, frame.label: shape[1]}}

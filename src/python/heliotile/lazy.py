@@ -36,7 +36,7 @@ class LazyReplay:
 
     @property
     def frame(self) -> Frame:
-        """Receivers, labels, columns."""
+        """How many receivers, labels, columns."""
         return Frame(self.handle.frame())
 
     def rows(self, column: str, receivers: np.ndarray, labels: Any) -> np.ndarray:

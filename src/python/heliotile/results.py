@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class Frame:
-    """What results are about: receivers, labels, columns."""
+    """What results are about: how many receivers, labels, columns."""
 
     def __init__(self, frame: _heliotile.FrameHandle) -> None:
-        self.receivers: list[str] = frame.receivers
+        self.receivers: int = frame.receivers
         self.labels: list[str] = frame.labels
         self.columns: dict[str, str] = dict(frame.columns)
         self.label: str = frame.label
@@ -42,7 +42,7 @@ class Frame:
 
     def coordinates(self, table: dict[str, np.ndarray]) -> dict[str, Any]:
         """Coordinates of a Dataset: labels, and what is known of the receivers."""
-        coordinates: dict[str, Any] = {"receiver": ("receiver", np.array(self.receivers), {"long_name": "receiver", "cf_role": "timeseries_id"})}
+        coordinates: dict[str, Any] = {"receiver": ("receiver", table["receiver"], {"long_name": "receiver", "cf_role": "timeseries_id"})}
         coordinates[self.label] = self._labels()
         for name, values in table.items():
             if name != "receiver":
@@ -114,12 +114,13 @@ class Results:
     def __init__(self, handle: _heliotile.Recombined, table: Callable[[], dict[str, np.ndarray]]) -> None:
         self._handle = handle
         self._frame = Frame(handle.frame())
+        self._names: list[str] = handle.receivers
         self._table = table
 
     @property
     def receivers(self) -> list[str]:
         """Ids, in the order of rows: the archive's."""
-        return self._frame.receivers
+        return self._names
 
     @property
     def columns(self) -> list[str]:
@@ -154,7 +155,7 @@ class Results:
     @property
     def shape(self) -> tuple[int, int]:
         """Receivers, labels."""
-        return len(self.receivers), len(self.labels)
+        return self._frame.receivers, len(self.labels)
 
     def __getitem__(self, column: str) -> np.ndarray:
         return np.asarray(self._handle.column(column))
@@ -184,13 +185,9 @@ class Results:
         import xarray as xr
 
         frame = self._frame
-        whole = self._table()
-        place = {name: row for row, name in enumerate(whole["receiver"].tolist())}
-        rows = np.array([place[name] for name in self.receivers], dtype=np.intp)
-        table = {name: values[rows] for name, values in whole.items()}
         dims = ("receiver", frame.label)
         variables = {column: (dims, self[column], frame.attributes(column)) for column in self.columns}
-        return xr.Dataset(variables, frame.coordinates(table), frame.provenance)
+        return xr.Dataset(variables, frame.coordinates(self._table()), frame.provenance)
 
     def to_pvlib(self, receiver: str | int) -> pd.DataFrame:
         """Light on one receiver by the names of `pvlib.irradiance.get_total_irradiance`, W/m2, a row for each hour.

@@ -12,6 +12,7 @@ use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
+use crate::table::columns_of;
 use crate::work;
 use heliotile::files::open_archive;
 use heliotile::recombine::{Chosen, FactorRows, Streamed};
@@ -21,7 +22,6 @@ use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_core::archive::format;
 use heliotile_core::memory::Use;
 use heliotile_core::replay::factors::FACTORS;
-use heliotile_core::site::receiver::Receiver;
 
 /// An archive, and which way is north. Many threads may read it at once.
 #[pyclass(frozen, module = "heliotile._heliotile")]
@@ -35,9 +35,6 @@ type MaterialRow = (String, f64, f64, Option<f64>, Option<String>, String);
 
 /// Names, azimuths and altitudes in degrees, and each factor.
 type FactorColumns = (Vec<String>, Vec<f64>, Vec<f64>, Vec<(&'static str, Block)>);
-
-/// A receiver, and the shares of its hemisphere: sky, ground, obstruction.
-type ViewedReceiver = (Receiver, [f32; 3]);
 
 /// Receivers that are asked for: those of a list, of a file, of `objects`, `surfaces` or a `bbox`.
 #[derive(FromPyObject)]
@@ -141,32 +138,20 @@ impl ArchiveHandle {
         Ok(site.materials().iter().map(row).collect())
     }
 
-    /// Columns of all receivers, in the order of results.
-    fn receivers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let rows = work::run(py, None, |_| {
+    /// Columns of all receivers or of some, in the order of results.
+    #[pyo3(signature = (receivers, memory))]
+    fn receivers<'py>(&self, py: Python<'py>, receivers: Option<Wanted>, memory: u64) -> PyResult<Bound<'py, PyDict>> {
+        let columns = work::run(py, None, |_| {
             let site = OpenSite::of(&self.archive)?;
-            let row = |row: heliotile_builder::transfer::LayeredReceiver<()>| (row.receiver, row.views);
-            ArchiveReceivers::<()>::new(&site).map(|r| r.map(row)).collect::<Result<Vec<_>>>()
+            let kept = receivers.map(|wanted| wanted.kept(&site, MemoryBudget::new(memory))).transpose()?;
+            let rows = match &kept {
+                Some(kept) => ArchiveReceivers::chosen(&site, &self.archive, kept),
+                None => ArchiveReceivers::new(&site),
+            };
+            columns_of(rows)
         })?;
         let table = PyDict::new(py);
-        let texts = |of: fn(&Receiver) -> &str| rows.iter().map(|(r, _)| of(r).to_owned()).collect::<Vec<_>>();
-        let numbers =
-            |of: &dyn Fn(&ViewedReceiver) -> f64| Block::of::<f64>(rows.iter().map(of).collect(), &[rows.len()]);
-        table.set_item("receiver", texts(|r| &r.id))?;
-        table.set_item("x", numbers(&|(r, _)| r.position.x))?;
-        table.set_item("y", numbers(&|(r, _)| r.position.y))?;
-        table.set_item("z", numbers(&|(r, _)| r.position.z))?;
-        table.set_item("nx", numbers(&|(r, _)| r.normal.x))?;
-        table.set_item("ny", numbers(&|(r, _)| r.normal.y))?;
-        table.set_item("nz", numbers(&|(r, _)| r.normal.z))?;
-        table.set_item("area", numbers(&|(r, _)| r.area.unwrap_or(f64::NAN)))?;
-        table.set_item("surface", texts(|r| r.surface.as_deref().unwrap_or_default()))?;
-        table.set_item("object", texts(|r| &r.part.object))?;
-        table.set_item("building", texts(|r| &r.part.building))?;
-        table.set_item("kind", texts(|r| r.part.kind.as_str()))?;
-        table.set_item("sky_view", numbers(&|(_, views)| f64::from(views[0])))?;
-        table.set_item("ground_view", numbers(&|(_, views)| f64::from(views[1])))?;
-        table.set_item("obstruction_view", numbers(&|(_, views)| f64::from(views[2])))?;
+        columns.into_iter().try_for_each(|(name, column)| table.set_item(name, column))?;
         Ok(table)
     }
 
@@ -203,8 +188,8 @@ impl ArchiveHandle {
         work::run(py, None, |watch| {
             let storage = TempFiles::new(std::env::temp_dir());
             asked.with_series(&self.archive, &storage, watch, |series, recombination| {
-                let names = Chosen::of(&self.archive, &site_of(&self.archive, false)?, None).names()?;
-                let frame = Frame::new(names, (series, recombination), asked.columns.clone(), &self.archive);
+                let receivers = self.count() as usize;
+                let frame = Frame::new(receivers, (series, recombination), asked.columns.clone(), &self.archive);
                 let source = (&self.archive, self.grid_north);
                 LazyReplay::new(source, (series, recombination), frame, (cache, memory), watch)
             })
@@ -277,7 +262,7 @@ impl ArchiveHandle {
             let storage = TempFiles::new(std::env::temp_dir());
             asked.with_series(archive, &storage, watch, |series, recombination| {
                 let names = chosen.names()?;
-                let frame = Frame::new(names, (series, recombination), asked.columns.clone(), archive);
+                let frame = Frame::new(names.len(), (series, recombination), asked.columns.clone(), archive);
                 let streamed = Streamed { chosen: &chosen, components: asked.columns.set() };
                 let start = || Gathered::new(&frame);
                 let gathered = streamed.each_tile(recombination, series, watch, start, |gathered, _, values| {
@@ -285,7 +270,7 @@ impl ArchiveHandle {
                     work::count_tiles(1);
                     Ok(true)
                 })?;
-                Ok(gathered.finish(frame))
+                Ok(gathered.finish(frame, names))
             })
         })
     }

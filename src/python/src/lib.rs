@@ -21,6 +21,7 @@ mod lazy;
 mod memory;
 mod results;
 mod scene;
+mod table;
 mod work;
 
 use pyo3::prelude::*;

@@ -1,14 +1,15 @@
-//! Memory that NumPy and Arrow share. In: numbers. Out: a block that NumPy takes as an array without copying, and Arrow as a column.
+//! Memory that NumPy and Arrow share. In: numbers or texts. Out: a block that NumPy takes as an array without copying, and Arrow as a column.
 
 use arrow_buffer::{ArrowNativeType, Buffer};
+use heliotile::{Error, Result};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// Numbers of one type in rows, read-only: `numpy.asarray(block)` is a view that keeps it alive.
+/// Numbers or texts of one type in rows, read-only: `numpy.asarray(block)` is a view that keeps it alive.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct Block {
     buffer: Buffer,
-    type_name: &'static str,
+    type_name: String,
     shape: Vec<usize>,
 }
 
@@ -38,7 +39,46 @@ impl Block {
 
     /// Of memory that others hold too.
     pub fn shared<T: Plain>(buffer: Buffer, shape: &[usize]) -> Self {
-        Block { buffer, type_name: T::NAME, shape: shape.to_vec() }
+        Block { buffer, type_name: T::NAME.to_owned(), shape: shape.to_vec() }
+    }
+}
+
+/// Texts, one after the other in one piece of memory.
+#[derive(Default)]
+pub struct Texts {
+    all: String,
+    /// Where each ends, in bytes.
+    ends: Vec<usize>,
+    /// Characters of the longest.
+    widest: usize,
+}
+
+impl Texts {
+    pub fn push(&mut self, text: &str) {
+        self.all.push_str(text);
+        self.ends.push(self.all.len());
+        self.widest = self.widest.max(text.chars().count());
+    }
+
+    /// As NumPy holds texts: each as wide as the longest, 4 bytes a character, 0 behind its end. An error if there is no room for that.
+    pub fn block(&self) -> Result<Block> {
+        let (count, width) = (self.ends.len(), self.widest.max(1));
+        let mut characters: Vec<u32> = Vec::new();
+        let room = count.checked_mul(width).filter(|len| characters.try_reserve_exact(*len).is_ok());
+        let Some(len) = room else {
+            let what = format!("memory for {count} names as wide as the longest, in bytes");
+            let value = 4_u64.saturating_mul(count as u64).saturating_mul(width as u64);
+            return Err(Error::Limit { what, value, max: isize::MAX as u64 });
+        };
+        characters.resize(len, 0);
+        let mut rest = self.all.as_str();
+        let mut from = 0;
+        for (row, end) in characters.chunks_exact_mut(width).zip(&self.ends) {
+            let (text, behind) = rest.split_at(end - from);
+            row.iter_mut().zip(text.chars()).for_each(|(to, character)| *to = u32::from(character));
+            (rest, from) = (behind, *end);
+        }
+        Ok(Block { buffer: Buffer::from_vec(characters), type_name: format!("<U{width}"), shape: vec![count] })
     }
 }
 
@@ -49,7 +89,7 @@ impl Block {
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let about = PyDict::new(py);
         about.set_item("version", 3)?;
-        about.set_item("typestr", self.type_name)?;
+        about.set_item("typestr", &self.type_name)?;
         about.set_item("shape", PyTuple::new(py, &self.shape)?)?;
         // Read-only.
         about.set_item("data", (self.buffer.as_ptr().addr(), true))?;

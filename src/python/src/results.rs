@@ -20,9 +20,9 @@ use heliotile::{Archive, Component, ComponentList, Error, Result, TileValues};
 /// Rows that a record batch has at least, if there are so many.
 const BATCH_ROWS: usize = 1 << 20;
 
-/// What results are about: receivers, labels, columns, and what they were made from.
+/// What results are about: how many receivers, labels, columns, and what they were made from.
 pub struct Frame {
-    names: Vec<String>,
+    pub receivers: usize,
     pub labels: RowLabels,
     layout: Layout,
     about: Provenance,
@@ -31,7 +31,7 @@ pub struct Frame {
 impl Frame {
     /// Of a series on some receivers of an archive.
     pub fn new(
-        names: Vec<String>,
+        receivers: usize,
         (series, asked): (&Series, &Recombination),
         components: ComponentList,
         archive: &Archive,
@@ -39,11 +39,7 @@ impl Frame {
         let about = series.provenance.clone().with_archive(archive.path(), archive);
         let about = about.with_option("patches", asked.patches_of(archive));
         let layout = Layout { labels: series.kind, by: By::Receiver, components, facts: Vec::new() };
-        Frame { names, labels: series.labels.clone(), layout, about }
-    }
-
-    pub fn receivers(&self) -> usize {
-        self.names.len()
+        Frame { receivers, labels: series.labels.clone(), layout, about }
     }
 
     pub fn components(&self) -> &[Component] {
@@ -62,6 +58,8 @@ impl Frame {
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct Recombined {
     frame: Arc<Frame>,
+    /// Ids, in the order of rows.
+    names: Vec<String>,
     /// `[column]`: f32, `[receiver][label]`.
     columns: Vec<Buffer>,
 }
@@ -74,7 +72,7 @@ pub struct Gathered {
 impl Gathered {
     /// Room for all of them; an error if there is none.
     pub fn new(frame: &Frame) -> Result<Self> {
-        let len = frame.receivers() * frame.labels.len();
+        let len = frame.receivers * frame.labels.len();
         let columns = frame.components().iter().map(|_| {
             let mut column = Vec::new();
             column.try_reserve_exact(len).map_err(|_| Error::Limit {
@@ -96,8 +94,8 @@ impl Gathered {
         }
     }
 
-    pub fn finish(self, frame: Frame) -> Recombined {
-        Recombined { frame: Arc::new(frame), columns: self.columns.into_iter().map(Buffer::from_vec).collect() }
+    pub fn finish(self, frame: Frame, names: Vec<String>) -> Recombined {
+        Recombined { frame: Arc::new(frame), names, columns: self.columns.into_iter().map(Buffer::from_vec).collect() }
     }
 }
 
@@ -108,19 +106,25 @@ impl Recombined {
         FrameHandle(Arc::clone(&self.frame))
     }
 
+    /// Ids, in the order of rows.
+    #[getter]
+    fn receivers(&self) -> Vec<String> {
+        self.names.clone()
+    }
+
     /// A column by its name, `[receiver][label]`.
     fn column(&self, name: &str) -> PyResult<Block> {
         let frame = &self.frame;
         let found = frame.column(name).and_then(|place| self.columns.get(place));
         let buffer = found.ok_or_else(|| PyKeyError::new_err(no_column(frame, name)))?;
-        Ok(Block::shared::<f32>(buffer.clone(), &[frame.receivers(), frame.labels.len()]))
+        Ok(Block::shared::<f32>(buffer.clone(), &[frame.receivers, frame.labels.len()]))
     }
 
     /// Light on one receiver by pvlib's names, W/m2.
     fn pvlib(&self, py: Python<'_>, receiver: usize) -> PyResult<Vec<(&'static str, Block)>> {
         let (frame, labels) = (&self.frame, self.frame.labels.len());
-        if receiver >= frame.receivers() {
-            return Err(PyIndexError::new_err(format!("{receiver} of {} receivers", frame.receivers())));
+        if receiver >= frame.receivers {
+            return Err(PyIndexError::new_err(format!("{receiver} of {} receivers", frame.receivers)));
         }
         let six = &Component::ALL[..6];
         if let Some(missing) = six.iter().find(|component| !frame.components().contains(component)) {
@@ -146,7 +150,7 @@ impl Recombined {
         // Those who ask get what there is, as the protocol allows.
         let _ = requested_schema;
         let frame = &self.frame;
-        let rows = ArrowRows::new(&frame.layout, &frame.labels, &frame.names, &frame.about);
+        let rows = ArrowRows::new(&frame.layout, &frame.labels, &self.names, &frame.about);
         let rows = rows.map_err(|error| raised(py, &error))?;
         let columns = self.columns.iter().map(|column| ScalarBuffer::from(column.clone())).collect();
         let batches = Batches { rows, columns, frame: Arc::clone(frame), next: 0 };
@@ -173,7 +177,7 @@ impl Iterator for Batches {
 
     fn next(&mut self) -> Option<Self::Item> {
         let labels = self.frame.labels.len();
-        let (first, left) = (self.next, self.frame.receivers().saturating_sub(self.next));
+        let (first, left) = (self.next, self.frame.receivers.saturating_sub(self.next));
         if left == 0 || labels == 0 {
             return None;
         }
@@ -196,10 +200,10 @@ pub struct FrameHandle(pub Arc<Frame>);
 
 #[pymethods]
 impl FrameHandle {
-    /// Ids, in the order of rows.
+    /// How many.
     #[getter]
-    fn receivers(&self) -> Vec<String> {
-        self.0.names.clone()
+    fn receivers(&self) -> usize {
+        self.0.receivers
     }
 
     /// Text of the labels, as CSV has it.

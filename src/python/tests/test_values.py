@@ -159,6 +159,27 @@ def test_receivers(site: heliotile.Archive) -> None:
     assert {material.kind for material in site.materials()} == {"ground", "obstruction"}
 
 
+def test_some_receivers(block: heliotile.Archive, tmp_path: Path) -> None:
+    """The table of a building and of a list of ids, and the coordinates of their Dataset, are rows of the table of 1,228 receivers in its
+    order, dtypes included but for the widths of texts; names with 4-byte characters and of 300 characters come back as they were."""
+    table = block.receivers()
+    building = table["building"][0]
+    for wanted, rows in [({"objects": building}, table["building"] == building), (table["receiver"][[900, 20]], np.isin(np.arange(1228), [20, 900]))]:
+        some = block.receivers(wanted)
+        assert list(some) == list(table) and 2 <= len(some["receiver"]) == rows.sum() < 1228
+        for name, values in some.items():
+            np.testing.assert_array_equal(values, table[name][rows])
+            assert values.dtype.kind == table[name].dtype.kind and not values.flags.writeable
+        data = block.replay(DAYS, every="total", columns=["total"], receivers=wanted).to_xarray()
+        for name in set(table) & set(data.coords):
+            np.testing.assert_array_equal(data[name].to_numpy(), some[name])
+    names = ["\U0001f31e" * 3, "zo\u00eb", "a" * 300]
+    (tmp_path / "r.csv").write_text("receiver,x,y,z,nx,ny,nz\n" + "".join(f"{name},{i},0,1,0,0,1\n" for i, name in enumerate(names)), encoding="utf-8")
+    (tmp_path / "s.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    open_air = heliotile.build(heliotile.Scene(tmp_path / "s.obj"), tmp_path / "r.csv", tmp_path / "s.helio", quality="draft")
+    assert sorted(open_air.receivers()["receiver"].tolist()) == sorted(names)
+
+
 def test_the_year(site: heliotile.Archive, tmp_path: Path) -> None:
     """A year of 78 receivers by month: equal to the bit, and README's 1271.4 kWh/m2 of roofs within 2 % at draft quality."""
     values = of_program(tmp_path, "replay", site, "--weather", YEAR, "--every", "month")
