@@ -145,6 +145,7 @@ fn program_exit_code() -> u8 {
 pub mod atlas {
     pub use crate::commands::atlas::listed::{ListedPart, parts};
     pub use crate::commands::atlas::part::PartState;
+    pub use crate::commands::atlas::sources::{Archives, Sources, archives};
 }
 
 /// For tests of what the program writes.

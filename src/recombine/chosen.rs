@@ -113,14 +113,16 @@ impl<'a> ChosenPart<'a> {
         &self.tiles
     }
 
-    fn count(&self) -> u64 {
+    /// Number of chosen receivers.
+    pub fn count(&self) -> u64 {
         match &self.kept {
             Some(kept) => kept.iter().filter(|kept| **kept).count() as u64,
             None => self.tiles.iter().map(|tile| tile.count as u64).sum(),
         }
     }
 
-    fn rows<L: Layers + 'a>(&'a self) -> ArchiveReceivers<'a, L> {
+    /// The chosen receivers, with some of their layers.
+    pub fn rows<L: Layers + 'a>(&'a self) -> ArchiveReceivers<'a, L> {
         match &self.kept {
             Some(kept) => ArchiveReceivers::chosen(&self.site, self.archive, kept),
             None => ArchiveReceivers::new(&self.site),

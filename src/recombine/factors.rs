@@ -1,21 +1,21 @@
-//! Factors of receivers or groups. In: an archive, a grid of suns. Out: name after name, five factors for each sun.
+//! Factors of receivers or groups. In: archives, a grid of suns. Out: name after name, five factors for each sun.
 
-use super::{Chosen, ChosenPart};
+use super::Chosen;
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::tables::layout::By;
 use heliotile_builder::observer::Observer;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::{MemoryBudget, Use};
-use heliotile_core::replay::factors::{Factors, PARTS, SunGrid};
+use heliotile_core::replay::factors::{PARTS, SunGrid};
 use heliotile_core::replay::run::ReplaySettings;
 use heliotile_core::replay::values::TileValues;
 
-/// Factors of an archive, ready to be computed.
+/// Factors of receivers, ready to be computed.
 pub struct FactorRows<'a> {
-    factors: Factors<'a>,
-    part: &'a ChosenPart<'a>,
     chosen: &'a Chosen<'a>,
+    grid: SunGrid,
+    settings: ReplaySettings<'a>,
     means: Option<GroupMeans>,
 }
 
@@ -25,57 +25,57 @@ impl<'a> FactorRows<'a> {
         chosen: &'a Chosen<'a>,
         steps_deg: (f64, f64),
         by: By,
-        (memory, storage): (MemoryBudget, &dyn ScratchSpace),
+        (memory, storage): (MemoryBudget, &'a dyn ScratchSpace),
     ) -> Result<Self> {
         let hint = "give divisors of 360 and 90, such as 10 and 5";
         let grid = SunGrid::new(steps_deg.0, steps_deg.1)
             .map_err(|what| Error::argument("--azimuth-step, --altitude-step", what, hint))?;
-        let [part] = chosen.parts() else {
-            let what = format!("{} archives are no one place, and factors are of one", chosen.parts().len());
-            return Err(Error::argument("SITE", what, "name the site.helio of one part of the atlas"));
-        };
-        let patches = part.archive.manifest().settings.patches();
-        let settings = ReplaySettings { patches, memory, storage, ..ReplaySettings::default() };
-        let factors = Factors::new(&part.site, grid, settings)?;
-        let means = match by {
-            By::Receiver => None,
-            by => {
-                let groups = Groups::new(chosen.receivers(), by, part.archive.path())?;
-                Some(GroupMeans::new(groups, &PARTS, factors.labels(), memory.share(Use::SurfaceSums))?)
+        let settings = ReplaySettings { memory, storage, ..ReplaySettings::default() };
+        let means = match (by, chosen.parts()) {
+            (By::Receiver, _) | (_, []) => None,
+            (by, [first, ..]) => {
+                let groups = Groups::new(chosen.receivers(), by, first.archive.path())?;
+                Some(GroupMeans::new(groups, &PARTS, grid.labels(), memory.share(Use::SurfaceSums))?)
             }
         };
-        Ok(FactorRows { factors, part, chosen, means })
+        Ok(FactorRows { chosen, grid, settings, means })
     }
 
     /// The suns.
     pub fn grid(&self) -> &SunGrid {
-        self.factors.grid()
+        &self.grid
     }
 
     /// Hands on names and their factors, sun by sun, until `each` gives false.
     pub fn each(
-        mut self,
+        self,
         observer: &dyn Observer,
         mut each: impl FnMut(&str, &mut dyn Iterator<Item = [f64; 5]>) -> Result<bool>,
     ) -> Result<()> {
-        let factors = &self.factors;
+        let mut means = self.means;
         let mut tell = |names: &[String], values: &TileValues| {
             for (i, name) in names.iter().enumerate() {
-                if !each(name, &mut factors.of(|part| values.row(part, i)))? {
+                if !each(name, &mut self.grid.factors(|part| values.row(part, i)))? {
                     return Ok(false);
                 }
             }
             Ok(true)
         };
-        let means = &mut self.means;
         let progress = self.chosen.progress(observer);
-        self.part.each_tile(factors.irradiances(), (observer, &progress), |names, values| match means {
-            Some(means) => {
-                means.add(values);
-                Ok(true)
+        for part in self.chosen.parts().iter().filter(|part| !part.tiles().is_empty()) {
+            let patches = part.archive.manifest().settings.patches();
+            let replay = self.grid.replay(&part.site, ReplaySettings { patches, ..self.settings })?;
+            let goes_on = part.each_tile(&replay, (observer, &progress), |names, values| match &mut means {
+                Some(means) => {
+                    means.add(values);
+                    Ok(true)
+                }
+                None => tell(names, values),
+            })?;
+            if !goes_on {
+                return Ok(());
             }
-            None => tell(names, values),
-        })?;
+        }
         for (names, values, _) in means.iter().flat_map(GroupMeans::tiles) {
             if !tell(&names, &values)? {
                 break;

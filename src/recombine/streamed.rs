@@ -98,12 +98,17 @@ impl Streamed<'_> {
         let mut start = Some(start);
         let (mut taker, mut progress) = (None, None);
         for (number, part) in parts.iter().enumerate() {
+            // Of an atlas many parts may hold nothing of what is asked for; `start` needs one replay.
+            if part.tiles().is_empty() && (number + 1 < parts.len() || start.is_none()) {
+                continue;
+            }
             let place = (part.archive, &part.site);
             let replay = replay_beside(place, &elsewhere, asked, series, self.components, observer)?;
             if let Some(start) = start.take() {
                 taker = Some(start()?);
             }
-            if let Some(next) = parts.get(number + 1) {
+            let next = parts.get(number + 1..).and_then(|rest| rest.iter().find(|part| !part.tiles().is_empty()));
+            if let Some(next) = next {
                 replay.expect_of(
                     &next.site,
                     &next.tiles().iter().take(AHEAD).map(|tile| tile.number).collect::<Vec<_>>(),

@@ -11,7 +11,7 @@ use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::factors::{Factors, SunGrid};
+use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::Class;
 use heliotile_core::sky::model::SkyModel;
@@ -150,16 +150,16 @@ fn factors_add_up() {
     let archive = Archive::open(&site.path).expect("an archive");
     let opened = OpenSite::of(&archive).expect("a site");
     let grid = SunGrid::new(72.0, 30.0).expect("a grid");
-    let factors = Factors::new(&opened, grid, ReplaySettings::default()).expect("factors");
+    let factors = grid.replay(&opened, ReplaySettings::default()).expect("factors");
     let mut conditions = grid.conditions(700.0);
     conditions.iter_mut().for_each(|c| c.dhi_w_m2 = 90.0);
     let settings = ReplaySettings { sky: SkyModel::Uniform, paths: LightPaths::FIRST, ..ReplaySettings::default() };
     let (ground, bins) = ([ground_of(&opened, 0.3, conditions.len())], Bins::each(conditions.len()));
     let replay = Replay::scheduled(&opened, &conditions, settings, &bins, &ground).expect("a replay");
-    let (expected, parts) = (replay.run(0..1).expect("a tile"), factors.irradiances().run(0..1).expect("a tile"));
+    let (expected, parts) = (replay.run(0..1).expect("a tile"), factors.run(0..1).expect("a tile"));
     let (mut largest, mut most) = (0.0_f64, 0.0_f64);
     for receiver in 0..64 {
-        let of: Vec<[f64; 5]> = factors.of(|part| parts[0].1.row(part, receiver)).collect();
+        let of: Vec<[f64; 5]> = grid.factors(|part| parts[0].1.row(part, receiver)).collect();
         for (sun, (([sun_o, sun_g, sky_o, sky_g, mirrored], (_, altitude)), _)) in
             of.iter().zip(grid.suns()).zip(&conditions).enumerate()
         {

@@ -11,4 +11,5 @@ pub mod part;
 pub mod partition;
 pub mod plan;
 mod seams;
+pub mod sources;
 mod thumbnails;

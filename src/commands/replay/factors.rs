@@ -1,7 +1,7 @@
 //! `heliotile factors`: an archive -> what surroundings reflect over the sun's position -> a table.
 
 use super::chosen::{choose, guard};
-use super::sources::{Sources, say_north};
+use super::sources::{self, say_north};
 use crate::cli::FactorsArgs;
 use crate::commands::terminal::Terminal;
 use crate::commands::{Outcome, invocation, temporary_files};
@@ -15,7 +15,7 @@ pub fn run(args: &FactorsArgs) -> Result<Outcome> {
     let asked = &args.table;
     guard(asked, &[])?;
     FactorTable::check(&asked.output)?;
-    let sources = Sources::open(asked)?;
+    let sources = sources::open(asked)?;
     let archives = sources.borrowed();
     say_north(asked, archives.manifest());
     let chosen = choose(asked, archives)?;
@@ -23,7 +23,7 @@ pub fn run(args: &FactorsArgs) -> Result<Outcome> {
     let steps_deg = (args.azimuth_step, args.altitude_step);
     let room = (MemoryBudget::new(asked.memory.0), &storage as _);
     let rows = FactorRows::new(&chosen, steps_deg, asked.by, room)?;
-    let about = invocation::provenance().with_archive(&asked.archive, archives.first());
+    let about = archives.told_in(invocation::provenance(), &asked.archive);
     let mut table = FactorTable::create(&asked.output, asked.by.name(), rows.grid(), &about)?;
     rows.each(&Terminal::default(), |name, factors| {
         table.write(name, factors)?;

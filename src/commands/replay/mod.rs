@@ -46,7 +46,7 @@ pub fn query(args: &QueryArgs) -> Result<Outcome> {
     pictures::guard(&args.common, &inputs, None)?;
     ResultFormat::of(&args.common.table.output, args.common.geo)?;
     let file = read_conditions(&args.conditions)?;
-    let sources = Sources::open(&args.common.table)?;
+    let sources = sources::open(&args.common.table)?;
     let archives = sources.borrowed();
     file.warnings.iter().for_each(|w| warn(w));
     let changes = changes(&args.common);
@@ -112,12 +112,12 @@ pub(super) fn opened(args: &ReplayArgs) -> Result<(Sources, Weather, DatedRows)>
     let options = args.about_weather.options(longwave);
     let mut sources = None;
     let weather = read_weather_as(&args.weather, &options, &mut || {
-        Ok(sources.insert(Sources::open(&args.common.table)?).borrowed().manifest().place)
+        Ok(sources.insert(sources::open(&args.common.table)?).borrowed().manifest().place)
     })?;
     weather.report.warnings.iter().for_each(|w| warn(w));
     let (dated, odd) = dated(args, &span, &weather)?;
     odd.iter().for_each(|text| note(text));
-    let sources = sources.map_or_else(|| Sources::open(&args.common.table), Ok)?;
+    let sources = sources.map_or_else(|| sources::open(&args.common.table), Ok)?;
     let archives = sources.borrowed();
     let apart = archives.manifest().place.and_then(|place| far_apart(&place, &weather));
     apart.iter().for_each(|apart| warn(apart));
@@ -171,10 +171,7 @@ fn asks_longwave(args: &RecombineArgs) -> bool {
 
 /// What results of a series were made from.
 fn made_from(series: &Series, args: &RecombineArgs, archives: Archives) -> Provenance {
-    let about = match archives.only() {
-        Some(archive) => series.provenance.clone().with_archive(&args.table.archive, archive),
-        None => series.provenance.clone().with_parts(&args.table.archive, &archives.roots()),
-    };
+    let about = archives.told_in(series.provenance.clone(), &args.table.archive);
     about.with_option("patches", args.patches.unwrap_or_else(|| archives.manifest().settings.patches()))
 }
 

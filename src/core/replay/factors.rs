@@ -89,7 +89,7 @@ fn steps(last: f64, step: f64) -> Vec<f64> {
     (0..=count as usize).map(|i| last * i as f64 / count).collect()
 }
 
-/// Names of the factors, in the order of [`Factors::of`].
+/// Names of the factors, in the order of [`SunGrid::factors`].
 pub const FACTORS: [&str; 5] =
     ["ReflFacBmToDiffSolObs", "ReflFacBmToDiffSolGnd", "ReflFacSkySolObs", "ReflFacSkySolGnd", "ReflFacBmToBmSolObs"];
 
@@ -102,16 +102,11 @@ pub const PARTS: [Component; 5] = [
     Component::SunSpecular,
 ];
 
-/// Factors of an archive's receivers.
-pub struct Factors<'a> {
-    grid: SunGrid,
-    replay: Replay<'a>,
-}
-
-impl<'a> Factors<'a> {
-    /// Makes suns and a sky ready; `settings` say what memory it takes, their light is not looked at. Errors as of [`Replay::scheduled`].
-    pub fn new(site: &OpenSite<'a>, grid: SunGrid, settings: ReplaySettings) -> Result<Self> {
-        let mut conditions = grid.conditions(SOURCE_W_M2);
+impl SunGrid {
+    /// Makes these suns and a sky ready; `settings` say what memory it takes, their light is not looked at. Factors are made of its irradiances,
+    /// [`PARTS`], by [`SunGrid::labels`]. Errors as of [`Replay::scheduled`].
+    pub fn replay<'a>(&self, site: &OpenSite<'a>, settings: ReplaySettings) -> Result<Replay<'a>> {
+        let mut conditions = self.conditions(SOURCE_W_M2);
         let up = direction_from_degrees(0.0, 90.0);
         conditions.push(Condition::new("sky".into(), &[up], up, 0.0, SOURCE_W_M2));
         let grounds = site.grounds();
@@ -122,30 +117,20 @@ impl<'a> Factors<'a> {
         let components = ComponentSet::of(&PARTS);
         let settings = ReplaySettings { sky: SkyModel::Uniform, paths: LightPaths::FIRST, components, ..settings };
         let bins = Bins::each(conditions.len());
-        Ok(Factors { replay: Replay::scheduled(site, &conditions, settings, &bins, &schedules)?, grid })
-    }
-
-    /// Positions of the sun.
-    pub fn grid(&self) -> &SunGrid {
-        &self.grid
+        Replay::scheduled(site, &conditions, settings, &bins, &schedules)
     }
 
     /// Number of irradiances of a part: a label for each sun, and one for the sky.
     pub fn labels(&self) -> usize {
-        self.grid.suns().count() + 1
-    }
-
-    /// The irradiances that factors are made of, [`PARTS`], by [`Factors::labels`].
-    pub fn irradiances(&self) -> &Replay<'a> {
-        &self.replay
+        self.suns().count() + 1
     }
 
     /// Factors of each sun, of the irradiances of a receiver, or of means over some: `row` gives those of a part by label.
-    pub fn of<'r>(&'r self, row: impl Fn(Component) -> &'r [f32]) -> impl Iterator<Item = [f64; 5]> + 'r {
+    pub fn factors<'r>(&'r self, row: impl Fn(Component) -> &'r [f32]) -> impl Iterator<Item = [f64; 5]> + 'r {
         let [obstruction, ground, sky_obstruction, sky_ground, mirrored] = PARTS.map(row);
         let share = |rows: &[f32], label: usize| rows.get(label).map_or(0.0, |v| f64::from(*v) / SOURCE_W_M2);
         let sky = self.labels() - 1;
-        self.grid.suns().enumerate().map(move |(sun, (_, altitude))| {
+        self.suns().enumerate().map(move |(sun, (_, altitude))| {
             // Altitudes are above 0.
             let on_ground = share(ground, sun) / altitude.to_radians().sin();
             let by_sky = [sky_obstruction, sky_ground].map(|rows| share(rows, sky));

@@ -60,13 +60,13 @@ def main(here: Path) -> None:
 
     # %% [markdown]
     # ## A box
-    # Parts that it does not touch stay closed.
+    # The atlas is asked like one archive; parts that the box does not touch stay closed.
 
     # %%
     x, y = atlas.parts()[0].low
     box = (x + 1, y + 1, x + 20, y + 20)
-    for part, results in atlas.replay(WEATHER, bbox=box, every="total", columns=["total"]):
-        print(f"{part.name}: {len(results.receivers)} receivers, at most {results['total'].max():.2f} kWh/m2")
+    results = atlas.replay(WEATHER, receivers={"bbox": box}, every="total", columns=["total"])
+    print(f"{len(results.receivers)} receivers, at most {results['total'].max():.2f} kWh/m2")
 
 
 # %%

@@ -9,7 +9,8 @@
 
 from . import errors
 from ._heliotile import __version__, tiles_computed
-from .archive import Archive, Factors, Material, Place
+from .archive import Archive
+from .askable import Factors, Material, Place
 from .atlas import Atlas, AtlasPart
 from .errors import (
     ArgumentError,

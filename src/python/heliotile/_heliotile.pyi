@@ -1,6 +1,6 @@
 """The compiled part. Arguments are those that the modules beside it make; use these."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 Progress = Callable[[str, int, int | None], object]
@@ -14,7 +14,7 @@ def tiles_computed() -> int:
     """Tiles of 64 receivers that this process has computed since it began."""
 
 def atlas_parts(
-    atlas: str, bbox: tuple[float, float, float, float] | None = None
+    atlas: str, bbox: Sequence[float] | None = None
 ) -> list[tuple[str, tuple[float, float], tuple[float, float], str, str | None]]: ...
 def shown(place: str) -> str:
     """What messages call a place: of an address, no password and no signature."""
@@ -58,6 +58,9 @@ class LazyReplay:
 class ArchiveHandle:
     @staticmethod
     def open(place: str, access: str, grid_north: bool) -> ArchiveHandle: ...
+    @staticmethod
+    def open_atlas(atlas: str, bbox: Sequence[float] | None = None, grid_north: bool = False) -> ArchiveHandle: ...
+    def chosen(self, receivers: Any, memory: int) -> list[list[str] | None]: ...
     @property
     def root(self) -> str: ...
     @property

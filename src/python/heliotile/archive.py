@@ -3,62 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _heliotile
+from .askable import Askable, Place, Wanted
 from .errors import InputError
-from .results import Results
-from .tables import columns_of, csv_of
-from .weather import Weather
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from .scene import BuildReport
 
-#: `progress(stage, done, items)` is called up to twenty times a second; `items` is None where nobody knows how many there are. What it
-#: raises stops the work.
-Progress = Callable[[str, int, "int | None"], object]
 
-#: A number, a path of a CSV file, or a value for each row of the weather, or for each month.
-Follow = Any
-
-#: Ids, a path of a CSV file, or one of `{"objects": names}`, `{"surfaces": names}`, `{"bbox": (xmin, ymin, xmax, ymax)}`.
-Wanted: TypeAlias = "Sequence[str] | str | os.PathLike[str] | Mapping[str, str | Sequence[str] | Sequence[float]]"
-
-#: What a session works in unless more is said, bytes.
-MEMORY = 4 << 30
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where an archive lies."""
-
-    latitude_deg: float
-    longitude_deg: float
-    convergence_deg: float
-    """How far y lies clockwise from true north."""
-    epsg: int | None
-
-
-@dataclass(frozen=True)
-class Material:
-    """What surfaces of one name reflect, shares of the light."""
-
-    name: str
-    diffuse: float
-    specular: float
-    transmittance: float | None
-    group: str | None
-    kind: str
-    """`ground` or `obstruction`."""
-
-
-class Archive:
+class Archive(Askable):
     """A site that was traced once: replay any weather, ask for any sun and sky. Many threads may use one; it pickles by its path.
 
     Use `Archive.open`.
@@ -66,7 +23,7 @@ class Archive:
 
     def __init__(self, handle: _heliotile.ArchiveHandle, path: str, access: str = "map", grid_north: bool = False) -> None:
         self._handle = handle
-        self._table: dict[str, np.ndarray] | None = None
+        self._known: dict[str, np.ndarray] | None = None
         self.path, self.access, self.grid_north = path, access, grid_north
         self.built: BuildReport | None = None
         """What was done, where `build` gave this archive."""
@@ -106,166 +63,22 @@ class Archive:
         """Settings of the build."""
         return dict(self._handle.settings)
 
-    def materials(self) -> list[Material]:
-        """Whose reflectance a replay can change."""
-        return [Material(*row) for row in self._handle.materials()]
+    def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
+        return self._handle
 
-    def receivers(self, receivers: Wanted | None = None, *, memory: int = MEMORY) -> dict[str, np.ndarray]:
-        """All receivers, or those that are asked for as in `replay`, in the order of results: `pandas.DataFrame(archive.receivers())`.
-
-        Read-only arrays of shape `(receivers,)`: `receiver` (id), `x, y, z` in metres, the unit normal `nx, ny, nz`, `area` in m2 (NaN where
-        nobody says), `surface, object, building, kind` (empty where nobody says), and the shares of the hemisphere `sky_view, ground_view,
-        obstruction_view`.
-        """
-        if receivers is None and self._table is not None:
-            return dict(self._table)
-        table = {name: np.asarray(values) for name, values in self._handle.receivers(_wanted(receivers), memory).items()}
-        if receivers is None:
-            self._table = table
-        return dict(table)
-
-    def replay(
-        self,
-        weather: Any,
-        *,
-        every: str = "hour",
-        columns: Sequence[str] | None = None,
-        receivers: Wanted | None = None,
-        reflectance: Mapping[str, Follow] | None = None,
-        transmittance: Mapping[str, Follow] | None = None,
-        snow: str | None = None,
-        snow_reflectance: float = 0.6,
-        temperature: Mapping[str, Follow] | None = None,
-        sky: str = "perez",
-        patches: int | None = None,
-        paths: str | Sequence[str] = "all",
-        bounces: int | None = None,
-        steps: int | None = None,
-        stamp: str = "start",
-        year: int | None = None,
-        start: str | None = None,
-        end: str | None = None,
-        memory: int = MEMORY,
-        progress: Progress | None = None,
-    ) -> Results:
-        """Irradiance through weather: `heliotile replay`, value by value.
-
-        Parameters
-        ----------
-        weather
-            A path, a DataFrame with pvlib's names, or a `Weather`.
-        every
-            `"hour"`: means over the intervals of the weather, W/m2. `"day"`, `"month"`, `"year"`, `"total"`: sums, kWh/m2.
-        columns
-            Names of components; default: the six and their `total`.
-        receivers
-            Ids, or the path of a CSV file with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
-            `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. Tiles without any of them are
-            neither read nor computed.
-        reflectance, transmittance
-            By group, material or class: a number from 0 to 1, the path of a CSV file, or an array with a value for each row of the
-            weather, or twelve for the months.
-        snow, snow_reflectance
-            `"depth"` or `"albedo"`: the ground follows the weather's snow depth, or its albedo.
-        temperature
-            For the column `longwave`, of `ground` and `obstruction`, degrees Celsius: as `reflectance`.
-        sky, patches, paths, bounces, steps
-            As in the program: the book's page of query and replay.
-        stamp
-            Which moment of its interval a row of means is labelled with: `"start"`, `"middle"` or `"end"`.
-        year
-            Puts all rows into one year.
-        start, end
-            First and last day, or moment, that counts: `"2019-03-01"`, `"03-01T06:00"`.
-        memory
-            Bytes to work in, besides the results.
-        progress
-            Called now and then with the stage, how much of it is done, and how much there is.
-        """
-        light = light_args(columns, reflectance, transmittance, sky, patches, paths, bounces, memory)
-        args = replay_args(weather, every, stamp, year, start, end, steps, snow, snow_reflectance, temperature)
-        return self._results(self._handle.replay(light, args, _wanted(receivers), progress), receivers is None)
-
-    def query(
-        self,
-        conditions: Any,
-        *,
-        columns: Sequence[str] | None = None,
-        receivers: Wanted | None = None,
-        reflectance: Mapping[str, Follow] | None = None,
-        transmittance: Mapping[str, Follow] | None = None,
-        sky: str = "perez",
-        patches: int | None = None,
-        paths: str | Sequence[str] = "all",
-        bounces: int | None = None,
-        memory: int = MEMORY,
-        progress: Progress | None = None,
-    ) -> Results:
-        """Irradiance under suns and skies, W/m2: `heliotile query`, value by value.
-
-        `conditions` is the path of a CSV file, a DataFrame or a mapping of arrays with the columns `sun_azimuth_deg` (clockwise from true
-        north), `sun_altitude_deg`, `dni_w_m2`, `dhi_w_m2`, and `condition`, a name for each, which may be left out. The rest is as in `replay`.
-        """
-        light = light_args(columns, reflectance, transmittance, sky, patches, paths, bounces, memory)
-        source: dict[str, Any] = {"name": "conditions", "bytes": None}
-        if isinstance(conditions, (str, os.PathLike)):
-            source["name"] = os.fspath(conditions)
-        else:
-            table = columns_of(conditions, "conditions")
-            if "condition" not in table and table:
-                table["condition"] = np.arange(len(next(iter(table.values()))))
-            source["bytes"] = csv_of(table)
-        return self._results(self._handle.query(light, source, _wanted(receivers), progress), receivers is None)
-
-    def _results(self, handle: _heliotile.Recombined, whole: bool) -> Results:
-        # What is known of some receivers is read by their ids: their tiles alone, not the table of all.
-        results = Results(handle, lambda: self.receivers(None if whole else results.receivers))
-        return results
-
-    def factors(
-        self,
-        *,
-        azimuth_step: float = 10.0,
-        altitude_step: float = 5.0,
-        by: str = "receiver",
-        receivers: Wanted | None = None,
-        memory: int = MEMORY,
-        progress: Progress | None = None,
-    ) -> Factors:
-        """What surroundings reflect as EnergyPlus' five factors over the sun's position: `heliotile factors`.
-
-        Steps are in degrees; `by` is `"receiver"`, `"surface"`, `"object"`, `"building"` or `"kind"`: means by area.
-        """
-        steps = (azimuth_step, altitude_step)
-        found = self._handle.factors(steps, by, _wanted(receivers), memory, progress)
-        return Factors(by, found[0], np.array(found[1]), np.array(found[2]), {name: np.asarray(v) for name, v in found[3]})
+    def _table(self, opened: _heliotile.ArchiveHandle, receivers: Wanted | None, memory: int) -> dict[str, np.ndarray]:
+        # That of all is asked for again and again.
+        if receivers is not None:
+            return super()._table(opened, receivers, memory)
+        if self._known is None:
+            self._known = super()._table(opened, None, memory)
+        return dict(self._known)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _reopen, (type(self), absolute(self.path), self.access, self.grid_north, self.root)
 
     def __repr__(self) -> str:
         return f"Archive({self.path!r}, {self.count} receivers in {self.tiles} tiles, root {self.root[:16]})"
-
-
-@dataclass(frozen=True)
-class Factors:
-    """The five factors of EnergyPlus over the sun's position, for ground that reflects all."""
-
-    by: str
-    names: list[str]
-    """Receivers, surfaces and so on."""
-    azimuths_deg: np.ndarray
-    altitudes_deg: np.ndarray
-    values: dict[str, np.ndarray]
-    """`ReflFac...`: float64, shape (names, azimuths, altitudes)."""
-
-    def to_xarray(self) -> xr.Dataset:
-        """A Dataset with the dimensions of the names, `sun_azimuth_deg` and `sun_altitude_deg`."""
-        import xarray as xr
-
-        dims = (self.by, "sun_azimuth_deg", "sun_altitude_deg")
-        coordinates = dict(zip(dims, (np.array(self.names), self.azimuths_deg, self.altitudes_deg), strict=True))
-        return xr.Dataset({name: (dims, values, {"units": "1"}) for name, values in self.values.items()}, coordinates)
 
 
 def absolute(path: str) -> str:
@@ -279,78 +92,3 @@ def _reopen(cls: type[Archive], path: str, access: str, grid_north: bool, root: 
     if archive.root != root:
         raise InputError(f"{path}: is another archive than the one that was pickled\n  to fix: open it again and pickle that")
     return archive
-
-
-def _wanted(receivers: Wanted | None) -> list[str] | str | dict[str, list[Any]] | None:
-    if receivers is None or isinstance(receivers, str):
-        return receivers
-    if isinstance(receivers, os.PathLike):
-        return os.fspath(receivers)
-    if isinstance(receivers, Mapping):
-        return {by: [of] if isinstance(of, str) else list(of) for by, of in receivers.items()}
-    return [str(receiver) for receiver in receivers]
-
-
-def _follow(changes: Mapping[str, Follow] | None, column: str) -> list[tuple[str, Any]]:
-    """Numbers and paths as they are, arrays as the bytes of a schedule."""
-    found: list[tuple[str, Any]] = []
-    for name, value in (changes or {}).items():
-        if isinstance(value, os.PathLike):
-            value = os.fspath(value)
-        elif not isinstance(value, str) and np.ndim(value) > 0:
-            value = csv_of(columns_of({column: np.asarray(value, dtype=float)}, f"{column}[{name!r}]"))
-        elif not isinstance(value, str):
-            value = float(value)
-        found.append((name, value))
-    return found
-
-
-def light_args(
-    columns: Sequence[str] | None,
-    reflectance: Mapping[str, Follow] | None,
-    transmittance: Mapping[str, Follow] | None,
-    sky: str,
-    patches: int | None,
-    paths: str | Sequence[str],
-    bounces: int | None,
-    memory: int,
-) -> dict[str, Any]:
-    """Choices of light as the engine takes them."""
-    joined = [columns] if isinstance(columns, str) else columns
-    return {
-        "columns": None if joined is None else ",".join(joined),
-        "sky": sky,
-        "patches": patches,
-        "paths": paths if isinstance(paths, str) else ",".join(paths),
-        "bounces": bounces,
-        "reflectance": _follow(reflectance, "reflectance"),
-        "transmittance": _follow(transmittance, "transmittance"),
-        "memory": memory,
-    }
-
-
-def replay_args(
-    weather: Any,
-    every: str,
-    stamp: str,
-    year: int | None,
-    start: str | None,
-    end: str | None,
-    steps: int | None,
-    snow: str | None,
-    snow_reflectance: float,
-    temperature: Mapping[str, Follow] | None,
-) -> dict[str, Any]:
-    """Choices of a replay as the engine takes them."""
-    return {
-        **Weather.of(weather).args(),
-        "every": every,
-        "stamp": stamp,
-        "year": year,
-        "from": start,
-        "to": end,
-        "steps": steps,
-        "snow": snow,
-        "snow_reflectance": snow_reflectance,
-        "temperature": _follow(temperature, "temperature_c"),
-    }

@@ -5,21 +5,20 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import _heliotile
 from .archive import Archive
+from .askable import MEMORY, Askable, Wanted, wanted_args
 from .errors import Error, InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .results import Results
-
-#: xmin, ymin, xmax, ymax in the coordinates of the scene files, metres.
-Box = tuple[float, float, float, float]
+#: xmin, ymin, xmax, ymax in the coordinates of the scene files, metres; zmin, zmax behind them if heights count.
+Box: TypeAlias = Sequence[float]
 
 
 @dataclass(frozen=True)
@@ -36,17 +35,19 @@ class AtlasPart:
     """Path or address of its archive, if it is built."""
 
 
-class Atlas:
-    """A region in parts. Nothing is opened before it is asked for; it pickles by its path."""
+class Atlas(Askable):
+    """A region in parts, asked like one archive: rows are those of the parts one after the other, in the order of `parts()`. Nothing is opened
+    before it is asked for, and then only parts that a `bbox` touches, where receivers are chosen by one; it pickles by its path.
+    """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = os.fspath(path)
+    def __init__(self, path: str | os.PathLike[str], grid_north: bool = False) -> None:
+        self.path, self.grid_north = os.fspath(path), grid_north
         _heliotile.atlas_parts(self.path, (0.0, 0.0, 0.0, 0.0))
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str]) -> Atlas:
-        """The atlas of a folder, or of an address such as `s3://bucket/atlas`."""
-        return cls(path)
+    def open(cls, path: str | os.PathLike[str], *, grid_north: bool = False) -> Atlas:
+        """The atlas of a folder, or of an address such as `s3://bucket/atlas`. `grid_north` as of `Archive.open`."""
+        return cls(path, grid_north)
 
     def parts(self, bbox: Box | None = None) -> list[AtlasPart]:
         """Its parts by name, those that a box touches if there is one, as they are now."""
@@ -54,14 +55,18 @@ class Atlas:
 
     def archives(self, bbox: Box | None = None) -> Iterator[tuple[AtlasPart, Archive]]:
         """Parts that hold receivers, opened one after the other; one that is not built is an error."""
+        for part in self._built(bbox):
+            if part.archive is not None:
+                yield part, Archive.open(part.archive, grid_north=self.grid_north)
+
+    def _built(self, bbox: Box | None = None) -> list[AtlasPart]:
+        """Its parts; one that is not built is an error."""
         parts = self.parts(bbox)
         missing = [part.name for part in parts if part.state == "missing"]
         if missing:
             what = f"{len(missing)} of its parts are not built yet: {', '.join(missing[:5])}"
             raise InputError(f"{_heliotile.shown(self.path)}: {what}\n  to fix: Atlas.build(name), heliotile.dask.build(atlas, client), or another bbox")
-        for part in parts:
-            if part.archive is not None:
-                yield part, Archive.open(part.archive)
+        return parts
 
     def build(self, part: str, *, threads: int | None = None, fresh: bool = False) -> AtlasPart:
         """Builds a part, by its name, in a process of its own; one that is there and fits is kept. Below an address, it is published when it is whole.
@@ -76,30 +81,46 @@ class Atlas:
             raise Error(done.stderr.strip().removeprefix("heliotile: ") or f"the build of {part} ended with {done.returncode}")
         return next(known for known in self.parts() if known.name == part)
 
-    def replay(self, weather: Any, *, bbox: Box | None = None, **choices: Any) -> Iterator[tuple[AtlasPart, Results]]:
-        """Results part by part; arguments are those of `Archive.replay`. With `bbox` only receivers of parts that it touches."""
-        for part, archive in self.archives(bbox):
-            yield part, archive.replay(weather, **choices)
+    def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
+        return _heliotile.ArchiveHandle.open_atlas(self.path, _box(receivers), self.grid_north)
 
-    def to_xarray(self, weather: Any, *, bbox: Box | None = None, **choices: Any) -> xr.Dataset:
-        """One Dataset of all parts, a chunk each: nothing is replayed before values are asked for. Needs xarray and dask.
+    def _chosen(self, receivers: Wanted | None) -> list[tuple[AtlasPart, str, list[str] | None]]:
+        """Parts that hold what is asked for, their archives, and its ids; None: all."""
+        if receivers is None:
+            found: list[tuple[AtlasPart, str, list[str] | None]] = [(part, part.archive, None) for part in self._built() if part.archive is not None]
+            if not found:
+                raise InputError(f"{_heliotile.shown(self.path)}: no part of it holds a receiver\n  to fix: heliotile info ATLAS says what it is of")
+            return found
+        # Opened, it has no part that is missing: these are the archives that are open.
+        ids = self._open(receivers).chosen(wanted_args(receivers), MEMORY)
+        parts = [(part, part.archive) for part in self.parts(_box(receivers)) if part.archive is not None]
+        return [(part, archive, some) for (part, archive), some in zip(parts, ids, strict=True) if some is None or some]
+
+    def to_xarray(self, weather: Any, *, receivers: Wanted | None = None, **choices: Any) -> xr.Dataset:
+        """One Dataset of all parts, or of those that hold the `receivers`, a chunk each: nothing is replayed before values are asked for. Needs
+        xarray and dask.
 
         Arguments are those of `xarray.open_dataset(..., engine="heliotile")`; receivers have a coordinate `part`.
         """
         import xarray as xr
 
         opened: list[xr.Dataset] = []
-        for part, archive in self.archives(bbox):
-            one = xr.open_dataset(archive, engine="heliotile", weather=weather, chunks={}, **choices)  # type: ignore[arg-type]
+        for part, path, ids in self._chosen(receivers):
+            archive: Any = Archive.open(path, grid_north=self.grid_north)
+            one = xr.open_dataset(archive, engine="heliotile", weather=weather, chunks={}, **choices)
+            one = one if ids is None else one.sel(receiver=ids)
             opened.append(one.chunk({"receiver": -1}).assign_coords(part=("receiver", [part.name] * one.sizes["receiver"])))
-        if not opened:
-            raise InputError(f"{_heliotile.shown(self.path)}: no part holds a receiver there\n  to fix: bbox is in the coordinates of the scene files")
         return xr.concat(opened, dim="receiver", data_vars="all", coords="minimal", compat="override", join="override", combine_attrs="drop_conflicts")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.path,)
+        return type(self), (self.path, self.grid_north)
 
     def __repr__(self) -> str:
         parts = self.parts()
         built = sum(part.state == "built" for part in parts)
         return f"Atlas({_heliotile.shown(self.path)!r}, {len(parts)} parts, {built} built)"
+
+
+def _box(receivers: Wanted | None) -> Any:
+    """The numbers of a box that receivers are chosen by; parts that it does not touch hold none of them."""
+    return tuple(receivers["bbox"]) if isinstance(receivers, Mapping) and "bbox" in receivers else None

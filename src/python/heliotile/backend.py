@@ -12,7 +12,8 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from .archive import MEMORY, Archive, Follow, light_args, replay_args
+from .archive import Archive
+from .askable import MEMORY, Follow, light_args, replay_args
 from .lazy import LazyReplay
 
 #: Receivers of a tile: what is computed at a time.

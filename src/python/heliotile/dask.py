@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from .archive import Archive
-from .atlas import Atlas, Box
-from .errors import InputError
+from .askable import Wanted
+from .atlas import Atlas
 from .workers import share_threads
 
 if TYPE_CHECKING:
@@ -41,25 +41,26 @@ def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = N
     return wanted
 
 
-def replay(atlas: Atlas | str, weather: Any, *, bbox: Box | None = None, **choices: Any) -> dd.DataFrame:
-    """Rows of `Archive.replay(...).to_pandas()` as a Dask DataFrame with a partition for each part. Nothing is replayed before it is computed."""
+def replay(atlas: Atlas | str, weather: Any, *, receivers: Wanted | None = None, **choices: Any) -> dd.DataFrame:
+    """Rows of `Atlas.replay(...).to_pandas()` as a Dask DataFrame with a partition for each part that holds some of the `receivers`. Nothing is
+    replayed before it is computed."""
     import dask.dataframe as dd
 
     atlas = atlas if isinstance(atlas, Atlas) else Atlas.open(atlas)
-    archives = [archive.path for _, archive in atlas.archives(bbox)]
-    if not archives:
-        raise InputError(f"{atlas.path}: no part holds a receiver there\n  to fix: bbox is in the coordinates of the scene files")
-    first = Archive.open(archives[0])
-    meta = _rows(archives[0], weather, choices | {"receivers": [str(first.receivers()["receiver"][0])]}).iloc[:0]
-    return dd.from_map(_rows, archives, weather=weather, choices=choices, meta=meta)
+    chosen = [(archive, ids) for _, archive, ids in atlas._chosen(receivers)]
+    first, ids = chosen[0]
+    some = ids or Archive.open(first).receivers()["receiver"].tolist()
+    meta = _rows((first, some[:1]), weather, choices, atlas.grid_north).iloc[:0]
+    return dd.from_map(_rows, chosen, weather=weather, choices=choices, grid_north=atlas.grid_north, meta=meta)
 
 
 def _build(part: str, atlas: str, threads: int) -> str:
     return Atlas.open(atlas).build(part, threads=threads).name
 
 
-def _rows(archive: str, weather: Any, choices: dict[str, Any]) -> pd.DataFrame:
+def _rows(chosen: tuple[str, list[str] | None], weather: Any, choices: dict[str, Any], grid_north: bool) -> pd.DataFrame:
     share_threads()
-    rows = Archive.open(archive).replay(weather, **choices).to_pandas()
+    archive, ids = chosen
+    rows = Archive.open(archive, grid_north=grid_north).replay(weather, receivers=ids, **choices).to_pandas()
     # Categories of one part are not those of another.
     return rows.astype({"receiver": str})

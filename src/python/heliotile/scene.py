@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _heliotile
-from .archive import MEMORY, Archive, Progress
+from .archive import Archive
+from .askable import MEMORY, Progress
 from .tables import columns_of, csv_of
 
 

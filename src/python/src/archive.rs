@@ -1,4 +1,5 @@
-//! An archive that is open. In: a path. Out: its receivers, what they get under weather or conditions, factors over the sun's position.
+//! An archive that is open, or those of an atlas. In: a path. Out: receivers, what they get under weather or conditions, factors over the sun's
+//! position.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,21 +15,24 @@ use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
 use crate::table::columns_of;
 use crate::work;
+use heliotile::atlas::{Sources, archives};
 use heliotile::files::open_archive;
-use heliotile::recombine::{Chosen, FactorRows, Streamed};
+use heliotile::recombine::{Chosen, ChosenPart, FactorRows, Streamed};
 use heliotile::{Access, Archive, Bounds, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
 use heliotile_builder::spill::TempFiles;
-use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_core::archive::format;
 use heliotile_core::memory::Use;
 use heliotile_core::replay::factors::FACTORS;
 
-/// An archive, and which way is north. Many threads may read it at once.
+/// An archive, or parts of an atlas, and which way is north. Many threads may read it at once.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct ArchiveHandle {
-    archive: Arc<Archive>,
+    sources: Arc<Sources>,
+    /// Where the archive lies, or the atlas.
+    place: PathBuf,
     grid_north: bool,
 }
+
 
 /// Name, diffuse and specular reflectance, transmittance, group, class.
 type MaterialRow = (String, f64, f64, Option<f64>, Option<String>, String);
@@ -52,15 +56,12 @@ pub enum Of {
 }
 
 impl Wanted {
-    /// One byte for each receiver of the archive.
-    fn kept(&self, site: &OpenSite, memory: MemoryBudget) -> Result<Vec<bool>> {
-        let selection = self.selection()?;
-        selection.resolve(std::slice::from_ref(site), &std::env::temp_dir(), memory.length(Use::ReceiverList))
+    /// One byte for each receiver of the archives.
+    fn kept(&self, sites: &[OpenSite], memory: MemoryBudget) -> Result<Vec<bool>> {
+        self.selection()?.resolve(sites, &std::env::temp_dir(), memory.length(Use::ReceiverList))
     }
 
     fn selection(&self) -> Result<Selection> {
-        const HINT: &str =
-            "say which by one of {\"objects\": names}, {\"surfaces\": names} and {\"bbox\": (xmin, ymin, xmax, ymax)}";
         let of = match self {
             Wanted::Ids(ids) if ids.is_empty() => {
                 return Err(Error::argument("receivers", "the list is empty", "leave it out for all of them"));
@@ -74,11 +75,20 @@ impl Wanted {
             (Some((by, Of::Names(names))), None) if by == "objects" => Ok(Selection::Objects(names.clone())),
             (Some((by, Of::Names(names))), None) if by == "surfaces" => Ok(Selection::Surfaces(names.clone())),
             (Some((by, Of::Numbers(numbers))), None) if by == "bbox" => {
-                Bounds::of(numbers).map(Selection::Bounds).map_err(|found| Error::argument("receivers", found, HINT))
+                bounds_of(numbers.clone()).map(Selection::Bounds)
             }
             _ => Err(Error::argument("receivers", "are chosen by something else", HINT)),
         }
     }
+}
+
+/// What a choice of receivers may be.
+const HINT: &str =
+    "say which by one of {\"objects\": names}, {\"surfaces\": names} and {\"bbox\": (xmin, ymin, xmax, ymax)}";
+
+/// A box of numbers.
+pub fn bounds_of(numbers: Vec<f64>) -> Result<Bounds> {
+    Bounds::of(&numbers).map_err(|found| Error::argument("receivers", found, HINT))
 }
 
 /// The site of an archive, with the north that is asked for.
@@ -94,35 +104,56 @@ impl ArchiveHandle {
     fn open(py: Python<'_>, place: PathBuf, access: &str, grid_north: bool) -> PyResult<Self> {
         let access: Access = by_name("access", access).map_err(|error| raised(py, &error))?;
         let archive = work::run(py, None, |_| open_archive(&place, access))?;
-        Ok(ArchiveHandle { archive: Arc::new(archive), grid_north })
+        Ok(ArchiveHandle { sources: Arc::new(archive.into()), place, grid_north })
+    }
+
+    /// Opens the parts of an atlas that a box `xmin, ymin, xmax, ymax[, zmin, zmax]` touches, all of them without one.
+    #[staticmethod]
+    #[pyo3(signature = (atlas, bbox=None, grid_north=false))]
+    fn open_atlas(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>, grid_north: bool) -> PyResult<Self> {
+        let sources = work::run(py, None, |_| archives(&atlas, bbox.map(bounds_of).transpose()?, Access::default()))?;
+        Ok(ArchiveHandle { sources: Arc::new(sources), place: atlas, grid_north })
+    }
+
+    /// Of each archive in turn the ids of what is chosen of it; none: all of it.
+    #[pyo3(signature = (receivers, memory))]
+    fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: u64) -> PyResult<Vec<Option<Vec<String>>>> {
+        work::run(py, None, |_| {
+            let chosen = self.choose(Some(receivers), MemoryBudget::new(memory))?;
+            let ids = |part: &ChosenPart| {
+                let all = part.count() == part.site.receivers();
+                (!all).then(|| part.rows::<()>().map(|row| Ok(row?.receiver.id)).collect()).transpose()
+            };
+            chosen.parts().iter().map(ids).collect()
+        })
     }
 
     #[getter]
     fn root(&self) -> String {
-        format::hex(&self.archive.root())
+        format::hex(&self.archive().root())
     }
 
     #[getter]
     fn tiles(&self) -> u32 {
-        self.archive.tiles()
+        self.sources.borrowed().iter().map(Archive::tiles).sum()
     }
 
     #[getter]
     fn count(&self) -> u64 {
-        self.archive.manifest().receivers.count
+        self.sources.borrowed().iter().map(|archive| archive.manifest().receivers.count).sum()
     }
 
     /// Latitude, longitude, convergence of the grid, all in degrees, and the EPSG number.
     #[getter]
     fn place(&self) -> Option<(f64, f64, f64, Option<u32>)> {
-        let place = self.archive.manifest().place.as_ref()?;
+        let place = self.archive().manifest().place.as_ref()?;
         Some((place.latitude_deg, place.longitude_deg, place.convergence_deg, place.epsg))
     }
 
     /// Settings of the build and their numbers; expected error in percent, if one was asked for.
     #[getter]
     fn settings(&self) -> Vec<(String, String)> {
-        let settings = &self.archive.manifest().settings;
+        let settings = &self.archive().manifest().settings;
         let quality = ("quality".to_owned(), settings.quality.clone());
         let numbers = settings.numbers().map(|(setting, number)| (setting.name.to_owned(), number.to_string()));
         std::iter::once(quality).chain(numbers).collect()
@@ -130,26 +161,26 @@ impl ArchiveHandle {
 
     /// Names, diffuse and specular reflectance, transmittance, group and class of the materials.
     fn materials(&self, py: Python<'_>) -> PyResult<Vec<MaterialRow>> {
-        let site = OpenSite::of(&self.archive).map_err(|error| raised(py, &error))?;
         let row = |m: &heliotile::Material| {
             let class = format!("{:?}", m.class).to_lowercase();
             (m.name.clone(), m.diffuse, m.specular, m.transmittance, m.group.clone(), class)
         };
-        Ok(site.materials().iter().map(row).collect())
+        let mut rows: Vec<MaterialRow> = Vec::new();
+        for archive in self.sources.borrowed().iter() {
+            let site = OpenSite::of(archive).map_err(|error| raised(py, &error))?;
+            for material in site.materials() {
+                if rows.iter().all(|(known, ..)| *known != material.name) {
+                    rows.push(row(material));
+                }
+            }
+        }
+        Ok(rows)
     }
 
     /// Columns of all receivers or of some, in the order of results.
     #[pyo3(signature = (receivers, memory))]
     fn receivers<'py>(&self, py: Python<'py>, receivers: Option<Wanted>, memory: u64) -> PyResult<Bound<'py, PyDict>> {
-        let columns = work::run(py, None, |_| {
-            let site = OpenSite::of(&self.archive)?;
-            let kept = receivers.map(|wanted| wanted.kept(&site, MemoryBudget::new(memory))).transpose()?;
-            let rows = match &kept {
-                Some(kept) => ArchiveReceivers::chosen(&site, &self.archive, kept),
-                None => ArchiveReceivers::new(&site),
-            };
-            columns_of(rows)
-        })?;
+        let columns = work::run(py, None, |_| columns_of(self.choose(receivers, MemoryBudget::new(memory))?.rows()))?;
         let table = PyDict::new(py);
         columns.into_iter().try_for_each(|(name, column)| table.set_item(name, column))?;
         Ok(table)
@@ -187,10 +218,12 @@ impl ArchiveHandle {
         let asked = Asked::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, &error))?;
         work::run(py, None, |watch| {
             let storage = TempFiles::new(std::env::temp_dir());
-            asked.with_series(&self.archive, &storage, watch, |series, recombination| {
+            let archives = self.sources.borrowed();
+            asked.with_series(archives, &storage, watch, |series, recombination| {
                 let receivers = self.count() as usize;
-                let frame = Frame::new(receivers, (series, recombination), asked.columns.clone(), &self.archive);
-                let source = (&self.archive, self.grid_north);
+                let about = (archives, self.place.as_path());
+                let frame = Frame::new(receivers, (series, recombination), asked.columns.clone(), about);
+                let source = (&self.sources, self.grid_north);
                 LazyReplay::new(source, (series, recombination), frame, (cache, memory), watch)
             })
         })
@@ -210,9 +243,7 @@ impl ArchiveHandle {
         let by = by_name("by", by).map_err(|error| raised(py, &error))?;
         let memory = MemoryBudget::new(memory);
         let (names, grid, columns) = work::run(py, progress.as_ref(), |watch| {
-            let site = site_of(&self.archive, self.grid_north)?;
-            let kept = receivers.map(|wanted| wanted.kept(&site, memory)).transpose()?;
-            let chosen = Chosen::of(&self.archive, &site, kept);
+            let chosen = self.choose(receivers, memory)?;
             let storage = TempFiles::new(std::env::temp_dir());
             let rows = FactorRows::new(&chosen, steps, by, (memory, &storage))?;
             let grid = *rows.grid();
@@ -235,13 +266,23 @@ impl ArchiveHandle {
 }
 
 impl ArchiveHandle {
+    /// The archive, of an atlas the first one.
     pub fn archive(&self) -> &Archive {
-        &self.archive
+        self.sources.borrowed().first()
     }
 
     /// Of an archive that was built.
     pub fn of(path: &Path) -> Result<Self> {
-        Ok(ArchiveHandle { archive: Arc::new(open_archive(path, Access::default())?), grid_north: false })
+        let archive = open_archive(path, Access::default())?;
+        Ok(ArchiveHandle { sources: Arc::new(archive.into()), place: path.to_path_buf(), grid_north: false })
+    }
+
+    /// Those receivers that are wanted, of all archives.
+    fn choose(&self, receivers: Option<Wanted>, memory: MemoryBudget) -> Result<Chosen<'_>> {
+        let archives = self.sources.borrowed();
+        let sites = archives.iter().map(|archive| site_of(archive, self.grid_north)).collect::<Result<Vec<_>>>()?;
+        let kept = receivers.map(|wanted| wanted.kept(&sites, memory)).transpose()?;
+        Ok(Chosen::new(archives.iter().zip(sites), kept))
     }
 
     fn recombine(
@@ -255,14 +296,13 @@ impl ArchiveHandle {
         let memory = light.memory();
         let asked = Asked::new(light, forcing).map_err(|error| raised(py, &error))?;
         work::run(py, progress.as_ref(), |watch| {
-            let archive = &*self.archive;
-            let site = site_of(archive, self.grid_north)?;
-            let kept = receivers.map(|wanted| wanted.kept(&site, memory)).transpose()?;
-            let chosen = Chosen::of(archive, &site, kept);
+            let archives = self.sources.borrowed();
+            let chosen = self.choose(receivers, memory)?;
             let storage = TempFiles::new(std::env::temp_dir());
-            asked.with_series(archive, &storage, watch, |series, recombination| {
+            asked.with_series(archives, &storage, watch, |series, recombination| {
                 let names = chosen.names()?;
-                let frame = Frame::new(names.len(), (series, recombination), asked.columns.clone(), archive);
+                let about = (archives, self.place.as_path());
+                let frame = Frame::new(names.len(), (series, recombination), asked.columns.clone(), about);
                 let streamed = Streamed { chosen: &chosen, components: asked.columns.set() };
                 let start = || Gathered::new(&frame);
                 let gathered = streamed.each_tile(recombination, series, watch, start, |gathered, _, values| {

@@ -8,6 +8,7 @@ use pyo3::pybacked::PyBackedBytes;
 use serde_json::{Map, Value};
 
 use crate::errors::wrong;
+use heliotile::atlas::Archives;
 use heliotile::files::read_file;
 use heliotile::recombine::{
     Every, Provenance, Recombination, Series, WeatherReading, dated_rows, left_out, mean_ground, no_longwave,
@@ -193,10 +194,10 @@ impl Asked {
         self.given.get(path).map_or_else(|| read_file(path), |bytes| Ok(bytes.to_vec()))
     }
 
-    /// Conditions of an archive with their labels and choices of light; what is odd is told.
+    /// Conditions of what is open with their labels and choices of light; what is odd is told.
     pub fn with_series<T>(
         &self,
-        archive: &Archive,
+        archives: Archives,
         storage: &dyn ScratchSpace,
         observer: &dyn Observer,
         then: impl FnOnce(&Series, &Recombination) -> Result<T>,
@@ -210,13 +211,15 @@ impl Asked {
             storage,
             files: &files,
         };
+        let archive = archives.first();
+        let class = if archives.only().is_some() { "Archive" } else { "Atlas" };
         match &self.forcing {
             Forcing::Conditions(source) => {
                 let file = parse_conditions(&source.name, &source.read()?)?;
                 file.warnings.iter().for_each(|w| observer.warn(w));
                 mean_ground(archive, &self.changes)?.iter().for_each(|w| observer.warn(w));
                 left_out(archive, None).iter().for_each(|w| observer.warn(w));
-                let about = Provenance::new("heliotile.Archive.query".into(), self.options())
+                let about = Provenance::new(format!("heliotile.{class}.query"), self.options())
                     .with("conditions", source.name.display());
                 let series = Series::of_conditions(file.conditions, self.changes.clone(), about);
                 then(&series, &recombination)
@@ -231,7 +234,7 @@ impl Asked {
                     longwave: self.is_longwave().then_some(&self.temperature),
                     files: &files,
                 };
-                let about = Provenance::new("heliotile.Archive.replay".into(), self.options());
+                let about = Provenance::new(format!("heliotile.{class}.replay"), self.options());
                 let read = (&weather, &dated);
                 let series = Series::of_weather(archive, read, &reading, self.changes.clone(), about)?;
                 then(&series, &recombination)

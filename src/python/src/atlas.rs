@@ -1,25 +1,21 @@
 //! Regions in parts. In: the folder of an atlas, words of a command line. Out: its parts; the program, run in this process.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 
+use crate::archive::bounds_of;
 use crate::errors::raised;
 use heliotile::atlas::parts;
-use heliotile::{Bounds, DVec3};
 
 /// Name, square, state and archive of a part.
 type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>);
 
-/// Parts of an atlas, those that a box `xmin, ymin, xmax, ymax` touches if there is one.
+/// Parts of an atlas, those that a box `xmin, ymin, xmax, ymax[, zmin, zmax]` touches if there is one.
 #[pyfunction]
 #[pyo3(signature = (atlas, bbox=None))]
-pub fn atlas_parts(py: Python<'_>, atlas: &str, bbox: Option<(f64, f64, f64, f64)>) -> PyResult<Vec<PartRow>> {
-    let within = bbox.map(|(x0, y0, x1, y1)| Bounds {
-        low: DVec3::new(x0, y0, f64::NEG_INFINITY),
-        high: DVec3::new(x1, y1, f64::INFINITY),
-    });
-    let listed = py.detach(|| parts(Path::new(atlas), within)).map_err(|error| raised(py, &error))?;
+pub fn atlas_parts(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>) -> PyResult<Vec<PartRow>> {
+    let listed = py.detach(|| parts(&atlas, bbox.map(bounds_of).transpose()?)).map_err(|error| raised(py, &error))?;
     let row = |part: &heliotile::atlas::ListedPart| {
         let archive = part.archive().map(|path| path.to_string_lossy().into_owned());
         (part.name.clone(), part.low.into(), part.high.into(), part.state.word(), archive)

@@ -12,14 +12,15 @@ use crate::archive::site_of;
 use crate::memory::Block;
 use crate::results::{Frame, FrameHandle, no_column};
 use crate::work;
+use heliotile::atlas::Sources;
 use heliotile::recombine::{Recombination, Series, replay_of};
-use heliotile::{Archive, ComponentSet, Error, MemoryBudget, Observer, Replay, Result};
+use heliotile::{ComponentSet, Error, MemoryBudget, Observer, Replay, Result};
 use heliotile_core::archive::format;
 
 self_cell!(
     /// A replay beside the archive that it reads.
     struct Held {
-        owner: Arc<Archive>,
+        owner: Arc<Sources>,
         #[not_covariant]
         dependent: Replay,
     }
@@ -43,9 +44,9 @@ pub struct LazyReplay {
 }
 
 impl LazyReplay {
-    /// Of all receivers of an archive; `cache` bytes of tiles are kept.
+    /// Of all receivers of an archive, the first of what is open; `cache` bytes of tiles are kept.
     pub fn new(
-        (archive, grid_north): (&Arc<Archive>, bool),
+        (sources, grid_north): (&Arc<Sources>, bool),
         (series, asked): (&Series, &Recombination),
         frame: Frame,
         (cache, memory): (usize, MemoryBudget),
@@ -53,12 +54,13 @@ impl LazyReplay {
     ) -> Result<Self> {
         let mut starts = vec![0];
         let mut count = 0;
-        for entry in archive.entries_of(format::RECEIVERS) {
+        for entry in sources.borrowed().first().entries_of(format::RECEIVERS) {
             count += entry.items as usize;
             starts.push(count);
         }
         let components = ComponentSet::of(frame.components());
-        let held = Held::try_new(Arc::clone(archive), |archive| {
+        let held = Held::try_new(Arc::clone(sources), |sources| {
+            let archive = sources.borrowed().first();
             let site = site_of(archive, grid_north)?;
             replay_of((archive, &site), asked, series, components, observer)
         })?;

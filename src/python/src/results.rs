@@ -2,6 +2,7 @@
 //! names share.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
@@ -14,8 +15,9 @@ use pyo3::types::PyCapsule;
 
 use crate::errors::raised;
 use crate::memory::Block;
+use heliotile::atlas::Archives;
 use heliotile::recombine::{ArrowRows, By, Layout, ONE_SIDE, Provenance, Recombination, RowLabels, Series, SideHours};
-use heliotile::{Archive, Component, ComponentList, Error, Result, TileValues};
+use heliotile::{Component, ComponentList, Error, Result, TileValues};
 
 /// Rows that a record batch has at least, if there are so many.
 const BATCH_ROWS: usize = 1 << 20;
@@ -29,15 +31,15 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Of a series on some receivers of an archive.
+    /// Of a series on some receivers of what is open at a place.
     pub fn new(
         receivers: usize,
         (series, asked): (&Series, &Recombination),
         components: ComponentList,
-        archive: &Archive,
+        (archives, place): (Archives, &Path),
     ) -> Self {
-        let about = series.provenance.clone().with_archive(archive.path(), archive);
-        let about = about.with_option("patches", asked.patches_of(archive));
+        let about = archives.told_in(series.provenance.clone(), place);
+        let about = about.with_option("patches", asked.patches_of(archives.first()));
         let layout = Layout { labels: series.kind, by: By::Receiver, components, facts: Vec::new() };
         Frame { receivers, labels: series.labels.clone(), layout, about }
     }

@@ -1,8 +1,8 @@
-//! The table of receivers. In: receivers of an archive. Out: a column for each thing that is known of them.
+//! The table of receivers. In: receivers of archives. Out: a column for each thing that is known of them.
 
 use crate::memory::{Block, Texts};
 use heliotile::Result;
-use heliotile_builder::transfer::{ArchiveReceivers, LayeredReceiver};
+use heliotile_builder::transfer::LayeredReceiver;
 use heliotile_core::site::receiver::Receiver;
 
 /// The shares of a receiver's hemisphere: sky, ground, obstruction.
@@ -62,7 +62,7 @@ impl Column {
 }
 
 /// Columns by name, `[receiver]`.
-pub fn columns_of(receivers: ArchiveReceivers<()>) -> Result<Vec<(&'static str, Block)>> {
+pub fn columns_of(receivers: impl Iterator<Item = Result<LayeredReceiver<()>>>) -> Result<Vec<(&'static str, Block)>> {
     let mut columns = COLUMNS.map(|(name, told)| match told {
         Text(text) => (name, Column::Texts(text, Texts::default())),
         Number(number) => (name, Column::Numbers(number, Vec::new())),

@@ -53,8 +53,8 @@ def test_parts(tmp_path: Path, whole: pd.Series) -> None:
     for part in parts:
         assert atlas.build(part.name, threads=1).state == "built"
     again = pickle.loads(pickle.dumps(atlas))
-    rows = pd.concat(results.to_pandas().astype({"receiver": str}) for _, results in again.replay(DAYS, every="total"))
-    found = rows.set_index("receiver").total_kwh_m2.sort_index()
+    rows = again.replay(DAYS, every="total").to_pandas()
+    found = rows.set_index(rows.receiver.astype(str)).total_kwh_m2.sort_index()
     assert len(found) == 425 and found.index.equals(whole.index)
     np.testing.assert_array_equal(found.to_numpy(), whole.to_numpy())
     (x0, y0), (x1, y1) = parts[0].low, parts[0].high
@@ -75,6 +75,59 @@ def test_dataset(tmp_path: Path, whole: pd.Series) -> None:
     found = data.total.isel(time=0).to_series().sort_index()
     np.testing.assert_array_equal(found.to_numpy(), whole.to_numpy())
     assert set(data.part.values) == {part.name for part in atlas.parts()}
+
+
+def test_some_of_an_atlas(tmp_path: Path) -> None:
+    """Chosen by ids, by object and by a box, an atlas gives, to the bit, what it gives of these among all of its 425 receivers, as results, table,
+    Dataset and Dask's rows, from the parts that hold some alone; a query and factors likewise. A name that no part knows is an error."""
+    atlas = cut(tmp_path, "45m")
+    for part in atlas.parts():
+        atlas.build(part.name)
+    every = atlas.receivers()
+    ids, count = every["receiver"].tolist(), len(every["receiver"])
+    assert count == 425
+    all_of = dict(zip(ids, atlas.replay(DAYS, every="total", columns=["total"])["total"], strict=True))
+    sun = {"sun_azimuth_deg": [180.0], "sun_altitude_deg": [40.0], "dni_w_m2": [800.0], "dhi_w_m2": [90.0]}
+    by_sun = dict(zip(ids, atlas.query(sun)["total"], strict=True))
+    part_of = atlas.to_xarray(DAYS, every="total", columns=["total"])["part"].values
+    # One on each side of a seam, an object, and a box around one corner of a part.
+    part = atlas.parts()[0]
+    (x, y), _ = part.low, part.high
+    box = (x, y, x + 45.0, y + 30.0)
+    inside = (every["x"] >= x) & (every["x"] <= x + 45.0) & (every["y"] >= y) & (every["y"] <= y + 30.0)
+    of_object = every["object"] == every["object"][7]
+    for wanted, rows in (
+        ([ids[-1], ids[0]], np.isin(np.arange(count), [0, count - 1])),
+        ({"objects": every["object"][7]}, of_object),
+        ({"bbox": box}, inside),
+    ):
+        names = every["receiver"][rows].tolist()
+        assert 0 < len(names) < count
+        results = atlas.replay(DAYS, every="total", columns=["total"], receivers=wanted)
+        assert results.receivers == names
+        expected = np.concatenate([all_of[name] for name in names])
+        np.testing.assert_array_equal(results["total"].ravel(), expected)
+        np.testing.assert_array_equal(atlas.query(sun, receivers=wanted)["total"].ravel(), np.concatenate([by_sun[name] for name in names]))
+        table = atlas.receivers(wanted)
+        assert all(np.array_equal(table[column], values[rows]) for column, values in every.items() if values.dtype.kind != "f")
+        data = atlas.to_xarray(DAYS, every="total", columns=["total"], receivers=wanted)
+        np.testing.assert_array_equal(data["receiver"], names)
+        np.testing.assert_array_equal(data["part"], part_of[rows])
+        np.testing.assert_array_equal(data["total"].values.ravel(), expected)
+        tasks = heliotile.dask.replay(atlas, str(DAYS), every="total", columns=["total"], receivers=wanted)
+        assert tasks.npartitions == len(set(part_of[rows]))
+        rows_of = tasks.compute()
+        assert rows_of.receiver.tolist() == names
+        np.testing.assert_array_equal(rows_of.total_kwh_m2.to_numpy(), expected)
+        factors, of_all = (atlas.factors(azimuth_step=90, altitude_step=45, receivers=some) for some in (wanted, None))
+        assert factors.names == names and of_all.names == ids
+        np.testing.assert_array_equal(factors.values["ReflFacBmToDiffSolObs"], of_all.values["ReflFacBmToDiffSolObs"][rows])
+    with pytest.raises(heliotile.InputError, match="nobody"):
+        atlas.replay(DAYS, receivers=["nobody"])
+    with pytest.raises(heliotile.InputError, match="no part of it holds"):
+        atlas.replay(DAYS, receivers={"bbox": (0.0, 0.0, 1.0, 1.0)})
+    with pytest.raises(heliotile.ArgumentError, match="3 numbers"):
+        atlas.parts((1.0, 2.0, 3.0))
 
 
 def test_lost_workers(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:

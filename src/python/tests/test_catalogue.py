@@ -91,7 +91,7 @@ def test_on_a_web_server(atlas: Path, served: str, monkeypatch: pytest.MonkeyPat
     assert [part.state for part in afar.parts()].count("missing") == 2
     part = local.parts()[0]
     box = (part.low[0] + 1, part.low[1] + 1, part.high[0] - 1, part.high[1] - 1)
-    (_, here), (_, there) = (next(iter(some.replay(DAYS, bbox=box, every="total"))) for some in (local, afar))
+    here, there = (some.replay(DAYS, receivers={"bbox": box}, every="total") for some in (local, afar))
     np.testing.assert_array_equal(np.asarray(there["total"]), np.asarray(here["total"]))
     with pytest.raises(heliotile.InputError, match="2 of its parts are not built"):
         list(afar.archives())
