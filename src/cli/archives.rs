@@ -82,7 +82,7 @@ pub struct InfoArgs {
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("some").required(true).args(["receivers", "bbox", "surface", "object"])))]
 pub struct ExtractArgs {
-    /// Archive to read
+    /// Archive to read, or an atlas of which one part holds what is chosen: a path or an address
     pub archive: PathBuf,
     /// Archive to write
     #[arg(long, short, value_name = "PART.helio")]

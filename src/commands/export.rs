@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::{Outcome, guard_output, invocation, warn};
+use super::atlas::sources::{Sources, holding};
+use super::{Outcome, guard_output, invocation, warn, workspace_beside};
 use crate::cli::ExportArgs;
 use crate::files::{hold, open_archive, read_file, read_weather_as, shown};
 use crate::outputs::pictures::exr::exr;
@@ -17,7 +18,7 @@ use crate::outputs::tables::writer::files_of;
 use crate::outputs::view_factors::ViewFactorTable;
 use crate::outputs::viewer_page::ViewerPage;
 use heliotile_builder::spill::TempFiles;
-use heliotile_builder::transfer::ArchiveReceivers;
+use heliotile_builder::transfer::{ArchiveReceivers, Selection};
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
@@ -67,8 +68,8 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
         Some(id) => {
             let image = Image::of(args.output())?;
             // Before the archive: a wrong weather file is found at once.
-            let (mut overlay, weather, about) = overlay(args, &image)?;
-            let archive = open_archive(&args.archive, args.io)?;
+            let (mut overlay, weather, about) = overlay(args, &image, id)?;
+            let archive = holding_receiver(args, id)?;
             let site = OpenSite::of(&archive)?;
             overlay.north = site.north();
             let view = ReceiverView::load(&site, id)?;
@@ -98,6 +99,12 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
             Ok(Outcome::Fine)
         }
     }
+}
+
+/// The archive, or that of the part of an atlas, which holds a receiver.
+fn holding_receiver(args: &ExportArgs, id: &str) -> Result<Archive> {
+    let workspace = workspace_beside(args.output(), args.memory);
+    holding(&args.archive, &Selection::Ids(vec![id.to_owned()]), args.io, &workspace)
 }
 
 /// Maps of a receiver as EXR.
@@ -157,7 +164,7 @@ fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<Strin
 }
 
 /// What is drawn over a picture, and what it is made of.
-fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Option<Weather>, Provenance)> {
+fn overlay(args: &ExportArgs, image: &Image, receiver: &str) -> Result<(Overlay, Option<Weather>, Provenance)> {
     if matches!(image, Image::Exr) && args.panel {
         return Err(Error::Unsupported {
             what: "a panel".into(),
@@ -177,7 +184,7 @@ fn overlay(args: &ExportArgs, image: &Image) -> Result<(Overlay, Option<Weather>
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
             let options = WeatherOptions { zone_hours: args.time_zone, ..WeatherOptions::default() };
-            let mut place = || match open_archive(&args.archive, args.io)?.manifest().place {
+            let mut place = || match holding_receiver(args, receiver)?.manifest().place {
                 None => {
                     let what = "does not say where it is from, nor does the archive say where it lies";
                     let hint = "draw the paths over a latitude in place of the file, such as --latitude 52, or build the archive of a \
@@ -241,14 +248,16 @@ fn page(args: &ExportArgs) -> Result<Outcome> {
 
 /// View factors of all receivers as CSV.
 fn view_factors(args: &ExportArgs) -> Result<Outcome> {
-    let archive = open_archive(&args.archive, args.io)?;
-    let about = invocation::provenance().with_archive(&args.archive, &archive);
+    let sources = Sources::open(&args.archive, args.io)?;
+    let about = sources.borrowed().told_in(invocation::provenance(), &args.archive);
     let mut table = ViewFactorTable::create(args.output(), about)?;
-    for row in ArchiveReceivers::<()>::new(&OpenSite::of(&archive)?) {
-        let row = row?;
-        table.row(&row.receiver.id, row.views)?;
-        if table.is_closed() {
-            break;
+    'all: for archive in sources.borrowed().iter() {
+        for row in ArchiveReceivers::<()>::new(&OpenSite::of(archive)?) {
+            let row = row?;
+            table.row(&row.receiver.id, row.views)?;
+            if table.is_closed() {
+                break 'all;
+            }
         }
     }
     table.finish()?;

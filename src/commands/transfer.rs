@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::atlas::sources::holding;
 use super::terminal::Terminal;
 use super::{Outcome, guard_archive, guard_output, remark, say, workspace, workspace_beside};
 use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
@@ -51,8 +52,8 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
     inputs.extend(args.of.receivers.as_deref());
     guard_output(&args.output, &inputs)?;
     guard_archive(&args.output)?;
-    let archive = open_archive(&args.archive, args.io)?;
     let workspace = workspace_beside(&args.output, args.memory);
+    let archive = holding(&args.archive, &selection, args.io, &workspace)?;
     let extracted =
         transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &extracted.written;

@@ -49,7 +49,7 @@ pub fn exists(place: &Path) -> Result<bool> {
 
 /// Names of what lies below an address; none where nobody says.
 pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
-    listing::names_below(&Address::parse(place)?, connection()?)
+    listing::names_below(&Address::parse_folder(place)?, connection()?)
 }
 
 /// Refuses an address that nothing can be written to.

@@ -13,6 +13,9 @@ use heliotile_core::text;
 
 use super::afar;
 
+/// Name of the plan in the folder of an atlas.
+pub const ATLAS: &str = "atlas.json";
+
 /// Whether a place is an address, such as `s3://bucket/site.helio`, and not a path.
 pub fn is_address(place: &Path) -> bool {
     text::is_address(&place.to_string_lossy())
@@ -31,6 +34,11 @@ pub fn shown(place: &Path) -> PathBuf {
 pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
     if is_address(place) {
         return Archive::of(shown(place), afar::hold(place, true)?);
+    }
+    if place.join(ATLAS).is_file() {
+        let hint = "name the site.helio of a part; Atlas.open in Python, query, replay, buildings, places, factors, info, verify, view, find and \
+                    catalogue (which makes a page) take all of it";
+        return Err(Error::input(place, None, "is an atlas, and one archive is taken here", hint));
     }
     let Some(pointer) = pointer_at(place) else { return Archive::open_with(place, access) };
     let archive = Archive::open_with(&place.with_file_name(&pointer.name), access)?;

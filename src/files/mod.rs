@@ -27,7 +27,7 @@ use not_afar as afar;
 
 pub(crate) use afar::{check_writable, copy, traffic};
 pub(crate) use any_folder::AnyFolder;
-pub(crate) use archives::{find_archive, hold, require_file};
+pub(crate) use archives::{ATLAS, find_archive, hold, require_file};
 pub use archives::{is_address, open_archive, shown, verify_archive};
 
 /// The bytes of a file; what gzip packed is unpacked, whatever the file's name.

@@ -28,8 +28,18 @@ pub struct Address {
 }
 
 impl Address {
-    /// Takes a place apart. An error: another scheme, no bucket, no name.
+    /// Takes the place of an object apart. An error: another scheme, no bucket, no name.
     pub fn parse(place: &Path) -> Result<Self> {
+        let address = Address::parse_folder(place)?;
+        if address.url.path().ends_with('/') || address.url.path().is_empty() {
+            let hint = "put the name of an archive behind it, such as /site.helio";
+            return Err(Error::input(&address.shown, None, "names no object in it", hint));
+        }
+        Ok(address)
+    }
+
+    /// The same of what objects lie below, which may be all of a bucket.
+    pub fn parse_folder(place: &Path) -> Result<Self> {
         let text = place.to_string_lossy();
         let shown = PathBuf::from(without_secrets(&text));
         let refuse = |what: String, hint: &str| Err(Error::input(&shown, None, what, hint));
@@ -48,9 +58,6 @@ impl Address {
         };
         if url.host_str().is_none_or(str::is_empty) {
             return refuse("names no bucket and no host".into(), usual);
-        }
-        if url.path().ends_with('/') || url.path().is_empty() {
-            return refuse("names no object in it".into(), "put the name of an archive behind it, such as /site.helio");
         }
         if scheme != Scheme::Web && (url.query().is_some() || url.fragment().is_some()) {
             return refuse("holds a `?` or a `#`".into(), "write them as %3F and %23 if they are part of the name");
@@ -93,7 +100,7 @@ impl Address {
 mod tests {
     use super::*;
 
-    /// 5 addresses are taken with their kinds and names, shown without a signature; 7 others are refused with what to write.
+    /// 5 addresses are taken with their kinds and names, shown without a signature; 7 others are refused with what to write, of which 3 are folders.
     #[test]
     fn parsing() {
         for (text, scheme, name) in [
@@ -112,6 +119,11 @@ mod tests {
             let error = Address::parse(Path::new(text)).expect_err(text).to_string();
             assert!(error.contains("to fix: "), "{error}");
         }
+        assert!(
+            ["s3://bucket", "s3://bucket/", "s3://bucket/a/"]
+                .iter()
+                .all(|text| Address::parse_folder(Path::new(text)).is_ok())
+        );
         let beside = Address::parse(Path::new("s3://b/f/site.helio")).expect("an address").beside("other.helio");
         assert_eq!(beside.shown(), Path::new("s3://b/f/other.helio"));
     }

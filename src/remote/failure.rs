@@ -29,6 +29,8 @@ pub enum Cause {
     Denied,
     /// Signatures carry the time, and this machine's is not the store's.
     Clock,
+    /// The server's certificate is not believed.
+    Untrusted,
     /// The server sends objects as a whole only.
     NoRanges,
     /// An answer that ended too early or came too late: may be otherwise the next time.
@@ -104,6 +106,11 @@ impl Failure {
             Cause::Exists => "give it another name, or replace it with --replace".into(),
             Cause::Denied => format!("give the right to it: {variables}"),
             Cause::Clock => "set the clock of this machine: stores take signatures of the last 15 minutes only".into(),
+            Cause::Untrusted => {
+                "is the host's name right, and this machine's date? SSL_CERT_FILE names a file with the certificates of an \
+                 authority of your own"
+                    .into()
+            }
             Cause::NoRanges => "use a server with byte ranges, or fetch the file and open it from disk".into(),
             Cause::Passing | Cause::Unreached => {
                 "is the network there? try again; HELIOTILE_TIMEOUT=300 waits 300 s for each answer".into()
@@ -176,9 +183,12 @@ impl Found {
             None if text.contains("timed out") => Failure::new(Cause::Passing, "gave no whole answer in time"),
             None => {
                 let lower = text.to_lowercase();
-                let gone =
-                    ["refused", "dns", "resolve", "unreachable", "certificate"].iter().any(|word| lower.contains(word));
-                let cause = if gone { Cause::Unreached } else { Cause::Passing };
+                let gone = ["refused", "dns", "resolve", "unreachable"].iter().any(|word| lower.contains(word));
+                let cause = match gone {
+                    _ if lower.contains("certificate") => Cause::Untrusted,
+                    true => Cause::Unreached,
+                    false => Cause::Passing,
+                };
                 Failure::new(cause, format!("cannot be had: {text}"))
             }
         }
@@ -197,7 +207,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// 9 answers become messages that name the address, what was found and what to do, and none of the 3 secrets in them.
+    /// 10 answers become messages that name the address, what was found and what to do, and none of the 3 secrets in them.
     #[test]
     fn messages() {
         let generic = |text: &str| object_store::Error::Generic { store: "S3", source: text.to_string().into() };
@@ -231,6 +241,7 @@ mod tests {
                 ),
                 "this machine's clock is off (400)",
             ),
+            (generic("invalid peer certificate: UnknownIssuer"), "SSL_CERT_FILE"),
             (generic("operation timed out"), "gave no whole answer in time"),
             (generic("tcp connect to https://h/?sig=5ecret: refused"), "cannot be had: tcp connect to ... refused"),
         ];

@@ -1,6 +1,6 @@
 //! Connections to stores. In: an address, the environment of the process. Out: a client that signs, retries and gives up in time.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Once, OnceLock};
 use std::time::Duration;
 
 use heliotile_core::error::{Error, Result};
@@ -45,9 +45,16 @@ pub struct Locator {
     pub connection: Connection,
 }
 
+/// Says which cryptography TLS uses, once; what a program around this one has said stays.
+fn provide_tls() {
+    static SAID: Once = Once::new();
+    SAID.call_once(|| drop(rustls::crypto::ring::default_provider().install_default()));
+}
+
 impl Locator {
     /// Makes a client; asks nobody. An error: an environment that says something that cannot be.
     pub fn connect(address: &Address, connection: Connection) -> Result<Self> {
+        provide_tls();
         let failed = |error: object_store::Error| Failure::of(&error).at(address);
         let timeout = connection.timeout;
         let options =
@@ -77,8 +84,9 @@ impl Locator {
                 (Arc::new(builder.build().map_err(failed)?), path()?)
             }
             Scheme::Google => {
+                let plain = std::env::var("GOOGLE_BASE_URL").is_ok_and(|endpoint| endpoint.starts_with("http://"));
                 let builder = GoogleCloudStorageBuilder::from_env().with_url(url.as_str());
-                let builder = builder.with_client_options(options).with_retry(retry);
+                let builder = builder.with_client_options(options.with_allow_http(plain)).with_retry(retry);
                 (Arc::new(builder.build().map_err(failed)?), path()?)
             }
             Scheme::Azure => {

@@ -81,6 +81,61 @@ fn parts_are_the_whole() {
     assert_eq!(stated["seams"]["rmse_percent"], 0.0);
 }
 
+/// What is of single archives is found in the part that holds it: a picture of a receiver and an extract of a surface have the bytes of that part's,
+/// view factors of 425 receivers and factors of the surfaces of all parts are those of the one archive; receivers of several parts are refused, and
+/// so is an atlas where one archive is taken.
+#[test]
+fn parts_are_found() {
+    let folder = block("--part-size 45m --sample 0");
+    done(&folder, "build atlas --part all");
+    let table = fs::read_to_string(folder.path("r.csv")).expect("receivers");
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|row| row.split(',').collect()).collect();
+    let names = |place: &str| -> Vec<String> {
+        let text = stdout(&done(&folder, &format!("export {place} --view-factors -o -")));
+        let mut rows: Vec<String> = text.lines().map(str::to_owned).collect();
+        rows.sort();
+        rows
+    };
+    let (whole, parts) = (names("whole.helio"), names("atlas"));
+    assert_eq!((parts.len(), &whole), (426, &parts));
+    let part = fs::read_dir(folder.path("atlas/parts")).expect("parts").flatten().next().expect("a part").path();
+    let site = part.join("site.helio").display().to_string();
+    let own = names(&site);
+    let id = own.iter().find(|row| !row.starts_with("receiver,")).and_then(|row| row.split(',').next()).expect("an id");
+    for (place, file) in [("atlas", "a.png"), (site.as_str(), "b.png")] {
+        done(&folder, &format!("export {place} -r {id} -o {file}"));
+    }
+    let same =
+        |a: &str, b: &str| fs::read(folder.path(a)).expect("a file") == fs::read(folder.path(b)).expect("a file");
+    // A picture says what it is of.
+    let sizes = ["a.png", "b.png"].map(|file| fs::read(folder.path(file)).expect("a picture").len());
+    assert!(sizes[0].abs_diff(sizes[1]) < 200, "{sizes:?}");
+    let surface = rows.iter().find(|row| row[0] == id).expect("its row")[8];
+    for (place, file) in [("atlas", "a.helio"), (site.as_str(), "b.helio")] {
+        done(&folder, &format!("extract {place} --surface {surface} -o {file}"));
+    }
+    assert!(same("a.helio", "b.helio"));
+    let sorted = |place: &str| -> Vec<String> {
+        let steps = "--by surface --azimuth-step 120 --altitude-step 45 -o -";
+        let text = stdout(&done(&folder, &format!("factors {place} {steps}")));
+        let mut rows: Vec<String> = text.lines().map(str::to_owned).collect();
+        rows.sort();
+        rows
+    };
+    let (whole, parts) = (sorted("whole.helio"), sorted("atlas"));
+    assert_eq!(whole.len(), parts.len());
+    let numbers = |row: &str| -> Vec<f64> { row.split(',').skip(1).filter_map(|cell| cell.parse().ok()).collect() };
+    let mut off = 0.0_f64;
+    for (a, b) in whole.iter().zip(&parts).skip(1) {
+        assert_eq!(a.split(',').next(), b.split(',').next());
+        off = numbers(a).iter().zip(numbers(b)).map(|(a, b)| (a - b).abs()).fold(off, f64::max);
+    }
+    assert!(off < 1e-5, "{off}");
+    folder.refused("extract atlas --bbox 78700,457900,78790,458000 -o c.helio", &["4 parts of it", "site.helio"]);
+    folder.refused("diff atlas atlas", &["is an atlas", "site.helio"]);
+    folder.refused("export atlas --html page.html", &["is an atlas", "catalogue"]);
+}
+
 /// Ground beyond the halo lights what looks over the roofs: a tower of 60 m on a plain of 800 m has in parts of 40 m with a halo of 10 m the
 /// sums of one archive, to the digit, at 48 receivers; of these, one that faces west far up gets more than 5 % of its light from ground.
 #[test]
@@ -212,7 +267,10 @@ fn refusals() {
         ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
         (format!("build {model} --part 0"), ["no folder of an atlas", "partition"]),
         (format!("replay atlas --weather {weather}"), ["4 of its parts are not built", "build atlas --part"]),
-        (format!("replay atlas --weather {weather} --bbox 1,2,3,4"), ["no part of it", "--bbox"]),
+        (
+            format!("replay atlas --weather {weather} --bbox 1,2,3,4"),
+            ["no part of it", "coordinates of the scene files"],
+        ),
         ("verify atlas".into(), ["no part that is built", "--part all"]),
     ] {
         folder.refused(&command, &parts);

@@ -1,4 +1,4 @@
-"""A proxy that counts and fails. In: requests for another server. Out: its answers, some of them late, cut, changed or replaced by errors.
+"""A proxy that counts and fails, also behind TLS. In: requests for another server. Out: its answers, some of them late, cut, changed or replaced by errors.
 
 GET /__counts gives requests, bytes and faults since the last GET /__faults?rate=0.2&seed=1, which says how many requests fail, and how.
 """
@@ -18,8 +18,10 @@ WEIGHTS = [5, 3, 1, 5, 1, 3, 3, 1]
 class Proxy(ThreadingHTTPServer):
     daemon_threads = True
 
-    def __init__(self, target, replace=None):
+    def __init__(self, target, replace=None, tls=None):
         super().__init__(("127.0.0.1", 0), Handler)
+        if tls:
+            self.socket = tls.wrap_socket(self.socket, server_side=True)
         self.target = target
         self.replace = replace
         self.lock = threading.Lock()

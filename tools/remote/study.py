@@ -3,19 +3,23 @@
 In: an archive, a program built with `--features remote`. Out: a table, and exit code 1 where something is not as it should be.
 """
 import argparse
+import functools
 import http.client
 import json
 import os
 import shutil
 import socket
+import ssl
 import subprocess
 import sys
 import tempfile
 import threading
 import time
+from http.server import BaseHTTPRequestHandler, SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+import trustme
 from proxy import KINDS, Proxy
 
 BUCKET = "bucket"
@@ -52,6 +56,20 @@ def wait_for(host):
         except OSError:
             time.sleep(0.1)
     sys.exit(f"{host} does not answer")
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Files of a folder, without a log."""
+
+    def log_message(self, *_):
+        pass
+
+    def handle(self):
+        try:
+            super().handle()
+        except OSError:
+            # Clients that do not trust it hang up.
+            pass
 
 
 class Study:
@@ -91,12 +109,13 @@ class Study:
         status, _ = ask(self.s3, "PUT", f"/{BUCKET}/{name}", data, {"Authorization": signed})
         assert status == 200, status
 
-    def run(self, line, cache="off", timeout=60, host=None, wait="2"):
+    def run(self, line, cache="off", timeout=60, wait="2", **more):
         words = [word.replace("CONDITIONS", str(self.conditions)).replace("WEATHER", self.weather) for word in line.split()]
         environment = dict(
-            self.environment, AWS_ENDPOINT_URL=f"http://{host or self.proxied}", AWS_ACCESS_KEY_ID="me",
+            self.environment, AWS_ENDPOINT_URL=f"http://{self.proxied}", AWS_ACCESS_KEY_ID="me",
             AWS_SECRET_ACCESS_KEY="s3cret", AWS_REGION="us-east-1", HELIOTILE_CACHE=str(cache), HELIOTILE_TIMEOUT=wait,
         )
+        environment = {name: value for name, value in (environment | more).items() if value is not None}
         begun = time.monotonic()
         ran = subprocess.run([self.program, *words], cwd=self.folder, env=environment, capture_output=True, timeout=timeout)
         return ran.returncode, ran.stdout, ran.stderr.decode(), time.monotonic() - begun
@@ -226,6 +245,65 @@ class Study:
             check(code == 0, f"race: {said}")
         print(f"{len(ends)} races of two writers: {ends.count((0, 2))} won by the first, {ends.count((2, 0))} by the second, {len([end for end in ends if sorted(end) != [0, 2]])} otherwise", flush=True)
 
+    def tls(self):
+        """S3 and a plain server behind TLS: with a certificate that is trusted, one that is not, one of another host."""
+        line = "query PLACE --conditions CONDITIONS"
+        near = self.run(line.replace("PLACE", "small.helio"))[1]
+        self.put("small.helio", (self.folder / "small.helio").read_bytes())
+        authority = trustme.CA()
+        trusted = self.folder / "authority.pem"
+        authority.cert_pem.write_to_path(str(trusted))
+        for host, trust, words in [
+            ("127.0.0.1", str(trusted), None), ("127.0.0.1", None, "certificate"), ("elsewhere.example", str(trusted), "certificate"),
+        ]:
+            context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+            authority.issue_cert(host).configure_cert(context)
+            address = f"https://127.0.0.1:{Proxy(self.s3, tls=context).server_address[1]}"
+            served = ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=str(self.folder)))
+            served.socket = context.wrap_socket(served.socket, server_side=True)
+            threading.Thread(target=served.serve_forever, daemon=True).start()
+            for place in [f"s3://{BUCKET}/small.helio", f"https://127.0.0.1:{served.server_address[1]}/small.helio"]:
+                begun = time.monotonic()
+                code, out, said, _ = self.run(line.replace("PLACE", place), SSL_CERT_FILE=trust, SSL_CERT_DIR=None, AWS_ENDPOINT_URL=address, wait="10")
+                seconds = time.monotonic() - begun
+                if words is None:
+                    check(code == 0 and out == near, f"TLS, {place}: {said}")
+                else:
+                    check(code == 2 and words in said and "SSL_CERT_FILE" in said and seconds < 5, f"TLS, {place}, {seconds:.1f} s: {said}")
+            served.shutdown()
+            print(f"TLS, a certificate of {host}, {'trusted' if trust else 'not trusted'}: {said.strip() or 'as from a file'}", flush=True)
+
+    def container(self):
+        """Keys that a machine or a container gets from a service beside it, in place of the environment's."""
+        asked = []
+
+        class Keys(BaseHTTPRequestHandler):
+            def do_GET(self):
+                asked.append((self.path, self.headers.get("Authorization")))
+                later = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(time.time() + 3600))
+                text = json.dumps({"AccessKeyId": "me", "SecretAccessKey": "s3cret", "Token": "session", "Expiration": later}).encode()
+                self.send_response(200)
+                self.send_header("Content-Length", str(len(text)))
+                self.end_headers()
+                self.wfile.write(text)
+
+            def log_message(self, *_):
+                pass
+
+        server = ThreadingHTTPServer(("127.0.0.1", 0), Keys)
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        token = self.folder / "token"
+        token.write_text("secret token")
+        line = "query PLACE --conditions CONDITIONS"
+        near = self.run(line.replace("PLACE", "small.helio"))[1]
+        code, out, said, _ = self.run(
+            line.replace("PLACE", f"s3://{BUCKET}/small.helio"), AWS_ACCESS_KEY_ID=None, AWS_SECRET_ACCESS_KEY=None,
+            AWS_CONTAINER_CREDENTIALS_FULL_URI=f"http://127.0.0.1:{server.server_address[1]}/keys", AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE=str(token),
+        )
+        check(code == 0 and out == near and asked[:1] == [("/keys", "secret token")], f"container: {asked} {said}")
+        print(f"keys of a container: {'as from a file' if code == 0 else said.strip()}", flush=True)
+        server.shutdown()
+
     def web(self):
         """Web servers: one without ranges, and nginx."""
         line = "query PLACE --conditions CONDITIONS"
@@ -282,6 +360,8 @@ def main():
             study.commands()
             study.faults()
             study.writers()
+            study.tls()
+            study.container()
             study.web()
         finally:
             study.end()

@@ -36,7 +36,7 @@ of skylit surfaces, and their sum, on one logarithmic scale; what each gives in 
 #[command(after_long_help = IMAGES)]
 #[command(group(ArgGroup::new("subject").required(true).args(["receiver", "view_factors", "html"])))]
 pub struct ExportArgs {
-    /// Archive to read
+    /// Archive to read, or the atlas: a path or an address
     pub archive: PathBuf,
     /// File to write: .exr or .png for a receiver; .csv (with .csv-metadata.json beside it), or - for
     /// standard output, for view factors

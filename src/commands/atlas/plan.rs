@@ -17,8 +17,7 @@ use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::site::Site;
 use heliotile_scene::survey::FileSurvey;
 
-/// Its name in the folder of an atlas.
-pub const FILE: &str = "atlas.json";
+pub(crate) use crate::files::ATLAS as FILE;
 
 /// Of the layout of this file. Parts of layout 1 lack ground beyond the halo: those that are built are read.
 const VERSION: u32 = 2;

@@ -4,10 +4,14 @@
 use std::path::Path;
 
 use super::opened::Atlas;
+use crate::files::open_archive;
 use crate::outputs::provenance::Provenance;
-use heliotile_builder::transfer::Bounds;
+use heliotile_builder::build::Workspace;
+use heliotile_builder::transfer::{Bounds, Selection};
 use heliotile_core::archive::{Access, Archive, Manifest};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::Use;
+use heliotile_core::opened::OpenSite;
 
 /// Opened archives, at least one.
 pub struct Sources {
@@ -27,7 +31,39 @@ pub fn archives(atlas: &Path, within: Option<Bounds>, access: Access) -> Result<
     Sources::of_atlas(&Atlas::open(atlas)?, within, access)
 }
 
+/// The archive at a place; of an atlas there that of the part which holds the receivers that are chosen. An error: several parts hold some.
+pub fn holding(place: &Path, chosen: &Selection, access: Access, workspace: &Workspace) -> Result<Archive> {
+    let Some(atlas) = Atlas::find(place)? else { return open_archive(place, access) };
+    let within = if let Selection::Bounds(bounds) = chosen { Some(*bounds) } else { None };
+    let sources = Sources::of_atlas(&atlas, within, access)?;
+    let counts = {
+        let sites = sources.borrowed().iter().map(OpenSite::of).collect::<Result<Vec<_>>>()?;
+        let kept = chosen.resolve(&sites, &workspace.folder, workspace.memory.length(Use::ReceiverList))?;
+        let mut kept = kept.into_iter();
+        let count = |site: &OpenSite| kept.by_ref().take(site.receivers() as usize).filter(|kept| *kept).count();
+        sites.iter().map(count).collect::<Vec<_>>()
+    };
+    let archives = std::iter::once(sources.first).chain(sources.others).zip(counts);
+    let mut holding: Vec<Archive> = archives.filter_map(|(archive, count)| (count > 0).then_some(archive)).collect();
+    match (holding.pop(), holding.len()) {
+        (Some(only), 0) => Ok(only),
+        (last, others) => {
+            let what = format!("{} parts of it hold receivers that are chosen, and one is taken", others + 1);
+            let named = last.map(|archive| archive.path().display().to_string()).unwrap_or_default();
+            Err(Error::input(&atlas.shown(), None, what, format!("name the archives one by one, such as {named}")))
+        }
+    }
+}
+
 impl Sources {
+    /// The archive at a place, or those of all parts of an atlas there.
+    pub fn open(place: &Path, access: Access) -> Result<Self> {
+        match Atlas::find(place)? {
+            Some(atlas) => Sources::of_atlas(&atlas, None, access),
+            None => open_archive(place, access).map(Sources::from),
+        }
+    }
+
     /// Those of the parts of an atlas that a box touches.
     pub fn of_atlas(atlas: &Atlas, within: Option<Bounds>, access: Access) -> Result<Self> {
         let mut archives = atlas.archives(within, access)?.into_iter();

@@ -33,7 +33,6 @@ pub struct ArchiveHandle {
     grid_north: bool,
 }
 
-
 /// Name, diffuse and specular reflectance, transmittance, group, class.
 type MaterialRow = (String, f64, f64, Option<f64>, Option<String>, String);
 

@@ -53,7 +53,7 @@ fn placed() -> (Folder, Store) {
 /// A box in one of the four parts.
 const BOX: &str = "78706,457921,78749,457964";
 
-/// 10 commands give the same bytes from a store and from a web server as from the folder, which needs no scene file; `find` of a box takes 5
+/// 11 commands give the same bytes from a store and from a web server as from the folder, which needs no scene file; `find` of a box takes 5
 /// requests at most, `replay` of a box in one part less than half of the bytes of all.
 #[test]
 fn as_from_a_folder() {
@@ -68,6 +68,7 @@ fn as_from_a_folder() {
         &format!("replay AT --weather w.epw --every total --bbox {BOX}"),
         "replay AT --weather w.epw --every total",
         &format!("factors AT --bbox {BOX} --by surface"),
+        "export AT --view-factors -o -",
         "buildings AT --weather w.epw -o out.csv",
         "places AT --weather w.epw -o out.csv",
     ] {
@@ -146,8 +147,8 @@ fn built_in_a_store() {
     said("build s3://bucket/atlas --part 0", 2, &["access is denied"]);
 }
 
-/// An atlas of 10 files goes to a store and back to a folder as it was, atlas.json last of all that is written; the same command again writes
-/// nothing; a part that was left out of an interrupted copy comes with it; another part in a place stops it, and another atlas does even with
+/// An atlas of 10 files goes to a store, in a folder there or as a whole bucket, and back as it was, atlas.json last of all that is written; the
+/// same command again writes nothing; a part that was left out of an interrupted copy comes with it; another part in a place stops it, and another atlas does even with
 /// `--replace`.
 #[test]
 fn there_and_back() {
@@ -169,7 +170,11 @@ fn there_and_back() {
     assert_eq!(store.newest(), "bucket/new/atlas.json");
     let (code, said) = ran("copy atlas s3://bucket/new");
     assert!(code == Some(0) && said.contains("10 files, 0 of them new"), "{said}");
-    for place in ["s3://bucket/new".to_owned(), format!("http://{}/bucket/new", store.address)] {
+    assert_eq!(ran("copy s3://bucket/new s3://whole/").0, Some(0));
+    assert!(is_there("whole"));
+    assert!(ran("find s3://whole").1.contains("s3://whole/parts/x1749_y10176/site.helio"));
+    let places = ["s3://bucket/new", "s3://whole", "s3://whole/"].map(str::to_owned);
+    for place in places.into_iter().chain([format!("http://{}/bucket/new", store.address)]) {
         let line = format!("copy {place} back");
         for new in ["10 of them new", "0 of them new"] {
             let (code, said) = ran(&line);

@@ -52,6 +52,41 @@ fn there_and_back() {
     assert_eq!(left.count(), 0);
 }
 
+/// By Google's protocol a small archive and one of 20 MB go to a store and back; a table of one of them is that of the file; what is there stays
+/// unless `--replace` says otherwise: 2 of 2, and of another who wrote meanwhile the object stays: 1 of 1.
+#[test]
+fn of_google() {
+    let (folder, store) = hague();
+    fs::write(folder.path("large.helio"), large()).expect("written");
+    let ran = |line: &str| {
+        let mut command = afar(&folder, &store, line, false);
+        let key =
+            "{\"private_key\":\"s3cret\",\"private_key_id\":\"1\",\"client_email\":\"me@host\",\"disable_oauth\":true}";
+        command.env("GOOGLE_BASE_URL", format!("http://{}", store.address)).env("GOOGLE_SERVICE_ACCOUNT_KEY", key);
+        let ran = command.output().expect("the program");
+        (ran.status.code(), format!("{}{}", stdout(&ran), stderr(&ran)))
+    };
+    for name in ["site.helio", "large.helio"] {
+        let (code, said) = ran(&format!("copy {name} gs://bucket/{name}"));
+        assert_eq!(code, Some(0), "{said}");
+        let (code, said) = ran(&format!("copy gs://bucket/{name} back.helio --replace"));
+        assert_eq!(code, Some(0), "{said}");
+        assert!(fs::read(folder.path("back.helio")).ok() == fs::read(folder.path(name)).ok(), "{name}");
+        assert!(ran(&format!("copy {name} gs://bucket/{name}")).1.contains("up to date"));
+    }
+    let query = |place: &str| ran(&format!("query {place} --conditions conditions.csv"));
+    assert!(query("gs://bucket/site.helio") == query("site.helio"));
+    let (code, said) = ran("copy site.helio gs://bucket/large.helio");
+    assert!(code == Some(2) && said.contains("is there already"), "{said}");
+    assert_eq!(ran("copy site.helio gs://bucket/large.helio --replace").0, Some(0));
+    assert_eq!(ran("copy gs://bucket/large.helio back.helio --replace").0, Some(0));
+    assert!(fs::read(folder.path("back.helio")).ok().as_ref() == Some(&HAGUE.1));
+    // Somebody writes between the first look and the upload.
+    store.set_faults(|number| if number == 1 { Fault::Replace } else { Fault::None });
+    let (code, said) = ran("copy conditions.csv gs://bucket/large.helio --replace");
+    assert!(code == Some(2) && said.contains("was written by somebody else"), "{said}");
+}
+
 /// An archive of 20 MB goes in parts to a name with its root, and a pointer of 201 bytes to it stands under the name: commands follow it, here,
 /// and where both are files; one that leads to another archive is refused.
 #[test]

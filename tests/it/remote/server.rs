@@ -215,6 +215,11 @@ fn respond(request: &Request, held: &mut Held, ranges: bool) -> (u16, String, Ve
     let etag = known.map(|object| format!("\"{}\"", object.1));
     let condition = |name: &str| request.headers.get(name).cloned();
     let none = |status: u16| (status, String::new(), Vec::new());
+    // Google counts versions: none is 0.
+    let generation = known.map_or(0, |object| object.1).to_string();
+    if condition("x-goog-if-generation-match").is_some_and(|wanted| wanted != generation) {
+        return none(412);
+    }
     if condition("if-match").is_some_and(|wanted| Some(wanted) != etag)
         || condition("if-none-match").is_some_and(|wanted| wanted == "*" && etag.is_some())
     {
@@ -237,7 +242,9 @@ fn respond(request: &Request, held: &mut Held, ranges: bool) -> (u16, String, Ve
         }
         ("GET" | "HEAD", _) => {
             let (Some((bytes, _)), Some(etag)) = (known, etag) else { return none(404) };
-            let about = format!("ETag: {etag}\r\nLast-Modified: Mon, 02 Nov 2026 10:00:00 GMT\r\n");
+            let about = format!(
+                "ETag: {etag}\r\nx-goog-generation: {generation}\r\nLast-Modified: Mon, 02 Nov 2026 10:00:00 GMT\r\n"
+            );
             if request.method == "HEAD" {
                 return (200, format!("{about}Content-Length: {}\r\n", bytes.len()), Vec::new());
             }
@@ -262,7 +269,7 @@ fn respond(request: &Request, held: &mut Held, ranges: bool) -> (u16, String, Ve
             held.written += 1;
             let version = held.written;
             held.objects.insert(request.path.clone(), (request.body.clone(), version));
-            (200, format!("ETag: \"{version}\"\r\n"), Vec::new())
+            (200, format!("ETag: \"{version}\"\r\nx-goog-generation: {version}\r\n"), Vec::new())
         }
         ("PUT", Some(id)) => {
             let part = request.parameter("partNumber").and_then(|part| part.parse().ok()).expect("a part");
