@@ -312,6 +312,16 @@ fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
     format!("there are surfaces of {}; {types}materials are {}", kinds.join(", "), names.join(", "))
 }
 
+/// Refuses a name that is not that of a CSV file: no other file is replaced by a table.
+pub fn check_name(path: &Path) -> Result<()> {
+    let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    if is_csv || path.exists() && !path.is_file() {
+        return Ok(());
+    }
+    let what = "is no name of this table, which is CSV: it ends with .csv";
+    Err(Error::input(path, None, what, format!("name it {}", path.with_extension("csv").display())))
+}
+
 /// Writes the table of the receivers that get light.
 pub fn save(path: &Path, covered: &Covered, offset_m: f64) -> Result<()> {
     write(Sink::file(path)?, covered, covered.free(), offset_m, false)

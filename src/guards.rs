@@ -38,6 +38,16 @@ pub fn guard_archive(output: &Path) -> Result<()> {
     }
 }
 
+/// Refuses a name that is not that of an archive; what is there and no archive is refused by [`guard_archive`], for what it is.
+pub fn check_archive_name(path: &Path) -> Result<()> {
+    let named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("helio"));
+    if named || path.exists() && starts_as_archive(path) != Some(true) {
+        return Ok(());
+    }
+    let hint = format!("name it {}", path.with_extension("helio").display());
+    Err(Error::input(path, None, "is no name of an archive: it ends with .helio", hint))
+}
+
 /// Whether a file is an archive by its name, or by its first bytes; what is at an address is one, or nothing that is read.
 pub fn is_archive(path: &Path) -> bool {
     is_address(path)

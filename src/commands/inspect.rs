@@ -184,8 +184,11 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
 pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
     let Some(atlas) = Atlas::find(&args.archive)? else { return verify_one(&args.archive, args) };
     let mut outcome = Outcome::Fine;
-    for part in atlas::about::built(&atlas)? {
-        if verify_one(&part, args)? == Outcome::ProblemFound {
+    for (part, path) in atlas::about::built(&atlas)? {
+        if verify_one(&path, args)? == Outcome::ProblemFound {
+            outcome = Outcome::ProblemFound;
+        } else if let Err(error) = atlas.check_place(part, &open_archive(&path, args.io)?) {
+            say(&format!("{error}\n"))?;
             outcome = Outcome::ProblemFound;
         }
     }

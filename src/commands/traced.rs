@@ -20,12 +20,24 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_scene::Scene;
 
-/// What can be done where a build of other inputs was interrupted.
-const OTHER_INPUTS: &str =
-    "give the command that it was started with to go on with it, --replace to discard it, or --output FOLDER";
-
 /// What can be done where other results are.
 pub const KEEP_OR_REPLACE: &str = "--output FOLDER to keep both, or --replace to put the new ones in their place";
+
+/// What a command offers where there is something of other inputs.
+pub struct WaysOut {
+    /// Where other results are.
+    pub results: &'static str,
+    /// Where a build of other inputs was interrupted.
+    pub started: &'static str,
+}
+
+impl WaysOut {
+    /// Of commands with an output of their own.
+    pub const USUAL: WaysOut = WaysOut {
+        results: KEEP_OR_REPLACE,
+        started: "give the command that it was started with to go on with it, --replace to discard it, or --output FOLDER",
+    };
+}
 
 /// What is wanted, and where.
 pub struct TraceRequest<'a> {
@@ -41,6 +53,7 @@ pub struct TraceRequest<'a> {
     pub offset_m: f64,
     /// Whether what is there of other inputs goes.
     pub replace: bool,
+    pub ways_out: WaysOut,
     pub memory: Bytes,
     /// Weather that effects are weighed under, and what of them may be left out.
     pub under: Option<&'a WeighedUnder>,
@@ -74,7 +87,7 @@ pub fn up_to_date(asked: &TraceRequest, scene: &Scene, covered: Option<&Covered>
         differences.extend_from_slice(others);
     }
     if !asked.replace && !differences.is_empty() {
-        return Err(refuse(asked.folder, &differences));
+        return Err(refuse(asked, &differences));
     }
     if let (Some(planned), Some(covered)) = (planned, covered) {
         planned.place(asked.receivers)?;
@@ -100,7 +113,7 @@ pub fn up_to_date(asked: &TraceRequest, scene: &Scene, covered: Option<&Covered>
     };
     match write(Start::Resume) {
         Err(Error::Incomplete { .. }) if asked.replace => write(Start::Fresh)?,
-        done => done.map_err(|error| error.advise(OTHER_INPUTS))?,
+        done => done.map_err(|error| error.advise(asked.ways_out.started))?,
     }
     Archive::open_with(asked.archive, Access::Read)
 }
@@ -150,9 +163,9 @@ fn archive_of(
 }
 
 /// The refusal to replace what is in the folder.
-fn refuse(folder: &Path, differences: &[String]) -> Error {
+fn refuse(asked: &TraceRequest, differences: &[String]) -> Error {
     let what = format!("holds results of other inputs: {}", differences.join("; "));
-    Error::input(folder, None, what, KEEP_OR_REPLACE)
+    Error::input(asked.folder, None, what, asked.ways_out.results)
 }
 
 /// How an archive's accuracy differs from what is asked for.

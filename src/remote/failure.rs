@@ -37,6 +37,10 @@ pub enum Cause {
     Passing,
     /// No answer, or none but an apology, also when asked again.
     Unreached,
+    /// The environment says something of the store that cannot be.
+    Settings,
+    /// The server sends to another address again and again.
+    Elsewhere,
     /// Anything else that the server answers.
     Refused,
 }
@@ -76,6 +80,11 @@ impl Failure {
         }
     }
 
+    /// What stops a client before it asks anybody.
+    pub fn of_settings(error: &object_store::Error) -> Self {
+        Failure::new(Cause::Settings, format!("is in a store that cannot be asked: {}", Found::of(error).text))
+    }
+
     /// Whether all that is wrong is that no object has this name.
     pub fn is_absence(&self) -> bool {
         self.cause == Cause::Missing && !self.what.contains("bucket")
@@ -91,7 +100,8 @@ impl Failure {
         let path = address.shown();
         let variables = match address.scheme() {
             Scheme::S3 => {
-                "AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_REGION, or AWS_SKIP_SIGNATURE=true for a public bucket"
+                "AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_REGION (profiles are not read: `aws configure \
+                 export-credentials --format env`), or AWS_SKIP_SIGNATURE=true for a public bucket"
             }
             Scheme::Google => "GOOGLE_APPLICATION_CREDENTIALS, or GOOGLE_SKIP_SIGNATURE=true for a public bucket",
             Scheme::Azure => "AZURE_STORAGE_ACCOUNT_NAME and AZURE_STORAGE_ACCOUNT_KEY or AZURE_STORAGE_SAS_TOKEN",
@@ -104,7 +114,9 @@ impl Failure {
                 "is the address right? capitals count; that of an atlas is the folder that atlas.json lies in".into()
             }
             Cause::Exists => "give it another name, or replace it with --replace".into(),
-            Cause::Denied => format!("give the right to it: {variables}"),
+            Cause::Denied | Cause::Settings => format!("give the right to it: {variables}"),
+            Cause::Elsewhere if address.scheme() == Scheme::S3 => "is AWS_REGION the region of the bucket?".into(),
+            Cause::Elsewhere => "open the address in a browser: it may have moved, or want you to log in".into(),
             Cause::Clock => "set the clock of this machine: stores take signatures of the last 15 minutes only".into(),
             Cause::Untrusted => {
                 "is the host's name right, and this machine's date? SSL_CERT_FILE names a file with the certificates of an \
@@ -177,14 +189,18 @@ impl Found {
                 Failure::new(Cause::Unreached, format!("the server answers {status}{code}, also when asked again"))
             }
             Some(status) => Failure::new(Cause::Refused, format!("the server answers {status}{code}")),
-            None if text.contains("redirect") => {
-                Failure::new(Cause::Refused, "the server sends elsewhere: is AWS_REGION the region of the bucket?")
-            }
+            None if text.contains("redirect") => Failure::new(Cause::Elsewhere, "the server sends to another address"),
             None if text.contains("timed out") => Failure::new(Cause::Passing, "gave no whole answer in time"),
             None => {
                 let lower = text.to_lowercase();
                 let gone = ["refused", "dns", "resolve", "unreachable"].iter().any(|word| lower.contains(word));
                 let cause = match gone {
+                    _ if lower.contains("invalidcontenttype") => {
+                        return Failure::new(
+                            Cause::Unreached,
+                            "is on a server that does not speak TLS: is it http://?",
+                        );
+                    }
                     _ if lower.contains("certificate") => Cause::Untrusted,
                     true => Cause::Unreached,
                     false => Cause::Passing,

@@ -247,7 +247,7 @@ fn builders_take_turns() {
     assert!(verified.contains(" 0 bad"), "{verified}");
 }
 
-/// Fourteen wrong inputs are refused with what to do.
+/// Fifteen wrong inputs are refused with what to do; an archive that lies in another part's place is found by what asks, checks and publishes: 3 of 3.
 #[test]
 fn refusals() {
     let folder = block("--part-size 45m --sample 0");
@@ -265,6 +265,7 @@ fn refusals() {
         (format!("build {model}"), ["receivers and the archive to write", "-r"]),
         ("build atlas --part 9".into(), ["no part `9`", "0 to 3"]),
         ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
+        ("build atlas --part 0 --quality fine".into(), ["--quality", "cannot be used with"]),
         (format!("build {model} --part 0"), ["no folder of an atlas", "partition"]),
         (format!("replay atlas --weather {weather}"), ["4 of its parts are not built", "build atlas --part"]),
         (
@@ -280,9 +281,17 @@ fn refusals() {
     // A part of other settings is no part.
     done(&folder, "build atlas --part all");
     fs::copy(folder.path("whole.helio"), folder.path("other.helio")).expect("copied");
-    done(&folder, &format!("build {model} -r r.csv --quality standard -o other.helio"));
+    done(&folder, &format!("build {model} -r atlas/parts/x1749_y10176/receivers.csv --quality standard -o other.helio"));
     fs::copy(folder.path("other.helio"), folder.path("atlas/parts/x1749_y10176/site.helio")).expect("copied");
     folder.refused(&format!("replay atlas --weather {weather}"), &["other settings", "--fresh"]);
+    // Nor is that of the part beside it.
+    fs::copy(folder.path("atlas/parts/x1749_y10177/site.helio"), folder.path("atlas/parts/x1749_y10176/site.helio"))
+        .expect("copied");
+    let beside = "do not stand in the square of x1749_y10176";
+    folder.refused(&format!("replay atlas --weather {weather}"), &[beside, "--part x1749_y10176 --fresh"]);
+    folder.refused("catalogue atlas", &[beside]);
+    let verified = folder.run("verify atlas");
+    assert!(verified.status.code() == Some(1) && stdout(&verified).contains(beside), "{}", stdout(&verified));
     let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
     for (from, to, quoted) in [
         ("\"heliotile_atlas\": 2", "\"heliotile_atlas\": 7", "found 7"),

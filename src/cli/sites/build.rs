@@ -10,7 +10,7 @@ use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// What the plan of an atlas says of its parts.
-const PLANNED: [&str; 18] = [
+const PLANNED: [&str; 20] = [
     "receivers",
     "output",
     "materials",
@@ -29,6 +29,8 @@ const PLANNED: [&str; 18] = [
     "no_scene",
     "error",
     "set",
+    "quality",
+    "share",
 ];
 
 #[derive(Args, Debug)]

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::listed::ListedPart;
 use super::opened::Atlas;
 use super::part::PartState;
+use super::plan::PlannedPart;
 use crate::commands::say;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
@@ -13,9 +14,12 @@ use heliotile_core::text::counted;
 /// Parts that are listed as missing.
 const NAMED: usize = 8;
 
-/// Archives of the parts that are built.
-pub fn built(atlas: &Atlas) -> Result<Vec<PathBuf>> {
-    let paths: Vec<PathBuf> = atlas.parts(None)?.iter().filter_map(ListedPart::archive).cloned().collect();
+/// The parts that are built, and their archives.
+pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
+    let listed = atlas.parts(None)?;
+    let archives = listed.iter().map(ListedPart::archive);
+    let paths: Vec<_> =
+        atlas.plan.parts.iter().zip(archives).filter_map(|(part, path)| Some((part, path?.clone()))).collect();
     match paths.is_empty() {
         true => {
             Err(Error::input(&atlas.shown(), None, "has no part that is built", "heliotile build ATLAS --part all"))
@@ -67,7 +71,10 @@ pub fn info(atlas: &Atlas) -> Result<()> {
     if let Some(seams) = &plan.seams {
         line("seams", seams.words());
         let parts = seams.components_percent.iter().filter(|(_, percent)| **percent > 0.0);
-        line("", parts.map(|(name, percent)| format!("{name} {percent} %")).collect::<Vec<_>>().join(", "));
+        let parts: Vec<String> = parts.map(|(name, percent)| format!("{name} {percent} %")).collect();
+        if !parts.is_empty() {
+            line("", parts.join(", "));
+        }
     }
     say(&out)
 }

@@ -13,7 +13,6 @@ use super::listed::{ListedPart, parts};
 use super::opened::Atlas;
 use super::page::{PARTS, list};
 use super::part::PartState;
-use super::plan::AtlasPlan;
 use super::thumbnails::Thumbnails;
 use crate::cli::{CatalogueArgs, FindArgs};
 use crate::commands::replay::mapped::crs_of;
@@ -33,7 +32,7 @@ pub(super) const ITEM: &str = "item.json";
 /// `heliotile catalogue`.
 pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
     let opened = Atlas::open(&args.atlas)?;
-    let (atlas, plan) = (args.atlas.as_path(), &opened.plan);
+    let atlas = args.atlas.as_path();
     let whole = std::path::absolute(atlas).map_err(Error::io(atlas, "find"))?;
     let name = whole.file_name().map_or("atlas".into(), |name| name.to_string_lossy().into_owned());
     let listed = opened.parts(None)?;
@@ -51,7 +50,7 @@ pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
         ));
     }
     let item = |(number, (part, path)): (usize, &(&ListedPart, &PathBuf))| {
-        let mut found = item(part, path, plan, &name)?;
+        let mut found = item(part, path, &opened, &name)?;
         if let Some(png) = pictures.part(number)? {
             write_file(&path.with_file_name(THUMBNAIL), &png)?;
             found.0.assets.push(StacAsset::thumbnail(&png, pictures.top_kwh_m2()));
@@ -85,8 +84,12 @@ fn text(json: &Value) -> String {
     format!("{json:#}\n")
 }
 
-fn item(part: &ListedPart, path: &Path, plan: &AtlasPlan, name: &str) -> Result<(StacItem, String)> {
+fn item(part: &ListedPart, path: &Path, atlas: &Atlas, name: &str) -> Result<(StacItem, String)> {
+    let plan = &atlas.plan;
     let archive = open_archive(path, Access::Read)?;
+    if let Some(planned) = plan.parts.iter().find(|planned| planned.name == part.name) {
+        atlas.check_place(planned, &archive)?;
+    }
     let manifest = archive.manifest();
     let file = File::open(path).map_err(Error::io(path, "open"))?;
     let about = file.metadata().map_err(Error::io(path, "read the length of"))?;

@@ -43,6 +43,9 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool) -> Result<Outcome> {
     let terminal = Terminal::default();
     let stage = Stage::begin(&terminal, "files", Some(names.len() as u64 + 1));
     let one = |name: &String| {
+        // What a catalogue says follows from the parts, and is made again as they are.
+        let file = name.rsplit('/').next().unwrap_or(name);
+        let replace = replace || [ITEM, COLLECTION, THUMBNAIL, PARTS, VIEWER].contains(&file);
         let copied = files::copy(&atlas.folder.join(name), &to.join(name), replace, &Silent)?;
         stage.advance(1);
         Ok(if copied.was_there { (0, 0) } else { (1, copied.bytes) })

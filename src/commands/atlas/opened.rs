@@ -10,12 +10,17 @@ use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::format::Entry;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::{OpenSite, tiles_within};
 
 /// Parts that a message names.
 const NAMED: usize = 5;
 
 /// Blocks that whoever asks for results reads first.
-const READ_FIRST: [u32; 5] = [format::MATERIALS, format::OPTICS, format::MIRRORS, format::RECEIVERS, format::PARTS];
+const READ_FIRST: [u32; 6] =
+    [format::MATERIALS, format::OPTICS, format::MIRRORS, format::RECEIVERS, format::PARTS, format::EXTENTS];
+
+/// How far beyond the square of its part rounding may put a receiver, metres.
+const EDGE_M: f64 = 0.01;
 
 /// A region in parts.
 pub struct Atlas {
@@ -84,6 +89,21 @@ impl Atlas {
         self.states(None, |names| self.folder.each(names, open))
     }
 
+    /// Refuses an archive whose receivers do not stand in the square of its part: that of another part. Archives before format 1.5 do not tell.
+    pub fn check_place(&self, part: &PlannedPart, archive: &Archive) -> Result<()> {
+        let square = self.plan.region_part(part);
+        let (low, high) = (square.low - EDGE_M, square.high + EDGE_M);
+        let within = [low.extend(f64::NEG_INFINITY), high.extend(f64::INFINITY)];
+        match tiles_within(&OpenSite::of(archive)?, within)? {
+            Some(tiles) if tiles.len() < archive.tiles() as usize => {
+                let what = format!("holds receivers that do not stand in the square of {}", part.name);
+                let hint = format!("it is another part's: heliotile build ATLAS --part {} --fresh", part.name);
+                Err(Error::input(archive.path(), None, what, hint))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Archives of the parts that a box touches, by the names of the parts; what is read first of all of them is on its way. A part that is
     /// not built is an error.
     pub fn archives(&self, within: Option<Bounds>, access: Access) -> Result<Vec<Archive>> {
@@ -96,6 +116,11 @@ impl Atlas {
             Ok(archive)
         };
         let parts = self.states(within, |names| self.folder.each(names, open))?;
+        for (part, state) in &parts {
+            if let PartState::Built(archive) = state {
+                self.check_place(part, archive)?;
+            }
+        }
         let is_missing = |state: &PartState<Archive>| matches!(state, PartState::Missing);
         let missing = parts.iter().filter(|(_, state)| is_missing(state)).map(|(part, _)| part.name.as_str());
         let missing: Vec<&str> = missing.collect();
@@ -106,7 +131,8 @@ impl Atlas {
         let atlas = quoted(&self.shown().to_string_lossy());
         let hint = format!("heliotile build {atlas} --part {first}, or others with --bbox");
         let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
-        let what = format!("{} of its parts are not built yet: {named}", missing.len());
+        let verb = if missing.len() == 1 { "is" } else { "are" };
+        let what = format!("{} of its parts {verb} not built yet: {named}", missing.len());
         Err(Error::input(&self.shown(), None, what, hint))
     }
 }

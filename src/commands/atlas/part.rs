@@ -12,7 +12,7 @@ use super::plan::{FILE, PlannedPart, is_atlas};
 use crate::cli::BuildArgs;
 use crate::commands::receivers::cover_site;
 use crate::commands::terminal::Terminal;
-use crate::commands::traced::{TraceRequest, up_to_date};
+use crate::commands::traced::{TraceRequest, WaysOut, up_to_date};
 use crate::commands::{Outcome, interrupt, remark};
 use crate::files::{self, is_address, shown};
 use crate::outputs::sink::write_texts;
@@ -34,6 +34,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// Says that no receiver lies in a part.
 const NOTHING: &str = "no-receivers.txt";
+
+/// What to do where a part of other inputs is.
+const FRESH: &str = "--fresh to build it of today's inputs in its place; other parts may be of those of then";
 
 /// What is there of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -104,7 +107,12 @@ fn publish_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart) -> Result<(
         return remark(&format!("{}: is there, nothing is traced again (--fresh replaces it)\n", part.name));
     }
     let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;
-    trace_part(args, atlas, part, folder.path())?;
+    trace_part(args, atlas, part, folder.path()).map_err(|error| match error {
+        Error::Stopped { what } => {
+            Error::Stopped { what: format!("{what}, of which nothing is kept: the part begins anew") }
+        }
+        error => error,
+    })?;
     for file in [ARCHIVE, NOTHING] {
         let built = folder.path().join(file);
         if built.is_file() {
@@ -157,6 +165,7 @@ fn trace_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart, folder: &Path
         with_scene: !plan.no_scene,
         offset_m: plan.cover.offset.0,
         replace: args.fresh,
+        ways_out: WaysOut { results: FRESH, started: FRESH },
         memory: args.memory,
         under: None,
         about_error_weather: None,

@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::receivers::cover_site;
-use super::traced::{KEEP_OR_REPLACE, TraceRequest, up_to_date};
+use super::traced::{KEEP_OR_REPLACE, TraceRequest, WaysOut, up_to_date};
 use super::{Outcome, guard_archive, guard_output, interrupt, remark, temporary_files, warn};
 use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
 use crate::covering::Covered;
@@ -120,6 +120,7 @@ fn traced(
         effects,
         offset_m: OFFSET_M,
         replace: args.replace,
+        ways_out: WaysOut::USUAL,
         memory: args.memory,
         under: None,
         with_scene: true,

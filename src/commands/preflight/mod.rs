@@ -6,8 +6,9 @@ mod kind;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
+use crate::covering::check_name;
 use crate::files::{is_address, require_file, shown};
-use crate::guards::starts_as_archive;
+use crate::guards::check_archive_name;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::results::ResultFormat;
 use crate::outputs::tables::writer::Format;
@@ -243,23 +244,13 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
         let hint = format!("write a file, and then: heliotile copy FILE {}", shown(path).display());
         return Err(Error::input(&shown(path), None, "is an address, to which only `copy` writes", hint));
     }
-    let has = |wanted: &str| ending(path) == wanted;
     match written {
-        // What is there and no archive is refused later, for what it is.
-        Written::Archive if has("helio") || path.exists() && starts_as_archive(path) != Some(true) => {}
-        Written::Archive => {
-            let what = "is no name of an archive: it ends with .helio";
-            return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("helio").display())));
-        }
+        Written::Archive => check_archive_name(path)?,
         Written::Table => drop(Format::of(path)?),
         // `replay` says what else it takes.
         Written::Results { .. } if is_city_model(path) => {}
         Written::Results { geo } => drop(ResultFormat::of(path, *geo)?),
-        Written::Csv if has("csv") || path.exists() && !path.is_file() => {}
-        Written::Csv => {
-            let what = "is no name of this table, which is CSV: it ends with .csv";
-            return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("csv").display())));
-        }
+        Written::Csv => check_name(path)?,
         Written::Folder if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
             let what = "is the name of a file, and the output is a folder of several";
             return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("").display())));

@@ -15,7 +15,7 @@ use std::fs;
 use super::build::about_error_weather;
 use super::console::voice::note;
 use super::horizon::nothing_seen;
-use super::traced::{TraceRequest, up_to_date};
+use super::traced::{TraceRequest, WaysOut, up_to_date};
 use super::{Outcome, interrupt, invocation, remark, say, say_report, warn};
 use crate::cli::PvArgs;
 use crate::files::read_weather_as;
@@ -99,6 +99,7 @@ pub fn run(args: &PvArgs) -> Result<Outcome> {
         effects: EffectChoice::Auto,
         offset_m: 0.0,
         replace: args.replace,
+        ways_out: WaysOut::USUAL,
         memory: args.memory,
         under: None,
         with_scene: true,

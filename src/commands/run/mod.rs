@@ -13,7 +13,7 @@ use super::build::{WeighedUnder, about_error_weather};
 use super::horizon::nothing_seen;
 use super::receivers::cover_site;
 use super::terminal::Terminal;
-use super::traced::{TraceRequest, up_to_date};
+use super::traced::{TraceRequest, WaysOut, up_to_date};
 use super::{Outcome, interrupt, invocation, load_scene, remark, say, temporary_files, warn};
 use crate::cli::{RunArgs, RunMap};
 use crate::covering::Covered;
@@ -76,6 +76,7 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
         effects: EffectChoice::Auto,
         offset_m: args.cover.offset.0,
         replace: args.replace,
+        ways_out: WaysOut::USUAL,
         memory: args.memory,
         under: under.as_ref(),
         with_scene: !args.no_scene,

@@ -29,7 +29,9 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
                 "open the view.html that `catalogue` writes and `copy` brings there, or copy the atlas to a folder";
             return Err(Error::input(&atlas.shown(), None, "is an atlas afar, of which nothing is served", hint));
         }
-        Some(atlas) => (atlas.parts(None)?, built(&atlas)?.into_iter().next().unwrap_or_default()),
+        Some(atlas) => {
+            (atlas.parts(None)?, built(&atlas)?.into_iter().next().map(|(_, path)| path).unwrap_or_default())
+        }
         None => (Vec::new(), args.archive.clone()),
     };
     let archive = open_archive(&first, Access::Read)?;

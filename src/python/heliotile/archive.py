@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _heliotile
-from .askable import Askable, Place, Wanted
+from .askable import Askable, Wanted
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -42,26 +42,6 @@ class Archive(Askable):
     def root(self) -> str:
         """Hash of the archive's content."""
         return self._handle.root
-
-    @property
-    def count(self) -> int:
-        """Number of receivers."""
-        return self._handle.count
-
-    @property
-    def tiles(self) -> int:
-        """Number of tiles, of 64 receivers each; what is computed at a time."""
-        return self._handle.tiles
-
-    @property
-    def place(self) -> Place | None:
-        """Where it lies, if its files said so."""
-        return None if (place := self._handle.place) is None else Place(*place)
-
-    @property
-    def settings(self) -> dict[str, str]:
-        """Settings of the build."""
-        return dict(self._handle.settings)
 
     def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
         return self._handle

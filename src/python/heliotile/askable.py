@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from . import _heliotile
+from . import _heliotile, given
 from .results import Results
-from .tables import columns_of, csv_of
+from .tables import columns_of, csv_of, refused
 from .weather import Weather
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ Progress = Callable[[str, int, "int | None"], object]
 #: A number, a path of a CSV file, or a value for each row of the weather, or for each month.
 Follow = Any
 
-#: Ids, a path of a CSV file, or one of `{"objects": names}`, `{"surfaces": names}`, `{"bbox": (xmin, ymin, xmax, ymax)}`.
+#: Ids, a table with a column `receiver`, a path of a CSV file, or one of `{"objects": names}`, `{"surfaces": names}`, `{"bbox": (xmin, ymin, xmax, ymax)}`.
 Wanted: TypeAlias = "Sequence[str] | str | os.PathLike[str] | Mapping[str, str | Sequence[str] | Sequence[float]]"
 
 #: What a session works in unless more is said, bytes.
@@ -68,6 +68,13 @@ class Factors:
     values: dict[str, np.ndarray]
     """`ReflFac...`: float64, shape (names, azimuths, altitudes)."""
 
+    def __getitem__(self, factor: str) -> np.ndarray:
+        return self.values[factor]
+
+    def __repr__(self) -> str:
+        shape = f"{len(self.names)} x {len(self.azimuths_deg)} azimuths x {len(self.altitudes_deg)} altitudes"
+        return f"Factors(by {self.by}: {shape}, {', '.join(self.values)})"
+
     def to_xarray(self) -> xr.Dataset:
         """A Dataset with the dimensions of the names, `sun_azimuth_deg` and `sun_altitude_deg`."""
         import xarray as xr
@@ -83,6 +90,26 @@ class Askable(ABC):
     @abstractmethod
     def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
         """What holds the receivers that are asked for, open."""
+
+    @property
+    def count(self) -> int:
+        """Number of receivers."""
+        return self._open(None).count
+
+    @property
+    def tiles(self) -> int:
+        """Number of tiles, of 64 receivers each; what is computed at a time."""
+        return self._open(None).tiles
+
+    @property
+    def place(self) -> Place | None:
+        """Where it lies, if its files said so."""
+        return None if (place := self._open(None).place) is None else Place(*place)
+
+    @property
+    def settings(self) -> dict[str, str]:
+        """Settings of the build."""
+        return dict(self._open(None).settings)
 
     def _table(self, opened: _heliotile.ArchiveHandle, receivers: Wanted | None, memory: int) -> dict[str, np.ndarray]:
         return {name: np.asarray(values) for name, values in opened.receivers(wanted_args(receivers), memory).items()}
@@ -135,7 +162,7 @@ class Askable(ABC):
         columns
             Names of components; default: the six and their `total`.
         receivers
-            Ids, or the path of a CSV file with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
+            Ids, or a table or the path of a CSV file with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
             `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. Tiles without any of them are
             neither read nor computed.
         reflectance, transmittance
@@ -181,7 +208,7 @@ class Askable(ABC):
         """Irradiance under suns and skies, W/m2: `heliotile query`, value by value.
 
         `conditions` is the path of a CSV file, a DataFrame or a mapping of arrays with the columns `sun_azimuth_deg` (clockwise from true
-        north), `sun_altitude_deg`, `dni_w_m2`, `dhi_w_m2`, and `condition`, a name for each, which may be left out. The rest is as in `replay`.
+        north), `sun_altitude_deg` (without refraction: pvlib's `elevation`), `dni_w_m2`, `dhi_w_m2`, and `condition`, a name for each, which may be left out. The rest is as in `replay`.
         """
         light = light_args(columns, reflectance, transmittance, sky, patches, paths, bounces, memory)
         source: dict[str, Any] = {"name": "conditions", "bytes": None}
@@ -220,26 +247,37 @@ class Askable(ABC):
 
 
 def wanted_args(receivers: Wanted | None) -> list[str] | str | dict[str, list[Any]] | None:
-    if receivers is None or isinstance(receivers, str):
-        return receivers
-    if isinstance(receivers, os.PathLike):
-        return os.fspath(receivers)
+    """Receivers that are chosen, as the engine takes them."""
+    if receivers is None or isinstance(receivers, os.PathLike):
+        return given.path(receivers)
+    if isinstance(receivers, str):
+        return receivers if receivers.endswith(".csv") or os.path.exists(receivers) else [receivers]
     if isinstance(receivers, Mapping):
         return {by: [of] if isinstance(of, str) else list(of) for by, of in receivers.items()}
-    return [str(receiver) for receiver in receivers]
+    if hasattr(receivers, "columns") or hasattr(receivers, "column_names"):
+        table = columns_of(receivers, "receivers")
+        if "receiver" not in table:
+            raise refused("receivers", f"has no column `receiver`, but {', '.join(table)}", "give a table with the ids, or the ids themselves")
+        receivers = table["receiver"]  # type: ignore[assignment]
+    ids = np.asarray(receivers)
+    if ids.dtype.kind == "b":
+        raise refused("receivers", "is a mask, and ids are taken", 'site.receivers()["receiver"][mask] are those')
+    return [str(receiver) for receiver in np.atleast_1d(ids).tolist()]
 
 
 def _follow(changes: Mapping[str, Follow] | None, column: str) -> list[tuple[str, Any]]:
     """Numbers and paths as they are, arrays as the bytes of a schedule."""
     found: list[tuple[str, Any]] = []
-    for name, value in (changes or {}).items():
+    for name, value in given.named(column, changes, f'say of what, as in {column}={{"ground": 0.3}}').items():
         if isinstance(value, os.PathLike):
             value = os.fspath(value)
         elif not isinstance(value, str) and np.ndim(value) > 0:
             value = csv_of(columns_of({column: np.asarray(value, dtype=float)}, f"{column}[{name!r}]"))
         elif not isinstance(value, str):
-            value = float(value)
-        found.append((name, value))
+            value = given.number(f"{column}[{name!r}]", value)
+            if value is None:
+                raise given.wrong(f"{column}[{name!r}]", "is None", "leave it out, or give a number")
+        found.append((str(name), value))
     return found
 
 
@@ -256,14 +294,14 @@ def light_args(
     """Choices of light as the engine takes them."""
     joined = [columns] if isinstance(columns, str) else columns
     return {
-        "columns": None if joined is None else ",".join(joined),
-        "sky": sky,
-        "patches": patches,
-        "paths": paths if isinstance(paths, str) else ",".join(paths),
-        "bounces": bounces,
+        "columns": None if joined is None else ",".join(str(column) for column in joined),
+        "sky": given.word("sky", sky, 'give "perez", "perez1990", "uniform", or "cie:1" to "cie:15"'),
+        "patches": given.whole("patches", patches, "give 145, 577 or 2305"),
+        "paths": paths if isinstance(paths, str) else ",".join(str(path) for path in paths),
+        "bounces": given.whole("bounces", bounces, "give a number of reflections from 1 to 64, or leave it out for all"),
         "reflectance": _follow(reflectance, "reflectance"),
         "transmittance": _follow(transmittance, "transmittance"),
-        "memory": memory,
+        "memory": given.whole("memory", memory, "give bytes, as in 1 << 30"),
     }
 
 
@@ -282,13 +320,13 @@ def replay_args(
     """Choices of a replay as the engine takes them."""
     return {
         **Weather.of(weather).args(),
-        "every": every,
-        "stamp": stamp,
-        "year": year,
-        "from": start,
-        "to": end,
-        "steps": steps,
+        "every": given.word("every", every, 'give "hour", "day", "month", "year" or "total"'),
+        "stamp": given.word("stamp", stamp, 'give "start", "middle" or "end"'),
+        "year": given.whole("year", year, "give a year, as in year=2019"),
+        "from": given.moment("start", start),
+        "to": given.moment("end", end),
+        "steps": given.whole("steps", steps, "give 1 to 60"),
         "snow": snow,
-        "snow_reflectance": snow_reflectance,
+        "snow_reflectance": given.number("snow_reflectance", snow_reflectance),
         "temperature": _follow(temperature, "temperature_c"),
     }

@@ -13,6 +13,7 @@ from . import _heliotile
 from .archive import Archive
 from .askable import MEMORY, Askable, Wanted, wanted_args
 from .errors import Error, InputError
+from .given import wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,18 +69,22 @@ class Atlas(Askable):
             raise InputError(f"{_heliotile.shown(self.path)}: {what}\n  to fix: Atlas.build(name), heliotile.dask.build(atlas, client), or another bbox")
         return parts
 
-    def build(self, part: str, *, threads: int | None = None, fresh: bool = False) -> AtlasPart:
-        """Builds a part, by its name, in a process of its own; one that is there and fits is kept. Below an address, it is published when it is whole.
+    def build(self, part: str | int, *, threads: int | None = None, fresh: bool = False) -> AtlasPart:
+        """Builds a part, by its name or number, in a process of its own; one that is there and fits is kept. Below an address, it is published when it is whole.
 
         `threads` are those of the build (all cores without it). `fresh` replaces what is there of other inputs.
         """
-        words = [sys.executable, "-m", "heliotile", "build", self.path, "--part", part, "--quiet"]
+        if part == "all":
+            raise wrong("part", "is all of them", "for part in atlas.parts(): atlas.build(part.name); or heliotile.dask.build(atlas, client)")
+        words = [sys.executable, "-m", "heliotile", "build", self.path, "--part", str(part), "--quiet"]
         words += ["--threads", str(threads)] if threads else []
         words += ["--fresh"] if fresh else []
         done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode:
             raise Error(done.stderr.strip().removeprefix("heliotile: ") or f"the build of {part} ended with {done.returncode}")
-        return next(known for known in self.parts() if known.name == part)
+        parts = self.parts()
+        named = {known.name: known for known in parts}
+        return named[str(part)] if str(part) in named else parts[int(part)]
 
     def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
         return _heliotile.ArchiveHandle.open_atlas(self.path, _box(receivers), self.grid_north)

@@ -13,7 +13,7 @@ from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
 from .archive import Archive
-from .askable import MEMORY, Follow, light_args, replay_args
+from .askable import MEMORY, Follow, Wanted, light_args, replay_args, wanted_args
 from .lazy import LazyReplay
 
 #: Receivers of a tile: what is computed at a time.
@@ -75,6 +75,7 @@ class HeliotileBackend(BackendEntrypoint):
         end: str | None = None,
         access: str = "map",
         grid_north: bool = False,
+        receivers: Wanted | None = None,
         memory: int = MEMORY,
         cache_bytes: int = CACHE,
     ) -> xr.Dataset:
@@ -104,7 +105,11 @@ class HeliotileBackend(BackendEntrypoint):
             if column not in dropped
         }
         coordinates = {k: v for k, v in frame.coordinates(archive.receivers()).items() if k not in dropped}
-        return xr.Dataset(variables, coordinates, frame.provenance)
+        data = xr.Dataset(variables, coordinates, frame.provenance)
+        if receivers is None:
+            return data
+        [ids] = archive._handle.chosen(wanted_args(receivers), memory)
+        return data if ids is None else data.sel(receiver=ids)
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:
         """Whether it is the name of an archive."""

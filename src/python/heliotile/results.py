@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import timedelta, timezone
 from typing import TYPE_CHECKING, Any
 
@@ -159,6 +159,19 @@ class Results:
 
     def __getitem__(self, column: str) -> np.ndarray:
         return np.asarray(self._handle.column(column))
+
+    def __contains__(self, column: object) -> bool:
+        return column in self._frame.columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._frame.columns)
+
+    def keys(self) -> list[str]:
+        """Names of the columns: `dict(results)` has them all."""
+        return self.columns
+
+    def __reduce__(self) -> Any:
+        raise TypeError("results do not pickle: send to_pandas(), to_xarray() or their columns, or the archive, which pickles by its path")
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
         """All rows as an Arrow stream, values without a copy: `pyarrow.table(results)`, `polars.from_arrow`... Columns are named as in files."""

@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from . import _heliotile
+import numpy as np
+
+from . import _heliotile, given
 from .archive import Archive
 from .askable import MEMORY, Progress
 from .tables import columns_of, csv_of
@@ -39,7 +41,7 @@ class Scene:
         materials: str | os.PathLike[str] | None = None,
         materials_only: bool = False,
         ground: bool = True,
-        crs: int | None = None,
+        crs: int | str | None = None,
         latitude: float | None = None,
         longitude: float | None = None,
         rotate_deg: float | None = None,
@@ -53,12 +55,12 @@ class Scene:
             "materials": None if materials is None else os.fspath(materials),
             "materials_only": materials_only,
             "assume_ground": ground,
-            "crs": crs,
-            "latitude": latitude,
-            "longitude": longitude,
-            "rotate_deg": rotate_deg,
-            "elevation": elevation,
-            "scale": scale,
+            "crs": given.epsg(crs),
+            "latitude": given.number("latitude", latitude, "give degrees, north positive"),
+            "longitude": given.number("longitude", longitude, "give degrees, east positive"),
+            "rotate_deg": given.number("rotate_deg", rotate_deg),
+            "elevation": given.number("elevation", elevation),
+            "scale": given.number("scale", scale),
         }
         self._handle = _heliotile.SceneHandle.load(self._args)
 
@@ -103,10 +105,10 @@ class Scene:
         args = {
             "on": [on] if isinstance(on, str) else list(on),
             "types": [types] if isinstance(types, str) else list(types),
-            "spacing": spacing,
-            "per_surface": per_surface,
-            "offset": offset,
-            "min_area": min_area,
+            "spacing": given.number("spacing", spacing, "give metres"),
+            "per_surface": given.whole("per_surface", per_surface),
+            "offset": given.number("offset", offset, "give metres"),
+            "min_area": given.number("min_area", min_area, "give m2"),
         }
         return self._handle.cover(os.fspath(output), args, progress)[1]
 
@@ -137,12 +139,12 @@ class BuildReport:
 
 
 def build(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     receivers: Any,
     output: str | os.PathLike[str],
     *,
     quality: str = "standard",
-    error: float | None = None,
+    error: float | str | None = None,
     error_weather: str | os.PathLike[str] | None = None,
     settings: Mapping[str, object] | None = None,
     effects: str = "auto",
@@ -156,6 +158,8 @@ def build(
 
     Parameters
     ----------
+    scene
+        A `Scene`, or the files of one.
     receivers
         Path of a CSV file, a DataFrame or a mapping of arrays: `receiver` (id), `x, y, z` in metres, `nx, ny, nz` or `tilt_deg, azimuth_deg`,
         and optionally `area` (m2), `surface` and what else the book's page of receivers lists.
@@ -184,19 +188,27 @@ def build(
     if isinstance(receivers, os.PathLike):
         source = os.fspath(receivers)
     elif not isinstance(receivers, str):
-        source = csv_of(columns_of(receivers, "receivers"))
+        table = columns_of(receivers, "receivers")
+        if "area" in table and table["area"].dtype.kind == "f":
+            # Of those of which nobody says it.
+            areas = table["area"].astype(object)
+            areas[np.isnan(table["area"])] = None
+            table["area"] = areas
+        source = csv_of(table)
+    if not isinstance(scene, Scene):
+        scene = Scene(scene)
     path = os.fspath(output)
     args: dict[str, Any] = {
         "output": path,
         "quality": quality,
-        "error": error,
+        "error": given.percent("error", error),
         "error_weather": None if error_weather is None else os.fspath(error_weather),
         "settings": [f"{name}={value}" for name, value in (settings or {}).items()],
         "effects": effects,
         "with_scene": with_scene,
         "fresh": fresh,
-        "checkpoint": checkpoint,
-        "memory": memory,
+        "checkpoint": given.number("checkpoint", checkpoint, "give seconds"),
+        "memory": given.whole("memory", memory, "give bytes, as in 1 << 30"),
     }
     handle, seconds, rays, length, found = scene._handle.build(source, args, progress)
     archive = Archive(handle, path)

@@ -16,9 +16,12 @@ from .errors import InputError
 
 
 def columns_of(table: Any, name: str) -> dict[str, np.ndarray]:
-    """The columns of a mapping, or of a DataFrame of pandas or Polars: `[row]` each, all of one length. `name` is for messages."""
+    """The columns of a mapping, or of a table of pandas, Polars or Arrow: `[row]` each, all of one length. `name` is for messages."""
     if isinstance(table, Mapping):
         found = {str(key): np.asarray(values) for key, values in table.items()}
+    elif hasattr(table, "column_names"):
+        # Arrow, whose `columns` are not names.
+        found = {str(key): np.asarray(table[key]) for key in table.column_names}
     elif hasattr(table, "columns"):
         found = {str(key): np.asarray(table[key]) for key in table.columns}
     else:
@@ -43,8 +46,19 @@ def csv_of(columns: Mapping[str, np.ndarray]) -> bytes:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns.keys())
-    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    writer.writerows(zip(*(_cells(values) for values in columns.values()), strict=True))
     return text.getvalue().encode()
+
+
+def _cells(values: np.ndarray) -> list[Any]:
+    """Cells of a column; what is missing by pandas' word, and None, is empty."""
+    cells = values.tolist()
+    return cells if values.dtype.kind != "O" else [None if _is_missing(cell) else cell for cell in cells]
+
+
+def _is_missing(cell: Any) -> bool:
+    # pandas' NA and NaT are known by their types, so that pandas need not be here.
+    return cell is None or type(cell).__name__ in ("NAType", "NaTType")
 
 
 def refused(name: str, what: str, hint: str) -> InputError:

@@ -11,9 +11,9 @@ use pyo3::pybacked::PyBackedBytes;
 use crate::archive::ArchiveHandle;
 use crate::errors::{raised, wrong};
 use crate::work::{self, Watch};
-use heliotile::covering::{CoverRequest, Density, cover_scene, save, summary};
-use heliotile::files::{read_receivers, read_weather_as};
-use heliotile::guards::{guard_archive, guard_site};
+use heliotile::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
+use heliotile::files::{is_address, read_receivers, read_weather_as, shown};
+use heliotile::guards::{check_archive_name, guard_archive, guard_site};
 use heliotile::{
     Build, EffectChoice, Error, ErrorTarget, MemoryBudget, Observer, Output, PlanRequest, PreparedScene, Quality,
     Result, Rungs, Scene, Start, Workspace, by_name, nothing_seen,
@@ -192,6 +192,7 @@ impl SceneHandle {
     ) -> PyResult<(usize, String)> {
         let request = args.request().map_err(|error| raised(py, &error))?;
         work::run(py, progress.as_ref(), |watch| {
+            check_name(&output)?;
             guard_site(&output, &self.site, &[])?;
             let (scene, soup) = Scene::load_with_objects(&self.site)?;
             let covered = cover_scene(&scene, soup, &request, watch)?;
@@ -214,6 +215,16 @@ impl SceneHandle {
             let folder = folder_of(&args.output);
             let given = Given::of(&receivers)?;
             let inputs = [given.user_file(), args.error_weather.as_deref()];
+            if is_address(&args.output) {
+                let hint = "write a file, and then: heliotile copy FILE ADDRESS";
+                return Err(Error::input(
+                    &shown(&args.output),
+                    None,
+                    "is an address, to which only `copy` writes",
+                    hint,
+                ));
+            }
+            check_archive_name(&args.output)?;
             guard_site(&args.output, &self.site, &inputs)?;
             guard_archive(&args.output)?;
             let workspace = Workspace { folder: folder.into(), memory: MemoryBudget::new(args.memory) };

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
+import pickle
 import subprocess
 from pathlib import Path
 
@@ -132,6 +134,69 @@ def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
     """17 wrong choices, each refused with its name and what to give."""
     with pytest.raises(heliotile.Error, match=text):
         site.replay(DAYS, **choice)
+
+
+@pytest.mark.parametrize(
+    ("choice", "text"),
+    [
+        ({"reflectance": 0.3}, "reflectance: `0.3` does not say of what"),
+        ({"reflectance": {"ground": None}}, "reflectance\\['ground'\\]: is None"),
+        ({"reflectance": {"ground": object()}}, "is no number"),
+        ({"bounces": -1}, "bounces: `-1` is no whole number"),
+        ({"year": "soon"}, "year: `soon` is no whole number"),
+        ({"start": 5}, "start: `5` is no day"),
+        ({"sky": None}, "sky: `None` is no text"),
+        ({"memory": "1GB"}, "memory: `1GB` is no whole number"),
+        ({"receivers": np.array([True, False])}, "receivers: is a mask"),
+        ({"receivers": pd.DataFrame({"id": ["a"]})}, "receivers: has no column `receiver`, but id"),
+    ],
+)
+def test_types(site: heliotile.Archive, choice: dict, text: str) -> None:
+    """10 choices of the wrong type, each an error of heliotile with its name and what to give."""
+    with pytest.raises(heliotile.Error, match=text) as found:
+        site.replay(DAYS, **choice)
+    assert "to fix: " in str(found.value)
+
+
+def test_types_that_do(site: heliotile.Archive, scene: heliotile.Scene, tmp_path: Path) -> None:
+    """Dates, text and NumPy's numbers are taken where they mean something: 7 ways, the same values; results say what columns they have."""
+    usual = site.replay(DAYS, year=2019, start="2019-03-21", bounces=2)
+    first = str(site.receivers()["receiver"][0])
+    for choice in (
+        {"year": "2019"},
+        {"year": np.int64(2019)},
+        {"year": 2019.0, "start": datetime.date(2019, 3, 21)},
+        {"start": pd.Timestamp("2019-03-21")},
+        {"bounces": np.int32(2)},
+    ):
+        again = site.replay(DAYS, **({"year": 2019, "start": "2019-03-21", "bounces": 2} | choice))
+        np.testing.assert_array_equal(again["total"], usual["total"])
+    for one in (first, np.array([first]), xr.DataArray([first]), pd.DataFrame({"receiver": [first]})):
+        assert site.query(SUN, receivers=one).receivers == [first]
+    assert "total" in usual and list(usual) == usual.columns == list(dict(usual)) and "sun" not in usual
+    with pytest.raises(TypeError, match="do not pickle: send to_pandas"):
+        pickle.dumps(usual)
+    assert heliotile.Scene(DATA / "hague" / "scene.obj", crs="EPSG:28992").place == heliotile.Scene(DATA / "hague" / "scene.obj", crs=28992).place
+    # A table of receivers goes back as it came, areas that nobody knows among them.
+    table = pd.DataFrame(site.receivers()).drop(columns=["sky_view", "ground_view", "obstruction_view"]).head(3)
+    table.loc[table.index[0], "area"] = np.nan
+    built = heliotile.build(DATA / "hague" / "scene.obj", table, tmp_path / "three.helio", quality="draft")
+    assert np.isnan(built.receivers()["area"]).sum() == 1 and built.count == 3
+
+
+def test_names_of_files(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path) -> None:
+    """A table does not replace an archive, and an archive is not called a table or written to an address: 4 refusals, and the archive stays."""
+    mine = tmp_path / "site.helio"
+    mine.write_bytes(Path(site.path).read_bytes())
+    receivers = DATA / "hague" / "receivers.csv"
+    for output in (mine, tmp_path / "r.parquet"):
+        with pytest.raises(heliotile.InputError, match="it ends with .csv"):
+            scene.cover(output)
+    with pytest.raises(heliotile.InputError, match="it ends with .helio"):
+        heliotile.build(scene, receivers, tmp_path / "site.csv")
+    with pytest.raises(heliotile.InputError, match="only `copy` writes"):
+        heliotile.build(scene, receivers, "s3://bucket/site.helio")
+    assert mine.read_bytes() == Path(site.path).read_bytes() and list(tmp_path.iterdir()) == [mine]
 
 
 def test_longwave_of_a_query(site: heliotile.Archive) -> None:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
+from decimal import Decimal
 from pathlib import Path
 
 import heliotile
 import numpy as np
 import pandas as pd
+import polars as pl
+import pyarrow as pa
 import pytest
 from conftest import DAYS, program
 
@@ -36,8 +40,39 @@ def test_weather_of_a_frame(site: heliotile.Archive, frame: pd.DataFrame, tmp_pa
     assert (site.replay(heliotile.Weather(mapping, **PLACE))["total"] == results["total"]).all()
 
 
+def test_types_of_columns(site: heliotile.Archive) -> None:
+    """Numbers as objects, text and Decimal, with None and NA for what is missing, are those of floats, to the bit; so are tables of Polars and Arrow
+    with a zone, in UTC or in the zone's own clock, and pvlib's pair of table and metadata. A cell that is no number is an error of its line."""
+    index = pd.date_range("2021-06-20", periods=48, freq="h", tz="Europe/Amsterdam")
+    frame = pd.DataFrame({"dni": np.linspace(0, 700, 48), "dhi": 100.0, "temp_air": 15.0}, index=index)
+    expected = site.replay(heliotile.Weather(frame, **PLACE))
+    objects = frame.assign(dni=frame.dni.astype(object), dhi=frame.dhi.map(lambda value: Decimal(repr(value))), temp_air=[None, pd.NA] * 24)
+    texts = frame.assign(dni=frame.dni.map(repr), dhi=frame.dhi.map(repr).astype("string"))
+    timed = frame.reset_index(names="time")
+    for table in (
+        objects,
+        texts,
+        timed,
+        pl.from_pandas(timed),
+        pl.from_pandas(timed).with_columns(pl.col("time").dt.convert_time_zone("UTC")),
+        pa.Table.from_pandas(timed),
+    ):
+        results = site.replay(heliotile.Weather(table, **PLACE))
+        assert (results.time_utc == expected.time_utc).all() and (results["total"] == expected["total"]).all(), type(table)
+    assert (site.replay((frame, {"latitude": 52.08, "longitude": 4.3, "TZ": 1}))["total"] == expected["total"]).all()
+    naive = frame.tz_convert("Etc/GMT-1").tz_localize(None)
+    named = heliotile.Weather(naive, time_zone="Europe/Amsterdam", **PLACE)
+    assert (site.replay(named)["total"] == expected["total"]).all()
+    with pytest.raises(heliotile.InputError, match="weather, line 5: column `dni` holds `many`"):
+        site.replay(heliotile.Weather(frame.assign(dni=["many" if row == 3 else 500.0 for row in range(48)]), **PLACE))
+    conditions = pa.table({"sun_azimuth_deg": [180.0], "sun_altitude_deg": [40.0], "dni_w_m2": [800.0], "dhi_w_m2": [90.0]})
+    assert (site.query(conditions)["total"] == site.query(conditions.to_pandas())["total"]).all()
+
+
 def test_summer_time(site: heliotile.Archive) -> None:
-    """A zone with summer time is told in standard time: one offset, +01:00, over the change of 28 March 2021."""
+    """A zone with summer time is told in standard time: one offset, +01:00, over the change of 28 March 2021, and in June alone."""
+    june = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=pd.date_range("2021-06-20", periods=24, freq="h", tz="Europe/Amsterdam"))
+    assert site.replay(heliotile.Weather(june, **PLACE)).utc_offset == timedelta(hours=1)
     index = pd.date_range("2021-03-27", periods=72, freq="h", tz="Europe/Amsterdam")
     frame = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=index)
     results = site.replay(heliotile.Weather(frame, **PLACE))

@@ -227,7 +227,7 @@ fn what_cannot_be_asked() {
     refused(
         &replay("s3://bucket/atlas"),
         &[
-            "s3://bucket/atlas: 1 of its parts are not built yet: x1749_y10177",
+            "s3://bucket/atlas: 1 of its parts is not built yet: x1749_y10177",
             "heliotile build s3://bucket/atlas --part x1749",
         ],
     );

@@ -147,6 +147,42 @@ fn an_object_that_changes() {
     }
 }
 
+/// A name and a password of an address go to a web server as RFC 7617 says, percent signs decoded, and give the table of the file, also of an atlas'
+/// address; another password is refused, and no message holds it. 9 variables that clients of stores take and cannot use are refused by their
+/// names.
+#[test]
+fn passwords_and_variables() {
+    let (folder, store) = hague();
+    let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    // Python's base64 of `me and:s3cret:100%`.
+    store.want("Basic bWUgYW5kOnMzY3JldDoxMDAl");
+    let query = |user: &str| {
+        let line = format!("query http://{user}@{}/bucket/site.helio --conditions conditions.csv", store.address);
+        run(&folder, &store, &line)
+    };
+    let right = query("me%20and:s3cret%3A100%25");
+    assert!(stdout(&right) == near, "{}", stderr(&right));
+    let wrong = query("me:s3cret");
+    assert!(wrong.status.code() == Some(2) && stderr(&wrong).contains("asks who you are (401)"), "{}", stderr(&wrong));
+    assert!(!stderr(&wrong).contains("s3cret"), "{}", stderr(&wrong));
+    for (name, value) in [
+        ("AWS_ENDPOINT_URL", "127.0.0.1:9000"),
+        ("AWS_ENDPOINT_URL", ""),
+        ("AWS_ENDPOINT_URL_S3", "ftp://host"),
+        ("AWS_ENDPOINT", "http://"),
+        ("GOOGLE_BASE_URL", "host"),
+        ("AZURE_STORAGE_ENDPOINT", "host:1"),
+        ("AWS_SESSION_TOKEN", "token\n"),
+        ("AWS_ACCESS_KEY_ID", "m\u{e4}"),
+        ("AWS_REGION", "eu\r"),
+    ] {
+        let mut command = afar(&folder, &store, "info s3://bucket/site.helio", false);
+        let ran = command.env(name, value).output().expect("the program");
+        let said = stderr(&ran);
+        assert!(ran.status.code() == Some(2) && said.contains(name) && said.contains("to fix: "), "{name}: {said}");
+    }
+}
+
 /// 10 wrong places are refused with what was found and what to do, within 10 s; a web server without ranges serves a small archive whole and
 /// is refused beyond 50 MB, before that has come.
 #[test]

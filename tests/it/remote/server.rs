@@ -36,6 +36,8 @@ struct Held {
     objects: BTreeMap<String, (Vec<u8>, u64)>,
     uploads: BTreeMap<String, BTreeMap<u32, Vec<u8>>>,
     written: u64,
+    /// What the header `Authorization` has to be.
+    wanted: Option<String>,
 }
 
 /// A store that lives as long as this value.
@@ -114,6 +116,11 @@ impl Store {
         *self.faults.lock().expect("faults") = Arc::new(faults);
         self.requests.store(0, Ordering::Relaxed);
         self.sent.store(0, Ordering::Relaxed);
+    }
+
+    /// From now on, who asks has to say this in the header `Authorization`.
+    pub fn want(&self, authorization: &str) {
+        self.held.lock().expect("held").wanted = Some(authorization.to_owned());
     }
 
     pub fn set_ranges(&self, ranges: bool) {
@@ -215,6 +222,9 @@ fn respond(request: &Request, held: &mut Held, ranges: bool) -> (u16, String, Ve
     let etag = known.map(|object| format!("\"{}\"", object.1));
     let condition = |name: &str| request.headers.get(name).cloned();
     let none = |status: u16| (status, String::new(), Vec::new());
+    if held.wanted.as_ref().is_some_and(|wanted| request.headers.get("authorization") != Some(wanted)) {
+        return none(401);
+    }
     // Google counts versions: none is 0.
     let generation = known.map_or(0, |object| object.1).to_string();
     if condition("x-goog-if-generation-match").is_some_and(|wanted| wanted != generation) {

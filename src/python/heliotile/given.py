@@ -1,0 +1,86 @@
+"""Arguments as users give them. In: a value of any type. Out: the plain type that the engine takes, or an error that names the argument."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from datetime import date, datetime
+from typing import Any
+
+from .errors import ArgumentError
+
+
+def wrong(argument: str, what: str, hint: str) -> ArgumentError:
+    """An error of an argument, in the words of all others."""
+    error = ArgumentError(f"{argument}: {what}\n  to fix: {hint}")
+    error.argument, error.what, error.hint = argument, what, hint
+    return error
+
+
+def number(argument: str, value: Any, hint: str = "give a number") -> float | None:
+    """A number, NumPy's too; None stays."""
+    if value is None:
+        return None
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise wrong(argument, f"`{value}` is no number", hint) from None
+
+
+def whole(argument: str, value: Any, hint: str = "give a whole number") -> int | None:
+    """A whole number from 0, also as text; None stays."""
+    if value is None:
+        return None
+    try:
+        found = int(value)
+        if found != float(value) or found < 0:
+            raise ValueError
+    except (TypeError, ValueError, OverflowError):
+        raise wrong(argument, f"`{value}` is no whole number from 0", hint) from None
+    return found
+
+
+def word(argument: str, value: Any, hint: str) -> str:
+    """Text."""
+    if not isinstance(value, str):
+        raise wrong(argument, f"`{value}` is no text", hint)
+    return value
+
+
+def moment(argument: str, value: Any) -> str | None:
+    """A day or a moment as text: text as it is, dates and times by their calendar; None stays."""
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, datetime):
+        return value.strftime("%Y-%m-%dT%H:%M")
+    if isinstance(value, date):
+        return value.isoformat()
+    raise wrong(argument, f"`{value}` is no day", 'give a day or a moment: "2019-03-01", "03-01T06:00", a date')
+
+
+def named(argument: str, value: Any, hint: str) -> Mapping[str, Any]:
+    """A mapping; None is an empty one."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        raise wrong(argument, f"`{value}` does not say of what", hint)
+    return value
+
+
+def percent(argument: str, value: Any) -> float | None:
+    """Percent, as a number or as text with its sign; None stays."""
+    if isinstance(value, str):
+        value = value.strip().removesuffix("%")
+    return number(argument, value, 'give percent, as in error=2 or error="2%"')
+
+
+def epsg(value: Any) -> int | None:
+    """The number of a coordinate system, also as `EPSG:28992`; None stays."""
+    if isinstance(value, str) and value.upper().startswith("EPSG:"):
+        value = value[5:]
+    return whole("crs", value, 'give an EPSG number: 28992 or "EPSG:28992"')
+
+
+def path(value: str | os.PathLike[str] | None) -> str | None:
+    """A path as text; None stays."""
+    return None if value is None else os.fspath(value)
