@@ -228,6 +228,34 @@ fn parts_need_what_is_near() {
     folder.refused(&format!("build atlas --part {far}"), &["east.city.json", "No such file"]);
 }
 
+/// A scene file, or materials, that are others than when the region was cut are told before a part is traced: 2 of 2, with the file; `--fresh` builds the
+/// part all the same, and a plan of layout 2, which has no checksums, is built from what is there.
+#[test]
+fn files_that_changed() {
+    let folder = Folder::new();
+    let text = fs::read_to_string(model()).expect("a model");
+    folder.write("block.city.json", &text);
+    folder.write("m.toml", "[RoofSurface]\ndiffuse = 0.3\n");
+    done(
+        &folder,
+        "partition block.city.json -m m.toml --part-size 45m --spacing 8m --quality draft --sample 0 -o atlas",
+    );
+    folder.write("m.toml", "[RoofSurface]\ndiffuse = 0.4\n");
+    folder.refused("build atlas --part 0", &["m.toml: is another file than when the region was cut", "--fresh"]);
+    folder.write("m.toml", "[RoofSurface]\ndiffuse = 0.3\n");
+    done(&folder, "build atlas --part 0");
+    folder.write("block.city.json", &format!("{text} "));
+    folder.refused("build atlas --part all", &["block.city.json: is another file", "partition"]);
+    let ran = done(&folder, "build atlas --part 1 --fresh");
+    assert!(stderr(&ran).contains("block.city.json: is another file"), "{}", stderr(&ran));
+    let mut plan: Value =
+        serde_json::from_slice(&fs::read(folder.path("atlas/atlas.json")).expect("a plan")).expect("JSON");
+    plan["heliotile_atlas"] = json!(2);
+    plan.as_object_mut().expect("a plan").remove("checksums");
+    folder.write("atlas/atlas.json", &plan.to_string());
+    done(&folder, "build atlas --part 2");
+}
+
 /// Four processes that are told to build one part at once all succeed; one of them traces, three find it up to date, and its archive is whole.
 #[test]
 fn builders_take_turns() {
@@ -281,7 +309,10 @@ fn refusals() {
     // A part of other settings is no part.
     done(&folder, "build atlas --part all");
     fs::copy(folder.path("whole.helio"), folder.path("other.helio")).expect("copied");
-    done(&folder, &format!("build {model} -r atlas/parts/x1749_y10176/receivers.csv --quality standard -o other.helio"));
+    done(
+        &folder,
+        &format!("build {model} -r atlas/parts/x1749_y10176/receivers.csv --quality standard -o other.helio"),
+    );
     fs::copy(folder.path("other.helio"), folder.path("atlas/parts/x1749_y10176/site.helio")).expect("copied");
     folder.refused(&format!("replay atlas --weather {weather}"), &["other settings", "--fresh"]);
     // Nor is that of the part beside it.
@@ -294,8 +325,8 @@ fn refusals() {
     assert!(verified.status.code() == Some(1) && stdout(&verified).contains(beside), "{}", stdout(&verified));
     let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
     for (from, to, quoted) in [
-        ("\"heliotile_atlas\": 2", "\"heliotile_atlas\": 7", "found 7"),
-        ("\"heliotile_atlas\": 2", "\"heliotile_atlas\": 1", "see no ground beyond the halo"),
+        ("\"heliotile_atlas\": 3", "\"heliotile_atlas\": 7", "found 7"),
+        ("\"heliotile_atlas\": 3", "\"heliotile_atlas\": 1", "see no ground beyond the halo"),
         ("\"part_size_m\": 45.0", "\"part_size_m\": -1", "a part of -1 m"),
         ("\"quality\": \"draft\"", "\"quality\": \"best\"", "`best` is no rung"),
         ("\"name\": \"x1749_y10176\"", "\"name\": \"../x\"", "`../x` is no name"),

@@ -13,7 +13,7 @@ use crate::cli::BuildArgs;
 use crate::commands::receivers::cover_site;
 use crate::commands::terminal::Terminal;
 use crate::commands::traced::{TraceRequest, WaysOut, up_to_date};
-use crate::commands::{Outcome, interrupt, remark};
+use crate::commands::{Outcome, interrupt, remark, warn};
 use crate::files::{self, is_address, shown};
 use crate::outputs::sink::write_texts;
 use heliotile_builder::settings::EffectChoice;
@@ -150,6 +150,14 @@ fn trace_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart, folder: &Path
     let plan = &atlas.plan;
     let site = plan.site(plan.region_part(part), &atlas.shown())?;
     let files = site.parts.len();
+    if let Some(file) = plan.changed(&site)? {
+        let what = "is another file than when the region was cut: other parts are of that one, or will be";
+        if !args.fresh {
+            let hint = "make another atlas with `heliotile partition`, put the file of then back, or build the part all the same with --fresh";
+            return Err(Error::input(&file, None, what, hint));
+        }
+        warn(&format!("{}: {what}", file.display()));
+    }
     let (scene, covered) = cover_site(&site, &plan.cover)?;
     if covered.count(Lying::Free) == 0 {
         write_texts(folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;

@@ -19,8 +19,9 @@ use heliotile_scene::survey::FileSurvey;
 
 pub(crate) use crate::files::ATLAS as FILE;
 
-/// Of the layout of this file. Parts of layout 1 lack ground beyond the halo: those that are built are read.
-const VERSION: u32 = 2;
+/// Of the layout of this file: 2 has no checksums. Parts of layout 1 lack ground beyond the halo: those that are built are read.
+const VERSION: u32 = 3;
+const OLDEST_BUILT: u32 = 2;
 const OLDEST: u32 = 1;
 
 /// What to do about a plan that cannot be used.
@@ -49,6 +50,9 @@ pub struct AtlasPlan {
     pub seams: Option<Seams>,
     /// All files of the site, in its order.
     pub files: Vec<PlannedFile>,
+    /// BLAKE3 of these files, of the list that names them and of materials, by their paths.
+    #[serde(default)]
+    checksums: BTreeMap<PathBuf, String>,
     /// By their names.
     pub parts: Vec<PlannedPart>,
 }
@@ -90,7 +94,7 @@ pub struct Cut<'a> {
 const MOST_PARTS: usize = 10_000_000;
 
 impl AtlasPlan {
-    /// Cuts a site whose objects lie so.
+    /// Cuts a site whose objects lie so. An error, too: a file that cannot be read again.
     pub fn new(cut: Cut, surveyed: &[FileSurvey]) -> Result<Self> {
         let any = !(cut.cover.on.is_empty() && cut.cover.types.is_empty());
         let mut touched: BTreeMap<[i64; 2], usize> = BTreeMap::new();
@@ -117,8 +121,12 @@ impl AtlasPlan {
             low: found.bounds[0].to_array(),
             high: found.bounds[1].to_array(),
         };
+        let named = cut.scene.scene.iter().chain(&cut.scene.surfaces.materials).filter(|path| path.is_file());
+        let all = surveyed.iter().map(|found| &found.file).chain(named);
+        let checksums = all.map(|path| Ok((path.clone(), checksum(path)?))).collect::<Result<_>>()?;
         Ok(AtlasPlan {
             heliotile_atlas: VERSION,
+            checksums,
             part_size_m: cut.part_size_m,
             halo_m: cut.halo_m,
             skyline_deg: cut.skyline_deg,
@@ -167,7 +175,7 @@ impl AtlasPlan {
 
     /// Refuses to build parts that would not fit those of today.
     pub fn check_layout(&self, atlas: &Path) -> Result<()> {
-        if self.heliotile_atlas == VERSION {
+        if self.heliotile_atlas >= OLDEST_BUILT {
             return Ok(());
         }
         let what = format!("is of layout {}, whose parts see no ground beyond the halo", self.heliotile_atlas);
@@ -238,6 +246,20 @@ impl AtlasPlan {
         Ok(site)
     }
 
+    /// The first of the files of a part that is another one than when the region was cut.
+    pub fn changed(&self, site: &Site) -> Result<Option<PathBuf>> {
+        let near = site.parts.iter().map(|part| &part.file);
+        let lists = self.scene.scene.iter().filter(|path| !self.files.iter().any(|planned| planned.file == **path));
+        for path in near.chain(lists).chain(&self.scene.surfaces.materials) {
+            if let Some(known) = self.checksums.get(path)
+                && *known != checksum(path)?
+            {
+                return Ok(Some(path.clone()));
+            }
+        }
+        Ok(None)
+    }
+
     /// How exact all parts are.
     pub fn accuracy(&self) -> Result<AccuracyArgs> {
         let quality = crate::cli::by_name::<Quality>("--quality", &self.quality).map_err(|_| {
@@ -252,6 +274,13 @@ impl AtlasPlan {
             serde_json::to_string_pretty(self).map_err(|error| Error::io(Path::new(FILE), "write")(error.into()))?;
         Ok(text + "\n")
     }
+}
+
+/// What tells a file from another of its name.
+fn checksum(path: &Path) -> Result<String> {
+    let file = fs::File::open(path).map_err(Error::io(path, "open"))?;
+    let hash = blake3::Hasher::new().update_reader(file).map_err(Error::io(path, "read"))?.finalize();
+    Ok(hash.to_hex().to_string())
 }
 
 /// Scene files by their whole paths: parts are built from anywhere.

@@ -148,7 +148,7 @@ fn built_in_a_store() {
 }
 
 /// An atlas of 10 files goes to a store, in a folder there or as a whole bucket, and back as it was, atlas.json last of all that is written; the
-/// same command again writes nothing; a part that was left out of an interrupted copy comes with it; another part in a place stops it, and another atlas does even with
+/// same command again writes nothing, but a catalogue that was made anew; a part that was left out of an interrupted copy comes with it; another part in a place stops it, and another atlas does even with
 /// `--replace`.
 #[test]
 fn there_and_back() {
@@ -170,6 +170,14 @@ fn there_and_back() {
     assert_eq!(store.newest(), "bucket/new/atlas.json");
     let (code, said) = ran("copy atlas s3://bucket/new");
     assert!(code == Some(0) && said.contains("10 files, 0 of them new"), "{said}");
+    // A catalogue that was made again takes the place of the older one.
+    let catalogue = fs::read(folder.path("atlas/collection.json")).expect("a catalogue");
+    folder.write("atlas/collection.json", "{}");
+    let (code, said) = ran("copy atlas s3://bucket/new");
+    assert!(code == Some(0) && said.contains("10 files, 1 of them new"), "{said}");
+    fs::write(folder.path("atlas/collection.json"), catalogue).expect("written");
+    assert_eq!(ran("copy atlas s3://bucket/new").0, Some(0));
+    assert!(is_there("bucket/new"));
     assert_eq!(ran("copy s3://bucket/new s3://whole/").0, Some(0));
     assert!(is_there("whole"));
     assert!(ran("find s3://whole").1.contains("s3://whole/parts/x1749_y10176/site.helio"));
@@ -254,7 +262,7 @@ fn what_cannot_be_asked() {
     let plan = store.get("bucket/atlas/atlas.json").expect("a plan");
     let text = String::from_utf8(plan.clone()).expect("text");
     for (from, to, part) in [
-        ("\"heliotile_atlas\": 2", "\"heliotile_atlas\": 9", "layout of s3://bucket/atlas/atlas.json: found 9"),
+        ("\"heliotile_atlas\": 3", "\"heliotile_atlas\": 9", "layout of s3://bucket/atlas/atlas.json: found 9"),
         ("{", "<html>", "s3://bucket/atlas/atlas.json: is no plan of an atlas"),
     ] {
         store.put("bucket/atlas/atlas.json", text.replacen(from, to, 1).into_bytes());
