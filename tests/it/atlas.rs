@@ -228,6 +228,34 @@ fn parts_need_what_is_near() {
     folder.refused(&format!("build atlas --part {far}"), &["east.city.json", "No such file"]);
 }
 
+/// Receivers 50 cm off their surfaces stand beyond the square of their part here and there: strips of 40 cm on both sides of a seam hold, in the atlas, the
+/// receivers that they hold in the one archive, at least one of them of the part across the seam, and no part is taken for another's.
+#[test]
+fn receivers_across_a_seam() {
+    let folder = Folder::new();
+    let cover = "--spacing 1m --offset 50cm";
+    done(&folder, &format!("receivers MODEL {cover} -o r.csv"));
+    done(&folder, "build MODEL -r r.csv --quality draft -o whole.helio");
+    done(&folder, &format!("partition MODEL {cover} --quality draft --sample 0 --part-size 45m -o atlas"));
+    done(&folder, "build atlas --part all");
+    assert!(stdout(&done(&folder, "verify atlas")).contains(" 0 bad"));
+    let seam = 45.0 * 1750.0;
+    let parts = |name: &str| -> Vec<String> {
+        let names = ["x1749_y10176", "x1749_y10177"].map(|part| format!("atlas/parts/{part}/{name}"));
+        names.iter().map(|path| fs::read_to_string(folder.path(path)).expect("receivers")).collect()
+    };
+    let mut across = 0;
+    for (low, high) in [(seam - 0.5, seam - 0.1), (seam + 0.1, seam + 0.5)] {
+        let strip = format!("--bbox {low},457000,{high},459000");
+        let (whole, found) = (sums(&folder, "whole.helio", &strip), sums(&folder, "atlas", &strip));
+        assert!(whole.len() > 5 && whole == found, "{} {}", whole.len(), found.len());
+        let western = parts("receivers.csv").concat();
+        let ids = found.iter().filter_map(|row| row.split(',').nth(1));
+        across += ids.filter(|id| low >= seam && western.contains(&format!("\n{id},"))).count();
+    }
+    assert!(across > 0);
+}
+
 /// A scene file, or materials, that are others than when the region was cut are told before a part is traced: 2 of 2, with the file; `--fresh` builds the
 /// part all the same, and a plan of layout 2, which has no checksums, is built from what is there.
 #[test]

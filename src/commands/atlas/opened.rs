@@ -19,8 +19,8 @@ const NAMED: usize = 5;
 const READ_FIRST: [u32; 6] =
     [format::MATERIALS, format::OPTICS, format::MIRRORS, format::RECEIVERS, format::PARTS, format::EXTENTS];
 
-/// How far beyond the square of its part rounding may put a receiver, metres.
-const EDGE_M: f64 = 0.01;
+/// How far beyond its place rounding may put a receiver, metres.
+const ROUNDING_M: f64 = 0.01;
 
 /// A region in parts.
 pub struct Atlas {
@@ -53,10 +53,16 @@ impl Atlas {
         shown(self.folder.place())
     }
 
-    /// Parts that a box touches, all without one.
+    /// How far beyond the square of its part a receiver may stand, metres: the point of the surface below it lies in the square.
+    fn reach_m(&self) -> f64 {
+        self.plan.cover.offset.0.abs() + ROUNDING_M
+    }
+
+    /// Parts of which receivers may stand in a box, all without one.
     fn touched(&self, within: Option<Bounds>) -> Vec<&PlannedPart> {
+        let reach = self.reach_m();
         let touches = |part: &&PlannedPart| {
-            within.is_none_or(|bounds| self.plan.region_part(part).touches(bounds.low, bounds.high))
+            within.is_none_or(|bounds| self.plan.region_part(part).touches(bounds.low - reach, bounds.high + reach))
         };
         self.plan.parts.iter().filter(touches).collect()
     }
@@ -92,7 +98,7 @@ impl Atlas {
     /// Refuses an archive whose receivers do not stand in the square of its part: that of another part. Archives before format 1.5 do not tell.
     pub fn check_place(&self, part: &PlannedPart, archive: &Archive) -> Result<()> {
         let square = self.plan.region_part(part);
-        let (low, high) = (square.low - EDGE_M, square.high + EDGE_M);
+        let (low, high) = (square.low - self.reach_m(), square.high + self.reach_m());
         let within = [low.extend(f64::NEG_INFINITY), high.extend(f64::INFINITY)];
         match tiles_within(&OpenSite::of(archive)?, within)? {
             Some(tiles) if tiles.len() < archive.tiles() as usize => {
