@@ -82,7 +82,7 @@ pub mod recombine;
 
 pub mod book;
 
-pub use glam::DVec3;
+pub use glam::{DVec2, DVec3};
 pub use heliotile_builder::build::{
     Build, BuildReport, Forecast, Output, Plan, PreparedScene, RayCounts, Start, Workspace,
 };
@@ -144,6 +144,7 @@ fn program_exit_code() -> u8 {
 /// Regions in parts.
 pub mod atlas {
     pub use crate::commands::atlas::listed::{ListedPart, parts};
+    pub use crate::commands::atlas::opened::check_square;
     pub use crate::commands::atlas::part::PartState;
     pub use crate::commands::atlas::sources::{Archives, Sources, archives};
 }

@@ -18,9 +18,14 @@ pub fn is_address(place: &str) -> bool {
 pub fn without_secrets(place: &str) -> String {
     let Some((scheme, rest)) = place.split_once("://").filter(|_| is_address(place)) else { return place.to_owned() };
     let rest = rest.split(['?', '#']).next().unwrap_or_default();
-    let (host, path) = rest.find('/').map_or((rest, ""), |slash| rest.split_at(slash));
+    // Some readers of addresses pass over slashes where a host is missing.
+    let slashes = rest.len() - rest.trim_start_matches('/').len();
+    let host_at = if scheme.eq_ignore_ascii_case("file") { 0 } else { slashes };
+    let (host, path) =
+        rest[host_at..].find('/').map_or((&rest[host_at..], ""), |slash| rest[host_at..].split_at(slash));
     // Containers of Azure stand where users do: `az://container@account`.
-    let user_and_host = host.rsplit_once('@').filter(|_| scheme.starts_with("http"));
+    let is_container = scheme.eq_ignore_ascii_case("az") && !host.contains(':');
+    let user_and_host = host.rsplit_once('@').filter(|_| !is_container);
     let host = user_and_host.map_or(host, |(_, host)| host);
     format!("{scheme}://{host}{path}")
 }
@@ -47,7 +52,7 @@ pub fn separator_hint(header: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    /// 5 addresses are told from 4 paths, and of 6 places named without user, password and signature.
+    /// 5 addresses are told from 4 paths, and of 9 places named without user, password and signature.
     #[test]
     fn addresses() {
         for address in ["s3://b/a.helio", "gs://b/a", "az://c@account/a", "https://h/a", "abfs+x://c/a"] {
@@ -60,6 +65,9 @@ mod tests {
             ("https://me:secret@host:80/a.helio?X-Amz-Signature=ab#c", "https://host:80/a.helio"),
             ("https://host?sig=ab", "https://host"),
             ("http://a@b@host/x@y", "http://host/x@y"),
+            ("HTTPS://me:secret@host/a", "HTTPS://host/a"),
+            ("https:///me:secret@host/a", "https://host/a"),
+            ("s3://KEY:SECRET@bucket/a", "s3://bucket/a"),
             ("s3://bucket/a.helio?versionId=1", "s3://bucket/a.helio"),
             ("az://container@account/a", "az://container@account/a"),
             ("what?.helio", "what?.helio"),

@@ -61,7 +61,7 @@ pub fn check_writable(place: &Path) -> Result<()> {
 pub fn copy(from: &Path, to: &Path, replace: bool, observer: &dyn Observer) -> Result<Copied> {
     if !is_address(to) {
         let file = hold(from, false)?;
-        if to.is_file() && is_copy(&file, to)? {
+        if !replace && to.is_file() && is_copy(&file, to)? {
             return Ok(Copied { bytes: file.length(), beside: None, was_there: true });
         }
         if to.exists() && !replace {

@@ -17,6 +17,9 @@ const LISTED_FROM: usize = 64;
 /// if they are more than this share of what it lists.
 const LISTED_SHARE: usize = 20;
 
+/// Largest small file: the plan of some millions of parts.
+const MOST_BYTES: u64 = 1 << 30;
+
 /// A folder of a file system, or what lies below an address.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnyFolder(PathBuf);
@@ -55,6 +58,10 @@ impl AnyFolder {
             return place.is_file().then(|| read_file(&place)).transpose();
         }
         let Some(file) = afar::find(&place, false, sure)? else { return Ok(None) };
+        if file.length() > MOST_BYTES {
+            let what = format!("bytes of {}", super::shown(&place).display());
+            return Err(Error::Limit { what, value: file.length(), max: MOST_BYTES });
+        }
         let length = usize::try_from(file.length()).unwrap_or(usize::MAX);
         file.copy_at(0, length).map(Some).map_err(Error::unread(&super::shown(&place)))
     }

@@ -62,7 +62,10 @@ pub(crate) fn find_archive(place: &Path, access: Access) -> Result<Option<Archiv
 pub fn verify_archive(place: &Path, access: Access, deep: bool) -> Result<VerifyReport> {
     match (is_address(place), pointer_at(place)) {
         (true, _) => archive::verify_bytes(shown(place), afar::hold(place, false)?, deep),
-        (false, Some(pointer)) => archive::verify(&place.with_file_name(&pointer.name), access, deep),
+        (false, Some(pointer)) => {
+            open_archive(place, access)?;
+            archive::verify(&place.with_file_name(&pointer.name), access, deep)
+        }
         (false, None) => archive::verify(place, access, deep),
     }
 }

@@ -4,10 +4,11 @@
 //! archives that share blocks share their files. Files appear whole, and processes need not know of each other: they write the same bytes
 //! under the same names, and a file that is gone is fetched again. The least recently used files go first.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use heliotile_core::archive::format::{self, Entry, Slot};
@@ -24,13 +25,17 @@ const ABANDONED: Duration = Duration::from_secs(3600);
 /// Longest directory and manifest that are kept.
 const LONGEST_DIRECTORY: u64 = 256 << 20;
 
+/// How names of files begin that are being written.
+const UNFINISHED: &str = ".heliotile-";
+
+/// Bytes that this process has written to each folder since old files were looked for there.
+static WRITTEN: Mutex<BTreeMap<PathBuf, u64>> = Mutex::new(BTreeMap::new());
+
 /// A folder of blocks.
 #[derive(Debug)]
 pub struct Cache {
     folder: PathBuf,
     limit_bytes: u64,
-    /// Since old files were looked for; more than anything before the first time.
-    written: AtomicU64,
 }
 
 impl Cache {
@@ -39,7 +44,7 @@ impl Cache {
         for part in ["blocks", "directories"] {
             fs::create_dir_all(folder.join(part)).map_err(Error::io(folder, "make the cache"))?;
         }
-        Ok(Cache { folder: folder.to_path_buf(), limit_bytes, written: AtomicU64::new(u64::MAX / 2) })
+        Ok(Cache { folder: folder.to_path_buf(), limit_bytes })
     }
 
     /// Whether a block is there; its bytes are looked at when it is read.
@@ -87,7 +92,7 @@ impl Cache {
     fn write(&self, name: &Path, bytes: &[u8]) {
         let Some(folder) = name.parent() else { return };
         let written = fs::create_dir_all(folder).and_then(|()| {
-            let mut file = tempfile::Builder::new().prefix(".new-").tempfile_in(folder)?;
+            let mut file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder)?;
             file.write_all(bytes)?;
             file.persist(name).map(drop).map_err(|error| error.error)
         });
@@ -95,10 +100,21 @@ impl Cache {
             return;
         }
         let length = bytes.len() as u64;
-        if self.written.fetch_add(length, Ordering::Relaxed).saturating_add(length) > self.limit_bytes / LOOK_EVERY {
-            self.written.store(0, Ordering::Relaxed);
+        if self.is_time_to_look(length) {
             self.clear_old();
         }
+    }
+
+    /// Counts what was written: whether old files are to be looked for, the first time in any case.
+    fn is_time_to_look(&self, length: u64) -> bool {
+        let mut all = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+        let written = all.entry(self.folder.clone()).or_insert(u64::MAX / 2);
+        *written = written.saturating_add(length);
+        let is_time = *written > self.limit_bytes / LOOK_EVERY;
+        if is_time {
+            *written = 0;
+        }
+        is_time
     }
 
     /// Removes the files that were not used for longest until the rest is below the limit.
@@ -109,7 +125,8 @@ impl Cache {
             for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
                 let Ok(about) = entry.metadata() else { continue };
                 let used = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-                match (about.is_file(), entry.file_name().to_string_lossy().starts_with(".new-")) {
+                let name = entry.file_name().to_string_lossy().into_owned();
+                match (about.is_file() && is_own(&name), name.starts_with(UNFINISHED)) {
                     (false, _) => {}
                     (true, true) if now.duration_since(used).is_ok_and(|age| age > ABANDONED) => {
                         drop(fs::remove_file(entry.path()))
@@ -134,6 +151,13 @@ impl Cache {
             }
         }
     }
+}
+
+/// Whether a file has a name that caches give: of a block, of a directory, or of one of them on its way. Others are not theirs to remove.
+fn is_own(name: &str) -> bool {
+    let is_hex = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let named = |(hash, rest): (&str, &str)| hash.len() >= 32 && is_hex(hash) && is_hex(rest);
+    name.starts_with(UNFINISHED) || name.split_once('-').is_some_and(named)
 }
 
 /// Folders that hold files.
@@ -213,16 +237,20 @@ mod tests {
         let cache = Cache::open(folder.path(), 20_000).expect("a cache");
         let bytes = |i: u8| [vec![i], vec![0; 999]].concat();
         cache.keep_block(&block(&bytes(0)), &bytes(0));
-        let left = folder.path().join("directories").join(".new-left");
+        let left = folder.path().join("directories").join(".heliotile-left");
         File::create(&left).and_then(|file| file.set_modified(SystemTime::now() - 2 * ABANDONED)).expect("a file");
-        fs::write(folder.path().join("directories").join(".new-now"), b"x").expect("written");
+        fs::write(folder.path().join("directories").join(".heliotile-now"), b"x").expect("written");
+        let theirs = [folder.path().join("directories/thesis.docx"), folder.path().join("blocks/ab/model.bin")];
+        fs::create_dir_all(folder.path().join("blocks/ab")).expect("a folder");
+        theirs.iter().for_each(|file| fs::write(file, [0; 9000]).expect("written"));
         for i in 1..40 {
             std::thread::sleep(Duration::from_millis(2));
             cache.keep_block(&block(&bytes(i)), &bytes(i));
             assert_eq!(cache.block(&block(&bytes(0))), Some(bytes(0)), "{i}");
         }
         let stay = files(folder.path());
-        assert!((15..=22).contains(&stay) && !left.exists(), "{stay}");
+        assert!((17..=24).contains(&stay) && !left.exists(), "{stay}");
+        assert!(theirs.iter().all(|file| file.is_file()));
     }
 
     /// 4 threads that write and read the same 50 blocks in a cache that holds 20 of them get right bytes or none: of 4,000 times

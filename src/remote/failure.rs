@@ -158,7 +158,10 @@ impl Found {
         let mut text = String::new();
         while let Some(cause) = inner {
             text = cause.to_string();
-            let lower = text.to_lowercase();
+            let own = |word: &&str| {
+                !word.contains("://") || word.contains("169.254.169.254") || word.contains("metadata.google")
+            };
+            let lower = text.split_whitespace().filter(own).collect::<Vec<_>>().join(" ").to_lowercase();
             of_credentials |= ["169.254.169.254", "metadata.google", "credential", "msi/token"]
                 .iter()
                 .any(|word| lower.contains(word));

@@ -76,9 +76,10 @@ pub fn publish(
     let failed = |failure: Failure| failure.at(to);
     let before = runtime()?.block_on(look(&place)).map_err(failed)?;
     let mode = match before {
-        Some(meta) => match was_there(source, to, connection)? {
+        // The same may be there, and damaged.
+        Some(meta) if replace => PutMode::Update(UpdateVersion { e_tag: meta.e_tag, version: meta.version }),
+        Some(_) => match was_there(source, to, connection)? {
             Some(published) => return Ok(published),
-            None if replace => PutMode::Update(UpdateVersion { e_tag: meta.e_tag, version: meta.version }),
             None => return Err(Failure::new(Cause::Exists, "is there already").at(to)),
         },
         None => PutMode::Create,
@@ -87,7 +88,7 @@ pub fn publish(
         Some(root) if length > AT_ONCE => {
             let pointer = Pointer::new(to.name(), &root, length);
             let beside = to.beside(&pointer.name);
-            upload(source, &root, &beside, connection, sent)?;
+            upload(source, &root, &beside, (connection, replace), sent)?;
             let found = put(&place, pointer.to_bytes(), mode);
             if let Err(failure) = found {
                 if let Some(published) = was_there(source, to, connection)? {
@@ -182,17 +183,23 @@ fn check(source: &Upload, to: &Address, connection: Connection) -> Result<()> {
     Err(Failure::new(Cause::Refused, what).at(to))
 }
 
-/// Writes an archive in parts, unless it is there: its name says what it is.
-fn upload(source: &Upload, root: &[u8; 32], to: &Address, connection: Connection, sent: impl Fn(u64)) -> Result<()> {
+/// Writes an archive in parts, unless it is there and stays: its name says what it is.
+fn upload(
+    source: &Upload,
+    root: &[u8; 32],
+    to: &Address,
+    (connection, replace): (Connection, bool),
+    sent: impl Fn(u64),
+) -> Result<()> {
     let (place, runtime, length) = (Locator::connect(to, connection)?, runtime()?, source.bytes.length());
     let failed = |failure: Failure| failure.at(to);
-    if runtime.block_on(look(&place)).map_err(failed)?.is_some() {
+    if !replace && runtime.block_on(look(&place)).map_err(failed)?.is_some() {
         let there = settled(to, connection)?;
         if there.length() == length && there.root() == Some(*root) {
             sent(length);
             return Ok(());
         }
-        return Err(failed(Failure::new(Cause::Refused, "has the name of an archive that it is not")));
+        return Err(failed(Failure::new(Cause::Exists, "has the name of an archive that it is not")));
     }
     let begun = runtime.block_on(place.store.put_multipart(&place.path));
     let upload: Box<dyn MultipartUpload> = begun.map_err(|error| failed(Failure::of(&error)))?;

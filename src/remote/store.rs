@@ -1,12 +1,12 @@
 //! Connections to stores. In: an address, the environment of the process. Out: a client that signs, retries and gives up in time.
 
+use std::str::FromStr;
 use std::sync::{Arc, Once, OnceLock};
 use std::time::Duration;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::without_secrets;
 use object_store::aws::AmazonS3Builder;
 use object_store::azure::MicrosoftAzureBuilder;
 use object_store::gcp::GoogleCloudStorageBuilder;
@@ -50,37 +50,52 @@ pub struct Locator {
     pub connection: Connection,
 }
 
-/// Variables that hold the address of a store of others.
+/// Variables of a store, by what their names begin with; none of those that say nothing, which clients do not expect. An error: one that they take
+/// without a look and cannot use.
+fn variables(prefix: &str) -> Result<Vec<(String, String)>> {
+    let said =
+        std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
+    let said: Vec<_> = said.filter(|(name, value)| name.starts_with(prefix) && !value.is_empty()).collect();
+    for (name, value) in &said {
+        // What it is may be a secret.
+        let is_url = || Url::parse(value).is_ok_and(|url| url.has_host() && matches!(url.scheme(), "http" | "https"));
+        if ENDPOINTS.contains(&name.as_str()) && !is_url() {
+            let hint = "give one such as https://s3.example.org, or unset it";
+            return Err(Error::argument(name, "is no address of a server", hint));
+        }
+        let is_odd = |letter: char| letter.is_control() || letter.is_whitespace() || !letter.is_ascii();
+        if IN_HEADERS.contains(&name.as_str()) && value.contains(is_odd) {
+            let what = "holds a space, a line break or a letter that is not ASCII";
+            return Err(Error::argument(name, what, "set it again, without what stands behind it"));
+        }
+    }
+    Ok(said)
+}
+
+/// Variables that hold the address of a server.
 const ENDPOINTS: [&str; 7] = [
     "AWS_ENDPOINT_URL_S3",
     "AWS_ENDPOINT_URL",
     "AWS_ENDPOINT",
+    "AWS_CONTAINER_CREDENTIALS_FULL_URI",
     "AZURE_STORAGE_ENDPOINT",
     "AZURE_ENDPOINT",
     "GOOGLE_BASE_URL",
-    "AWS_CONTAINER_CREDENTIALS_FULL_URI",
 ];
 
 /// Variables that become part of a header.
-const IN_HEADERS: [&str; 5] =
-    ["AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_REGION", "AZURE_STORAGE_SAS_TOKEN"];
+const IN_HEADERS: [&str; 6] = [
+    "AWS_ACCESS_KEY_ID",
+    "AWS_SECRET_ACCESS_KEY",
+    "AWS_SESSION_TOKEN",
+    "AWS_REGION",
+    "AWS_DEFAULT_REGION",
+    "AZURE_STORAGE_ACCOUNT_NAME",
+];
 
-/// Refuses what clients of stores take without a look and cannot use.
-fn check_environment() -> Result<()> {
-    let told = |name: &str| std::env::var(name).ok();
-    for (name, text) in ENDPOINTS.iter().filter_map(|name| Some((name, told(name)?))) {
-        if !Url::parse(&text).is_ok_and(|url| url.has_host() && matches!(url.scheme(), "http" | "https")) {
-            let what = format!("`{}` is no address of a server", without_secrets(&text));
-            return Err(Error::argument(*name, what, "give one such as https://s3.example.org, or unset it"));
-        }
-    }
-    for (name, text) in IN_HEADERS.iter().filter_map(|name| Some((name, told(name)?))) {
-        if text.chars().any(|letter| letter.is_control() || !letter.is_ascii()) {
-            let what = "holds a line break, or a letter that is not ASCII";
-            return Err(Error::argument(*name, what, "set it again, without what stands behind it"));
-        }
-    }
-    Ok(())
+/// Those of them that a client knows.
+fn known<K: FromStr>(said: Vec<(String, String)>) -> impl Iterator<Item = (K, String)> {
+    said.into_iter().filter_map(|(name, value)| Some((name.to_ascii_lowercase().parse().ok()?, value)))
 }
 
 /// The address of a web server without a name and a password, and the header that says them (Reschke 2015, RFC 7617).
@@ -111,7 +126,6 @@ impl Locator {
     /// Makes a client; asks nobody. An error: an environment that says something that cannot be.
     pub fn connect(address: &Address, connection: Connection) -> Result<Self> {
         provide_tls();
-        check_environment()?;
         let failed = |error: object_store::Error| Failure::of_settings(&error).at(address);
         let timeout = connection.timeout;
         let options =
@@ -130,23 +144,30 @@ impl Locator {
         };
         let (store, path): (Arc<dyn ObjectStore>, _) = match address.scheme() {
             Scheme::S3 => {
+                let said = variables("AWS_")?;
                 // An endpoint without TLS is somebody's wish.
                 let plain = ["AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT"]
                     .iter()
-                    .find_map(|name| std::env::var(name).ok())
-                    .is_some_and(|endpoint| endpoint.starts_with("http://"));
-                let builder = AmazonS3Builder::from_env().with_url(url.as_str());
+                    .find_map(|name| said.iter().find(|(known, _)| known == name))
+                    .is_some_and(|(_, endpoint)| endpoint.starts_with("http://"));
+                let builder = AmazonS3Builder::new().with_url(url.as_str());
+                let builder = known(said).fold(builder, |builder, (key, value)| builder.with_config(key, value));
                 let builder = builder.with_client_options(options.with_allow_http(plain)).with_retry(retry);
                 (Arc::new(builder.build().map_err(failed)?), path()?)
             }
             Scheme::Google => {
-                let plain = std::env::var("GOOGLE_BASE_URL").is_ok_and(|endpoint| endpoint.starts_with("http://"));
-                let builder = GoogleCloudStorageBuilder::from_env().with_url(url.as_str());
+                let said = variables("GOOGLE_")?;
+                let plain = said.iter().any(|(name, value)| name == "GOOGLE_BASE_URL" && value.starts_with("http://"));
+                let builder = GoogleCloudStorageBuilder::new().with_url(url.as_str());
+                let file = std::env::var("SERVICE_ACCOUNT").ok();
+                let builder = file.into_iter().fold(builder, |builder, file| builder.with_service_account_path(file));
+                let builder = known(said).fold(builder, |builder, (key, value)| builder.with_config(key, value));
                 let builder = builder.with_client_options(options.with_allow_http(plain)).with_retry(retry);
                 (Arc::new(builder.build().map_err(failed)?), path()?)
             }
             Scheme::Azure => {
                 let plain = std::env::var("AZURE_STORAGE_USE_EMULATOR").is_ok_and(|value| value == "true");
+                variables("AZURE_")?;
                 let builder = MicrosoftAzureBuilder::from_env().with_url(url.as_str());
                 let builder = builder.with_client_options(options.with_allow_http(plain)).with_retry(retry);
                 (Arc::new(builder.build().map_err(failed)?), path()?)

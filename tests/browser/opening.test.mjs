@@ -46,6 +46,18 @@ test("A server with ranges is read by ranges, with weather by address.", async (
   assert.deepEqual(page.complaints, []);
 });
 
+test("A pointer leads to its archive; one to an archive of another length, or to itself, does not.", async () => {
+  const pointer = (name, length) => Buffer.from(`{"heliotile_pointer":1,"name":"${name}","length":${length},"root":"00"}`);
+  const pointed = { ...files, "/a.helio": pointer("site.helio", site.length), "/b.helio": pointer("site.helio", 7), "/c.helio": pointer("c.helio", 7) };
+  const server = await serve(pointed, { ranges: true });
+  const page = await open();
+  await go(page, `${server.address}/page.html?url=a.helio`);
+  assert.match(await page.textContent("#site-line"), /1,228 receivers/);
+  assert.deepEqual(page.complaints, []);
+  assert.match((await messageFor("?url=b.helio", server)).text, /points to an archive of another length/);
+  assert.equal((await messageFor("?url=c.helio", server)).kind !== undefined, true);
+});
+
 test("A server without ranges works too, for archives below 50 MB.", async () => {
   const server = await serve(files, { ranges: false });
   const page = await open();

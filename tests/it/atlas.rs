@@ -256,6 +256,27 @@ fn receivers_across_a_seam() {
     assert!(across > 0);
 }
 
+/// A part whose objects are gone is refused, and with `--fresh` becomes one without receivers: its archive does not stay.
+#[test]
+fn a_part_that_became_empty() {
+    let folder = Folder::new();
+    let text = fs::read_to_string(model()).expect("a model");
+    folder.write("block.city.json", &text);
+    let cut = "--part-size 45m --spacing 8m --quality draft --sample 0";
+    done(&folder, &format!("partition block.city.json {cut} -o atlas"));
+    done(&folder, "build atlas --part all");
+    let mut empty: Value = serde_json::from_str(&text).expect("JSON");
+    let objects = empty["CityObjects"].as_object_mut().expect("objects");
+    objects.retain(|_, object| object["type"] == "TINRelief");
+    folder.write("block.city.json", &empty.to_string());
+    let site = folder.path("atlas/parts/x1749_y10176/site.helio");
+    folder.refused("build atlas --part x1749_y10176", &["block.city.json: is another file"]);
+    assert!(site.is_file());
+    done(&folder, "build atlas --part x1749_y10176 --fresh");
+    assert!(!site.exists());
+    assert!(stdout(&done(&folder, "find atlas")).contains("x1749_y10176,78705,457920,empty,"));
+}
+
 /// A scene file, or materials, that are others than when the region was cut are told before a part is traced: 2 of 2, with the file; `--fresh` builds the
 /// part all the same, and a plan of layout 2, which has no checksums, is built from what is there.
 #[test]

@@ -242,9 +242,17 @@ fn by_id(
     }
     let number = |payload: &[u8]| payload.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
     let (mut kept, mut missing) = (nobody(sites), MissingIds::default());
+    // Parts of an atlas may have receivers of one id: all of them are meant.
+    let mut last = None;
     for side in union(wanted, held.finish()?, |a, b| a.0.cmp(&b.0)) {
         match side? {
-            Side::Both(_, (_, row)) => {
+            Side::Both(_, (id, row)) => {
+                if let Some(kept) = kept.get_mut(number(&row) as usize) {
+                    *kept = true;
+                }
+                last = Some(id);
+            }
+            Side::Right((id, row)) if last.as_ref() == Some(&id) => {
                 if let Some(kept) = kept.get_mut(number(&row) as usize) {
                     *kept = true;
                 }

@@ -19,9 +19,6 @@ use heliotile_builder::observer::{Silent, Stage};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
-/// What builds leave beside an archive, which nobody reads who asks it.
-const NOT_COPIED: [&str; 1] = ["receivers.csv"];
-
 /// Files that are copied between two looks at whether to stop.
 const STEP: usize = 64;
 
@@ -29,7 +26,7 @@ const STEP: usize = 64;
 pub fn copy(atlas: &Atlas, to: &Path, replace: bool) -> Result<Outcome> {
     let to = AnyFolder::at(to);
     let plan = atlas.plan.to_json()?;
-    check_place(&to, &plan)?;
+    let is_there = check_place(&to, &plan)?;
     let (names, missing) = names_of(atlas)?;
     if !to.is_afar() {
         for name in &names {
@@ -43,10 +40,14 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool) -> Result<Outcome> {
     let terminal = Terminal::default();
     let stage = Stage::begin(&terminal, "files", Some(names.len() as u64 + 1));
     let one = |name: &String| {
-        // What a catalogue says follows from the parts, and is made again as they are.
+        let copy = |replace| files::copy(&atlas.folder.join(name), &to.join(name), replace, &Silent);
         let file = name.rsplit('/').next().unwrap_or(name);
-        let replace = replace || [ITEM, COLLECTION, THUMBNAIL, PARTS, VIEWER].contains(&file);
-        let copied = files::copy(&atlas.folder.join(name), &to.join(name), replace, &Silent)?;
+        let is_of_catalogue = [ITEM, COLLECTION, THUMBNAIL, PARTS, VIEWER].contains(&file);
+        let copied = match copy(replace) {
+            // What a catalogue says follows from the parts, and is made again as they are.
+            Err(Error::Input { .. }) if is_there && is_of_catalogue => copy(true)?,
+            copied => copied?,
+        };
         stage.advance(1);
         Ok(if copied.was_there { (0, 0) } else { (1, copied.bytes) })
     };
@@ -75,15 +76,15 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Parts of two atlases must not lie under one plan.
-fn check_place(to: &AnyFolder, plan: &str) -> Result<()> {
+/// Whether the same atlas is there: parts of two must not lie under one plan.
+fn check_place(to: &AnyFolder, plan: &str) -> Result<bool> {
     let refuse = |what: &str| Err(Error::input(&shown(to.place()), None, what, "give it a place of its own"));
     if !to.is_afar() && to.place().exists() && !to.place().is_dir() {
         return refuse("is a file, and an atlas is a folder");
     }
     match Atlas::find(to.place())? {
         Some(there) if there.plan.to_json()? != plan => refuse("holds another atlas, of which nothing is replaced"),
-        _ => Ok(()),
+        there => Ok(there.is_some()),
     }
 }
 
@@ -110,14 +111,12 @@ fn names_of(atlas: &Atlas) -> Result<(Vec<String>, u64)> {
     // Where nobody lists what lies there, what a catalogue has is looked for.
     match &there {
         Some(there) => {
-            let parts = names.iter().filter_map(|name| name.rsplit_once('/')).map(|(folder, _)| folder);
-            let (parts, own): (HashSet<&str>, HashSet<&String>) = (parts.collect(), names.iter().collect());
-            let known = |folder: &str| folder.is_empty() || parts.contains(folder);
-            let is_beside = |name: &&String| {
-                let (folder, file) = name.rsplit_once('/').unwrap_or(("", name));
-                let unfinished = file.starts_with('.') || file.ends_with(".partial");
-                let archive = own.contains(name) || file.ends_with(".helio") && !folder.is_empty();
-                !(unfinished || archive || NOT_COPIED.contains(&file) || name.as_str() == FILE) && known(folder)
+            let parts: HashSet<&str> =
+                names.iter().filter_map(|name| name.rsplit_once('/')).map(|(folder, _)| folder).collect();
+            // What a catalogue wrote; whatever else lies there is somebody's own.
+            let is_beside = |name: &&String| match name.rsplit_once('/') {
+                None => [COLLECTION, THUMBNAIL, PARTS, VIEWER].contains(&name.as_str()),
+                Some((folder, file)) => [ITEM, THUMBNAIL].contains(&file) && parts.contains(folder),
             };
             let more: Vec<String> = there.iter().filter(is_beside).cloned().collect();
             names.extend(more);

@@ -18,6 +18,8 @@ pub struct ListedPart {
     pub low: DVec2,
     /// See `low`.
     pub high: DVec2,
+    /// How far beyond its square its receivers may stand, metres.
+    pub reach_m: f64,
     /// What there is of it.
     pub state: PartState,
 }
@@ -36,7 +38,7 @@ impl Atlas {
         };
         let listed = self.states(within, look)?.into_iter().map(|(part, state)| {
             let square = self.plan.region_part(part);
-            ListedPart { name: part.name.clone(), low: square.low, high: square.high, state }
+            ListedPart { name: part.name.clone(), low: square.low, high: square.high, reach_m: self.reach_m(), state }
         });
         Ok(listed.collect())
     }

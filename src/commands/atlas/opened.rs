@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use glam::DVec2;
+
 use super::part::PartState;
 use super::plan::{AtlasPlan, FILE, PlannedPart};
 use crate::commands::console::shell_words::quoted;
@@ -30,6 +32,19 @@ pub struct Atlas {
     pub plan: AtlasPlan,
 }
 
+/// Refuses an archive with receivers farther than so many metres from a square, that of a part of this name.
+pub fn check_square(archive: &Archive, part: &str, (low, high): (DVec2, DVec2), reach_m: f64) -> Result<()> {
+    let within = [(low - reach_m).extend(f64::NEG_INFINITY), (high + reach_m).extend(f64::INFINITY)];
+    match tiles_within(&OpenSite::of(archive)?, within)? {
+        Some(tiles) if tiles.len() < archive.tiles() as usize => {
+            let what = format!("holds receivers that do not stand in the square of {part}");
+            let hint = format!("it is another part's: heliotile build ATLAS --part {part} --fresh");
+            Err(Error::input(archive.path(), None, what, hint))
+        }
+        _ => Ok(()),
+    }
+}
+
 impl Atlas {
     /// The atlas at a place; none if that is something else.
     pub fn find(place: &Path) -> Result<Option<Self>> {
@@ -54,7 +69,7 @@ impl Atlas {
     }
 
     /// How far beyond the square of its part a receiver may stand, metres: the point of the surface below it lies in the square.
-    fn reach_m(&self) -> f64 {
+    pub fn reach_m(&self) -> f64 {
         self.plan.cover.offset.0.abs() + ROUNDING_M
     }
 
@@ -98,16 +113,7 @@ impl Atlas {
     /// Refuses an archive whose receivers do not stand in the square of its part: that of another part. Archives before format 1.5 do not tell.
     pub fn check_place(&self, part: &PlannedPart, archive: &Archive) -> Result<()> {
         let square = self.plan.region_part(part);
-        let (low, high) = (square.low - self.reach_m(), square.high + self.reach_m());
-        let within = [low.extend(f64::NEG_INFINITY), high.extend(f64::INFINITY)];
-        match tiles_within(&OpenSite::of(archive)?, within)? {
-            Some(tiles) if tiles.len() < archive.tiles() as usize => {
-                let what = format!("holds receivers that do not stand in the square of {}", part.name);
-                let hint = format!("it is another part's: heliotile build ATLAS --part {} --fresh", part.name);
-                Err(Error::input(archive.path(), None, what, hint))
-            }
-            _ => Ok(()),
-        }
+        check_square(archive, &part.name, (square.low, square.high), self.reach_m())
     }
 
     /// Archives of the parts that a box touches, by the names of the parts; what is read first of all of them is on its way. A part that is

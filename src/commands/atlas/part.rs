@@ -116,6 +116,11 @@ fn publish_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart) -> Result<(
     for file in [ARCHIVE, NOTHING] {
         let built = folder.path().join(file);
         if built.is_file() {
+            if file == NOTHING && there.first() == Some(&true) {
+                let place = shown(&atlas.folder.join(&part.archive()));
+                let what = "is of a part that has no receiver now";
+                return Err(Error::input(&place, None, what, "remove that object, and build the part again"));
+            }
             let place = atlas.folder.join(&part.beside(file));
             let copied = files::copy(&built, &place, args.fresh, &Terminal::default())?;
             let megabytes = copied.bytes as f64 / 1e6;
@@ -160,6 +165,14 @@ fn trace_part(args: &BuildArgs, atlas: &Atlas, part: &PlannedPart, folder: &Path
     }
     let (scene, covered) = cover_site(&site, &plan.cover)?;
     if covered.count(Lying::Free) == 0 {
+        let archive = folder.join(ARCHIVE);
+        if archive.exists() {
+            if !args.fresh {
+                let what = "is of a part that has no receiver now";
+                return Err(Error::input(&archive, None, what, "--fresh to remove it"));
+            }
+            fs::remove_file(&archive).map_err(Error::io(&archive, "remove"))?;
+        }
         write_texts(folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;
         return remark(&format!("{}: no receiver, nothing to build\n", part.name));
     }

@@ -1,9 +1,11 @@
 //! `atlas.json`: how a region is cut into parts. In: what `partition` was asked for, and where objects lie. Out: parts with their places
 //! and the site of each, the same wherever and whenever it is read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -121,9 +123,9 @@ impl AtlasPlan {
             low: found.bounds[0].to_array(),
             high: found.bounds[1].to_array(),
         };
-        let named = cut.scene.scene.iter().chain(&cut.scene.surfaces.materials).filter(|path| path.is_file());
-        let all = surveyed.iter().map(|found| &found.file).chain(named);
-        let checksums = all.map(|path| Ok((path.clone(), checksum(path)?))).collect::<Result<_>>()?;
+        let site = cut.scene.site()?;
+        let all = site.files().map(Path::to_path_buf).chain(said_in(&cut.scene));
+        let checksums = all.map(|path| Ok((path.clone(), checksum(&path)?))).collect::<Result<_>>()?;
         Ok(AtlasPlan {
             heliotile_atlas: VERSION,
             checksums,
@@ -248,13 +250,13 @@ impl AtlasPlan {
 
     /// The first of the files of a part that is another one than when the region was cut.
     pub fn changed(&self, site: &Site) -> Result<Option<PathBuf>> {
-        let near = site.parts.iter().map(|part| &part.file);
-        let lists = self.scene.scene.iter().filter(|path| !self.files.iter().any(|planned| planned.file == **path));
-        for path in near.chain(lists).chain(&self.scene.surfaces.materials) {
-            if let Some(known) = self.checksums.get(path)
-                && *known != checksum(path)?
+        let is_far = |path: &PathBuf| self.files.iter().any(|planned| planned.file == *path);
+        let lists = said_in(&self.scene).filter(|path| !is_far(path));
+        for path in site.files().map(Path::to_path_buf).chain(lists) {
+            if let Some(known) = self.checksums.get(&path)
+                && *known != checksum(&path)?
             {
-                return Ok(Some(path.clone()));
+                return Ok(Some(path));
             }
         }
         Ok(None)
@@ -276,11 +278,34 @@ impl AtlasPlan {
     }
 }
 
-/// What tells a file from another of its name.
+/// Files that a command line names: scenes, their lists, the lists of folders, materials.
+fn said_in(scene: &SceneArgs) -> impl Iterator<Item = PathBuf> {
+    let list = |path: &PathBuf| {
+        let lists = ["site.toml", "site.toml.gz"].map(|name| path.join(name));
+        [path.clone()].into_iter().chain(lists)
+    };
+    let named = scene.scene.iter().flat_map(list).chain(scene.surfaces.materials.clone());
+    named.filter(|path| path.is_file()).collect::<Vec<_>>().into_iter()
+}
+
+/// What tells a file from another of its name. One that this process has read is not read again, as long as its length and its time stay.
 fn checksum(path: &Path) -> Result<String> {
+    type Known = HashMap<PathBuf, ((u64, Option<SystemTime>), String)>;
+    static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
     let file = fs::File::open(path).map_err(Error::io(path, "open"))?;
+    let about = file.metadata().map_err(Error::io(path, "read the length of"))?;
+    let version = (about.len(), about.modified().ok());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = known.get_or_insert_default();
+    if let Some((of, hash)) = known.get(path)
+        && *of == version
+    {
+        return Ok(hash.clone());
+    }
     let hash = blake3::Hasher::new().update_reader(file).map_err(Error::io(path, "read"))?.finalize();
-    Ok(hash.to_hex().to_string())
+    let hash = hash.to_hex().to_string();
+    known.insert(path.to_path_buf(), (version, hash.clone()));
+    Ok(hash)
 }
 
 /// Scene files by their whole paths: parts are built from anywhere.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _heliotile
-from .askable import Askable, Wanted
+from .askable import Askable, WantedArgs
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -43,13 +43,13 @@ class Archive(Askable):
         """Hash of the archive's content."""
         return self._handle.root
 
-    def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
+    def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
         return self._handle
 
-    def _table(self, opened: _heliotile.ArchiveHandle, receivers: Wanted | None, memory: int) -> dict[str, np.ndarray]:
+    def _table(self, opened: _heliotile.ArchiveHandle, wanted: WantedArgs, memory: int) -> dict[str, np.ndarray]:
         # That of all is asked for again and again.
-        if receivers is not None:
-            return super()._table(opened, receivers, memory)
+        if wanted is not None:
+            return super()._table(opened, wanted, memory)
         if self._known is None:
             self._known = super()._table(opened, None, memory)
         return dict(self._known)
@@ -58,7 +58,7 @@ class Archive(Askable):
         return _reopen, (type(self), absolute(self.path), self.access, self.grid_north, self.root)
 
     def __repr__(self) -> str:
-        return f"Archive({self.path!r}, {self.count} receivers in {self.tiles} tiles, root {self.root[:16]})"
+        return f"Archive({_heliotile.shown(self.path)!r}, {self.count} receivers in {self.tiles} tiles, root {self.root[:16]})"
 
 
 def absolute(path: str) -> str:
@@ -70,5 +70,5 @@ def _reopen(cls: type[Archive], path: str, access: str, grid_north: bool, root: 
     """What a pickle becomes: the archive of that path, if it is still the same."""
     archive = cls.open(path, access=access, grid_north=grid_north)
     if archive.root != root:
-        raise InputError(f"{path}: is another archive than the one that was pickled\n  to fix: open it again and pickle that")
+        raise InputError(f"{_heliotile.shown(path)}: is another archive than the one that was pickled\n  to fix: open it again and pickle that")
     return archive

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -27,6 +27,9 @@ Follow = Any
 
 #: Ids, a table with a column `receiver`, a path of a CSV file, or one of `{"objects": names}`, `{"surfaces": names}`, `{"bbox": (xmin, ymin, xmax, ymax)}`.
 Wanted: TypeAlias = "Sequence[str] | str | os.PathLike[str] | Mapping[str, str | Sequence[str] | Sequence[float]]"
+
+#: The same as the engine takes it.
+WantedArgs: TypeAlias = "list[str] | str | dict[str, list[Any]] | None"
 
 #: What a session works in unless more is said, bytes.
 MEMORY = 4 << 30
@@ -88,7 +91,7 @@ class Askable(ABC):
     """A site that was traced: replay any weather, ask for any sun and sky."""
 
     @abstractmethod
-    def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
+    def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
         """What holds the receivers that are asked for, open."""
 
     @property
@@ -111,8 +114,8 @@ class Askable(ABC):
         """Settings of the build."""
         return dict(self._open(None).settings)
 
-    def _table(self, opened: _heliotile.ArchiveHandle, receivers: Wanted | None, memory: int) -> dict[str, np.ndarray]:
-        return {name: np.asarray(values) for name, values in opened.receivers(wanted_args(receivers), memory).items()}
+    def _table(self, opened: _heliotile.ArchiveHandle, wanted: WantedArgs, memory: int) -> dict[str, np.ndarray]:
+        return {name: np.asarray(values) for name, values in opened.receivers(wanted, memory).items()}
 
     def materials(self) -> list[Material]:
         """Whose reflectance a replay can change."""
@@ -125,7 +128,8 @@ class Askable(ABC):
         nobody says), `surface, object, building, kind` (empty where nobody says), and the shares of the hemisphere `sky_view, ground_view,
         obstruction_view`.
         """
-        return self._table(self._open(receivers), receivers, memory)
+        wanted = wanted_args(receivers)
+        return self._table(self._open(wanted), wanted, memory)
 
     def replay(
         self,
@@ -187,8 +191,9 @@ class Askable(ABC):
         """
         light = light_args(columns, reflectance, transmittance, sky, patches, paths, bounces, memory)
         args = replay_args(weather, every, stamp, year, start, end, steps, snow, snow_reflectance, temperature)
-        opened = self._open(receivers)
-        return self._results(opened, opened.replay(light, args, wanted_args(receivers), progress), receivers, memory)
+        wanted = wanted_args(receivers)
+        opened = self._open(wanted)
+        return self._results(opened, opened.replay(light, args, wanted, progress), wanted, memory)
 
     def query(
         self,
@@ -219,13 +224,12 @@ class Askable(ABC):
             if "condition" not in table and table:
                 table["condition"] = np.arange(len(next(iter(table.values()))))
             source["bytes"] = csv_of(table)
-        opened = self._open(receivers)
-        return self._results(opened, opened.query(light, source, wanted_args(receivers), progress), receivers, memory)
+        wanted = wanted_args(receivers)
+        opened = self._open(wanted)
+        return self._results(opened, opened.query(light, source, wanted, progress), wanted, memory)
 
-    def _results(self, opened: _heliotile.ArchiveHandle, made: _heliotile.Recombined, receivers: Wanted | None, memory: int) -> Results:
-        # What is known of some receivers is read by their ids: their tiles alone, not the table of all.
-        results = Results(made, lambda: self._table(opened, None if receivers is None else results.receivers, memory))
-        return results
+    def _results(self, opened: _heliotile.ArchiveHandle, made: _heliotile.Recombined, wanted: WantedArgs, memory: int) -> Results:
+        return Results(made, lambda: self._table(opened, wanted, memory))
 
     def factors(
         self,
@@ -242,26 +246,35 @@ class Askable(ABC):
         Steps are in degrees; `by` is `"receiver"`, `"surface"`, `"object"`, `"building"` or `"kind"`: means by area.
         """
         steps = (azimuth_step, altitude_step)
-        found = self._open(receivers).factors(steps, by, wanted_args(receivers), memory, progress)
+        wanted = wanted_args(receivers)
+        found = self._open(wanted).factors(steps, by, wanted, memory, progress)
         return Factors(by, found[0], np.array(found[1]), np.array(found[2]), {name: np.asarray(v) for name, v in found[3]})
 
 
-def wanted_args(receivers: Wanted | None) -> list[str] | str | dict[str, list[Any]] | None:
+def wanted_args(receivers: Wanted | None) -> WantedArgs:
     """Receivers that are chosen, as the engine takes them."""
     if receivers is None or isinstance(receivers, os.PathLike):
         return given.path(receivers)
     if isinstance(receivers, str):
         return receivers if receivers.endswith(".csv") or os.path.exists(receivers) else [receivers]
     if isinstance(receivers, Mapping):
+        for by, of in receivers.items():
+            if not (isinstance(of, Iterable) and (by != "bbox" or not isinstance(of, str))):
+                raise refused("receivers", f"`{by}` is `{of}`", 'as in {"objects": names} and {"bbox": (xmin, ymin, xmax, ymax)}')
         return {by: [of] if isinstance(of, str) else list(of) for by, of in receivers.items()}
     if hasattr(receivers, "columns") or hasattr(receivers, "column_names"):
         table = columns_of(receivers, "receivers")
         if "receiver" not in table:
             raise refused("receivers", f"has no column `receiver`, but {', '.join(table)}", "give a table with the ids, or the ids themselves")
         receivers = table["receiver"]  # type: ignore[assignment]
+    if not hasattr(receivers, "__array__"):
+        # Sets, keys, generators.
+        receivers = list(receivers)  # type: ignore[arg-type]
     ids = np.asarray(receivers)
-    if ids.dtype.kind == "b":
+    if ids.dtype.kind == "b" and ids.size:
         raise refused("receivers", "is a mask, and ids are taken", 'site.receivers()["receiver"][mask] are those')
+    if ids.ndim > 1:
+        raise refused("receivers", f"has the shape {ids.shape}", "give ids one after the other")
     return [str(receiver) for receiver in np.atleast_1d(ids).tolist()]
 
 

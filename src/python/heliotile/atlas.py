@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import _heliotile
-from .archive import Archive
-from .askable import MEMORY, Askable, Wanted, wanted_args
+from .archive import Archive, absolute
+from .askable import MEMORY, Askable, Wanted, WantedArgs, wanted_args
 from .errors import Error, InputError
 from .given import wrong
 
@@ -32,8 +32,10 @@ class AtlasPart:
     high: tuple[float, float]
     state: str
     """`built`, `empty` (no receiver lies in it) or `missing`."""
-    archive: str | None
+    archive: str | None = field(repr=False)
     """Path or address of its archive, if it is built."""
+    reach_m: float = field(repr=False)
+    """How far beyond the square its receivers may stand, off their surfaces."""
 
 
 class Atlas(Askable):
@@ -58,7 +60,9 @@ class Atlas(Askable):
         """Parts that hold receivers, opened one after the other; one that is not built is an error."""
         for part in self._built(bbox):
             if part.archive is not None:
-                yield part, Archive.open(part.archive, grid_north=self.grid_north)
+                archive = Archive.open(part.archive, grid_north=self.grid_north)
+                archive._handle.check_square(part.name, part.low, part.high, part.reach_m)
+                yield part, archive
 
     def _built(self, bbox: Box | None = None) -> list[AtlasPart]:
         """Its parts; one that is not built is an error."""
@@ -86,19 +90,16 @@ class Atlas(Askable):
         named = {known.name: known for known in parts}
         return named[str(part)] if str(part) in named else parts[int(part)]
 
-    def _open(self, receivers: Wanted | None) -> _heliotile.ArchiveHandle:
-        return _heliotile.ArchiveHandle.open_atlas(self.path, _box(receivers), self.grid_north)
+    def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
+        return _heliotile.ArchiveHandle.open_atlas(self.path, _box(wanted), self.grid_north)
 
     def _chosen(self, receivers: Wanted | None) -> list[tuple[AtlasPart, str, list[str] | None]]:
         """Parts that hold what is asked for, their archives, and its ids; None: all."""
-        if receivers is None:
-            found: list[tuple[AtlasPart, str, list[str] | None]] = [(part, part.archive, None) for part in self._built() if part.archive is not None]
-            if not found:
-                raise InputError(f"{_heliotile.shown(self.path)}: no part of it holds a receiver\n  to fix: heliotile info ATLAS says what it is of")
-            return found
-        # Opened, it has no part that is missing: these are the archives that are open.
-        ids = self._open(receivers).chosen(wanted_args(receivers), MEMORY)
-        parts = [(part, part.archive) for part in self.parts(_box(receivers)) if part.archive is not None]
+        wanted = wanted_args(receivers)
+        opened = self._open(wanted)
+        # Opened, it has no part that is missing: these are the archives that are open, which fit together.
+        parts = [(part, part.archive) for part in self.parts(_box(wanted)) if part.archive is not None]
+        ids = [None] * len(parts) if wanted is None else opened.chosen(wanted, MEMORY)
         return [(part, archive, some) for (part, archive), some in zip(parts, ids, strict=True) if some is None or some]
 
     def to_xarray(self, weather: Any, *, receivers: Wanted | None = None, **choices: Any) -> xr.Dataset:
@@ -118,14 +119,12 @@ class Atlas(Askable):
         return xr.concat(opened, dim="receiver", data_vars="all", coords="minimal", compat="override", join="override", combine_attrs="drop_conflicts")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.path, self.grid_north)
+        return type(self), (absolute(self.path), self.grid_north)
 
     def __repr__(self) -> str:
-        parts = self.parts()
-        built = sum(part.state == "built" for part in parts)
-        return f"Atlas({_heliotile.shown(self.path)!r}, {len(parts)} parts, {built} built)"
+        return f"Atlas({_heliotile.shown(self.path)!r})"
 
 
-def _box(receivers: Wanted | None) -> Any:
+def _box(wanted: WantedArgs) -> list[float] | None:
     """The numbers of a box that receivers are chosen by; parts that it does not touch hold none of them."""
-    return tuple(receivers["bbox"]) if isinstance(receivers, Mapping) and "bbox" in receivers else None
+    return wanted.get("bbox") if isinstance(wanted, dict) else None

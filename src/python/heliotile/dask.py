@@ -3,10 +3,12 @@ atlas, unless it lies at an address; nothing but names and arguments is sent."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .archive import Archive
+from . import given
+from .archive import Archive, absolute
 from .askable import Wanted
 from .atlas import Atlas
 from .workers import share_threads
@@ -31,7 +33,7 @@ def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = N
     left = wanted
     for turn in range(retries + 1):
         # Not pure: a part that was removed is built again.
-        futures = dict(zip(left, client.map(_build, left, atlas=atlas.path, threads=threads, retries=retries, pure=False), strict=True))
+        futures = dict(zip(left, client.map(_build, left, atlas=absolute(atlas.path), threads=threads, retries=retries, pure=False), strict=True))
         wait(list(futures.values()))
         left = [name for name, future in futures.items() if isinstance(future.exception(), KilledWorker)]
         # What else failed is raised here; what was given up as well, in the end.
@@ -47,7 +49,11 @@ def replay(atlas: Atlas | str, weather: Any, *, receivers: Wanted | None = None,
     import dask.dataframe as dd
 
     atlas = atlas if isinstance(atlas, Atlas) else Atlas.open(atlas)
-    chosen = [(archive, ids) for _, archive, ids in atlas._chosen(receivers)]
+    chosen = [(absolute(archive), ids) for _, archive, ids in atlas._chosen(receivers)]
+    weather = absolute(os.fspath(weather)) if isinstance(weather, (str, os.PathLike)) else weather
+    follow = {name: given.named(name, choices[name], "say of what") for name in ("reflectance", "transmittance", "temperature") if choices.get(name)}
+    whole = {name: {of: absolute(os.fspath(v)) if isinstance(v, (str, os.PathLike)) else v for of, v in pairs.items()} for name, pairs in follow.items()}
+    choices = choices | whole
     first, ids = chosen[0]
     some = ids or Archive.open(first).receivers()["receiver"].tolist()
     meta = _rows((first, some[:1]), weather, choices, atlas.grid_north).iloc[:0]

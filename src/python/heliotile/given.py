@@ -51,7 +51,11 @@ def moment(argument: str, value: Any) -> str | None:
     """A day or a moment as text: text as it is, dates and times by their calendar; None stays."""
     if value is None or isinstance(value, str):
         return value
+    if hasattr(value, "astype") and getattr(value, "dtype", None) is not None and value.dtype.kind == "M":
+        return str(value.astype("datetime64[m]"))
     if isinstance(value, datetime):
+        if value.tzinfo is not None:
+            raise wrong(argument, f"`{value}` has a time zone", "give the moment by the clock of the weather, without a zone")
         return value.strftime("%Y-%m-%dT%H:%M")
     if isinstance(value, date):
         return value.isoformat()

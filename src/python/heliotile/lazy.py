@@ -57,7 +57,13 @@ class LazyReplay:
     def __getstate__(self) -> tuple[Any, ...]:
         archive, light, args, cache = self._made_of
         weather = args["weather"] | {"name": absolute(args["weather"]["name"])}
-        return archive, light, args | {"weather": weather}, cache
+        return archive, _whole_paths(light), _whole_paths(args | {"weather": weather}), cache
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         self.__init__(*state)
+
+
+def _whole_paths(args: dict[str, Any]) -> dict[str, Any]:
+    """Arguments whose schedules are named by whole paths: they are read where they are asked for."""
+    follow = {name: args[name] for name in ("reflectance", "transmittance", "temperature") if name in args}
+    return args | {name: [(of, absolute(value) if isinstance(value, str) else value) for of, value in pairs] for name, pairs in follow.items()}

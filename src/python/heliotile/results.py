@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator
 from datetime import timedelta, timezone
 from typing import TYPE_CHECKING, Any
@@ -185,10 +186,12 @@ class Results:
         index = self._frame.index()
         if self.time_utc is None:
             index = pd.CategoricalIndex(index, categories=index.unique(), name=index.name)
-        codes = np.repeat(np.arange(receivers, dtype=np.int32), labels)
+        # Parts of an atlas may have receivers of one id.
+        numbers, names = pd.factorize(np.array(self.receivers, dtype=object))
+        codes = np.repeat(numbers.astype(np.int32), labels)
         data: dict[str, Any] = {
             self._frame.label: index.take(np.tile(np.arange(labels), receivers)),
-            "receiver": pd.Categorical.from_codes(codes, categories=pd.Index(self.receivers)),
+            "receiver": pd.Categorical.from_codes(codes, categories=pd.Index(names)),
         }
         data |= {name: self[column].reshape(-1) for column, name in self._frame.columns.items()}
         return pd.DataFrame(data)
@@ -218,8 +221,11 @@ class Results:
         return pd.DataFrame(columns, index=self._frame.index())
 
     def _row(self, receiver: str | int) -> int:
-        if isinstance(receiver, int):
-            return receiver if receiver >= 0 else receiver + len(self.receivers)
+        if not isinstance(receiver, str):
+            row, count = operator.index(receiver), len(self.receivers)
+            if not -count <= row < count:
+                raise IndexError(f"{row} of {count} receivers")
+            return row % count
         try:
             return self.receivers.index(receiver)
         except ValueError:

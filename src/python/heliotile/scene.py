@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import _heliotile, given
-from .archive import Archive
+from .archive import Archive, absolute
 from .askable import MEMORY, Progress
 from .tables import columns_of, csv_of
 
@@ -113,7 +113,8 @@ class Scene:
         return self._handle.cover(os.fspath(output), args, progress)[1]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _reload, (type(self), self._args)
+        whole = {"files": [absolute(file) for file in self.files], "materials": self._args["materials"] and absolute(self._args["materials"])}
+        return _reload, (type(self), self._args | whole)
 
     def __repr__(self) -> str:
         return f"Scene({', '.join(self.files)}: {self.triangles} triangles)"

@@ -22,6 +22,8 @@ def columns_of(table: Any, name: str) -> dict[str, np.ndarray]:
     elif hasattr(table, "column_names"):
         # Arrow, whose `columns` are not names.
         found = {str(key): np.asarray(table[key]) for key in table.column_names}
+    elif hasattr(table, "collect") and not hasattr(table, "__array__") and not hasattr(table, "to_numpy"):
+        raise refused(name, f"is of the type {type(table).__name__}", "collect it first: table.collect()")
     elif hasattr(table, "columns"):
         found = {str(key): np.asarray(table[key]) for key in table.columns}
     else:
@@ -52,8 +54,14 @@ def csv_of(columns: Mapping[str, np.ndarray]) -> bytes:
 
 def _cells(values: np.ndarray) -> list[Any]:
     """Cells of a column; what is missing by pandas' word, and None, is empty."""
+    if values.dtype.kind == "M":
+        # To milliseconds, as a calendar has them.
+        return ["" if text == "NaT" else text for text in np.datetime_as_string(values.astype("datetime64[ms]")).tolist()]
     cells = values.tolist()
-    return cells if values.dtype.kind != "O" else [None if _is_missing(cell) else cell for cell in cells]
+    if values.dtype.kind in "OUST":
+        # A lone carriage return would end the row.
+        cells = [None if _is_missing(cell) else cell.replace("\r", " ") if isinstance(cell, str) else cell for cell in cells]
+    return cells
 
 
 def _is_missing(cell: Any) -> bool:

@@ -11,6 +11,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import numpy as np
 
 from . import given
+from .errors import ArgumentError
 from .tables import checked, columns_of, csv_of, refused
 
 #: What messages and provenance call weather that was given as a table.
@@ -41,7 +42,8 @@ class Weather:
     latitude, longitude
         Degrees, north and east positive, in place of the file's. Where neither says, the archive's place is taken.
     time_zone
-        Hours ahead of UTC in standard time, such as `"+01:00"`, or the name of a zone, `"America/Denver"`, in place of the file's.
+        Hours ahead of UTC in standard time, such as `"+01:00"`, in place of the file's; or the name of a zone: of a table whose index names none,
+        its times are those of that zone's clock, in summer and winter.
     shift
         Moves time stamps: `"41min"`, `"-0.5h"` or `"auto"`.
     stamp
@@ -70,10 +72,10 @@ class Weather:
             longitude = about.get("longitude") if longitude is None else longitude
         if isinstance(source, (str, os.PathLike)):
             self.name = os.fspath(source)
+            zone = None if time_zone is None else _hours(time_zone)
         else:
-            self._bytes, zone = _table(source, name, time_zone is not None)
-            time_zone = time_zone if time_zone is not None else zone
-        self._said = (given.number("latitude", latitude), given.number("longitude", longitude), _hours(time_zone), shift, stamp)
+            self._bytes, zone = _table(source, name, time_zone)
+        self._said = (given.number("latitude", latitude), given.number("longitude", longitude), zone, shift, stamp)
 
     @classmethod
     def of(cls, source: Any) -> Weather:
@@ -96,27 +98,30 @@ class Weather:
         return f"Weather({self.name!r})"
 
 
-def _table(source: Any, name: str, has_zone: bool) -> tuple[bytes, str | None]:
-    """The bytes of a table, and the zone of its clock if its times say it."""
-    columns, zone = columns_of(source, name), None
-    times: Any = None if isinstance(source, Mapping) else _zoned(source)
-    index: Any = getattr(source, "index", None)
-    if "time" not in columns and hasattr(index, "tz"):
-        if index.tz is None and not has_zone:
+def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
+    """The bytes of a table, and the zone of its clock, as its times or somebody say it."""
+    columns = columns_of(source, name)
+    given_times: Any = source["time"] if "time" in columns else getattr(source, "index", None)
+    found = None if given_times is None else _moments(given_times)
+    if found is None and "time" not in columns and given_times is not None and hasattr(given_times, "tz_localize"):
+        # An index of times that names no zone.
+        if time_zone is None:
             hint = f'say which clock it is, as in table.tz_localize("Etc/GMT-1") for UTC+01:00, or {name}=Weather(table, time_zone="+01:00")'
             raise refused(name, "its index has no time zone", hint)
-        if index.tz is not None:
-            times = index.tz_convert("UTC").tz_localize(None).to_numpy(), index.tz
+        if _is_name(time_zone):
+            found, time_zone = _moments(_localized(given_times, time_zone, name)), None
         else:
-            columns = {"time": np.array([stamp.isoformat() for stamp in index], dtype=object), **columns}
-    if times is not None:
-        utc, of = times
+            columns = {"time": np.asarray(given_times.to_numpy()), **columns}
+    if found is None:
+        zone = None if time_zone is None else _hours(time_zone)
+    else:
+        utc, of = found
         offset = standard_offset(of, utc)
         local = utc + np.timedelta64(int(offset.total_seconds()), "s")
-        clock = datetime.min.replace(tzinfo=timezone(offset)).isoformat()[-6:]
+        clock = datetime(2000, 1, 1, tzinfo=timezone(offset)).isoformat()[-6:]
         texts = np.char.add(np.datetime_as_string(local.astype("datetime64[ms]")), clock)
-        columns = {"time": texts.astype(object), **{key: values for key, values in columns.items() if key != "time"}}
-        zone = str(offset.total_seconds() / 3600)
+        columns = {"time": np.where(np.isnat(utc), "", texts).astype(object), **{key: values for key, values in columns.items() if key != "time"}}
+        zone = str(offset.total_seconds() / 3600) if time_zone is None else _hours(time_zone)
     # Other times than `time`, and shares of yes and no, are nothing that a weather file has.
     numbers = {key: values for key, values in columns.items() if key == "time" or values.dtype.kind in "fiuOUST"}
     if "time" not in numbers:
@@ -124,34 +129,68 @@ def _table(source: Any, name: str, has_zone: bool) -> tuple[bytes, str | None]:
     return csv_of(checked(numbers, name)), zone
 
 
-def _zoned(source: Any) -> tuple[np.ndarray, Any] | None:
-    """Moments in UTC and the zone of a column `time` of pandas, Polars or Arrow, if it has a zone."""
-    names = getattr(source, "column_names", None) or getattr(source, "columns", ())
-    if "time" not in list(names):
-        return None
-    column: Any = source["time"]
-    of = getattr(column.dtype, "tz", None) or getattr(column.dtype, "time_zone", None) if hasattr(column, "dtype") else getattr(column.type, "tz", None)
-    if of is None:
-        return None
-    if hasattr(column, "dt") and hasattr(column.dt, "tz_convert"):
-        return column.dt.tz_convert("UTC").dt.tz_localize(None).to_numpy(), of
+def _moments(times: Any) -> tuple[np.ndarray, Any] | None:
+    """Moments in UTC, datetime64, and the zone that they were told in; None of times that say none."""
+    # pandas: an index, a series, Arrow's types in both.
+    accessor = times.dt if hasattr(times, "dt") and hasattr(times.dt, "tz_convert") else times
+    if hasattr(accessor, "tz_convert") and getattr(accessor, "tz", None) is not None:
+        utc = accessor.tz_convert("UTC")
+        utc = utc.dt.tz_localize(None) if hasattr(utc, "dt") else utc.tz_localize(None)
+        return utc.to_numpy(dtype="datetime64[ns]"), accessor.tz
     # Polars and Arrow hold UTC, and give it away without its zone.
-    values = column.to_numpy()
-    return values.astype("datetime64[ns]"), ZoneInfo(of) if isinstance(of, str) else of
+    of = getattr(getattr(times, "dtype", None), "time_zone", None) or getattr(getattr(times, "type", None), "tz", None)
+    if of is not None:
+        return np.asarray(times.to_numpy()).astype("datetime64[ns]"), _zone(of)
+    # Objects of datetime.
+    told = np.asarray(times)
+    first = next((moment for moment in told.tolist() if isinstance(moment, datetime)), None) if told.dtype.kind == "O" else None
+    if first is None or first.tzinfo is None:
+        return None
+    utc = [moment.astimezone(timezone.utc).replace(tzinfo=None) if isinstance(moment, datetime) else "NaT" for moment in told.tolist()]
+    return np.array(utc, dtype="datetime64[us]"), first.tzinfo
+
+
+def _localized(index: Any, time_zone: str, name: str) -> Any:
+    """Times of a clock on a wall, with its zone; an hour that it has twice or never is an error."""
+    try:
+        return index.tz_localize(_zone(time_zone))
+    except ArgumentError:
+        raise
+    except Exception as error:
+        hint = "write standard time or UTC, whose hours come once"
+        raise refused(name, f"an hour of its index is not one of `{time_zone}`: {error}", hint) from None
 
 
 def standard_offset(of: Any, utc: np.ndarray) -> timedelta:
     """How far the clock of a zone is ahead of UTC in standard time, never that of summer, in the year of the first of some moments."""
-    year = int(str(utc[0])[:4]) if len(utc) else 2000
+    known = utc[~np.isnat(utc)]
+    year = int(str(known[0])[:4]) if len(known) else 2000
     offsets = [datetime(year, month, 1, tzinfo=timezone.utc).astimezone(of).utcoffset() for month in (1, 7)]
     return min(offset for offset in offsets if offset is not None)
 
 
-def _hours(time_zone: Any) -> str | None:
-    """Hours ahead of UTC as text, of a name such as `America/Denver` those of standard time."""
-    if time_zone is None or not isinstance(time_zone, str) or "/" not in time_zone:
-        return None if time_zone is None else str(time_zone)
+def _is_name(time_zone: Any) -> bool:
+    """Whether it is the name of a zone, such as `America/Denver`."""
+    return isinstance(time_zone, str) and "/" in time_zone
+
+
+def _zone(of: Any) -> Any:
+    """The zone of a name, or of an offset such as `+01:00`."""
+    if not isinstance(of, str):
+        return of
     try:
-        return str(standard_offset(ZoneInfo(time_zone), np.array([])).total_seconds() / 3600)
+        return datetime.fromisoformat(f"2000-01-01T00:00{of}").tzinfo if of[:1] in ("+", "-") else ZoneInfo(of)
     except (ZoneInfoNotFoundError, ValueError):
-        return time_zone
+        raise given.wrong("time_zone", f"`{of}` is none", 'give hours ahead of UTC, as in "+01:00", or a name such as "America/Denver"') from None
+
+
+def _hours(time_zone: Any) -> str:
+    """Hours ahead of UTC as text: of a number or text, or of the name of a zone whose clock is never changed."""
+    if not _is_name(time_zone):
+        return str(time_zone)
+    of = _zone(time_zone)
+    clocks = {datetime(year, month, 1, tzinfo=of).utcoffset() for year in range(1990, 2027) for month in range(1, 13)}
+    if len(clocks) > 1:
+        hint = 'give the hours of its standard time, as in "+01:00"; times in an index may be those of the zone'
+        raise given.wrong("time_zone", f"the clock of `{time_zone}` is changed", hint)
+    return str(next(clock for clock in clocks if clock is not None).total_seconds() / 3600)

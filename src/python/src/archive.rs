@@ -15,10 +15,11 @@ use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
 use crate::table::columns_of;
 use crate::work;
-use heliotile::atlas::{Sources, archives};
+
+use heliotile::atlas::{Sources, archives, check_square};
 use heliotile::files::open_archive;
 use heliotile::recombine::{Chosen, ChosenPart, FactorRows, Streamed};
-use heliotile::{Access, Archive, Bounds, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
+use heliotile::{Access, Archive, Bounds, DVec2, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
 use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::format;
 use heliotile_core::memory::Use;
@@ -114,6 +115,19 @@ impl ArchiveHandle {
         Ok(ArchiveHandle { sources: Arc::new(sources), place: atlas, grid_north })
     }
 
+    /// Refuses the archive of another part than the one of this name and square.
+    fn check_square(
+        &self,
+        py: Python<'_>,
+        part: &str,
+        low: (f64, f64),
+        high: (f64, f64),
+        reach_m: f64,
+    ) -> PyResult<()> {
+        let square = (DVec2::from(low), DVec2::from(high));
+        work::run(py, None, |_| check_square(self.archive(), part, square, reach_m))
+    }
+
     /// Of each archive in turn the ids of what is chosen of it; none: all of it.
     #[pyo3(signature = (receivers, memory))]
     fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: u64) -> PyResult<Vec<Option<Vec<String>>>> {
@@ -164,16 +178,18 @@ impl ArchiveHandle {
             let class = format!("{:?}", m.class).to_lowercase();
             (m.name.clone(), m.diffuse, m.specular, m.transmittance, m.group.clone(), class)
         };
-        let mut rows: Vec<MaterialRow> = Vec::new();
-        for archive in self.sources.borrowed().iter() {
-            let site = OpenSite::of(archive).map_err(|error| raised(py, &error))?;
-            for material in site.materials() {
-                if rows.iter().all(|(known, ..)| *known != material.name) {
-                    rows.push(row(material));
+        work::run(py, None, |_| {
+            let mut rows: Vec<MaterialRow> = Vec::new();
+            for archive in self.sources.borrowed().iter() {
+                let site = OpenSite::of(archive)?;
+                for material in site.materials() {
+                    if rows.iter().all(|(known, ..)| *known != material.name) {
+                        rows.push(row(material));
+                    }
                 }
             }
-        }
-        Ok(rows)
+            Ok(rows)
+        })
     }
 
     /// Columns of all receivers or of some, in the order of results.
@@ -218,6 +234,9 @@ impl ArchiveHandle {
         work::run(py, None, |watch| {
             let storage = TempFiles::new(std::env::temp_dir());
             let archives = self.sources.borrowed();
+            if archives.only().is_none() {
+                return Err(Error::argument("archive", "is several", "open the archives of an atlas one by one"));
+            }
             asked.with_series(archives, &storage, watch, |series, recombination| {
                 let receivers = self.count() as usize;
                 let about = (archives, self.place.as_path());

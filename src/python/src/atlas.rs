@@ -5,20 +5,20 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 
 use crate::archive::bounds_of;
-use crate::errors::raised;
+use crate::work;
 use heliotile::atlas::parts;
 
-/// Name, square, state and archive of a part.
-type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>);
+/// Name, square, state, archive and reach beyond the square of a part.
+type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>, f64);
 
 /// Parts of an atlas, those that a box `xmin, ymin, xmax, ymax[, zmin, zmax]` touches if there is one.
 #[pyfunction]
 #[pyo3(signature = (atlas, bbox=None))]
 pub fn atlas_parts(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>) -> PyResult<Vec<PartRow>> {
-    let listed = py.detach(|| parts(&atlas, bbox.map(bounds_of).transpose()?)).map_err(|error| raised(py, &error))?;
+    let listed = work::run(py, None, |_| parts(&atlas, bbox.map(bounds_of).transpose()?))?;
     let row = |part: &heliotile::atlas::ListedPart| {
         let archive = part.archive().map(|path| path.to_string_lossy().into_owned());
-        (part.name.clone(), part.low.into(), part.high.into(), part.state.word(), archive)
+        (part.name.clone(), part.low.into(), part.high.into(), part.state.word(), archive, part.reach_m)
     };
     Ok(listed.iter().map(row).collect())
 }

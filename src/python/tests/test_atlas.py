@@ -130,6 +130,34 @@ def test_some_of_an_atlas(tmp_path: Path) -> None:
         atlas.parts((1.0, 2.0, 3.0))
 
 
+def test_names_that_parts_share(tmp_path: Path) -> None:
+    """Two files with an object of one name make receivers of one id in two parts: each keeps its own place, values and rows, chosen by a box, by the
+    shared id, or all; and an archive in another part's place is refused by every way to ask."""
+    house = "o house\nv {x} 0 0\nv {y} 0 0\nv {y} 10 0\nv {x} 10 0\nv {x} 0 5\nv {y} 0 5\nv {y} 10 5\nv {x} 10 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+    for name, x in (("west", 2), ("east", 102)):
+        (tmp_path / f"{name}.obj").write_text(house.format(x=x, y=x + 10))
+    cut_args = ["--part-size", "50m", "--halo", "10m", "--skyline", "80", "--spacing", "4m", "--quality", "draft", "--sample", "0", "--latitude", "52", "--longitude", "4"]
+    program("partition", tmp_path / "west.obj", tmp_path / "east.obj", *cut_args, "-o", tmp_path / "atlas")
+    atlas = heliotile.Atlas.open(tmp_path / "atlas")
+    for part in atlas.parts():
+        atlas.build(part.name)
+    table = atlas.receivers()
+    count = len(table["receiver"])
+    assert len(set(table["receiver"])) * 2 == count
+    east = atlas.replay(DAYS, every="total", receivers={"bbox": (90.0, -5.0, 120.0, 15.0)}).to_xarray()
+    assert east.x.min() > 100 and east.sizes["receiver"] * 2 == count
+    every = atlas.replay(DAYS, every="total")
+    assert len(every.to_pandas()) == count
+    shared = atlas.replay(DAYS, every="total", receivers=[table["receiver"][0]])
+    assert len(shared.receivers) == 2 and (np.diff(shared.to_xarray().x) == 100).all()
+    np.testing.assert_array_equal(atlas.to_xarray(DAYS, every="total")["total"], every["total"])
+    first, *_, last = (Path(part.archive) for part in atlas.parts() if part.archive)
+    last.write_bytes(first.read_bytes())
+    for ask in (lambda: atlas.replay(DAYS), lambda: atlas.to_xarray(DAYS), lambda: heliotile.dask.replay(atlas, str(DAYS)), lambda: list(atlas.archives())):
+        with pytest.raises(heliotile.InputError, match="do not stand in the square"):
+            ask()
+
+
 def test_lost_workers(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:
     """Parts built by two workers, of which one is killed three times, are those of one machine: the same archives to the byte, 425 sums, also where
     Dask gives a part up with the first worker that is lost around it; replays of a worker with one thread run on 1 thread."""

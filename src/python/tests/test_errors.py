@@ -145,6 +145,9 @@ def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
         ({"bounces": -1}, "bounces: `-1` is no whole number"),
         ({"year": "soon"}, "year: `soon` is no whole number"),
         ({"start": 5}, "start: `5` is no day"),
+        ({"start": pd.Timestamp("2019-03-21", tz="UTC")}, "start: .* has a time zone"),
+        ({"receivers": {"bbox": None}}, "receivers: `bbox` is `None`"),
+        ({"receivers": [["a", "b"]]}, "receivers: has the shape"),
         ({"sky": None}, "sky: `None` is no text"),
         ({"memory": "1GB"}, "memory: `1GB` is no whole number"),
         ({"receivers": np.array([True, False])}, "receivers: is a mask"),
@@ -152,14 +155,14 @@ def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
     ],
 )
 def test_types(site: heliotile.Archive, choice: dict, text: str) -> None:
-    """10 choices of the wrong type, each an error of heliotile with its name and what to give."""
+    """13 choices of the wrong type, each an error of heliotile with its name and what to give."""
     with pytest.raises(heliotile.Error, match=text) as found:
         site.replay(DAYS, **choice)
     assert "to fix: " in str(found.value)
 
 
 def test_types_that_do(site: heliotile.Archive, scene: heliotile.Scene, tmp_path: Path) -> None:
-    """Dates, text and NumPy's numbers are taken where they mean something: 7 ways, the same values; results say what columns they have."""
+    """Dates, text and NumPy's numbers are taken where they mean something: 13 ways, the same values; results say what columns they have."""
     usual = site.replay(DAYS, year=2019, start="2019-03-21", bounces=2)
     first = str(site.receivers()["receiver"][0])
     for choice in (
@@ -167,11 +170,12 @@ def test_types_that_do(site: heliotile.Archive, scene: heliotile.Scene, tmp_path
         {"year": np.int64(2019)},
         {"year": 2019.0, "start": datetime.date(2019, 3, 21)},
         {"start": pd.Timestamp("2019-03-21")},
+        {"start": np.datetime64("2019-03-21")},
         {"bounces": np.int32(2)},
     ):
         again = site.replay(DAYS, **({"year": 2019, "start": "2019-03-21", "bounces": 2} | choice))
         np.testing.assert_array_equal(again["total"], usual["total"])
-    for one in (first, np.array([first]), xr.DataArray([first]), pd.DataFrame({"receiver": [first]})):
+    for one in (first, np.array([first]), xr.DataArray([first]), pd.DataFrame({"receiver": [first]}), {first}, {first: 1}.keys(), iter([first])):
         assert site.query(SUN, receivers=one).receivers == [first]
     assert "total" in usual and list(usual) == usual.columns == list(dict(usual)) and "sun" not in usual
     with pytest.raises(TypeError, match="do not pickle: send to_pandas"):

@@ -60,9 +60,28 @@ def test_types_of_columns(site: heliotile.Archive) -> None:
         results = site.replay(heliotile.Weather(table, **PLACE))
         assert (results.time_utc == expected.time_utc).all() and (results["total"] == expected["total"]).all(), type(table)
     assert (site.replay((frame, {"latitude": 52.08, "longitude": 4.3, "TZ": 1}))["total"] == expected["total"]).all()
-    naive = frame.tz_convert("Etc/GMT-1").tz_localize(None)
-    named = heliotile.Weather(naive, time_zone="Europe/Amsterdam", **PLACE)
-    assert (site.replay(named)["total"] == expected["total"]).all()
+    # A clock on a wall, by the name of its zone; of Arrow with a fixed offset; nanoseconds without a zone; moments as objects.
+    wall = frame.tz_localize(None)
+    fixed = pa.table({"time": pa.array(frame.index.tz_convert("UTC").tz_localize(None)).cast(pa.timestamp("us", "+02:00")), "dni": frame.dni, "dhi": frame.dhi, "temp_air": frame.temp_air})
+    plain = {"time": frame.index.tz_convert("Etc/GMT-1").tz_localize(None).to_numpy().astype("datetime64[ns]"), **{name: frame[name].to_numpy() for name in frame}}
+    moments = timed.assign(time=np.array([stamp.to_pydatetime() for stamp in frame.index], dtype=object))
+    for weather in (
+        heliotile.Weather(wall, time_zone="Europe/Amsterdam", **PLACE),
+        heliotile.Weather(fixed, **PLACE),
+        heliotile.Weather(plain, time_zone="+01:00", **PLACE),
+        heliotile.Weather(moments, **PLACE),
+    ):
+        results = site.replay(weather)
+        assert (results.time_utc == expected.time_utc).all() and (results["total"] == expected["total"]).all()
+    noted = frame.assign(note="a\rb")
+    assert (site.replay(heliotile.Weather(noted, **PLACE))["total"] == expected["total"]).all()
+    istanbul = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=pd.date_range("2019-06-20", periods=24, freq="h"))
+    assert site.replay(heliotile.Weather(istanbul, time_zone="Europe/Istanbul", **PLACE)).utc_offset == timedelta(hours=3)
+    with pytest.raises(heliotile.ArgumentError, match="the clock of `Europe/Amsterdam` is changed"):
+        site.replay(heliotile.Weather(plain, time_zone="Europe/Amsterdam", **PLACE))
+    with pytest.raises(heliotile.InputError, match="an hour of its index is not one of `Europe/Amsterdam`"):
+        autumn = pd.DataFrame({"dni": 1.0, "dhi": 1.0}, index=pd.date_range("2021-10-31", periods=24, freq="h"))
+        heliotile.Weather(autumn, time_zone="Europe/Amsterdam", **PLACE)
     with pytest.raises(heliotile.InputError, match="weather, line 5: column `dni` holds `many`"):
         site.replay(heliotile.Weather(frame.assign(dni=["many" if row == 3 else 500.0 for row in range(48)]), **PLACE))
     conditions = pa.table({"sun_azimuth_deg": [180.0], "sun_altitude_deg": [40.0], "dni_w_m2": [800.0], "dhi_w_m2": [90.0]})

@@ -170,6 +170,19 @@ fn there_and_back() {
     assert_eq!(store.newest(), "bucket/new/atlas.json");
     let (code, said) = ran("copy atlas s3://bucket/new");
     assert!(code == Some(0) && said.contains("10 files, 0 of them new"), "{said}");
+    // What a catalogue is not made of stays here, and what is somebody's own is not replaced by it.
+    folder.write("atlas/notes.txt", "mine");
+    fs::create_dir(folder.path("mine")).expect("made");
+    folder.write("mine/view.html", "mine");
+    assert_eq!(ran("copy atlas s3://bucket/new").0, Some(0));
+    assert!(store.get("bucket/new/notes.txt").is_none());
+    folder.write("atlas/view.html", "the page");
+    assert_eq!(ran("copy atlas s3://bucket/new").0, Some(0));
+    let (code, said) = ran("copy s3://bucket/new mine");
+    assert!(code == Some(2) && said.contains("view.html: is there already"), "{said}");
+    assert_eq!(fs::read(folder.path("mine/view.html")).ok().as_deref(), Some(&b"mine"[..]));
+    fs::remove_file(folder.path("atlas/view.html")).expect("removed");
+    store.remove("bucket/new/view.html");
     // A catalogue that was made again takes the place of the older one.
     let catalogue = fs::read(folder.path("atlas/collection.json")).expect("a catalogue");
     folder.write("atlas/collection.json", "{}");

@@ -148,8 +148,8 @@ fn an_object_that_changes() {
 }
 
 /// A name and a password of an address go to a web server as RFC 7617 says, percent signs decoded, and give the table of the file, also of an atlas'
-/// address; another password is refused, and no message holds it. 9 variables that clients of stores take and cannot use are refused by their
-/// names.
+/// address; another password is refused, and no message holds it. 7 variables that clients of stores take and cannot use are refused by their
+/// names, without what they say; those of other stores are not looked at.
 #[test]
 fn passwords_and_variables() {
     let (folder, store) = hague();
@@ -167,11 +167,9 @@ fn passwords_and_variables() {
     assert!(!stderr(&wrong).contains("s3cret"), "{}", stderr(&wrong));
     for (name, value) in [
         ("AWS_ENDPOINT_URL", "127.0.0.1:9000"),
-        ("AWS_ENDPOINT_URL", ""),
         ("AWS_ENDPOINT_URL_S3", "ftp://host"),
         ("AWS_ENDPOINT", "http://"),
-        ("GOOGLE_BASE_URL", "host"),
-        ("AZURE_STORAGE_ENDPOINT", "host:1"),
+        ("AWS_ENDPOINT", "me:s3cret@host:9000"),
         ("AWS_SESSION_TOKEN", "token\n"),
         ("AWS_ACCESS_KEY_ID", "m\u{e4}"),
         ("AWS_REGION", "eu\r"),
@@ -180,7 +178,16 @@ fn passwords_and_variables() {
         let ran = command.env(name, value).output().expect("the program");
         let said = stderr(&ran);
         assert!(ran.status.code() == Some(2) && said.contains(name) && said.contains("to fix: "), "{name}: {said}");
+        assert!(!said.contains("s3cret"), "{said}");
     }
+    // What is of another store, or says nothing, is none of this one's business.
+    let line = format!(
+        "query http://me%20and:s3cret%3A100%25@{}/bucket/site.helio --conditions conditions.csv",
+        store.address
+    );
+    let mut command = afar(&folder, &store, &line, false);
+    let ran = command.env("AWS_ENDPOINT_URL", "host:1").env("AWS_ENDPOINT", "").output().expect("the program");
+    assert!(stdout(&ran) == near, "{}", stderr(&ran));
 }
 
 /// 10 wrong places are refused with what was found and what to do, within 10 s; a web server without ranges serves a small archive whole and

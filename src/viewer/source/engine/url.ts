@@ -19,8 +19,8 @@ export class UrlBytes implements Bytes {
   private readonly etag: string | null;
   private readonly pages: Pages;
 
-  /** Asks for the first bytes; of a server without ranges all come. */
-  static async open(url: string): Promise<UrlBytes> {
+  /** Asks for the first bytes; of a server without ranges all come. A pointer is followed, once (schema/pointer.md). */
+  static async open(url: string, isFollowed = false): Promise<UrlBytes> {
     const refuse = refusing(url);
     const first = await fetch(url, { headers: { Range: `bytes=0-${FIRST - 1}` } }).catch(() => refuse("network", ...UNREACHED));
     check(first.status, first.statusText, refuse);
@@ -42,6 +42,12 @@ export class UrlBytes implements Bytes {
     }
     const body = new Uint8Array(length);
     parts.reduce((at, part) => (body.set(part, at), at + part.length), 0);
+    const pointer = isFollowed ? undefined : pointedAt(body, total ?? length);
+    if (pointer !== undefined) {
+      const archive = await UrlBytes.open(new URL(encodeURIComponent(pointer.name), url).href, true);
+      if (archive.length !== pointer.length) refuse("network", "points to an archive of another length", "load the page again");
+      return archive;
+    }
     return new UrlBytes(url, total ?? length, first.headers.get("ETag"), body, ranges);
   }
 
@@ -76,6 +82,27 @@ export class UrlBytes implements Bytes {
       refuse("network", "has changed on the server", "load the page again");
     }
     return body;
+  }
+}
+
+/** Longest pointer. */
+const MAX_POINTER = 4096;
+
+/** How pointers begin. */
+const POINTER = '{"heliotile_pointer":';
+
+/** The archive that a pointer leads to, in its own folder; none of bytes that are no pointer of layout 1. */
+function pointedAt(body: Uint8Array, length: number): { name: string; length: number } | undefined {
+  if (length > MAX_POINTER || body.length !== length) return undefined;
+  const text = new TextDecoder().decode(body);
+  if (!text.startsWith(POINTER)) return undefined;
+  try {
+    const pointer = JSON.parse(text) as { heliotile_pointer?: unknown; name?: unknown; length?: unknown };
+    const { name, length: bytes } = pointer;
+    const isName = typeof name === "string" && /^(?!\.{1,2}$)[^/\\?#%:]+$/.test(name);
+    return pointer.heliotile_pointer === 1 && isName && typeof bytes === "number" ? { name, length: bytes } : undefined;
+  } catch {
+    return undefined;
   }
 }
 
