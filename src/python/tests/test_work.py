@@ -5,7 +5,10 @@ from __future__ import annotations
 import _thread
 import multiprocessing
 import os
+import pickle
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -15,7 +18,7 @@ from pathlib import Path
 import heliotile
 import numpy as np
 import pytest
-from conftest import DATA, DAYS, YEAR
+from conftest import DATA, DAYS, YEAR, program
 
 
 def test_ten_threads(site: heliotile.Archive, conditions: Path) -> None:
@@ -139,11 +142,44 @@ def test_forks_are_refused(site: heliotile.Archive) -> None:
     assert "forked off" in text and "spawn" in text
 
 
+def test_forks_after_a_listing(tmp_path: Path) -> None:
+    """Parts of an atlas that were listed are work, too: a process that is forked off after nothing else is refused, not left waiting. A repr tells no
+    password."""
+    program("partition", DATA / "cityjson" / "hague.city.json", "--spacing", "8m", "--quality", "draft", "--sample", "0", "-o", tmp_path / "atlas")
+    text = (
+        "import multiprocessing, sys, heliotile\n"
+        "def ask(path):\n    try: return str(heliotile.Atlas.open(path).parts())\n    except RuntimeError as error: return str(error)\n"
+        "atlas = heliotile.Atlas.open(sys.argv[1])\natlas.parts()\n"
+        "with multiprocessing.get_context('fork').Pool(1) as pool: print(pool.apply_async(ask, (sys.argv[1],)).get(timeout=30))\n"
+        "atlas.path = 'https://me:s3cret@host/atlas?sig=s3cret'\nprint(atlas)\n"
+    )
+    said = subprocess.run([sys.executable, "-c", text, str(tmp_path / "atlas")], capture_output=True, text=True, check=True, timeout=60).stdout
+    assert "forked off" in said and "Atlas('https://host/atlas')" in said and "s3cret" not in said
+
+
 def forked(path: str) -> str:
     try:
         return str(heliotile.Archive.open(path))
     except RuntimeError as error:
         return str(error)
+
+
+def test_schedules_of_pickles(block: heliotile.Archive, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A Dataset with a schedule by a relative path has, loaded where another file has that name, the values of its own."""
+    import xarray as xr
+
+    for folder, share in (("here", 0.9), ("there", 0.1)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "g.csv").write_text("reflectance\n" + f"{share}\n" * 72)
+    monkeypatch.chdir(tmp_path / "here")
+    lazy = xr.open_dataset(block.path, engine="heliotile", weather=DAYS, every="total", columns=["total"], reflectance={"ground": "g.csv"})
+    # Before values are asked for, which stay in the Dataset.
+    pickled = pickle.dumps(lazy)
+    expected = lazy["total"].values
+    monkeypatch.chdir(tmp_path / "there")
+    np.testing.assert_array_equal(pickle.loads(pickled)["total"].values, expected)
+    other = block.replay(DAYS, every="total", columns=["total"], reflectance={"ground": "g.csv"})["total"]
+    assert expected.mean() > 1.001 * other.mean()
 
 
 def test_lazy_rows_from_threads(block: heliotile.Archive) -> None:

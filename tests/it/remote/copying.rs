@@ -17,7 +17,7 @@ fn large() -> Vec<u8> {
 }
 
 /// A small archive and a table go to a store and back as they were; what is there stays, at both ends, unless `--replace` says otherwise. A
-/// machine whose clock is off is told so: 1 of 1.
+/// machine whose clock is off is told so: 1 of 1; a damaged archive is mended at either end: 2 of 2.
 #[test]
 fn there_and_back() {
     let (folder, store) = hague();
@@ -40,6 +40,19 @@ fn there_and_back() {
     assert_eq!(store.get("bucket/new/a.helio").as_ref(), Some(&HAGUE.1));
     assert_eq!(ran("copy conditions.csv s3://bucket/new/a.helio --replace").0, Some(0));
     assert_eq!(store.get("bucket/new/a.helio"), fs::read(folder.path("conditions.csv")).ok());
+    // What was damaged there looks the same, and is mended by --replace, also in a file.
+    let mut damaged = HAGUE.1.clone();
+    damaged[HAGUE.1.len() / 2] ^= 1;
+    store.put("bucket/new/e.helio", damaged.clone());
+    fs::write(folder.path("b.helio"), &damaged).expect("written");
+    for (line, mended) in [
+        ("copy site.helio s3://bucket/new/e.helio --replace", "s3://bucket/new/e.helio"),
+        ("copy s3://bucket/new/e.helio b.helio --replace", "b.helio"),
+    ] {
+        assert_eq!(ran(&format!("verify {mended}")).0, Some(1), "{mended}");
+        assert_eq!(ran(line).0, Some(0), "{line}");
+        assert_eq!(ran(&format!("verify {mended}")).0, Some(0), "{mended}");
+    }
     assert!(ran("copy site.helio other.helio").1.contains("copy files with `cp`"));
     assert!(ran("copy site.helio https://host/site.helio").1.contains("to which nothing is written"));
     // The first question is a HEAD, whose answer has no words.
