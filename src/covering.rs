@@ -104,12 +104,6 @@ pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &d
     let surfaces = Surfaces::find(&soup, &scene.materials);
     // The rest of the soup goes.
     let Soup { source_faces: faces, .. } = soup;
-    if surfaces.turned_objects > 0 {
-        observer.warn(&format!(
-            "all faces of {} looked inwards; receivers go on the outside",
-            counted(surfaces.turned_objects as u64, "closed object")
-        ));
-    }
     let wanted = Wanted::of(asked, &scene.materials, &surfaces)?;
     let density = asked.density;
     let (mut chosen, mut small, mut beside) = (Vec::new(), (0, 0.0), BTreeMap::new());

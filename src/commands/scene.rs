@@ -32,11 +32,7 @@ pub fn info(site: &Site) -> Result<Outcome> {
     for part in &site.parts {
         line!(out, "{}", part.file.display());
     }
-    let solids = match surfaces.turned_objects {
-        0 => String::new(),
-        turned => format!(", {turned} of them inside out"),
-    };
-    line!(out, "  objects     {}, {} closed{solids}", surfaces.objects.len(), surfaces.closed_objects);
+    line!(out, "  objects     {}, {} closed", surfaces.objects.len(), surfaces.closed_objects);
     line!(
         out,
         "  faces       {}: {} triangles; dropped: {} without area, {} repeated",

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::Path;
 
 use glam::DVec3;
@@ -10,7 +11,7 @@ use glam::DVec3;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::reference::Reference;
-use crate::semantics::{FaceNote, ObjectNote, SourceFace};
+use crate::semantics::{FaceNote, ObjectNote, SourceFace, SurfaceKind};
 use heliotile_core::error::{Error, Result};
 
 /// Polygons of one file, in its order.
@@ -21,6 +22,8 @@ pub(super) struct Geometry {
     /// Corners of all faces one after the other, outline before holes: indices into `vertices`, all in range.
     corners: Vec<u32>,
     faces: Vec<Face>,
+    /// `[face]`: 1-based number in the file; empty where all faces are kept.
+    numbers: Vec<u32>,
     /// `[face]`; short where nothing is known of the last faces.
     notes: Vec<FaceNote>,
     /// Face and place in `corners` where one of its holes begins, in order.
@@ -38,6 +41,10 @@ pub(super) struct Geometry {
     /// Of a format that always has ground, which is no face of the file.
     pub ground: Option<ModelGround>,
     pub warnings: Vec<String>,
+    /// Sentences about faces, which begin with a number of them.
+    pub doubts: Vec<String>,
+    /// Faces of buildings of which nobody says what they are: their tilt does, once it is known where they look. Numbers, ascending.
+    pub by_tilt: Vec<usize>,
     /// Faces (or other pieces) that the reader left out, by reason: "with fewer than three corners".
     pub left_out: BTreeMap<String, usize>,
 }
@@ -146,11 +153,10 @@ impl Geometry {
 
     /// The faces as receivers on them name them, in the order of [`Geometry::faces`].
     pub(super) fn source_faces(&self) -> impl Iterator<Item = SourceFace> {
-        let cut = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
         let face = move |(i, face): (usize, &Face)| SourceFace {
-            note: self.notes.get(i).copied().unwrap_or_default(),
-            line: cut(face.line),
-            number: cut(i + 1),
+            note: self.note_of(i),
+            line: u32::try_from(face.line).unwrap_or(u32::MAX),
+            number: self.number_in_file(i),
         };
         self.faces.iter().enumerate().map(face)
     }
@@ -160,24 +166,103 @@ impl Geometry {
     }
 
     pub(super) fn faces(&self) -> impl Iterator<Item = Polygon<'_>> {
-        let (mut start, mut hole) = (0, 0);
-        self.faces.iter().enumerate().map(move |(i, face)| {
-            let first_hole = hole;
-            while self.holes.get(hole).is_some_and(|(of, _)| *of == i) {
-                hole += 1;
-            }
-            let polygon = Polygon {
-                corners: self.corners.get(start..face.end).unwrap_or_default(),
-                holes: self.holes.get(first_hole..hole).unwrap_or_default(),
-                start,
-                material: face.material,
-                object: face.object,
-                line: face.line,
-                number: i,
-            };
-            start = face.end;
-            polygon
+        (0..self.faces.len()).filter_map(|number| self.polygon(number))
+    }
+
+    /// A face by its number.
+    pub(super) fn polygon(&self, number: usize) -> Option<Polygon<'_>> {
+        let face = self.faces.get(number)?;
+        let range = self.corners_of(number);
+        let first_hole = self.holes.partition_point(|(of, _)| *of < number);
+        let holes = self.holes.get(first_hole..).unwrap_or_default();
+        let count = holes.iter().take_while(|(of, _)| *of == number).count();
+        Some(Polygon {
+            start: range.start,
+            corners: self.corners.get(range).unwrap_or_default(),
+            holes: holes.get(..count).unwrap_or_default(),
+            material: face.material,
+            object: face.object,
+            line: face.line,
+            number,
         })
+    }
+
+    /// Where the corners of a face are.
+    fn corners_of(&self, number: usize) -> Range<usize> {
+        let end = |number: usize| self.faces.get(number).map_or(0, |face| face.end);
+        number.checked_sub(1).map_or(0, end)..end(number)
+    }
+
+    /// What is known of a face.
+    pub(super) fn note_of(&self, number: usize) -> FaceNote {
+        self.notes.get(number).copied().unwrap_or_default()
+    }
+
+    /// Turns a face to its other side.
+    pub(super) fn turn_face(&mut self, number: usize) {
+        let lengths: Vec<usize> =
+            self.polygon(number).map(|face| face.rings().map(<[u32]>::len).collect()).unwrap_or_default();
+        let range = self.corners_of(number);
+        let mut corners = self.corners.get_mut(range).unwrap_or_default();
+        for length in lengths {
+            let (ring, rest) = corners.split_at_mut(length);
+            ring.reverse();
+            corners = rest;
+        }
+    }
+
+    /// Puts the corners of an outline in another order.
+    pub(super) fn reorder_outline(&mut self, number: usize, outline: &[u32]) {
+        let range = self.corners_of(number);
+        if let Some(corners) = self.corners.get_mut(range).and_then(|corners| corners.get_mut(..outline.len())) {
+            corners.copy_from_slice(outline);
+        }
+    }
+
+    /// Notes that no light comes to a face.
+    pub(super) fn mark_inner(&mut self, number: usize) {
+        self.notes.resize(self.faces.len(), FaceNote::default());
+        if let Some(note) = self.notes.get_mut(number) {
+            note.exposed = Some(false);
+        }
+    }
+
+    /// Says what a face is made of, and what it is.
+    pub(super) fn name_face(&mut self, number: usize, material: u32, kind: Option<SurfaceKind>) {
+        if let Some(face) = self.faces.get_mut(number) {
+            face.material = material;
+        }
+        if let Some(note) = self.notes.get_mut(number) {
+            note.kind = kind;
+        }
+    }
+
+    /// Leaves out faces; the others keep the numbers by which the file knows them. Holes go with their faces.
+    pub(super) fn drop_faces(&mut self, dropped: &[bool]) {
+        if !dropped.contains(&true) {
+            return;
+        }
+        let mut kept = Geometry::default();
+        for face in self.faces().filter(|face| dropped.get(face.number) != Some(&true)) {
+            if self.by_tilt.binary_search(&face.number).is_ok() {
+                kept.by_tilt.push(kept.face_count());
+            }
+            kept.push_face(face.rings(), face.material, face.object, face.line);
+            kept.note_face(self.note_of(face.number));
+            kept.numbers.push(self.number_in_file(face.number));
+        }
+        self.corners = kept.corners;
+        self.faces = kept.faces;
+        self.notes = kept.notes;
+        self.holes = kept.holes;
+        self.by_tilt = kept.by_tilt;
+        self.numbers = kept.numbers;
+    }
+
+    /// 1-based number of a face in the file.
+    fn number_in_file(&self, number: usize) -> u32 {
+        let all = || u32::try_from(number + 1).unwrap_or(u32::MAX);
+        self.numbers.get(number).copied().unwrap_or_else(all)
     }
 }
 

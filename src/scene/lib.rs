@@ -31,6 +31,7 @@
 
 mod coordinate;
 pub mod covering;
+mod facing;
 mod formats;
 mod geometry;
 mod ground;

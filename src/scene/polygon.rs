@@ -74,6 +74,34 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
     Ok(done)
 }
 
+/// Corners of the triangles that one face is cut into.
+pub(super) fn triangles_of(geometry: &Geometry, number: usize) -> Vec<[DVec3; 3]> {
+    let Some(face) = geometry.polygon(number) else { return Vec::new() };
+    let position = |corner: u32| geometry.vertices.get(corner as usize).copied().unwrap_or_default();
+    if let (&[a, b, c], false) = (face.corners(), face.has_holes()) {
+        return vec![[a, b, c].map(position)];
+    }
+    let (mut done, mut rings) = (Triangulation::default(), Rings::default());
+    rings.fill(&face, &geometry.vertices);
+    rings.cut(&face, &mut done);
+    done.triangles.iter().map(|triangle| triangle.corners.map(position)).collect()
+}
+
+/// Area of a face along its normal, m2 (Newell), without its holes.
+pub(super) fn area_vector_of(face: &Polygon, vertices: &[DVec3]) -> DVec3 {
+    let position = |corner: &u32| vertices.get(*corner as usize).copied().unwrap_or_default();
+    let mut area = DVec3::ZERO;
+    for (i, ring) in face.rings().enumerate() {
+        let from = ring.first().map(position).unwrap_or_default();
+        let after = ring.iter().cycle().skip(1);
+        let of_ring: DVec3 =
+            ring.iter().zip(after).map(|(a, b)| 0.5 * (position(a) - from).cross(position(b) - from)).sum();
+        // Holes turn either way.
+        area += if i == 0 || of_ring.dot(area) < 0.0 { of_ring } else { -of_ring };
+    }
+    area
+}
+
 /// An object as messages name it.
 pub(super) fn object_name(geometry: &Geometry, object: u32) -> String {
     let name = geometry.objects.as_slice().get(object as usize);

@@ -15,6 +15,7 @@ use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::Effect;
 use crate::spill::{Sorter, TempFiles};
 use crate::trace::hidden::is_reached;
+use crate::trace::placement::is_enclosed;
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::sky_fans::SkyFans;
 use crate::writing::Writer;
@@ -294,7 +295,7 @@ impl SiteTracer<'_> {
 
     /// Whether a receiver that sees this share of sky lies inside a solid. Few are blind, so few are asked.
     fn inside(&self, receiver: &Receiver, sky_view: f64) -> bool {
-        sky_view < BLIND && self.viewpoint(receiver).enclosed(self.tracer)
+        sky_view < BLIND && is_enclosed(&self.viewpoint(receiver), &self.scene.mesh, self.tracer)
     }
 
     fn receivers_table(&self, receivers: &[Receiver], hits: &HitTile, viewers: &[Viewer]) -> tables::ReceiversTable {

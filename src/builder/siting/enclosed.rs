@@ -1,10 +1,10 @@
 //! Whether a point lies inside of something. In: a point. Out: what it is inside of, if no light can come to it.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 
 use super::Siting;
 use crate::trace::Ray;
-use crate::trace::hidden::is_reached;
+use crate::trace::hidden::{is_reached, meets_inside};
 use heliotile_core::hemisphere::{cosine_direction_of, mix};
 use heliotile_core::site::material::Class;
 
@@ -45,8 +45,7 @@ impl Siting<'_> {
                 continue;
             };
             met += 1;
-            backs +=
-                usize::from(scene.mesh.normal(hit.triangle as usize).as_vec3().dot(Vec3::from(ray.direction)) > 0.0);
+            backs += usize::from(meets_inside(ray, hit, &scene.mesh, tracer));
             of_material[usize::from(scene.mesh.triangle_material[hit.triangle as usize])] += 1;
         }
         let sees_sky = sky as f64 > OPEN * RAYS as f64;

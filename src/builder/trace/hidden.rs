@@ -1,35 +1,86 @@
 //! Which points of a surface lie hidden in solids or below the terrain, where no light is and nobody looks. In: rays from points that see no
 //! sky. Out: a verdict for each point.
 //!
-//! In the air rays meet the outside of things, inside of a solid the other side. Where the walls of two neighbours lie in one plane either
-//! may be met first, so much less than all of it has to be the other side.
+//! In the air rays meet the outside of things, inside of a solid the other side. A sheet, such as an overhang, has no inside: its other side
+//! is lit, and does not count. Where the walls of two neighbours lie in one plane either may be met first, so much less than all of it has to
+//! be the other side.
 //!
 //! Receivers that see no sky are told by paths instead: a cell that they see may lie half in the light, on the other side of a wall.
 
 use glam::{DVec3, Vec3};
 
-use super::kernel::rays::{Ray, Tracer};
+use super::kernel::rays::{Hit, Ray, Side, Tracer};
 use heliotile_core::hemisphere::{Frame, cosine_direction_of, jitter, mix};
 use heliotile_scene::mesh::Mesh;
 
 /// Rays of a point at most; those behind its surface are not cast.
 pub const LOOKS: usize = 8;
 
-/// Whoever sees more than this share of other sides is hidden. From one house of a row the party wall to the next may fill most of the view.
+/// A point that sees more than this share of other sides is hidden. From one house of a row the party wall to the next may fill most of the
+/// view.
 const OTHER_SIDES: f64 = 0.25;
 
 /// Looks around from some of `count` points: pairs of a point and a ray. `inside`: the points are on the back of their triangles, so that it
 /// is fronts that should not be met.
 pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, tracer: &Tracer) -> Vec<bool> {
     let rays: Vec<Ray> = looks.iter().map(|look| look.1).collect();
+    let hits = tracer.closest_many(&rays);
     let (mut met, mut others) = (vec![0.0; count], vec![0.0; count]);
-    for (&(point, ray), hit) in looks.iter().zip(tracer.closest_many(&rays)) {
+    let is_other = |ray: &Ray, hit: &Hit| (side_met(ray, hit, mesh) == Side::Back) != inside;
+    for (&(point, ray), hit) in looks.iter().zip(&hits) {
         let Some(hit) = hit else { continue };
-        let is_back = mesh.normal(hit.triangle as usize).as_vec3().dot(Vec3::from(ray.direction)) > 0.0;
         met[point] += 1.0;
-        others[point] += f64::from(u8::from(is_back != inside));
+        others[point] += f64::from(u8::from(is_other(&ray, hit)));
     }
-    met.into_iter().zip(others).map(|(met, others): (f64, f64)| others > OTHER_SIDES * met).collect()
+    let is_hidden =
+        |others: &[f64]| -> Vec<bool> { met.iter().zip(others).map(|(met, o)| *o > OTHER_SIDES * met).collect() };
+    // Only points that seem hidden are worth the paths that tell a sheet from a solid.
+    let suspected = is_hidden(&others);
+    for (&(point, ray), hit) in looks.iter().zip(&hits) {
+        let Some(hit) = hit else { continue };
+        if suspected[point] && is_other(&ray, hit) && is_lit(hit.triangle, side_met(&ray, hit, mesh), mesh, tracer) {
+            others[point] -= 1.0;
+        }
+    }
+    is_hidden(&others)
+}
+
+/// The side of a triangle that a ray meets.
+pub fn side_met(ray: &Ray, hit: &Hit, mesh: &Mesh) -> Side {
+    let along = mesh.normal(hit.triangle as usize).as_vec3().dot(Vec3::from(ray.direction));
+    if along > 0.0 { Side::Back } else { Side::Front }
+}
+
+/// Whether a ray meets the inner side of a solid or the underside of terrain: the back of a triangle to which no light comes.
+pub fn meets_inside(ray: &Ray, hit: &Hit, mesh: &Mesh, tracer: &Tracer) -> bool {
+    side_met(ray, hit, mesh) == Side::Back && !is_lit(hit.triangle, Side::Back, mesh, tracer)
+}
+
+/// Paths that are followed from each of the points of a triangle, first and in all.
+const FIRST_PATHS: usize = 4;
+const LIT_PATHS: usize = 16;
+/// A side of which at least this share of paths gets to the sky is lit. Below a canopy on a square it is more than half; in a house whose
+/// walls stand a little above rough terrain, or below the rim of terrain, it is a few hundredths.
+const LIT: f64 = 0.25;
+
+/// Whether light comes to a side of a triangle. Remembered by the tracer: it depends on the scene alone.
+fn is_lit(triangle: u32, side: Side, mesh: &Mesh, tracer: &Tracer) -> bool {
+    tracer.lit_sides().known_or(triangle, side, || {
+        let outward = mesh.normal(triangle as usize);
+        let normal = if side == Side::Front { outward } else { -outward };
+        let [a, b, c] = mesh.triangle_points(triangle as usize);
+        let middle = (a + b + c) / 3.0;
+        // The middle, and half way from there to each corner.
+        let points = [middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)];
+        let origins = points.map(|point| tracer.grid().lifted(mesh.grid().absolute(point), normal));
+        let reached = |paths: std::ops::Range<usize>| -> usize {
+            let starts = origins.iter().flat_map(|origin| paths.clone().map(move |path| (*origin, path)));
+            follow(starts.collect(), normal, 0x6c69_7473, mesh, tracer, false)
+        };
+        let first = reached(0..FIRST_PATHS);
+        let all = first + reached(FIRST_PATHS..LIT_PATHS);
+        first > 0 && all as f64 >= LIT * (origins.len() * LIT_PATHS) as f64
+    })
 }
 
 /// Paths from a receiver, and surfaces that each meets at most.
@@ -39,19 +90,30 @@ const MOST_MET: usize = 8;
 /// Whether light can come to a place: of some paths that turn at random at every surface, one gets to the sky. Through a gap of a hundredth of what
 /// a place sees, one does in more than 99 of 100 cases.
 pub fn is_reached(origin: [f32; 3], normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer) -> bool {
+    follow((0..PATHS).map(|path| (origin, path)).collect(), normal, seed, mesh, tracer, true) > 0
+}
+
+/// Follows paths from surfaces of one normal, each by its origin and number, and counts those that get to the sky; `one`: ends with the first.
+fn follow(starts: Vec<([f32; 3], usize)>, normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer, one: bool) -> usize {
     let turned = |normal: DVec3, path: usize, met: usize| {
         let direction = cosine_direction_of(jitter(mix(seed, path as u64), met as u64));
         Frame::of(normal).to_world(direction).as_vec3().to_array()
     };
-    let start = |path: usize| (path, Ray { origin, direction: turned(normal, path, 0) });
-    let mut paths: Vec<(usize, Ray)> = (0..PATHS).map(start).collect();
+    let start = |(origin, path)| (path, Ray { origin, direction: turned(normal, path, 0) });
+    let mut paths: Vec<(usize, Ray)> = starts.into_iter().map(start).collect();
+    let mut reached = 0;
     for met in 1..=MOST_MET {
         let rays: Vec<Ray> = paths.iter().map(|path| path.1).collect();
         let mut next = Vec::with_capacity(paths.len());
         for ((path, ray), hit) in paths.into_iter().zip(tracer.closest_many(&rays)) {
             let direction = DVec3::from(ray.direction.map(f64::from));
             match hit {
-                None if direction.z > 0.0 => return true,
+                None if direction.z > 0.0 => {
+                    reached += 1;
+                    if one {
+                        return reached;
+                    }
+                }
                 None => {}
                 Some(hit) => {
                     let outward = mesh.normal(hit.triangle as usize);
@@ -64,7 +126,7 @@ pub fn is_reached(origin: [f32; 3], normal: DVec3, seed: u64, mesh: &Mesh, trace
         }
         paths = next;
     }
-    false
+    reached
 }
 
 #[cfg(test)]

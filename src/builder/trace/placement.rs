@@ -3,7 +3,8 @@
 
 use glam::DVec3;
 
-use crate::trace::kernel::rays::{Hit, Ray, Tracer};
+use crate::trace::hidden::{is_reached, meets_inside};
+use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::receiver::Viewpoint;
 use heliotile_scene::mesh::Mesh;
 
@@ -21,12 +22,12 @@ pub enum Lying {
 /// Side of the hemisphere of rays that look for sky.
 const SIDE: usize = 8;
 
-/// Who sees at most this share of sky, ...
+/// A receiver that sees at most this share of sky, ...
 const NEARLY_BLIND: f64 = 0.1;
 
-/// ... and for the rest at least this share of backs of faces, is behind them. Crossings alone would not tell in a cellar: with the terrain
-/// above it they are even; nor would darkness: flat rays get out below the edge of the terrain.
-const BACKS: f64 = 0.9;
+/// ... and for the rest at least this share of inner sides of solids or terrain, is behind them. Crossings alone would not tell in a cellar:
+/// with the terrain above it they are even; nor would darkness: flat rays get out below the edge of the terrain.
+const INNER_SIDES: f64 = 0.9;
 
 /// Looks where a receiver lies that is `offset_m` off its surface.
 pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> Lying {
@@ -50,10 +51,15 @@ pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> L
     if met < (1.0 - NEARLY_BLIND) * rays.len() as f64 {
         return Lying::Free;
     }
-    let is_back =
-        |(d, hit): (&DVec3, &Option<Hit>)| hit.is_some_and(|hit| d.dot(mesh.normal(hit.triangle as usize)) > 0.0);
-    let backs = up.iter().zip(&hits).filter(|pair| is_back(*pair)).count() as f64;
-    let behind = met > 0.0 && backs >= BACKS * met;
+    let met_inside =
+        |(ray, hit): (&Ray, &Option<_>)| hit.as_ref().is_some_and(|hit| meets_inside(ray, hit, mesh, tracer));
+    let inner = rays.iter().zip(&hits).filter(|pair| met_inside(*pair)).count() as f64;
+    let behind = met > 0.0 && inner >= INNER_SIDES * met;
     let dark = hits.iter().all(Option::is_some);
-    if behind || dark && view.enclosed(tracer) { Lying::Inside } else { Lying::Free }
+    if behind || dark && is_enclosed(view, mesh, tracer) { Lying::Inside } else { Lying::Free }
+}
+
+/// Whether a receiver that sees no sky lies below terrain, inside a solid, or where no light comes to.
+pub fn is_enclosed(view: &Viewpoint, mesh: &Mesh, tracer: &Tracer) -> bool {
+    !is_reached(view.origin(tracer), view.normal, view.seed(), mesh, tracer) || view.crosses_out(mesh, tracer)
 }

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 
+use crate::trace::hidden::meets_inside;
 use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::kernel::scan::ScanSpace;
 use crate::trace::mirror::{MirrorRay, Reflections};
@@ -142,12 +143,17 @@ impl Viewpoint {
         move |texel| frame.to_world(texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)))
     }
 
-    /// Whether this lies below terrain or inside a solid: rays that go up from there cross surfaces an odd number of times, at least
-    /// two of three steep ones.
-    pub fn enclosed(&self, tracer: &Tracer) -> bool {
+    /// Whether rays that go up from here leave terrain or solids: at least two of three steep ones cross an odd number of surfaces, the last of
+    /// them from within. The other side of a sheet, such as an overhang, is not within.
+    pub fn crosses_out(&self, mesh: &Mesh, tracer: &Tracer) -> bool {
         let origin = self.origin(tracer);
+        let leaves = |direction: &[f32; 3]| {
+            let ray = Ray { origin, direction: *direction };
+            let crossed = tracer.crossed(ray);
+            crossed.len() % 2 == 1 && crossed.last().is_some_and(|hit| meets_inside(&ray, hit, mesh, tracer))
+        };
         let ups = [[0.031, 0.017, 1.0], [-0.023, 0.041, 1.0], [0.011, -0.037, 1.0]];
-        ups.into_iter().filter(|&direction| tracer.crossings(Ray { origin, direction }) % 2 == 1).count() >= 2
+        ups.iter().filter(|direction| leaves(direction)).count() >= 2
     }
 }
 

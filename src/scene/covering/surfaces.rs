@@ -52,7 +52,7 @@ pub struct Surface {
     pub exposed: Option<bool>,
     /// Index into the scene's materials.
     pub material: u16,
-    /// What it is made of, input coordinates; wound as in the file, but outwards where the object is closed, and upwards on terrain.
+    /// What it is made of, input coordinates; wound as the scene is, but upwards on terrain.
     pub triangles: Vec<[DVec3; 3]>,
     /// The face that each triangle is a part of: indices into the soup's faces.
     pub faces: Vec<u32>,
@@ -67,8 +67,6 @@ pub struct Surface {
 pub struct Surfaces {
     /// The surfaces, sorted by object and kind.
     pub list: Vec<Surface>,
-    /// Closed objects whose faces all looked inwards: they are turned.
-    pub turned_objects: usize,
     /// Closed objects.
     pub closed_objects: usize,
     /// Objects that have opaque triangles, by name, and what is known of them.
@@ -143,22 +141,11 @@ impl Surfaces {
         }
     }
 
-    fn add_object(&mut self, name: &str, mut facets: Vec<Facet>, positions: &[DVec3], materials: &[Material]) {
+    fn add_object(&mut self, name: &str, facets: Vec<Facet>, positions: &[DVec3], materials: &[Material]) {
         let point = |corner: u32| positions.get(corner as usize).copied().unwrap_or_default();
         let (closed, contrary) = shell(&facets);
         self.contrary_edges += contrary;
-        if closed {
-            self.closed_objects += 1;
-            let origin = facets.first().map_or(DVec3::ZERO, |facet| point(facet.corners[0]));
-            let volume = |facet: &Facet| {
-                let [a, b, c] = facet.corners.map(|corner| point(corner) - origin);
-                a.dot(b.cross(c))
-            };
-            if facets.iter().map(volume).sum::<f64>() < 0.0 {
-                self.turned_objects += 1;
-                facets.iter_mut().for_each(|facet| facet.corners.swap(1, 2));
-            }
-        }
+        self.closed_objects += usize::from(closed);
         let object = self.objects.len().saturating_sub(1);
         let mut surfaces: Vec<Surface> = Vec::new();
         for group in facets.chunk_by(|a, b| a.group == b.group) {
@@ -360,24 +347,28 @@ mod tests {
         assert_eq!(names, expected);
         let area = |kind: SurfaceKind| -> f64 { one.list.iter().filter(|s| s.kind == kind).map(|s| s.area_m2).sum() };
         assert_eq!((area(SurfaceKind::Roof), area(SurfaceKind::Wall), area(SurfaceKind::Floor)), (24.0, 60.0, 24.0));
-        assert_eq!((one.closed_objects, one.turned_objects, one.contrary_edges), (1, 0, 0));
+        assert_eq!((one.closed_objects, one.contrary_edges), (1, 0));
     }
 
-    /// The same box inside out is turned: 1 object, the same roof; one face turned alone leaves it open with 4 contrary edges.
+    /// The same box inside out, and with one face turned alone, has the same 6 surfaces and no contrary edge.
     #[test]
-    fn inside_out() {
+    fn a_box_with_turned_faces_is_the_same_box() {
         let backwards = |face: &str| {
             let mut corners: Vec<&str> = face.split(' ').skip(1).collect();
             corners.reverse();
             format!("f {}\n", corners.join(" "))
         };
-        let text = WALLS.into_iter().chain(ROOF).fold(CORNERS.to_owned(), |text, face| text + &backwards(face));
-        let turned = find(&text);
-        assert_eq!((turned.turned_objects, turned.list[0].name.as_str()), (1, "house/roof1"));
-        assert!((turned.list[0].normal - DVec3::Z).length() < 1e-12);
-        let one = house(WALLS.into_iter().skip(1).chain(ROOF)) + &backwards(WALLS[0]);
-        let odd = find(&one);
-        assert_eq!((odd.closed_objects, odd.contrary_edges), (0, 4));
+        let right = find(&house(WALLS.into_iter().chain(ROOF)));
+        let inside_out = WALLS.into_iter().chain(ROOF).fold(CORNERS.to_owned(), |text, face| text + &backwards(face));
+        let one_face = house(WALLS.into_iter().skip(1).chain(ROOF)) + &backwards(WALLS[0]);
+        for text in [inside_out, one_face] {
+            let turned = find(&text);
+            let told = |surfaces: &Surfaces| -> Vec<(String, DVec3)> {
+                surfaces.list.iter().map(|s| (s.name.clone(), s.normal)).collect()
+            };
+            assert_eq!(told(&turned), told(&right));
+            assert_eq!((turned.closed_objects, turned.contrary_edges), (1, 0));
+        }
     }
 
     /// A wall with a sliver of 1e-7 m between its triangles that faces askew is 1 surface, named after its object.

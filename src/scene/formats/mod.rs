@@ -22,6 +22,7 @@ mod tiff_directory;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use crate::facing;
 use crate::geometry::Geometry;
 use crate::input;
 use crate::terrain::raster::Raster;
@@ -142,7 +143,10 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     }
 }
 
-fn polygons(geometry: Geometry) -> Content {
+/// Puts the faces in order, and names those that only their tilt tells.
+fn polygons(mut geometry: Geometry) -> Content {
+    facing::settle(&mut geometry);
+    cityjson::name_by_tilt(&mut geometry);
     Content::Polygons(Box::new(geometry))
 }
 

@@ -2,6 +2,8 @@
 //! meet first, or whether they meet anything. Many rays go in packets of sixteen (`packet`); rays one by one
 //! are the reference that packets are judged against.
 
+use std::sync::atomic::{AtomicU8, Ordering};
+
 use glam::DVec3;
 
 use crate::trace::kernel::lanes::Level;
@@ -31,11 +33,45 @@ pub struct Hit {
     pub triangle: u32,
 }
 
+/// A side of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// From which its corners turn counter-clockwise.
+    Front,
+    /// The other one.
+    Back,
+}
+
+/// Whether light comes to the sides of triangles, as far as somebody found out.
+pub struct LitSides {
+    /// `[triangle]`: for each side a bit that says that it is known, and one that says that it is lit.
+    known: Vec<AtomicU8>,
+}
+
+impl LitSides {
+    fn new(triangles: usize) -> Self {
+        LitSides { known: (0..triangles).map(|_| AtomicU8::new(0)).collect() }
+    }
+
+    /// What is known of a side, else what `find` says, which must depend on the scene alone: threads may ask it at the same time.
+    pub fn known_or(&self, triangle: u32, side: Side, find: impl FnOnce() -> bool) -> bool {
+        let (slot, first) = (&self.known[triangle as usize], if side == Side::Front { 0 } else { 2 });
+        let state = slot.load(Ordering::Relaxed) >> first;
+        if state & 1 == 1 {
+            return state & 2 == 2;
+        }
+        let lit = find();
+        slot.fetch_or((1 | u8::from(lit) << 1) << first, Ordering::Relaxed);
+        lit
+    }
+}
+
 /// A scene ready for rays.
 pub struct Tracer {
     tree: Tree,
     level: Level,
     grid: Grid,
+    lit_sides: LitSides,
 }
 
 impl Tracer {
@@ -47,17 +83,23 @@ impl Tracer {
     /// As [`Tracer::new`], with packets compiled for a given level; results are the same.
     pub fn at_level(mesh: &Mesh, level: Level) -> Result<Self> {
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        Ok(Tracer { tree: Tree::new(mesh, &all), level, grid: mesh.grid() })
+        Ok(Tracer { tree: Tree::new(mesh, &all), level, grid: mesh.grid(), lit_sides: LitSides::new(all.len()) })
     }
 
     /// As [`Tracer::new`], of some triangles of the mesh.
     pub fn of(mesh: &Mesh, triangles: &[u32]) -> Self {
-        Tracer { tree: Tree::new(mesh, triangles), level: Level::best(), grid: mesh.grid() }
+        let lit_sides = LitSides::new(mesh.triangles.len());
+        Tracer { tree: Tree::new(mesh, triangles), level: Level::best(), grid: mesh.grid(), lit_sides }
     }
 
     /// The frame of the scene.
     pub fn grid(&self) -> Grid {
         self.grid
+    }
+
+    /// What was found out about the light on sides of triangles.
+    pub(crate) fn lit_sides(&self) -> &LitSides {
+        &self.lit_sides
     }
 
     /// Distance by which a ray's origin leaves its surface at a place relative to the scene origin, metres: [`Grid::offset_m`].

@@ -101,6 +101,11 @@ impl Lod {
         let (major, minor) = text.split_once('.').unwrap_or((text, "0"));
         Some(Lod { major: major.parse().ok()?, minor: minor.parse().ok()? })
     }
+
+    /// Whether it is that of outlines without height.
+    pub(super) fn is_flat(self) -> bool {
+        self.major == 0
+    }
 }
 
 impl Display for Lod {

@@ -26,6 +26,7 @@ use document::{Document, Lod};
 use frame::Frame;
 use heliotile_core::error::{Error, Result};
 use objects::Reader;
+pub(super) use surfaces::name_by_tilt;
 use templates::Template;
 
 /// Reads a city model; a name that ends with `.jsonl` is that of a sequence.
@@ -114,8 +115,12 @@ fn finish(reader: Reader) -> Result<Geometry> {
         ));
     }
     let what = format!("none of the {objects} city objects has a surface");
+    let only_outlines = geometry.left_out.contains_key(objects::OUTLINES);
     let levels: Vec<String> = levels.iter().map(Lod::to_string).collect();
     let hint = match asked {
+        None if only_outlines => {
+            "it holds flat outlines of buildings (LoD 0): export walls and roofs, LoD 1 or finer".to_owned()
+        }
         Some(asked) => format!("level of detail {asked} is asked for, the file holds {}", levels.join(", ")),
         None => "export surfaces or solids; points and lines shade nothing".into(),
     };

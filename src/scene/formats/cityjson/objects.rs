@@ -8,12 +8,17 @@ use crate::coordinate::is_position;
 use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text};
 use crate::formats::cityjson::frame::Frame;
 use crate::formats::cityjson::parents::Parents;
-use crate::formats::cityjson::surfaces::{VIRTUAL, by_tilt, depth_of, is_building, is_hull, kind_of, plain, semantic};
+use crate::formats::cityjson::surfaces::{
+    INNER, VIRTUAL, by_tilt, depth_of, is_building, is_hull, kind_of, plain, semantic,
+};
 use crate::formats::cityjson::templates::{MAX_CORNERS, Template, matrix};
 use crate::geometry::Geometry;
 use crate::semantics::{FaceNote, FaceSource, ObjectNote};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+
+/// Why flat outlines of buildings are left out.
+pub(super) const OUTLINES: &str = "as flat outlines of buildings (LoD 0), which have neither walls nor a roof";
 
 /// Levels of detail that a message lists at most.
 const LEVELS_NAMED: usize = 12;
@@ -155,6 +160,20 @@ impl<'h> Reader<'_, 'h> {
             self.levels.extend(offers.iter().filter_map(|offer| offer.lod));
         }
         let asked = self.asked;
+        // Outlines lie on the ground or at some height, and are no walls and no roof that anyone could use.
+        let is_outline = |offer: &Offer| {
+            is_hull(plain(&object.kind))
+                && asked.is_none_or(|asked| !asked.is_flat())
+                && offer.lod.is_some_and(Lod::is_flat)
+        };
+        let flat = offers.iter().filter(|offer| is_outline(offer)).count();
+        if flat > 0 {
+            offers.retain(|offer| !is_outline(offer));
+            (0..flat).for_each(|_| self.geometry.leave_out(OUTLINES));
+        }
+        if offers.is_empty() {
+            return offers;
+        }
         let Some(level) = offers.iter().map(|offer| offer.lod).filter(|level| asked.is_none() || *level <= asked).max()
         else {
             offers
@@ -250,8 +269,12 @@ impl<'h> Reader<'_, 'h> {
         };
         let kind = kind_of(name);
         let material = self.geometry.materials.id(name);
+        if stated.is_none() && is_building(owner.kind) {
+            self.geometry.by_tilt.push(self.geometry.face_count());
+        }
         self.geometry.end_face(material, owner.number, self.line.unwrap_or_default());
-        self.geometry.note_face(FaceNote { kind, exposed: None, source });
+        let exposed = INNER.contains(&name).then_some(false);
+        self.geometry.note_face(FaceNote { kind, exposed, source });
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::formats::cityjson::document::{Shape, Text};
+use crate::geometry::Geometry;
 use crate::semantics::SurfaceKind;
 
 /// Faces steeper than this are walls: |z| of the unit normal below 0.26, 75 degrees from level. Mansard roofs reach 70 degrees,
@@ -11,6 +12,9 @@ const STEEP: f64 = 0.26;
 
 /// Material of what semantics call closed though nothing is there: the mouth of a tunnel, the border between two waters.
 pub(super) const VIRTUAL: [&str; 2] = ["ClosureSurface", "WaterClosureSurface"];
+
+/// What bounds a room on its inside: no light comes there but through windows.
+pub(super) const INNER: [&str; 3] = ["InteriorWallSurface", "CeilingSurface", "FloorSurface"];
 
 /// Types of geometry that bound something, with the depth of their arrays.
 pub(super) fn depth_of(kind: &str) -> Option<usize> {
@@ -76,6 +80,18 @@ pub(super) fn by_tilt(ring: impl Iterator<Item = DVec3> + Clone) -> &'static str
         () if up > STEEP => "RoofSurface",
         () if up < -STEEP => "GroundSurface",
         () => "WallSurface",
+    }
+}
+
+/// Names faces of buildings without semantics once they look outwards.
+pub(in crate::formats) fn name_by_tilt(geometry: &mut Geometry) {
+    for face in geometry.by_tilt.clone() {
+        let Some(polygon) = geometry.polygon(face) else { continue };
+        let outline = polygon.rings().next().unwrap_or_default();
+        let corners = outline.iter().map(|&corner| geometry.vertices.get(corner as usize).copied().unwrap_or_default());
+        let name = by_tilt(corners);
+        let material = geometry.materials.id(name);
+        geometry.name_face(face, material, kind_of(name));
     }
 }
 

@@ -1,0 +1,278 @@
+//! Which side of a face is the outside. In: the polygons of one file. Out: the same polygons as receivers and rays can take them: an outline
+//! that crosses itself is put in order, of faces that stand twice one is left out, and faces that look into their solid are turned.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `crossed` | puts the corners of outlines in order that cross themselves once |
+//! | `twins` | finds faces and objects that stand twice |
+//! | `pieces` | finds what hangs together by its edges, what of it is sound, and which faces turn one way |
+//! | `sides` | tells by rays within an object which side of a face is outside |
+//!
+//! # What never happens
+//!
+//! - A solid without faults stays as it is, corner by corner.
+//! - A sheet, such as an overhang or terrain, is not turned: both of its sides are outside.
+//! - The order of faces decides nothing.
+
+mod crossed;
+mod pieces;
+mod sides;
+#[cfg(test)]
+mod tests;
+mod twins;
+
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+
+use crate::geometry::Geometry;
+use crate::materials::select::class_of_name;
+use crate::polygon::object_name;
+use crate::semantics::SurfaceKind;
+use heliotile_core::site::material::Class;
+use heliotile_core::site::morton::lexicographic;
+use heliotile_core::text::{counted, with_list};
+use pieces::{Patch, Piece};
+use sides::{Sides, Verdict};
+use twins::Twin;
+
+/// Objects named in the first line of a warning.
+const MOST_NAMES: usize = 3;
+
+/// What was changed, or could not be told: numbers of faces.
+#[derive(Default)]
+struct Changes {
+    uncrossed: Vec<usize>,
+    repeated: Vec<usize>,
+    turned: Vec<usize>,
+    inner: Vec<usize>,
+    unclear: Vec<usize>,
+}
+
+/// Puts the faces of a file in order and says what was changed.
+pub(crate) fn settle(geometry: &mut Geometry) {
+    let mut settling = Settling {
+        changes: Changes { uncrossed: crossed::uncross(geometry), ..Changes::default() },
+        welded: welded(&geometry.vertices),
+        dropped: vec![false; geometry.face_count()],
+        geometry,
+    };
+    for faces in faces_by_object(settling.geometry) {
+        settling.object(&faces);
+    }
+    let Settling { geometry, welded, mut dropped, mut changes } = settling;
+    for face in twins::whole_objects(geometry, &welded, &dropped) {
+        set(&mut dropped, face, true);
+        changes.repeated.push(face);
+    }
+    report(geometry, &changes);
+    for face in changes.inner {
+        geometry.mark_inner(face);
+    }
+    geometry.drop_faces(&dropped);
+}
+
+/// A file whose faces are put in order.
+struct Settling<'g> {
+    geometry: &'g mut Geometry,
+    /// `[vertex]`: rank of its position.
+    welded: Vec<u32>,
+    /// `[face]`: whether it is left out.
+    dropped: Vec<bool>,
+    changes: Changes,
+}
+
+impl Settling<'_> {
+    fn object(&mut self, faces: &[usize]) {
+        let pieces = pieces::pieces(self.geometry, &self.welded, faces);
+        let twins: Vec<Vec<Twin>> = pieces
+            .iter()
+            .map(
+                |piece| {
+                    if piece.is_sound { Vec::new() } else { twins::within(self.geometry, &self.welded, &piece.faces) }
+                },
+            )
+            .collect();
+        twins.iter().flatten().for_each(|twin| set(&mut self.dropped, twin.face, true));
+        let near = Near::of(&pieces);
+        for (piece, twins) in pieces.iter().zip(twins).filter(|(piece, _)| !piece.is_sound) {
+            let told = self.turn(piece, &near);
+            for twin in twins {
+                // Of two that look apart both are needed where both of their sides are outside.
+                if twin.reversed && !told.contains(&twin.of) {
+                    set(&mut self.dropped, twin.face, false);
+                } else {
+                    self.changes.repeated.push(twin.face);
+                }
+            }
+        }
+    }
+
+    /// Turns the faces of a piece that look into it; returns those whose outside is known.
+    fn turn(&mut self, piece: &Piece, near: &Near) -> BTreeSet<usize> {
+        let kept = |face: &usize| self.dropped.get(*face) == Some(&false);
+        let faces: Vec<usize> = piece.faces.iter().copied().filter(kept).collect();
+        let around: Vec<usize> = near.faces(piece).filter(kept).collect();
+        if around.len() < 2 {
+            return BTreeSet::new();
+        }
+        let (patches, sides) =
+            (pieces::patches(self.geometry, &self.welded, &faces), Sides::new(self.geometry, &around));
+        let (mut told, mut unclear) = (BTreeSet::new(), Vec::new());
+        for patch in patches {
+            let numbers = || patch.faces.iter().map(|(face, _)| *face);
+            let inwards = match sides.verdict(&patch.faces) {
+                Verdict::Outward => false,
+                Verdict::Inward => true,
+                // A closed one that rays do not tell, such as one of solids that overlap.
+                _ if patch.is_closed => patch.volume(self.geometry) < 0.0,
+                Verdict::Inner => {
+                    self.changes.inner.extend(numbers());
+                    continue;
+                }
+                Verdict::Sheet => continue,
+                Verdict::Unclear => {
+                    unclear.push(patch);
+                    continue;
+                }
+            };
+            told.extend(numbers());
+            self.turn_patch(&patch, inwards);
+        }
+        // Of a fragment, such as two walls in a corner, nobody says that it is a solid; of a part of one, or faces that disagree, that is the question.
+        let is_part = !told.is_empty() || around.len() > faces.len();
+        let disagree = |patch: &Patch| patch.faces.iter().any(|(_, against)| *against);
+        for patch in unclear.iter().filter(|patch| is_part || disagree(patch)) {
+            self.changes.unclear.extend(patch.faces.iter().map(|(face, _)| *face));
+        }
+        told
+    }
+
+    /// Turns the faces of a patch as its first one, which looks inwards or does not.
+    fn turn_patch(&mut self, patch: &Patch, inwards: bool) {
+        for (face, _) in patch.faces.iter().filter(|(_, against)| *against != inwards) {
+            self.geometry.turn_face(*face);
+            self.changes.turned.push(*face);
+        }
+    }
+}
+
+fn set(flags: &mut [bool], face: usize, value: bool) {
+    if let Some(slot) = flags.get_mut(face) {
+        *slot = value;
+    }
+}
+
+/// Finds the pieces that rays from a piece may meet.
+struct Near<'p> {
+    /// By the least x of their boxes.
+    pieces: Vec<&'p Piece>,
+    /// Of the widest one along x, metres.
+    width_m: f64,
+}
+
+/// Pieces further apart than this share of the size of one do not belong together.
+const APART: f64 = 0.1;
+
+impl<'p> Near<'p> {
+    fn of(pieces: &'p [Piece]) -> Near<'p> {
+        let mut sorted: Vec<&Piece> = pieces.iter().collect();
+        sorted.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+        let width_m = pieces.iter().map(|piece| piece.high.x - piece.low.x).fold(0.0, f64::max);
+        Near { pieces: sorted, width_m }
+    }
+
+    /// Faces of the pieces around one, its own too.
+    fn faces(&self, piece: &Piece) -> impl Iterator<Item = usize> {
+        let margin = APART * (piece.high - piece.low).length();
+        let (low, high) = (piece.low - margin, piece.high + margin);
+        let first = self.pieces.partition_point(|other| other.low.x < low.x - self.width_m);
+        let last = self.pieces.partition_point(|other| other.low.x <= high.x);
+        let some = self.pieces.get(first..last).unwrap_or_default();
+        let touches = move |other: &&&Piece| other.low.cmple(high).all() && other.high.cmpge(low).all();
+        some.iter().filter(touches).flat_map(|other| other.faces.iter().copied())
+    }
+}
+
+/// Faces of each object of which something can be turned: ground looks up, what only shades has no inside, and no light comes to inner faces.
+fn faces_by_object(geometry: &Geometry) -> Vec<Vec<usize>> {
+    let is_ground: Vec<bool> =
+        geometry.materials.as_slice().iter().map(|name| class_of_name(name) == Class::Ground).collect();
+    let mut by_object: Vec<(u32, usize)> = Vec::with_capacity(geometry.face_count());
+    for (face, source) in geometry.faces().zip(geometry.source_faces()) {
+        let ground = match source.note.kind {
+            Some(kind) => {
+                matches!(kind, SurfaceKind::Ground | SurfaceKind::Shade) || source.note.exposed == Some(false)
+            }
+            None if source.note.exposed == Some(false) => true,
+            None => {
+                is_ground.get(face.material as usize) == Some(&true)
+                    && geometry.by_tilt.binary_search(&face.number).is_err()
+            }
+        };
+        if !ground {
+            by_object.push((face.object, face.number));
+        }
+    }
+    by_object.sort_unstable();
+    by_object.chunk_by(|a, b| a.0 == b.0).map(|faces| faces.iter().map(|(_, face)| *face).collect()).collect()
+}
+
+/// `[vertex]`: the rank of its position: equal for equal positions.
+fn welded(vertices: &[DVec3]) -> Vec<u32> {
+    // Vertices are counted in 32 bits.
+    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    let at = |vertex: u32| vertices.get(vertex as usize).copied().unwrap_or_default();
+    order.sort_unstable_by(|&a, &b| lexicographic(at(a), at(b)));
+    let (mut ranks, mut rank) = (vec![0; vertices.len()], 0);
+    let mut before = None;
+    for vertex in order {
+        let position = at(vertex);
+        rank += u32::from(before.is_some_and(|before| before != position));
+        before = Some(position);
+        if let Some(slot) = ranks.get_mut(vertex as usize) {
+            *slot = rank;
+        }
+    }
+    ranks
+}
+
+/// One sentence for each sort of change.
+fn report(geometry: &mut Geometry, changes: &Changes) {
+    let said = |faces: &[usize], what: &str| {
+        let (mut names, mut seen) = (Vec::new(), BTreeSet::new());
+        for object in faces.iter().filter_map(|&face| geometry.polygon(face)).map(|face| face.object) {
+            if seen.insert(object) {
+                names.push(object_name(geometry, object));
+            }
+        }
+        let (count, objects) = (counted(faces.len() as u64, "face"), names.len());
+        let first = names.iter().take(MOST_NAMES).cloned().collect::<Vec<_>>().join(", ");
+        match objects {
+            0 => None,
+            1..=MOST_NAMES => Some(format!("{count} of {first} {what}")),
+            _ => Some(with_list(
+                &format!(
+                    "{count} of {} ({first} and {} more) {what}",
+                    counted(objects as u64, "object"),
+                    objects - MOST_NAMES
+                ),
+                names,
+            )),
+        }
+    };
+    let sentences: Vec<String> = [
+        said(&changes.uncrossed, "had an outline that crossed itself: two corners changed places"),
+        said(&changes.repeated, "stood twice: one of each is left out"),
+        said(&changes.turned, "looked into their object: turned"),
+        said(&changes.inner, "lie inside of their object: no receivers there"),
+        said(
+            &changes.unclear,
+            "have no clear outside: receivers may be on the wrong side, or missing; close the object or turn its faces outwards",
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    geometry.doubts.extend(sentences);
+}

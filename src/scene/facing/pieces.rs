@@ -1,0 +1,216 @@
+//! What hangs together. In: faces of one object. Out: pieces, each of the faces that share edges, and whether a piece is sound; and the patches of a
+//! piece, in which it is known of each face whether it turns as the first one does.
+
+use std::collections::{HashSet, VecDeque};
+
+use glam::DVec3;
+
+use super::twins;
+use crate::geometry::Geometry;
+use crate::mesh::bounds;
+use crate::polygon::area_vector_of;
+
+/// Faces of an object that hang together by their edges.
+pub(super) struct Piece {
+    /// Numbers of faces, ascending.
+    pub faces: Vec<usize>,
+    /// Corners of its box.
+    pub low: DVec3,
+    pub high: DVec3,
+    /// Whether its faces look outwards without a doubt: each edge is met as often in one direction as in the other, no face stands twice, and it
+    /// encloses a volume.
+    pub is_sound: bool,
+}
+
+/// Faces of a piece that meet two by two at their edges.
+pub(super) struct Patch {
+    /// Faces, and whether each turns against the first one as the file has them.
+    pub faces: Vec<(usize, bool)>,
+    /// Whether each of its edges belongs to two of its faces.
+    pub is_closed: bool,
+}
+
+impl Patch {
+    /// What it encloses if all faces turn as the first one does, m3; negative where that is inwards.
+    pub fn volume(&self, geometry: &Geometry) -> f64 {
+        let from = origin(geometry, self.faces.iter().map(|(face, _)| *face));
+        let signed = |(face, against): &(usize, bool)| {
+            let volume = volume_below(geometry, *face, from);
+            if *against { -volume } else { volume }
+        };
+        self.faces.iter().map(signed).sum()
+    }
+}
+
+/// An edge of a face, from the lesser rank to the greater.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Edge {
+    ends: (u32, u32),
+    /// Place in the list of faces.
+    face: usize,
+    /// Whether the face goes from the greater rank to the lesser.
+    backwards: bool,
+}
+
+/// All edges of some faces, sorted.
+fn edges_of(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Edge> {
+    let rank = |corner: &u32| welded.get(*corner as usize).copied().unwrap_or_default();
+    let mut edges = Vec::with_capacity(4 * faces.len());
+    for (place, polygon) in faces.iter().enumerate().filter_map(|(i, &face)| Some((i, geometry.polygon(face)?))) {
+        for ring in polygon.rings() {
+            let after = ring.iter().cycle().skip(1);
+            for (a, b) in ring.iter().map(rank).zip(after.map(rank)).filter(|(a, b)| a != b) {
+                edges.push(Edge { ends: (a.min(b), a.max(b)), face: place, backwards: a > b });
+            }
+        }
+    }
+    edges.sort_unstable();
+    edges
+}
+
+/// The pieces of an object.
+pub(super) fn pieces(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Piece> {
+    let edges = edges_of(geometry, welded, faces);
+    let mut roots: Vec<usize> = (0..faces.len()).collect();
+    let (mut is_balanced, mut is_crowded) = (vec![true; faces.len()], vec![false; faces.len()]);
+    for at_edge in edges.chunk_by(|a, b| a.ends == b.ends) {
+        let balanced = 2 * at_edge.iter().filter(|edge| edge.backwards).count() == at_edge.len();
+        let Some(first) = at_edge.first() else { continue };
+        for edge in at_edge {
+            join(&mut roots, first.face, edge.face);
+            if let (Some(balance), Some(crowd)) = (is_balanced.get_mut(edge.face), is_crowded.get_mut(edge.face)) {
+                *balance &= balanced;
+                *crowd |= at_edge.len() > 2;
+            }
+        }
+    }
+    let mut by_root: Vec<(usize, usize)> = (0..faces.len()).map(|place| (root(&mut roots, place), place)).collect();
+    by_root.sort_unstable();
+    let piece = |members: &[(usize, usize)]| {
+        let places = || members.iter().map(|(_, place)| *place);
+        let is = |flags: &[bool], place: usize| flags.get(place) == Some(&true);
+        let faces: Vec<usize> = places().filter_map(|place| faces.get(place).copied()).collect();
+        let polygons = faces.iter().filter_map(|&face| geometry.polygon(face));
+        let corners = polygons.flat_map(|polygon| polygon.corners());
+        let (low, high) = bounds(corners.filter_map(|&corner| geometry.vertices.get(corner as usize)).copied());
+        let is_sound = faces.len() > 3
+            && places().all(|place| is(&is_balanced, place))
+            && encloses(geometry, &faces)
+            && !(places().any(|place| is(&is_crowded, place)) && has_repeats(geometry, welded, &faces));
+        Piece { faces, low, high, is_sound }
+    };
+    by_root.chunk_by(|a, b| a.0 == b.0).map(piece).collect()
+}
+
+/// Less than this share of the volumes below all faces is what rounding leaves of none.
+const NO_VOLUME: f64 = 1e-9;
+
+/// Whether the volume that faces enclose is positive.
+fn encloses(geometry: &Geometry, faces: &[usize]) -> bool {
+    let from = origin(geometry, faces.iter().copied());
+    let (mut volume, mut all) = (0.0, 0.0);
+    for below in faces.iter().map(|&face| volume_below(geometry, face, from)) {
+        volume += below;
+        all += below.abs();
+    }
+    volume > NO_VOLUME * all
+}
+
+/// Whether a face stands twice the same way round: two of three that stand in one place do.
+fn has_repeats(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> bool {
+    let twins = twins::within(geometry, welded, faces);
+    let stand_for: HashSet<usize> = twins.iter().map(|twin| twin.of).collect();
+    stand_for.len() < twins.len() || twins.iter().any(|twin| !twin.reversed)
+}
+
+/// The first of those that hang together with a face; the way there is made short.
+fn root(roots: &mut [usize], mut place: usize) -> usize {
+    while let Some(&above) = roots.get(place).filter(|above| **above != place) {
+        let next = roots.get(above).copied().unwrap_or(above);
+        if let Some(slot) = roots.get_mut(place) {
+            *slot = next;
+        }
+        place = above;
+    }
+    place
+}
+
+fn join(roots: &mut [usize], a: usize, b: usize) {
+    let (a, b) = (root(roots, a), root(roots, b));
+    if let Some(slot) = roots.get_mut(a.max(b)) {
+        *slot = a.min(b);
+    }
+}
+
+/// Patches of faces. Where more than two faces meet at an edge, one patch ends; a patch that contradicts itself is cut into single faces.
+pub(super) fn patches(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Patch> {
+    let edges = edges_of(geometry, welded, faces);
+    let count = faces.len();
+    // `[face]`: neighbours, and whether they turn against it.
+    let mut beside: Vec<Vec<(usize, bool)>> = vec![Vec::new(); count];
+    let mut is_open = vec![false; count];
+    for at_edge in edges.chunk_by(|a, b| a.ends == b.ends) {
+        match at_edge {
+            [a, b] if a.face != b.face => {
+                let against = a.backwards == b.backwards;
+                for (from, to) in [(a.face, b.face), (b.face, a.face)] {
+                    if let Some(list) = beside.get_mut(from) {
+                        list.push((to, against));
+                    }
+                }
+            }
+            // Both sides of a slit that leads to a hole.
+            [a, b] if a.backwards != b.backwards => {}
+            _ => at_edge.iter().for_each(|edge| {
+                if let Some(slot) = is_open.get_mut(edge.face) {
+                    *slot = true;
+                }
+            }),
+        }
+    }
+    let number = |place: usize| faces.get(place).copied().unwrap_or_default();
+    let mut turns: Vec<Option<bool>> = vec![None; count];
+    let mut list = Vec::new();
+    for first in 0..count {
+        if turns.get(first) != Some(&None) {
+            continue;
+        }
+        let (mut members, mut next, mut contradicts) = (Vec::new(), VecDeque::from([(first, false)]), false);
+        while let Some((face, against)) = next.pop_front() {
+            match turns.get_mut(face) {
+                Some(slot @ None) => *slot = Some(against),
+                Some(Some(known)) => {
+                    contradicts |= *known != against;
+                    continue;
+                }
+                None => continue,
+            }
+            members.push((face, against));
+            let neighbours = beside.get(face).map(Vec::as_slice).unwrap_or_default();
+            next.extend(neighbours.iter().map(|(other, turned)| (*other, *turned != against)));
+        }
+        let is_closed = !members.iter().any(|(face, _)| is_open.get(*face) == Some(&true));
+        let members = members.into_iter().map(|(place, against)| (number(place), against));
+        if contradicts {
+            list.extend(members.map(|(face, _)| Patch { faces: vec![(face, false)], is_closed: false }));
+        } else {
+            list.push(Patch { faces: members.collect(), is_closed });
+        }
+    }
+    list
+}
+
+/// A corner near all faces: sums of products of far coordinates would lose digits.
+fn origin(geometry: &Geometry, faces: impl Iterator<Item = usize>) -> DVec3 {
+    let corner = faces.filter_map(|face| geometry.polygon(face)).find_map(|polygon| polygon.corners().first().copied());
+    corner.and_then(|corner| geometry.vertices.get(corner as usize).copied()).unwrap_or_default()
+}
+
+/// Volume of the cone from a point to a face, m3; positive where the face looks away from the point.
+fn volume_below(geometry: &Geometry, face: usize, from: DVec3) -> f64 {
+    let Some(polygon) = geometry.polygon(face) else { return 0.0 };
+    let corner = |corner: &u32| geometry.vertices.get(*corner as usize).copied().unwrap_or_default() - from;
+    let outline = polygon.rings().next().unwrap_or_default();
+    let middle = outline.iter().map(corner).sum::<DVec3>() / outline.len().max(1) as f64;
+    middle.dot(area_vector_of(&polygon, &geometry.vertices)) / 3.0
+}
