@@ -18,12 +18,13 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, with_list};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{MOST_POINTS, Piece, cover};
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
 use heliotile_scene::load::Soup;
 use heliotile_scene::mesh::bounds;
+use heliotile_scene::objects::twins;
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::semantics::{ObjectNote, SourceFace, SurfaceKind};
 
@@ -56,6 +57,8 @@ pub struct Covered {
     pub chosen: Vec<ChosenSurface>,
     /// Surfaces too small for a receiver, and their area in m2.
     pub small: (usize, f64),
+    /// Surfaces that face rooms or the ground, as their file says, and their area in m2.
+    pub inner: (usize, f64),
     /// Surfaces of objects that are no buildings, by type, and their area in m2.
     pub beside: BTreeMap<String, f64>,
 }
@@ -102,6 +105,7 @@ impl Covered {
 /// Covers the surfaces that are asked for. An error: names that nothing has, too many receivers, none that gets light.
 pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &dyn Observer) -> Result<Covered> {
     let surfaces = Surfaces::find(&soup, &scene.materials);
+    doubts(&soup, &surfaces).iter().for_each(|doubt| observer.warn(doubt));
     // The rest of the soup goes.
     let Soup { source_faces: faces, .. } = soup;
     let wanted = Wanted::of(asked, &scene.materials, &surfaces)?;
@@ -112,6 +116,10 @@ pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &d
         let (low, high) = bounds(surface.triangles.iter().flatten().copied());
         within.is_none_or(|part| part.touches(low, high))
     };
+    let mut inner = (0, 0.0);
+    for surface in surfaces.list.iter().filter(|surface| wanted.leaves_to_rooms(surface) && reaches(surface)) {
+        inner = (inner.0 + 1, inner.1 + surface.area_m2);
+    }
     let list = surfaces.list.iter().enumerate();
     for (i, surface) in list.filter(|(_, surface)| wanted.asks(surface) && reaches(surface)) {
         let note = &surfaces.objects[surface.object].1;
@@ -143,7 +151,7 @@ pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &d
         })
         .collect();
     drop(progress);
-    let covered = Covered { surfaces, faces, chosen, small, beside };
+    let covered = Covered { surfaces, faces, chosen, small, inner, beside };
     if within.is_none() && covered.count(Lying::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
         let hint = match (covered.chosen.is_empty(), covered.count(Lying::Inside)) {
@@ -158,6 +166,30 @@ pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &d
         return Err(Error::argument("--on", what.trim_end(), hint));
     }
     Ok(covered)
+}
+
+/// What is odd about the surfaces of a scene, a sentence each.
+pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
+    let mut found = Vec::new();
+    if surfaces.contrary_edges > 0 {
+        found.push(format!(
+            "two faces of an object are turned against each other at {}: receivers may be on the wrong side",
+            counted(surfaces.contrary_edges as u64, "edge")
+        ));
+    }
+    let pairs = twins(soup);
+    if let [first, others @ ..] = pairs.as_slice() {
+        let (a, b) = first;
+        let sentence = format!(
+            "{} of objects fill the same box, such as `{a}` and `{b}`: if it is one building twice, leave one out",
+            counted(pairs.len() as u64, "pair")
+        );
+        found.push(match others {
+            [] => sentence,
+            _ => with_list(&sentence, pairs.iter().map(|(a, b)| format!("`{a}` and `{b}`"))),
+        });
+    }
+    found
 }
 
 /// The refusal of too many receivers, with what would be few enough.
@@ -283,6 +315,15 @@ impl Wanted {
         named || (of_kind && reached)
     }
 
+    /// Whether it would be asked for if its file did not say that no sun reaches it.
+    fn leaves_to_rooms(&self, surface: &Surface) -> bool {
+        let of_kind = match surface.kind {
+            kind if !self.kinds.is_empty() => self.kinds.contains(&kind),
+            kind => matches!(kind, SurfaceKind::Roof | SurfaceKind::Wall | SurfaceKind::Window),
+        };
+        surface.exposed == Some(false) && of_kind && !self.asks(surface)
+    }
+
     /// Whether it is one of the objects that are asked for.
     fn takes_object(&self, surface: &Surface, note: &ObjectNote) -> bool {
         let by_name = self.materials.contains(&surface.material) || surface.kind == SurfaceKind::Ground;
@@ -386,6 +427,13 @@ pub fn summary(covered: &Covered, scene: &Scene) -> String {
     if hidden + inside > 0 {
         line(format!(
             "left out: {inside} inside a neighbour or below the terrain, {hidden} covered by another surface"
+        ));
+    }
+    if covered.inner.0 > 0 {
+        line(format!(
+            "left out: {} that face rooms or the ground, {:.1} m2",
+            counted(covered.inner.0 as u64, "surface"),
+            covered.inner.1
         ));
     }
     if covered.small.0 > 0 {

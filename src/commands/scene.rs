@@ -2,17 +2,14 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, say, say_report};
+use super::{Outcome, say, say_report, warn};
+use crate::covering::doubts;
 use heliotile_core::error::Result;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
-use heliotile_scene::objects::twins;
 use heliotile_scene::semantics::SurfaceKind;
 use heliotile_scene::site::Site;
-
-/// Pairs of objects that are named.
-const MOST_PAIRS: usize = 5;
 
 /// One line of text.
 macro_rules! line {
@@ -27,6 +24,7 @@ pub fn info(site: &Site) -> Result<Outcome> {
     let (scene, soup) = Scene::load_with_objects(site)?;
     say_report(&scene)?;
     let surfaces = Surfaces::find(&soup, &scene.materials);
+    doubts(&soup, &surfaces).iter().for_each(|doubt| warn(doubt));
     let report = &scene.report;
     let mut out = String::new();
     for part in &site.parts {
@@ -60,26 +58,6 @@ pub fn info(site: &Site) -> Result<Outcome> {
     line!(out, "  place       {}", scene.place.map_or_else(unknown, |place| place.to_string()));
     if let Some(turn) = site.frame.rotate_deg {
         line!(out, "  rotation    {turn} degrees clockwise, contained in the direction of y");
-    }
-    if surfaces.contrary_edges > 0 {
-        line!(
-            out,
-            "  turned      {} where two faces of an object are turned against each other: receivers may go on the wrong side",
-            counted(surfaces.contrary_edges as u64, "edge")
-        );
-    }
-    let pairs = twins(&soup);
-    if let [first, ..] = pairs.as_slice() {
-        line!(
-            out,
-            "  twice?      {} of objects fill the same box, such as `{}` and `{}`: one building twice?",
-            counted(pairs.len() as u64, "pair"),
-            first.0,
-            first.1
-        );
-        for (a, b) in pairs.iter().take(MOST_PAIRS).skip(1) {
-            line!(out, "              `{a}` and `{b}`");
-        }
     }
     materials(&mut out, &scene);
     for kind in SurfaceKind::ALL {

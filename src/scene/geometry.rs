@@ -259,6 +259,35 @@ impl Geometry {
         self.numbers = kept.numbers;
     }
 
+    /// Cuts holes out of faces: by face, rings of positions. Without room for their corners a face keeps its area.
+    pub(super) fn cut_holes(&mut self, holes: BTreeMap<usize, Vec<Vec<DVec3>>>) {
+        if holes.is_empty() {
+            return;
+        }
+        let corners: usize = holes.values().flatten().map(Vec::len).sum();
+        if self.vertices.len() + corners >= u32::MAX as usize {
+            return;
+        }
+        let (faces, old) = (std::mem::take(&mut self.faces), std::mem::take(&mut self.corners));
+        let mut old_holes = std::mem::take(&mut self.holes).into_iter().peekable();
+        let mut start = 0;
+        for (number, face) in faces.into_iter().enumerate() {
+            while let Some((_, at)) = old_holes.next_if(|(of, _)| *of == number) {
+                self.holes.push((number, at - start + self.corners.len()));
+            }
+            self.corners.extend_from_slice(old.get(start..face.end).unwrap_or_default());
+            start = face.end;
+            for ring in holes.get(&number).into_iter().flatten() {
+                self.holes.push((number, self.corners.len()));
+                for position in ring {
+                    self.corners.push(self.vertices.len() as u32);
+                    self.vertices.push(*position);
+                }
+            }
+            self.faces.push(Face { end: self.corners.len(), ..face });
+        }
+    }
+
     /// 1-based number of a face in the file.
     fn number_in_file(&self, number: usize) -> u32 {
         let all = || u32::try_from(number + 1).unwrap_or(u32::MAX);

@@ -97,6 +97,9 @@ impl Settling<'_> {
         let near = Near::of(&pieces);
         for (piece, twins) in pieces.iter().zip(twins).filter(|(piece, _)| !piece.is_sound) {
             let told = self.turn(piece, &near);
+            // Which of two the file has first is no fault.
+            let paired: BTreeSet<usize> = twins.iter().filter(|twin| twin.reversed).map(|twin| twin.of).collect();
+            self.changes.turned.retain(|face| !paired.contains(face));
             for twin in twins {
                 // Of two that look apart both are needed where both of their sides are outside.
                 if twin.reversed && !told.contains(&twin.of) {

@@ -324,3 +324,98 @@ fn a_house_is_turned_outwards_and_a_street_is_not() {
     let area: f64 = found.list.iter().filter(|s| to_street(s.triangles[0][0].x, s.normal.x)).map(|s| s.area_m2).sum();
     assert_eq!(area, 480.0, "{:?}", scene.report.warnings);
 }
+
+/// A city model of the unit box of 10 x 10 x 8 m: vertices 0 to 7, and more.
+fn model(objects: &str, more: &str) -> String {
+    let corners: Vec<String> = BOX.iter().map(|[x, y, z]| format!("[{x},{y},{z}]")).collect();
+    format!(
+        r#"{{"type":"CityJSON","version":"2.0","transform":{{"scale":[1,1,1],"translate":[0,0,0]}},"CityObjects":{{{objects}}},"vertices":[{}{more}]}}"#,
+        corners.join(",")
+    )
+}
+
+fn building(id: &str, kind: &str, relation: &str, faces: &str, semantics: &str) -> String {
+    format!(
+        r#""{id}":{{"type":"{kind}",{relation}"geometry":[{{"type":"MultiSurface","lod":"2","boundaries":[{faces}]{semantics}}}]}}"#
+    )
+}
+
+const BOX_FACES: &str = "[[0,3,2,1]],[[4,5,6,7]],[[0,1,5,4]],[[1,2,6,5]],[[2,3,7,6]],[[3,0,4,7]]";
+
+/// A building with the geometry of its only part counts once, 100 m2 of roof, and so does one that stands under two names; of a main part that stands
+/// beside its part both count.
+#[test]
+fn a_building_that_stands_twice_counts_once() {
+    let part = |faces: &str| building("part", "BuildingPart", r#""parents":["whole"],"#, faces, "");
+    let whole = building("whole", "Building", r#""children":["part"],"#, BOX_FACES, "");
+    let roof = |objects: &str, more: &str| -> BTreeMap<String, f64> {
+        let (found, _) = areas("town.city.json", &model(objects, more));
+        found.into_iter().map(|(name, kinds)| (name, kinds[&SurfaceKind::Roof])).collect()
+    };
+    let one = |name: &str| BTreeMap::from([(name.to_owned(), 100.0)]);
+    assert_eq!(roof(&[whole.clone(), part(BOX_FACES)].join(","), ""), one("part"));
+    let alone = building("b", "Building", "", BOX_FACES, "");
+    assert_eq!(roof(&[alone.clone(), alone.replacen("\"b\"", "\"a\"", 1)].join(","), ""), one("a"));
+    let beside = "[[8,11,10,9]],[[12,13,14,15]],[[8,9,13,12]],[[9,10,14,13]],[[10,11,15,14]],[[11,8,12,15]]";
+    let more: String = BOX.iter().map(|[x, y, z]| format!(",[{},{y},{z}]", x + 30.0)).collect();
+    assert_eq!(roof(&[whole, part(beside)].join(","), &more).values().sum::<f64>(), 200.0);
+}
+
+/// A window of 6 m2 and a door of 2 m2 on a wall of 80 m2 that is drawn whole leave 72 + 2 m2 of wall and 6 m2 of window; on a wall that has its
+/// holes already nothing changes, and inner faces get no receivers.
+#[test]
+fn windows_on_a_whole_wall_are_cut_out_of_it() {
+    let more = ",[2,0,2],[5,0,2],[5,0,4],[2,0,4],[7,0,0],[8,0,0],[8,0,2],[7,0,2]";
+    let semantics = r#","semantics":{"surfaces":[{"type":"GroundSurface"},{"type":"RoofSurface"},{"type":"WallSurface"},{"type":"Window"},{"type":"Door"}],"values":[0,1,2,2,2,2,3,4]}"#;
+    let openings = "[[8,9,10,11]],[[12,13,14,15]]";
+    let whole = format!("{BOX_FACES},{openings}");
+    let cut = whole.replace("[[0,1,5,4]]", "[[0,1,5,4],[11,10,9,8],[15,14,13,12]]");
+    for (faces, said) in [(whole, 1), (cut, 0)] {
+        let (found, warnings) =
+            areas("town.city.json", &model(&building("b", "Building", "", &faces, semantics), more));
+        let kinds = &found["b"];
+        assert!((kinds[&SurfaceKind::Wall] - (320.0 - 6.0)).abs() < 1e-9, "{kinds:?}");
+        assert_eq!(kinds[&SurfaceKind::Window], 6.0);
+        let sentences = warnings.iter().filter(|w| w.contains("2 openings (windows, doors) lay on whole walls"));
+        assert_eq!(sentences.count(), said, "{warnings:?}");
+    }
+}
+
+/// Of a building with an outline of LoD 0 alone and a house beside it only the house counts, unless LoD 0 is asked for; a file of outlines alone is
+/// refused with what to export.
+#[test]
+fn flat_outlines_are_no_roofs() {
+    let outline =
+        r#""flat":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"0","boundaries":[[[0,1,2,3]]]}]}"#;
+    let beside: String = BOX.iter().map(|[x, y, z]| format!(",[{},{y},{z}]", x + 30.0)).collect();
+    let house = "[[8,11,10,9]],[[12,13,14,15]],[[8,9,13,12]],[[9,10,14,13]],[[10,11,15,14]],[[11,8,12,15]]";
+    let house = building("house", "Building", "", house, "");
+    let (found, warnings) = areas("town.city.json", &model(&[outline, &house].join(","), &beside));
+    assert_eq!(found.keys().collect::<Vec<_>>(), ["house"]);
+    assert!(warnings.iter().any(|w| w.contains("1 left out as flat outlines of buildings (LoD 0)")), "{warnings:?}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("flat.city.json");
+    std::fs::write(&path, model(outline, "")).expect("written");
+    let load = |lod: Option<&str>| {
+        let part = Part { lod: lod.map(str::to_owned), ..Part::plain(&path, None) };
+        Scene::load_site(&Site { parts: vec![part], ..Site::default() })
+    };
+    assert_eq!(load(Some("0")).expect("asked for").mesh.triangles.len(), 2);
+    let message = load(None).expect_err("no walls").to_string();
+    assert!(message.contains("it holds flat outlines of buildings (LoD 0): export walls and roofs"), "{message}");
+}
+
+/// An outline of five corners of which two neighbours changed places is put in order, 26 m2; one that crosses itself twice is left as it is, and said.
+#[test]
+fn crossed_outlines_are_put_in_order_or_named() {
+    let wall = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 5.0], [2.0, 0.0, 8.0], [0.0, 0.0, 5.0]];
+    let area = |order: &[usize]| {
+        let (found, warnings) = of_obj(&wall, &[order]);
+        (found[1], warnings.iter().filter(|w| w.contains("crossed itself") || w.contains("crosses itself")).count())
+    };
+    assert_eq!(area(&[0, 1, 2, 3, 4]), (26.0, 0));
+    for order in [[0, 2, 1, 3, 4], [1, 0, 2, 3, 4], [0, 1, 3, 2, 4]] {
+        assert_eq!(area(&order), (26.0, 1), "{order:?}");
+    }
+    assert_eq!(area(&[0, 2, 4, 1, 3]).1, 1);
+}

@@ -19,7 +19,7 @@ import { Paint } from "./view/paint";
 import { Patches } from "./view/patches";
 import { Picker } from "./view/pick";
 import { Scenery } from "./view/scenery";
-import type { Stage } from "./view/stage";
+import { corners, type Stage } from "./view/stage";
 import { number } from "./words";
 
 /** Where drawing takes longer (ms), as without a graphics card, the engine gets that many times as long between two pictures. */
@@ -121,7 +121,7 @@ export class OpenedSite {
     if (camera) {
       stage.setRadius(box);
       stage.look(new Vector3(camera[0], camera[1], camera[2]), new Vector3(camera[3], camera[4], camera[5]));
-    } else stage.frame(box, box);
+    } else stage.frame([corners(box)], box, box);
     let framed = camera !== null;
     const started = stage.camera.position.clone();
     const sceneDone = this.readScene();
@@ -138,7 +138,7 @@ export class OpenedSite {
     this.progress(null);
     // The receivers are what is looked at; nobody who has moved is moved.
     if (!framed && stage.camera.position.equals(started) && !this.patches.box.isEmpty()) {
-      stage.frame(this.patches.box, box);
+      stage.frame(this.patches.points(), this.patches.box, box);
       framed = true;
     }
     this.follow(new Set(["selected", "pinned"]));

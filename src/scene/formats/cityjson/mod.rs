@@ -8,6 +8,7 @@ mod document;
 mod frame;
 mod nested;
 mod objects;
+mod openings;
 mod parents;
 mod refuse;
 mod surfaces;
@@ -25,6 +26,7 @@ use crate::text::{excerpt, without_byte_order_mark};
 use document::{Document, Lod};
 use frame::Frame;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
 use objects::Reader;
 pub(super) use surfaces::name_by_tilt;
 use templates::Template;
@@ -102,8 +104,13 @@ impl<'a> Header<'a> {
 }
 
 fn finish(reader: Reader) -> Result<Geometry> {
-    let Reader { file, geometry, objects, levels, asked, .. } = reader;
+    let Reader { file, mut geometry, objects, levels, asked, .. } = reader;
     if geometry.face_count() > 0 {
+        let cut = openings::cut_openings(&mut geometry);
+        if cut > 0 {
+            let what = counted(cut as u64, "opening");
+            geometry.doubts.push(format!("{what} (windows, doors) lay on whole walls and roofs: cut out of them"));
+        }
         return Ok(geometry);
     }
     if objects == 0 {

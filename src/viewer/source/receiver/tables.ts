@@ -20,6 +20,16 @@ function beyond(name: string, above: string): string {
   return above !== "" && name !== above && name.startsWith(above) ? `…${name.slice(above.length)}` : name === above ? "" : name;
 }
 
+/** Less than this of the hemisphere is rounding. */
+const NOTHING = 0.005;
+
+/** Shares of the hemisphere by name; what is neither sky nor met is nothing: below the horizon, where the scene ends. */
+function views(receiver: ReceiverInfo): [string, number][] {
+  const known = ["sky", "ground", "obstructions"].map((name, at): [string, number] => [name, receiver.views[at]!]);
+  const nothing = 1 - known.reduce((sum, [, share]) => sum + share, 0);
+  return nothing > NOTHING ? [...known, ["nothing", nothing]] : known;
+}
+
 /** Who they are and where they look. */
 export function facts(receivers: readonly ReceiverInfo[], skyViews: readonly number[]): HTMLTableElement {
   const level = (r: ReceiverInfo): boolean => r.tilt < 0.05 || r.tilt > 179.95;
@@ -32,7 +42,7 @@ export function facts(receivers: readonly ReceiverInfo[], skyViews: readonly num
     ["Tilt", (r) => `${r.tilt.toFixed(1)}°`],
     ["Azimuth", (r) => (level(r) ? "–" : `${r.azimuth.toFixed(1)}° (${bearing(r.azimuth)})`)],
     ["Sky view", (_, at) => (Number.isFinite(skyViews[at]) ? `${(100 * skyViews[at]!).toFixed(1)} %` : "")],
-    ["Sees", (r) => ["sky", "ground", "obstructions"].map((name, at) => `${name}\u00a0${(100 * r.views[at]!).toFixed(0)}\u00a0%`).join(", ")],
+    ["Sees", (r) => views(r).map(([name, share]) => `${name}\u00a0${(100 * share).toFixed(0)}\u00a0%`).join(", ")],
   ];
   const body = rows
     .map(([name, text]) => ({ name, texts: receivers.map(text) }))

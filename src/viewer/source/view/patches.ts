@@ -34,6 +34,11 @@ export class Patches {
     if (this.triangles >= ENOUGH || performance.now() - this.since > PATIENCE) this.flush();
   }
 
+  /** Corners of all patches that are meshes: x, y, z one after the other. */
+  points(): ArrayLike<number>[] {
+    return this.group.children.map((mesh) => (mesh as Mesh<BufferGeometry>).geometry.getAttribute("position").array);
+  }
+
   /** Makes a mesh of what has come; true if there was anything. */
   flush(): boolean {
     if (this.triangles === 0) return false;

@@ -13,6 +13,12 @@ function isSoftware(): boolean {
   return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 }
 
+/** Corners of a box: x, y, z one after the other. */
+export function corners(box: Box3): number[] {
+  const ends = [box.min, box.max];
+  return ends.flatMap((a) => ends.flatMap((b) => ends.flatMap((c) => [a.x, b.y, c.z])));
+}
+
 export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(40, 1, 0.1, 1e5);
@@ -85,8 +91,11 @@ export class Stage {
     this.back = this.camera.position.clone().sub(this.controls.target).normalize();
   }
 
-  /** Looks from the south, half from above, or from the side that was kept, at a box of the scene; with some of what is around it, if there is much. */
-  frame(box: Box3, around: Box3): void {
+  /**
+   * Looks from the south, half from above, or from the side that was kept, at points of the scene (x, y, z one after the other) in a box; with some
+   * of what is around it, if there is much. The camera stands as near as it can with all points in the window, which they fill in one direction.
+   */
+  frame(points: readonly ArrayLike<number>[], box: Box3, around: Box3): void {
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
     this.radius = radius;
@@ -97,14 +106,26 @@ export class Stage {
     const above = new Vector3().crossVectors(back, right);
     const tall = Math.tan((this.camera.fov * Math.PI) / 360) * (around.getSize(new Vector3()).length() > 3 * radius ? 0.68 : 0.9);
     const wide = tall * this.camera.aspect;
-    // Near enough that all corners of the box are seen, and no nearer.
-    let distance = radius / 10;
-    for (let corner = 0; corner < 8; corner++) {
-      const at = new Vector3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z).sub(middle);
-      const least = Math.max(Math.abs(at.dot(right)) / wide, Math.abs(at.dot(above)) / tall);
-      distance = Math.max(distance, least + at.dot(back));
+    // A point at depth z towards the camera is in the window if it lies less than (distance - z) * wide from the middle line: the outermost
+    // ones of each side decide where that line is and how far the camera.
+    const most = { right: -Infinity, left: -Infinity, above: -Infinity, below: -Infinity, near: -Infinity };
+    const at = new Vector3();
+    for (const list of points) {
+      for (let i = 0; i + 2 < list.length; i += 3) {
+        at.set(list[i]!, list[i + 1]!, list[i + 2]!).sub(middle);
+        const [x, y, z] = [at.dot(right), at.dot(above), at.dot(back)];
+        most.right = Math.max(most.right, x + wide * z);
+        most.left = Math.max(most.left, wide * z - x);
+        most.above = Math.max(most.above, y + tall * z);
+        most.below = Math.max(most.below, tall * z - y);
+        most.near = Math.max(most.near, z);
+      }
     }
-    this.home = { position: middle.clone().addScaledVector(back, distance), target: middle };
+    const aside = (most.right - most.left) / 2;
+    const up = (most.above - most.below) / 2;
+    const distance = Math.max((most.right + most.left) / (2 * wide), (most.above + most.below) / (2 * tall), most.near + radius / 10);
+    const target = middle.addScaledVector(right, aside).addScaledVector(above, up);
+    this.home = { position: target.clone().addScaledVector(back, distance), target };
     this.goHome();
   }
 
