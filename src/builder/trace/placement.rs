@@ -63,3 +63,52 @@ pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> L
 pub fn is_enclosed(view: &Viewpoint, mesh: &Mesh, tracer: &Tracer) -> bool {
     !is_reached(view.origin(tracer), view.normal, view.seed(), mesh, tracer) || view.crosses_out(mesh, tracer)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_core::site::material::{Class, Material};
+    use heliotile_scene::Scene;
+
+    /// A wall of 8 x 3 m on a plane, below an overhang of 4 m depth that is drawn upwards or downwards, and a closed box of 2 m behind the wall.
+    fn porch(upwards: bool) -> Scene {
+        let mut triangles = Vec::new();
+        let mut quad = |p: DVec3, a: DVec3, b: DVec3| {
+            triangles.push(([p, p + a, p + a + b], 0));
+            triangles.push(([p, p + a + b, p + b], 0));
+        };
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        quad(DVec3::new(-50.0, -50.0, 0.0), 100.0 * x, 100.0 * y);
+        quad(DVec3::ZERO, 8.0 * x, 3.0 * z);
+        let (a, b) = (8.0 * x, 4.0 * y);
+        let [a, b] = if upwards { [a, b] } else { [b, a] };
+        quad(DVec3::new(0.0, -4.0, 3.0), a, b);
+        let p = DVec3::new(3.0, 4.0, 0.5);
+        quad(p, 2.0 * y, 2.0 * x);
+        quad(p + 2.0 * z, 2.0 * x, 2.0 * y);
+        quad(p, 2.0 * x, 2.0 * z);
+        quad(p + 2.0 * x, 2.0 * y, 2.0 * z);
+        quad(p + 2.0 * x + 2.0 * y, -2.0 * x, 2.0 * z);
+        quad(p + 2.0 * y, -2.0 * y, 2.0 * z);
+        Scene::from_triangles(&triangles, vec![Material::matt("all", 0.3, Class::Obstruction)]).expect("a scene")
+    }
+
+    /// Of 60 receivers on a wall below an overhang all are free, whichever way the overhang is drawn; 6 of 6 that look around in a closed box
+    /// lie inside.
+    #[test]
+    fn an_overhang_hides_nothing_and_a_sealed_box_all() {
+        for upwards in [true, false] {
+            let scene = porch(upwards);
+            let tracer = Tracer::new(&scene.mesh).expect("a tree");
+            let how =
+                |position: DVec3, normal: DVec3| lying(&Viewpoint { position, normal }, 0.02, &scene.mesh, &tracer);
+            for (i, k) in (0..10).flat_map(|i| (0..6).map(move |k| (i, k))) {
+                let at = DVec3::new(0.4 + 0.8 * f64::from(i), -0.02, 0.25 + 0.5 * f64::from(k));
+                assert_eq!(how(at, DVec3::NEG_Y), Lying::Free, "{at} {upwards}");
+            }
+            for normal in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
+                assert_eq!(how(DVec3::new(4.0, 5.0, 1.5), normal), Lying::Inside, "{normal}");
+            }
+        }
+    }
+}

@@ -27,7 +27,7 @@ use glam::DVec3;
 
 use crate::geometry::Geometry;
 use crate::materials::select::class_of_name;
-use crate::polygon::object_name;
+use crate::polygon::{area_vector_of, object_name};
 use crate::semantics::SurfaceKind;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::morton::lexicographic;
@@ -55,12 +55,13 @@ pub(crate) fn settle(geometry: &mut Geometry) {
         changes: Changes { uncrossed: crossed::uncross(geometry), ..Changes::default() },
         welded: welded(&geometry.vertices),
         dropped: vec![false; geometry.face_count()],
+        paired: BTreeSet::new(),
         geometry,
     };
     for faces in faces_by_object(settling.geometry) {
         settling.object(&faces);
     }
-    let Settling { geometry, welded, mut dropped, mut changes } = settling;
+    let Settling { geometry, welded, mut dropped, mut changes, .. } = settling;
     for face in twins::whole_objects(geometry, &welded, &dropped) {
         set(&mut dropped, face, true);
         changes.repeated.push(face);
@@ -79,83 +80,98 @@ struct Settling<'g> {
     welded: Vec<u32>,
     /// `[face]`: whether it is left out.
     dropped: Vec<bool>,
+    /// Faces that stand for two which look apart.
+    paired: BTreeSet<usize>,
     changes: Changes,
 }
 
 impl Settling<'_> {
     fn object(&mut self, faces: &[usize]) {
         let pieces = pieces::pieces(self.geometry, &self.welded, faces);
-        let twins: Vec<Vec<Twin>> = pieces
-            .iter()
-            .map(
-                |piece| {
-                    if piece.is_sound { Vec::new() } else { twins::within(self.geometry, &self.welded, &piece.faces) }
-                },
-            )
-            .collect();
-        twins.iter().flatten().for_each(|twin| set(&mut self.dropped, twin.face, true));
-        let near = Near::of(&pieces);
-        for (piece, twins) in pieces.iter().zip(twins).filter(|(piece, _)| !piece.is_sound) {
-            let told = self.turn(piece, &near);
+        let doubtful = pieces.iter().filter(|piece| !piece.is_sound);
+        let twins: Vec<Vec<Twin>> =
+            doubtful.map(|piece| twins::within(self.geometry, &self.welded, &piece.faces)).collect();
+        for twin in twins.iter().flatten() {
+            set(&mut self.dropped, twin.face, true);
             // Which of two the file has first is no fault.
-            let paired: BTreeSet<usize> = twins.iter().filter(|twin| twin.reversed).map(|twin| twin.of).collect();
-            self.changes.turned.retain(|face| !paired.contains(face));
-            for twin in twins {
-                // Of two that look apart both are needed where both of their sides are outside.
-                if twin.reversed && !told.contains(&twin.of) {
-                    set(&mut self.dropped, twin.face, false);
-                } else {
-                    self.changes.repeated.push(twin.face);
-                }
+            if twin.reversed {
+                self.paired.insert(twin.of);
+            }
+        }
+        let near = Near::of(&pieces);
+        let (mut told, mut unclear) = (BTreeSet::new(), Vec::new());
+        for piece in pieces.iter().filter(|piece| !piece.is_sound) {
+            for patch in self.turn(piece, &near, &mut told) {
+                unclear.push((piece, patch));
+            }
+        }
+        // Of two walls in a corner or across a street nobody says that they are a solid. Faces beside those of a solid, or that disagree, should be told.
+        let disagree = |patch: &Patch| patch.faces.iter().any(|(_, against)| *against);
+        let beside_solid = |piece: &Piece| near.pieces(piece).any(|other| other.is_sound || other.has_any(&told));
+        for (_, patch) in unclear.iter().filter(|(piece, patch)| disagree(patch) || beside_solid(piece)) {
+            self.changes.unclear.extend(patch.numbers());
+        }
+        for twin in twins.into_iter().flatten() {
+            // Of two that look apart both are needed where both of their sides are outside.
+            if twin.reversed && !told.contains(&twin.of) {
+                set(&mut self.dropped, twin.face, false);
+            } else {
+                self.changes.repeated.push(twin.face);
             }
         }
     }
 
-    /// Turns the faces of a piece that look into it; returns those whose outside is known.
-    fn turn(&mut self, piece: &Piece, near: &Near) -> BTreeSet<usize> {
+    /// Turns the faces of a piece that look into it, and adds those whose outside is known to `told`; returns patches of which rays tell nothing.
+    fn turn(&mut self, piece: &Piece, near: &Near, told: &mut BTreeSet<usize>) -> Vec<Patch> {
         let kept = |face: &usize| self.dropped.get(*face) == Some(&false);
         let faces: Vec<usize> = piece.faces.iter().copied().filter(kept).collect();
-        let around: Vec<usize> = near.faces(piece).filter(kept).collect();
-        if around.len() < 2 {
-            return BTreeSet::new();
-        }
-        let (patches, sides) =
-            (pieces::patches(self.geometry, &self.welded, &faces), Sides::new(self.geometry, &around));
-        let (mut told, mut unclear) = (BTreeSet::new(), Vec::new());
-        for patch in patches {
-            let numbers = || patch.faces.iter().map(|(face, _)| *face);
+        let around: Vec<usize> =
+            near.pieces(piece).flat_map(|other| other.faces.iter().copied()).filter(kept).collect();
+        let sides = Sides::new(self.geometry, &around);
+        let mut unclear = Vec::new();
+        for patch in pieces::patches(self.geometry, &self.welded, &faces) {
             let inwards = match sides.verdict(&patch.faces) {
                 Verdict::Outward => false,
                 Verdict::Inward => true,
                 // A closed one that rays do not tell, such as one of solids that overlap.
                 _ if patch.is_closed => patch.volume(self.geometry) < 0.0,
                 Verdict::Inner => {
-                    self.changes.inner.extend(numbers());
+                    self.changes.inner.extend(patch.numbers());
                     continue;
                 }
-                Verdict::Sheet => continue,
+                Verdict::Sheet => {
+                    self.turn_roofs(&patch);
+                    continue;
+                }
                 Verdict::Unclear => {
+                    self.turn_roofs(&patch);
                     unclear.push(patch);
                     continue;
                 }
             };
-            told.extend(numbers());
-            self.turn_patch(&patch, inwards);
+            told.extend(patch.numbers());
+            for (face, _) in patch.faces.iter().filter(|(_, against)| *against != inwards) {
+                self.turn_face(*face);
+            }
         }
-        // Of a fragment, such as two walls in a corner, nobody says that it is a solid; of a part of one, or faces that disagree, that is the question.
-        let is_part = !told.is_empty() || around.len() > faces.len();
-        let disagree = |patch: &Patch| patch.faces.iter().any(|(_, against)| *against);
-        for patch in unclear.iter().filter(|patch| is_part || disagree(patch)) {
-            self.changes.unclear.extend(patch.faces.iter().map(|(face, _)| *face));
-        }
-        told
+        unclear
     }
 
-    /// Turns the faces of a patch as its first one, which looks inwards or does not.
-    fn turn_patch(&mut self, patch: &Patch, inwards: bool) {
-        for (face, _) in patch.faces.iter().filter(|(_, against)| *against != inwards) {
-            self.geometry.turn_face(*face);
-            self.changes.turned.push(*face);
+    /// Turns what the file calls a roof and draws downwards, where nothing else says which side is outside.
+    fn turn_roofs(&mut self, patch: &Patch) {
+        for face in patch.numbers() {
+            let is_roof = self.geometry.note_of(face).kind == Some(SurfaceKind::Roof);
+            let polygon = self.geometry.polygon(face).filter(|_| is_roof);
+            if polygon.is_some_and(|polygon| area_vector_of(&polygon, &self.geometry.vertices).z < 0.0) {
+                self.turn_face(face);
+            }
+        }
+    }
+
+    fn turn_face(&mut self, face: usize) {
+        self.geometry.turn_face(face);
+        if !self.paired.contains(&face) {
+            self.changes.turned.push(face);
         }
     }
 }
@@ -185,15 +201,14 @@ impl<'p> Near<'p> {
         Near { pieces: sorted, width_m }
     }
 
-    /// Faces of the pieces around one, its own too.
-    fn faces(&self, piece: &Piece) -> impl Iterator<Item = usize> {
+    /// The pieces around one, and itself.
+    fn pieces(&self, piece: &Piece) -> impl Iterator<Item = &'p Piece> {
         let margin = APART * (piece.high - piece.low).length();
         let (low, high) = (piece.low - margin, piece.high + margin);
         let first = self.pieces.partition_point(|other| other.low.x < low.x - self.width_m);
         let last = self.pieces.partition_point(|other| other.low.x <= high.x);
         let some = self.pieces.get(first..last).unwrap_or_default();
-        let touches = move |other: &&&Piece| other.low.cmple(high).all() && other.high.cmpge(low).all();
-        some.iter().filter(touches).flat_map(|other| other.faces.iter().copied())
+        some.iter().copied().filter(move |other| other.low.cmple(high).all() && other.high.cmpge(low).all())
     }
 }
 

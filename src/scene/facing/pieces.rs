@@ -1,7 +1,7 @@
 //! What hangs together. In: faces of one object. Out: pieces, each of the faces that share edges, and whether a piece is sound; and the patches of a
 //! piece, in which it is known of each face whether it turns as the first one does.
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::{BTreeSet, HashSet, VecDeque};
 
 use glam::DVec3;
 
@@ -22,6 +22,13 @@ pub(super) struct Piece {
     pub is_sound: bool,
 }
 
+impl Piece {
+    /// Whether it has one of some faces.
+    pub fn has_any(&self, faces: &BTreeSet<usize>) -> bool {
+        self.faces.iter().any(|face| faces.contains(face))
+    }
+}
+
 /// Faces of a piece that meet two by two at their edges.
 pub(super) struct Patch {
     /// Faces, and whether each turns against the first one as the file has them.
@@ -31,6 +38,11 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    /// Numbers of its faces.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+        self.faces.iter().map(|(face, _)| *face)
+    }
+
     /// What it encloses if all faces turn as the first one does, m3; negative where that is inwards.
     pub fn volume(&self, geometry: &Geometry) -> f64 {
         let from = origin(geometry, self.faces.iter().map(|(face, _)| *face));
