@@ -31,7 +31,9 @@
 
 mod coordinate;
 pub mod covering;
+mod epsg_numbers;
 mod formats;
+mod geocentric;
 mod geometry;
 mod ground;
 pub mod input;
