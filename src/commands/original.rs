@@ -13,7 +13,7 @@ use heliotile_scene::site::{MissingGround, Site};
 
 /// The files of the scene of an archive; where they lie the archive says.
 pub fn site_of(archive: &Path, args: &SceneArgs) -> Result<Site> {
-    let stated = SiteFrame { elevation_m: None, scale: None, ..args.place.frame() };
+    let stated = SiteFrame { elevation_m: None, scale: None, up: None, ..args.place.frame() };
     if stated != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude and --rotate-deg out";
         return Err(Error::input(archive, None, "keeps the place that was stated when it was built", hint));

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::reference::Reference;
@@ -38,6 +39,10 @@ pub(super) struct Geometry {
     pub stated: MaterialTable,
     /// Where on Earth the coordinates lie, if the file says so.
     pub reference: Option<Reference>,
+    /// Whether the reader made metres of plane coordinates, whatever the unit of the system that they are in.
+    pub in_metres: bool,
+    /// Where the coordinates are metres about, if the file's own are geocentric.
+    pub local_frame: Option<LocalFrame>,
     /// Of a format that always has ground, which is no face of the file.
     pub ground: Option<ModelGround>,
     pub warnings: Vec<String>,
@@ -56,6 +61,13 @@ struct Face {
     object: u32,
     /// 1-based line of the file; 0 where the format has none.
     line: usize,
+}
+
+/// A place between two faces of a list.
+pub(super) struct FaceMark {
+    corners: usize,
+    faces: usize,
+    holes: usize,
 }
 
 /// One face: an outline and its holes.
@@ -144,6 +156,19 @@ impl Geometry {
             self.corners.extend_from_slice(ring);
         }
         self.end_face(material, object, line);
+    }
+
+    /// How far the faces are read.
+    pub(super) fn mark(&self) -> FaceMark {
+        FaceMark { corners: self.corners.len(), faces: self.faces.len(), holes: self.holes.len() }
+    }
+
+    /// Takes back all faces since a mark.
+    pub(super) fn back_to(&mut self, mark: &FaceMark) {
+        self.corners.truncate(mark.corners);
+        self.faces.truncate(mark.faces);
+        self.notes.truncate(mark.faces);
+        self.holes.truncate(mark.holes);
     }
 
     /// Counts something that is left out; `reason` completes "3 faces ...".
@@ -327,6 +352,21 @@ impl Names {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A face and a half with a hole that are taken back leave the one face before them with its three corners.
+    #[test]
+    fn faces_are_taken_back() {
+        let mut geometry = Geometry::default();
+        geometry.push_face([&[0_u32, 1, 2][..]], 0, 0, 0);
+        let mark = geometry.mark();
+        geometry.push_face([&[3_u32, 4, 5][..], &[6, 7, 8]], 0, 0, 0);
+        geometry.note_face(FaceNote::default());
+        geometry.push_corner(3);
+        geometry.begin_hole();
+        geometry.back_to(&mark);
+        let found: Vec<usize> = geometry.faces().map(|face| face.corners().len()).collect();
+        assert_eq!((found, geometry.faces().any(|face| face.has_holes())), (vec![3], false));
+    }
 
     /// Three faces with 0, 2 and 1 holes come back with 1, 3 and 2 rings, corner by corner.
     #[test]

@@ -31,8 +31,10 @@
 
 mod coordinate;
 pub mod covering;
+mod epsg_numbers;
 mod facing;
 mod formats;
+mod geocentric;
 mod geometry;
 mod ground;
 pub mod input;

@@ -19,6 +19,7 @@ use crate::ground::model::{ModelGround, USUAL};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
 use crate::palette::Palette;
 use crate::placing::extent::{Extent, Walls};
+use crate::placing::frame::SiteFrame;
 use crate::placing::plausible::doubts;
 use crate::placing::whereabouts::place_of;
 use crate::polygon;
@@ -27,6 +28,7 @@ use crate::region_part::RegionPart;
 use crate::semantics::{ObjectNote, SourceFace};
 use crate::site::{MissingGround, Part, Site};
 use crate::terrain::focus::Focus;
+use crate::terrain::mosaic::{Tile, joined};
 use crate::terrain::raster::Raster;
 use crate::terrain::surface;
 use crate::terrain::surface::{Wanted, surface};
@@ -129,7 +131,8 @@ impl Scene {
 /// Reads all files; without `keep` the soup is empty.
 fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
-    let mut rasters = Vec::new();
+    let (mut rasters, mut local_frame) = (Vec::new(), None);
+    pile.report.warnings.extend(site.unused_up());
     for part in &site.parts {
         if let Some(path) = &part.materials {
             palette.open(path)?;
@@ -138,20 +141,22 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             reflectances: part.materials.is_none() || !part.materials_only,
             described: palette.described(part.materials.as_deref()),
             lod: part.lod.clone(),
+            local_frame,
         };
         match formats::read(&part.file, &asked)? {
             Content::Polygons(geometry) => {
+                local_frame = local_frame.or(geometry.local_frame);
                 let part = part.in_frame(&site.frame);
                 pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?;
             }
-            Content::Terrain(raster) => rasters.push((part, raster.placed(part)?)),
+            Content::Terrain(raster) => rasters.push((part, raster)),
         }
     }
     if let Some(part) = &site.within {
         pile.cut(part, &palette);
     }
     let has_terrain = !rasters.is_empty();
-    pile.add_rasters(rasters, &mut palette)?;
+    pile.add_rasters(rasters, &site.frame, &mut palette)?;
     let mut ground = palette.ground();
     if ground.is_none() && !has_terrain && site.missing_ground == MissingGround::Assume {
         ground = pile.assume_ground(&mut palette);
@@ -176,13 +181,21 @@ impl Pile {
     }
 
     /// Meshes rasters as the horizon of what was added before, if anything was.
-    fn add_rasters(&mut self, rasters: Vec<(&Part, Raster)>, palette: &mut Palette) -> Result<()> {
+    fn add_rasters(&mut self, rasters: Vec<(&Part, Raster)>, frame: &SiteFrame, palette: &mut Palette) -> Result<()> {
+        let [stated, _] = frame.references();
+        let system = stated.or_else(|| self.extents.iter().find_map(Extent::reference));
+        let mut placed = Vec::new();
+        for (part, raster) in rasters {
+            placed.push((part, raster.placed(part, frame, part.reference.or(system))?));
+        }
+        let (rasters, notes) = joined(placed);
+        self.report.notes.extend(notes);
         let used = self.triangles.iter().flat_map(|t| t.corners).filter_map(|i| self.positions.get(i as usize));
         let (low, high) = bounds(used.copied());
         let near = (!rasters.is_empty() && low.is_finite() && high.is_finite()).then_some((low, high));
         self.focus = near.map(|(low, high)| 0.5 * (low + high));
         let only = rasters.len() == 1;
-        for (part, raster) in rasters {
+        for Tile { part, raster, .. } in rasters {
             let stem = formats::stem(&part.file);
             let wanted = Wanted {
                 file: &part.file,
@@ -314,6 +327,7 @@ impl Pile {
             bounds: [low, high],
             shift: part.shift(),
             scale: part.metres(),
+            in_metres: geometry.in_metres,
             own: geometry.reference.filter(|_| !part.is_moved),
             stated: part.reference,
             walls,

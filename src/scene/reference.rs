@@ -1,6 +1,7 @@
 //! Where on Earth a scene lies. In: a coordinate reference system by its EPSG number, or the place itself. Out: latitude, longitude
 //! and where true north is, good to some 100 m: shifts between datums are taken as far as three or seven parameters give them.
 
+use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
 use heliotile_core::site::place::Place;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
@@ -19,21 +20,6 @@ pub enum Reference {
     },
 }
 
-/// Compound systems and their horizontal parts (EPSG register, 2024); the crate of definitions lists few of them.
-const COMPOUND: [(u32, u32); 11] = [
-    (5554, 25831),
-    (5555, 25832),
-    (5556, 25833),
-    (5698, 2154),
-    (5845, 3006),
-    (5971, 25831),
-    (5972, 25832),
-    (5973, 25833),
-    (6190, 31370),
-    (7405, 27700),
-    (7415, 28992),
-];
-
 /// First eccentricity of the WGS 84 ellipsoid, squared (NIMA TR8350.2, 2000, table 3.3), and its longer half axis.
 const ECCENTRICITY_2: f64 = 0.006_694_379_990_14;
 const HALF_AXIS_M: f64 = 6_378_137.0;
@@ -44,7 +30,7 @@ const LINE_M: f64 = 100.0;
 
 /// The horizontal part of a system.
 pub fn horizontal(epsg: u32) -> u32 {
-    COMPOUND.iter().find(|(compound, _)| *compound == epsg).map_or(epsg, |(_, part)| *part)
+    horizontal_part(epsg)
 }
 
 /// Why a system cannot say where a scene lies.
@@ -52,8 +38,10 @@ pub fn horizontal(epsg: u32) -> u32 {
 pub enum Unplaced {
     /// Its number is not among those whose parameters are known here.
     Unknown,
-    /// Its coordinates are degrees, or distances from the Earth's centre.
-    NotPlane,
+    /// Its coordinates are degrees.
+    Degrees,
+    /// Its coordinates are distances from the Earth's centre.
+    Geocentric,
     /// It has no such point.
     Outside,
 }
@@ -73,9 +61,12 @@ impl PlaneSystem {
             let to = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs").ok()?;
             Some(PlaneSystem { from, to })
         };
-        let plane = known().ok_or(Unplaced::Unknown)?;
-        let flat = !plane.from.is_latlong() && !plane.from.is_geocent();
-        if flat { Ok(plane) } else { Err(Unplaced::NotPlane) }
+        match axes_of(epsg) {
+            Some(Axes::Degrees) => Err(Unplaced::Degrees),
+            Some(Axes::Geocentric) => Err(Unplaced::Geocentric),
+            Some(Axes::Plane) => known().ok_or(Unplaced::Unknown),
+            None => Err(Unplaced::Unknown),
+        }
     }
 
     /// Metres that the unit of its coordinates has by definition: 0.3048... for systems in feet.
@@ -259,14 +250,15 @@ mod tests {
         assert!((length - place.latitude_deg.to_radians().cos()).abs() < 0.003 && length < 0.62, "{length} {place:?}");
     }
 
-    /// Numbers that are none, geographic systems and hopeless coordinates have no place, 6 of 6; a stated one is itself, without turn.
+    /// Numbers that are none, geographic systems and hopeless coordinates have no place, 7 of 7; a stated one is itself, without turn.
     #[test]
     fn nowhere() {
-        use Unplaced::{NotPlane, Outside, Unknown};
+        use Unplaced::{Degrees, Geocentric, Outside, Unknown};
         for (epsg, x, why) in [
             (0, 0.0, Unknown),
-            (4326, 5.0, NotPlane),
-            (4979, 5.0, NotPlane),
+            (4326, 5.0, Degrees),
+            (4979, 5.0, Degrees),
+            (4978, 5.0, Geocentric),
             (1, 1.0, Unknown),
             (70_000, 0.0, Unknown),
             (25832, 1e300, Outside),

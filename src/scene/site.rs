@@ -7,8 +7,9 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::coordinate::is_position;
+use crate::formats::has_no_up;
 use crate::input;
-use crate::placing::frame::{SiteFrame, check_elevation, check_rotation, check_scale};
+use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::text::line_of_offset;
@@ -46,12 +47,12 @@ pub struct Part {
     pub materials: Option<PathBuf>,
     /// Whether `materials` describes all of its materials, whatever the file itself says.
     pub materials_only: bool,
-    /// Added to every position after `scale`, `y_up` and `rotate_deg`, metres.
+    /// Added to every position after `scale`, `up` and `rotate_deg`, metres.
     pub offset: DVec3,
     /// Metres a unit of the file; that of the site, or 1, where it is not stated.
     pub scale: Option<f64>,
-    /// Whether y points up and z south in the file, in place of z up and y north.
-    pub y_up: bool,
+    /// The axis that points up in the file; that of the site where it is not stated and the format does not say it, or z.
+    pub up: Option<UpAxis>,
     /// Direction of the file's y axis clockwise from the scene's, degrees: it is turned about its own origin.
     pub rotate_deg: f64,
     /// Height of the file's z = 0 in the scene, metres; that of the site, or 0, where it is not stated.
@@ -76,7 +77,7 @@ impl Part {
             materials_only: false,
             offset: DVec3::ZERO,
             scale: None,
-            y_up: false,
+            up: None,
             rotate_deg: 0.0,
             elevation_m: None,
             reference: None,
@@ -88,7 +89,9 @@ impl Part {
 
     /// The same with what a site says of all its files but rasters: those are in metres above the sea.
     pub(super) fn in_frame(&self, frame: &SiteFrame) -> Part {
-        Part { scale: self.scale.or(frame.scale), elevation_m: self.elevation_m.or(frame.elevation_m), ..self.clone() }
+        let up = self.up.or(frame.up.filter(|_| has_no_up(&self.file)));
+        let (scale, elevation_m) = (self.scale.or(frame.scale), self.elevation_m.or(frame.elevation_m));
+        Part { scale, elevation_m, up, ..self.clone() }
     }
 
     /// Metres a unit of the file.
@@ -104,7 +107,7 @@ impl Part {
     /// Where a position of the file lies in the scene.
     pub(super) fn place(&self, p: DVec3) -> DVec3 {
         let p = p * self.metres();
-        let p = if self.y_up { DVec3::new(p.x, -p.z, p.y) } else { p };
+        let p = if self.up == Some(UpAxis::Y) { DVec3::new(p.x, -p.z, p.y) } else { p };
         let p = if self.rotate_deg == 0.0 {
             p
         } else {
@@ -134,6 +137,7 @@ struct FrameEntry {
     rotate_deg: Option<f64>,
     elevation_m: Option<f64>,
     scale: Option<f64>,
+    up: Option<UpAxis>,
 }
 
 #[derive(Deserialize)]
@@ -145,7 +149,7 @@ struct Entry {
     materials_only: bool,
     offset: Option<[f64; 3]>,
     scale: Option<f64>,
-    up: Option<Up>,
+    up: Option<UpAxis>,
     rotate_deg: Option<f64>,
     elevation_m: Option<f64>,
     epsg: Option<u32>,
@@ -155,18 +159,11 @@ struct Entry {
     horizon_deg: Option<f64>,
 }
 
-#[derive(Clone, Copy, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Up {
-    Y,
-    Z,
-}
-
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
                     materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", \
                     rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
                     lod = \"2.2\", and for terrain horizon_deg = 0.2; what holds for all files stands in a table [site]: \
-                    epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale";
+                    epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up";
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
@@ -192,6 +189,14 @@ impl Site {
     /// The same with another frame where `frame` states something.
     pub fn framed(self, frame: &SiteFrame) -> Site {
         Site { frame: self.frame.under(frame), ..self }
+    }
+
+    /// A sentence if the frame says which axis points up and no file is of a format that does not.
+    pub(crate) fn unused_up(&self) -> Option<String> {
+        let used = self.frame.up.is_none() || self.parts.iter().any(|part| has_no_up(&part.file));
+        (!used).then(|| {
+            "the axis that points up is stated for OBJ, PLY and STL, and no file is one of these: their formats say it themselves".to_owned()
+        })
     }
 
     /// All files that the site is read from, besides `site.toml`.
@@ -227,8 +232,8 @@ fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     if parts.is_empty() {
         return Err(Error::input(path, None, "lists no scene", KEYS));
     }
-    let FrameEntry { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale } = document.site;
-    let stated = SiteFrame { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale };
+    let FrameEntry { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up } = document.site;
+    let stated = SiteFrame { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up };
     let frame = stated.checked().map_err(|what| Error::input(path, None, format!("the table [site]: {what}"), KEYS))?;
     Ok(Site { parts, frame, ..Site::default() })
 }
@@ -254,7 +259,7 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
         materials_only: entry.materials_only,
         offset,
         scale: entry.scale.map(check_scale).transpose()?,
-        y_up: entry.up == Some(Up::Y),
+        up: entry.up,
         rotate_deg: entry.rotate_deg.map(check_rotation).transpose()?.unwrap_or_default(),
         elevation_m: entry.elevation_m.map(check_elevation).transpose()?,
         reference,
@@ -302,6 +307,21 @@ mod tests {
             (DVec3::new(0., 0., -2.), DVec3::new(11., 21., 30.))
         );
         assert_eq!((scene.mesh.triangles.len(), scene.report.warnings.len()), (4, 0));
+    }
+
+    /// With y up for the whole site the square of OBJ stands upright, 2 m high; a file that says z for itself lies, and glTF alone gets a warning.
+    #[test]
+    fn y_up_for_all() {
+        let files = "[[scene]]\nfile = \"a.obj\"\n[[scene]]\nfile = \"b.obj\"\nup = \"z\"\noffset = [9, 0, 0]\n";
+        let (_folder, site) = site(files);
+        let site = site.expect("readable").framed(&SiteFrame { up: Some(UpAxis::Y), ..SiteFrame::default() });
+        let scene = Scene::load_site(&site).expect("a scene");
+        let (low, high) = scene.mesh.bounds();
+        // The first one spans y 0 to 2 at z = 0, the second one z -2 to 0 at y = 0.
+        assert_eq!((high - low).to_array(), [11.0, 2.0, 2.0]);
+        assert_eq!(site.unused_up(), None);
+        let plain = Site { parts: vec![Part::plain(Path::new("a.glb"), None)], ..site };
+        assert!(plain.unused_up().is_some_and(|said| said.contains("no file is one of these")));
     }
 
     /// One file twice under one table is one material, and the order of the parts does not change the hash of two scenes.

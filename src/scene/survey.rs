@@ -44,11 +44,18 @@ fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
     let asked = Asked { lod: part.lod.clone(), ..Asked::default() };
     let (bounds, objects) = match formats::read(&part.file, &asked)? {
         Content::Polygons(geometry) => {
+            // Each file by itself would have an origin of its own.
+            if geometry.local_frame.is_some() {
+                let hint = "reproject the files to a system in metres with z up, for instance to UTM";
+                return Err(Error::input(&part.file, None, "its coordinates are geocentric", hint));
+            }
             let part = part.in_frame(&site.frame);
             let objects = objects(&geometry, |p| part.place(p));
             (joined(objects.iter().map(|object| object.bounds)), objects)
         }
-        Content::Terrain(raster) => (raster.placed(part)?.extent(), Vec::new()),
+        Content::Terrain(raster) => {
+            (raster.placed(part, &site.frame, part.reference.or(site.frame.references()[0]))?.extent(), Vec::new())
+        }
     };
     if !(bounds[0].is_finite() && bounds[1].is_finite()) {
         return Err(Error::input(&part.file, None, "holds no face and no height", "leave it out of the site"));

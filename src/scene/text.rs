@@ -143,6 +143,27 @@ pub(super) fn line_of_offset(bytes: &[u8], offset: usize) -> usize {
     before.iter().filter(|&&byte| byte == b'\n').count() + 1
 }
 
+/// Text as UTF-8: what is UTF-16, by its byte order mark or by the zeros of its first letters, is converted; all else stays as it is.
+pub(super) fn utf8(bytes: Vec<u8>) -> Vec<u8> {
+    const LOOKED_AT: usize = 64;
+    let zeros = |odd: usize| {
+        let head = bytes.get(..bytes.len().min(LOOKED_AT) / 2 * 2).unwrap_or_default();
+        // Every other byte is a zero, and no other is.
+        head.len() >= 4 && head.iter().enumerate().all(|(i, byte)| (*byte == 0) == (i % 2 == odd))
+    };
+    let little = match bytes.as_slice() {
+        [0xff, 0xfe, ..] => true,
+        [0xfe, 0xff, ..] => false,
+        _ if zeros(1) => true,
+        _ if zeros(0) => false,
+        _ => return bytes,
+    };
+    let unit = |pair: &[u8; 2]| if little { u16::from_le_bytes(*pair) } else { u16::from_be_bytes(*pair) };
+    let units = bytes.as_chunks::<2>().0.iter().map(unit);
+    let text: String = char::decode_utf16(units).map(|c| c.unwrap_or('\u{fffd}')).collect();
+    text.trim_start_matches('\u{feff}').to_owned().into_bytes()
+}
+
 pub(super) fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
@@ -158,6 +179,22 @@ mod tests {
             found.push((number, String::from_utf8_lossy(line).into_owned()));
         }
         found
+    }
+
+    /// Four spellings of a text in UTF-16 are its 9 bytes of UTF-8; UTF-8, bytes of no text and 3 bytes stay.
+    #[test]
+    fn utf_16() {
+        let text = "v 1 \u{e9}\nf";
+        for little in [true, false] {
+            let pair = |unit: u16| if little { unit.to_le_bytes() } else { unit.to_be_bytes() };
+            let plain: Vec<u8> = "v 1 0\nf".encode_utf16().flat_map(pair).collect();
+            assert_eq!(utf8(plain), b"v 1 0\nf");
+            let marked: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(pair).collect();
+            assert_eq!(utf8(marked), text.as_bytes());
+        }
+        for bytes in [&b"v 1\0 0"[..], b"\0\0\0\0\0\0", b"v\0f", b"", "\u{feff}v".as_bytes()] {
+            assert_eq!(utf8(bytes.to_vec()), bytes);
+        }
     }
 
     /// LF, CRLF and CR files give the same lines with the same numbers.

@@ -10,7 +10,7 @@ use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// What the plan of an atlas says of its parts.
-const PLANNED: [&str; 20] = [
+const PLANNED: [&str; 21] = [
     "receivers",
     "output",
     "materials",
@@ -22,6 +22,7 @@ const PLANNED: [&str; 20] = [
     "rotate_deg",
     "elevation",
     "scale",
+    "up",
     "effects",
     "negligible",
     "weather",

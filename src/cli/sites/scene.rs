@@ -6,15 +6,15 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use heliotile_core::error;
-use heliotile_scene::placing::frame::{SiteFrame, check_elevation, check_epsg, check_rotation, check_scale};
+use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
 use heliotile_scene::site::{MissingGround, Site};
 
 #[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneArgs {
-    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl), terrain (.tif,
-    /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz; metres,
-    /// x east, y north, z up
+    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), terrain (.tif,
+    /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip;
+    /// metres, x east, y north, z up
     #[arg(required = true, value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
     #[command(flatten)]
@@ -70,9 +70,14 @@ pub struct PlaceArgs {
     /// Height above sea level of z = 0, metres, for all files but terrain
     #[arg(long, value_name = "METRES", allow_negative_numbers = true, value_parser = parse_elevation)]
     pub elevation: Option<f64>,
-    /// Metres a unit of all files but terrain: 0.001 for millimetres
+    /// Metres a unit of all files but terrain: 0.001 for millimetres; 0.3048 or 0.3048006 holds for terrain in feet, too, where its file
+    /// does not state the unit
     #[arg(long, value_name = "METRES", value_parser = parse_scale)]
     pub scale: Option<f64>,
+    /// The axis that points up in OBJ, PLY and STL files: z, with y to the north, or y, with z to the south [default: z]
+    #[arg(long, value_name = "AXIS", value_parser = parse_up)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<UpAxis>,
 }
 
 impl SceneArgs {
@@ -97,6 +102,7 @@ impl PlaceArgs {
             rotate_deg: self.rotate_deg,
             elevation_m: self.elevation,
             scale: self.scale,
+            up: self.up,
         }
     }
 }
@@ -131,6 +137,14 @@ fn parse_rotation(text: &str) -> Result<f64, String> {
 
 fn parse_elevation(text: &str) -> Result<f64, String> {
     check_elevation(parse_number(text)?)
+}
+
+fn parse_up(text: &str) -> Result<UpAxis, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "y" => Ok(UpAxis::Y),
+        "z" => Ok(UpAxis::Z),
+        _ => Err("give y or z".into()),
+    }
 }
 
 fn parse_scale(text: &str) -> Result<f64, String> {

@@ -40,7 +40,7 @@ pub fn check(args: &ReplayArgs, model: &Path) -> Result<()> {
 }
 
 fn is_sequence(path: &Path) -> bool {
-    input::ending(path) == "jsonl"
+    ["jsonl", "cityjsonl"].contains(&input::ending(path).as_str())
 }
 
 /// Writes the model with the sums of a series.

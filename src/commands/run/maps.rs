@@ -69,12 +69,12 @@ const CITY_JSON: &[u8] = b"\"CityJSON";
 /// Files that may be city models, by their names.
 fn city_models(site: &Site) -> Vec<&Path> {
     let files = site.parts.iter().map(|part| part.file.as_path());
-    files.filter(|file| ["json", "jsonl"].contains(&input::ending(file).as_str())).collect()
+    files.filter(|file| ["json", "jsonl", "cityjson", "cityjsonl"].contains(&input::ending(file).as_str())).collect()
 }
 
 /// Whether the city model of a scene is a sequence of features.
 pub fn is_sequence(site: &Site) -> bool {
-    city_models(site).first().is_some_and(|file| input::ending(file) == "jsonl")
+    city_models(site).first().is_some_and(|file| ["jsonl", "cityjsonl"].contains(&input::ending(file).as_str()))
 }
 
 /// Writes the picture and the maps that are asked for; receivers that these cannot draw are an error.

@@ -136,6 +136,7 @@ impl SceneArgs {
             rotate_deg: checked("rotate_deg", self.rotate_deg, check_rotation)?,
             elevation_m: checked("elevation", self.elevation, check_elevation)?,
             scale: checked("scale", self.scale, check_scale)?,
+            up: None,
         };
         let mut site = Site::of(&self.files, self.materials.as_deref())?;
         if self.assume_ground {

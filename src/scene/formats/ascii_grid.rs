@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::DVec2;
 
+use crate::formats::sidecar;
 use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
@@ -80,8 +81,12 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let first = south_west + DVec2::new(0.0, step.y * (rows - 1) as f64);
     let heights = heights(&mut words, samples, file, [columns, rows])?;
     let grid = Grid { columns: columns as usize, rows: rows as usize, first, step };
-    let meaning = Meaning { nodata: header.get("nodata_value"), ..Meaning::default() };
-    Raster::new(file, grid, heights, &meaning, Vec::new())
+    let (mut meaning, mut warnings) =
+        (Meaning { nodata: header.get("nodata_value"), ..Meaning::default() }, Vec::new());
+    sidecar::complete(&mut meaning, file, sidecar::aux(file)?.as_deref(), &mut warnings)?;
+    let plane = meaning.plane_unit_m.unwrap_or(1.0);
+    let grid = Grid { first: grid.first * plane, step: grid.step * plane, ..grid };
+    Raster::new(file, grid, heights, &meaning, warnings)
 }
 
 /// What else goes by the name of `.dem`. A USGS DEM has whole numbers in columns 145 to 162: level, pattern (1 is a grid) and reference

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use crate::epsg_numbers::{Axes, FOOT_M, US_FOOT_M, axes_of, height_unit_m};
+use crate::formats::projections::{Projection, half_axis_of};
 use crate::reference::Reference;
-use crate::terrain::raster::{Meaning, degrees};
+use crate::terrain::raster::{Meaning, degrees, geocentric};
 use heliotile_core::error::Result;
 
 const MODEL_TYPE: u16 = 1024;
@@ -11,78 +13,189 @@ const RASTER_TYPE: u16 = 1025;
 const GEOGRAPHIC_SYSTEM: u16 = 2048;
 const PROJECTED_SYSTEM: u16 = 3072;
 const PLANE_UNIT: u16 = 3076;
+const PLANE_UNIT_SIZE: u16 = 3077;
+const HEIGHT_SYSTEM: u16 = 4096;
 const HEIGHT_UNIT: u16 = 4099;
 
-/// Numbers that are stated in the directory itself, by key.
-pub(super) struct GeoKeys(Vec<(u16, u16)>);
+const METHOD: u16 = 3075;
+const HALF_AXIS: u16 = 2057;
+
+/// Codes of projections (OGC 19-008r4, annex on `ProjMethodGeoKey`), with their names in well-known text.
+const METHODS: [(u16, &str); 8] = [
+    (1, "transverse_mercator"),
+    (7, "mercator"),
+    (8, "lambert_conformal_conic_2sp"),
+    (9, "lambert_conformal_conic_1sp"),
+    (10, "lambert_azimuthal_equal_area"),
+    (11, "albers"),
+    (15, "polar_stereographic"),
+    (16, "oblique_stereographic"),
+];
+
+/// Keys of parameters, with their names in well-known text.
+const PARAMETERS: [(u16, &str); 16] = [
+    (3078, "standard_parallel_1"),
+    (3079, "standard_parallel_2"),
+    (3080, "central_meridian"),
+    (3081, "latitude_of_origin"),
+    (3082, "false_easting"),
+    (3083, "false_northing"),
+    (3084, "central_meridian"),
+    (3085, "latitude_of_origin"),
+    (3086, "false_easting"),
+    (3087, "false_northing"),
+    (3088, "central_meridian"),
+    (3089, "latitude_of_origin"),
+    (3090, "false_easting"),
+    (3091, "false_northing"),
+    (3092, "scale_factor"),
+    (3095, "central_meridian"),
+];
+
+/// The tag of floating numbers that keys point to, and the code of what its user defines.
+const DOUBLES: u16 = 34736;
+const USER_DEFINED: u16 = 32767;
+
+/// Numbers of the directory, by key: those in the directory itself, and those that stand in the tag of floating numbers.
+pub(super) struct GeoKeys {
+    codes: Vec<(u16, u16)>,
+    numbers: Vec<(u16, f64)>,
+}
 
 impl GeoKeys {
-    pub(super) fn read(directory: &[u16]) -> GeoKeys {
+    pub(super) fn read(directory: &[u16], doubles: &[f64]) -> GeoKeys {
         let (_, entries) = directory.split_at(directory.len().min(4));
-        // Key, tag that holds its value (0: here), count, value.
-        let numbers = entries.as_chunks::<4>().0.iter().filter(|entry| entry[1] == 0);
-        GeoKeys(numbers.map(|&[key, _, _, value]| (key, value)).collect())
+        // Key, tag that holds its value (0: here), count, value or place in the tag.
+        let entries = entries.as_chunks::<4>().0;
+        let codes = entries.iter().filter(|entry| entry[1] == 0).map(|&[key, _, _, value]| (key, value)).collect();
+        let numbers = entries
+            .iter()
+            .filter(|entry| entry[1] == DOUBLES)
+            .filter_map(|&[key, _, _, place]| Some((key, doubles.get(usize::from(place)).copied()?)))
+            .collect();
+        GeoKeys { codes, numbers }
     }
 
     fn get(&self, key: u16) -> Option<u16> {
-        self.0.iter().find(|entry| entry.0 == key).map(|entry| entry.1)
+        self.codes.iter().find(|entry| entry.0 == key).map(|entry| entry.1)
+    }
+
+    fn number(&self, key: u16) -> Option<f64> {
+        self.numbers.iter().find(|entry| entry.0 == key).map(|entry| entry.1)
     }
 
     pub(super) fn samples_are_points(&self) -> bool {
         self.get(RASTER_TYPE) == Some(2)
     }
 
-    /// Metres a unit of the plane coordinates; 1 where it is not stated.
-    pub(super) fn metres_in_plane(&self) -> f64 {
-        self.get(PLANE_UNIT).and_then(metres).unwrap_or(1.0)
+    /// The plane system by its number, or of one that the file defines itself by its parameters; codes below and above are those of users.
+    fn system(&self) -> Option<Reference> {
+        let stated = self.get(PROJECTED_SYSTEM).filter(|code| (1024..USER_DEFINED).contains(code));
+        stated.map(u32::from).or_else(|| self.number_of_parameters()).map(Reference::Epsg)
     }
 
-    /// Refuses degrees.
+    /// The number of the system whose parameters stand in the file.
+    fn number_of_parameters(&self) -> Option<u32> {
+        let method = self.get(METHOD)?;
+        let (_, method) = METHODS.iter().find(|(code, _)| *code == method)?;
+        let parameters: Vec<(String, f64)> =
+            PARAMETERS.iter().filter_map(|(key, name)| Some(((*name).to_owned(), self.number(*key)?))).collect();
+        let geographic = self.get(GEOGRAPHIC_SYSTEM);
+        let half_axis_m = self.number(HALF_AXIS).or_else(|| half_axis_of(geographic?.into()))?;
+        let datum = match geographic {
+            Some(4326) => "WGS_1984",
+            Some(4269) => "NAD_1983",
+            Some(4258) => "ETRS",
+            _ => "",
+        };
+        let unit = self.stated_plane_unit_m().unwrap_or(1.0);
+        Projection::of_parameters(method, &parameters, unit, half_axis_m)?.epsg(datum)
+    }
+
+    /// Metres a unit of the plane coordinates as the file states it.
+    fn stated_plane_unit_m(&self) -> Option<f64> {
+        match self.get(PLANE_UNIT)? {
+            USER_DEFINED => self.number(PLANE_UNIT_SIZE).filter(|size| *size > 0.0 && size.is_finite()),
+            unit => metres(unit),
+        }
+    }
+
+    /// The same, or what its system has by definition.
+    fn plane_unit_m(&self) -> Option<f64> {
+        self.stated_plane_unit_m().or_else(|| {
+            let Reference::Epsg(number) = self.system()? else { return None };
+            (axes_of(number) == Some(Axes::Plane)).then(|| Reference::Epsg(number).unit_m())
+        })
+    }
+
+    /// Metres a unit of height: what the file states, else what its vertical system has by definition.
+    fn height_unit_m(&self) -> Option<f64> {
+        let by_system = || self.get(HEIGHT_SYSTEM).and_then(|code| height_unit_m(code.into()));
+        self.get(HEIGHT_UNIT).and_then(metres).or_else(by_system)
+    }
+
+    /// Refuses degrees and geocentric coordinates.
     pub(super) fn meaning(&self, file: &Path, warnings: &mut Vec<String>) -> Result<Meaning> {
         // 1 is projected, 2 longitude and latitude, 3 geocentric.
         let model = self.get(MODEL_TYPE);
-        if matches!(model, Some(2 | 3)) || (model.is_none() && self.get(GEOGRAPHIC_SYSTEM).is_some()) {
-            let system =
-                self.get(GEOGRAPHIC_SYSTEM).map_or("a geographic system".into(), |code| format!("EPSG:{code}"));
+        let geographic = self.get(GEOGRAPHIC_SYSTEM);
+        let system = geographic.map_or("a geographic system".into(), |code| format!("EPSG:{code}"));
+        let axes = match self.system() {
+            Some(Reference::Epsg(number)) => axes_of(number),
+            _ => None,
+        };
+        if model == Some(3) || axes == Some(Axes::Geocentric) {
+            return Err(geocentric(file, &format!("it is stated in {system}")));
+        }
+        if model == Some(2) || (model.is_none() && geographic.is_some()) || axes == Some(Axes::Degrees) {
             return Err(degrees(file, &format!("it is stated in {system}")));
         }
         let file = file.display();
-        let plane = self.metres_in_plane();
-        let heights = self.get(HEIGHT_UNIT);
-        for (key, what) in [(PLANE_UNIT, "coordinates"), (HEIGHT_UNIT, "heights")] {
-            if let Some(unit) = self.get(key).filter(|&unit| metres(unit).is_none()) {
+        if self.get(PROJECTED_SYSTEM) == Some(USER_DEFINED) && self.system().is_none() {
+            warnings.push(format!(
+                "{file}: defines a coordinate system of its own, whose number in the EPSG register is not known here; the place stays \
+                 unknown: give --crs"
+            ));
+        }
+        for (key, known, what) in
+            [(PLANE_UNIT, self.plane_unit_m(), "coordinates"), (HEIGHT_UNIT, self.height_unit_m(), "heights")]
+        {
+            if let Some(unit) = self.get(key).filter(|_| known.is_none()) {
                 warnings
                     .push(format!("{file}: the unit of the {what} (EPSG:{unit}) is not known and taken for metres"));
             }
         }
-        // 32767 is "user-defined".
-        let system = self.get(PROJECTED_SYSTEM).filter(|&code| (1024..32767).contains(&code));
-        if plane != 1.0 {
-            warnings.push(format!(
-                "{file}: coordinates in feet are converted to metres, which leaves the coordinate system that the file names"
-            ));
-            if heights.is_none() {
-                warnings.push(format!("{file}: no unit of heights is stated, taken are metres"));
-            }
-        }
         Ok(Meaning {
-            nodata: None,
-            metres: heights.and_then(metres).unwrap_or(1.0),
+            height_unit_m: self.height_unit_m(),
+            plane_unit_m: self.plane_unit_m(),
             projected: model == Some(1),
-            reference: system.filter(|_| plane == 1.0).map(|code| Reference::Epsg(code.into())),
+            reference: self.system(),
+            ..Meaning::default()
         })
     }
 }
 
 /// Metres of a unit of length of the EPSG register.
 fn metres(unit: u16) -> Option<f64> {
-    match unit {
-        9001 => Some(1.0),
-        // The international foot and the foot of the US survey.
-        9002 => Some(0.3048),
-        9003 => Some(1200.0 / 3937.0),
-        _ => None,
-    }
+    Some(match unit {
+        9001 => 1.0,
+        9002 => FOOT_M,
+        9003 => US_FOOT_M,
+        // Millimetres, centimetres, kilometres.
+        1025 => 0.001,
+        1033 => 0.01,
+        9036 => 1000.0,
+        // The feet of Clarke, of the Gold Coast, of Sears, of Britain of 1936, of India.
+        9005 => 0.304_797_265_4,
+        9094 => 0.304_799_710_181_508_8,
+        9041 => 0.304_799_471_538_676_2,
+        9095 => 0.304_800_749_1,
+        9080 => 0.304_799_510_248_146_94,
+        // Yards and chains.
+        9096 => 0.9144,
+        9097 => 20.1168,
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -92,29 +205,74 @@ mod tests {
     fn meaning(entries: &[[u16; 4]]) -> Result<(Meaning, usize)> {
         let directory: Vec<u16> = [[1, 1, 0, entries.len() as u16]].iter().chain(entries).flatten().copied().collect();
         let mut warnings = Vec::new();
-        let found = GeoKeys::read(&directory).meaning(Path::new("r.tif"), &mut warnings)?;
+        let found = GeoKeys::read(&directory, &[]).meaning(Path::new("r.tif"), &mut warnings)?;
         Ok((found, warnings.len()))
     }
 
-    /// UTM zone 11 is EPSG:32611 without a warning; survey feet are 1200/3937 m and warn twice, as the system no longer holds and
-    /// heights have no unit; longitude and latitude are refused.
+    /// UTM zone 11 is EPSG:32611 in metres; survey feet are 1200/3937 m by their key or by the number of the system, which stays; longitude and
+    /// latitude and geocentric coordinates are refused.
     #[test]
     fn systems() {
         let (utm, warnings) = meaning(&[[1024, 0, 1, 1], [3072, 0, 1, 32611], [3076, 0, 1, 9001]]).expect("metres");
-        assert_eq!((utm.reference, utm.metres, warnings), (Some(Reference::Epsg(32611)), 1.0, 0));
-        let (feet, warnings) = meaning(&[[1024, 0, 1, 1], [3072, 0, 1, 2225], [3076, 0, 1, 9003]]).expect("feet");
-        assert_eq!((feet.reference, feet.metres, warnings), (None, 1.0, 2));
-        let (high, _) = meaning(&[[4099, 0, 1, 9002]]).expect("feet of height");
-        assert_eq!(high.metres, 0.3048);
+        assert_eq!((utm.reference, utm.plane_unit_m, warnings), (Some(Reference::Epsg(32611)), Some(1.0), 0));
+        for keys in [&[[1024, 0, 1, 1], [3072, 0, 1, 2225], [3076, 0, 1, 9003]][..], &[[3072, 0, 1, 2225]]] {
+            let (feet, warnings) = meaning(keys).expect("feet");
+            assert_eq!((feet.reference, feet.plane_unit_m), (Some(Reference::Epsg(2225)), Some(1200.0 / 3937.0)));
+            assert_eq!((feet.height_unit_m, warnings), (None, 0));
+        }
         let message = meaning(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]).expect_err("degrees").to_string();
         assert!(message.contains("EPSG:4326") && message.contains("reproject it to metres"), "{message}");
+        let message = meaning(&[[1024, 0, 1, 3], [2048, 0, 1, 4978]]).expect_err("geocentric").to_string();
+        assert!(message.contains("geocentric") && message.contains("reproject it to metres"), "{message}");
+    }
+
+    /// Heights are feet by their unit (0.3048 m) or by their system (EPSG:6360: 1200/3937 m, EPSG:5703: 1 m), and of no stated unit otherwise.
+    #[test]
+    fn units_of_heights() {
+        for (keys, unit) in [
+            (&[[4099, 0, 1, 9002]][..], Some(0.3048)),
+            (&[[4096, 0, 1, 6360]], Some(1200.0 / 3937.0)),
+            (&[[4096, 0, 1, 5703]], Some(1.0)),
+            (&[[4096, 0, 1, 5103], [4099, 0, 1, 9003]], Some(1200.0 / 3937.0)),
+            (&[[3072, 0, 1, 2225]], None),
+        ] {
+            assert_eq!(meaning(keys).expect("heights").0.height_unit_m, unit, "{keys:?}");
+        }
+    }
+
+    /// A system without a number is found by its parameters: NAD83 with the cone of Long Island in US feet is EPSG:2263; one that nobody has
+    /// registered is told of.
+    #[test]
+    fn a_system_by_its_parameters() {
+        let doubles = [40.666_666_666_7, 41.033_333_333_3, -74.0, 40.166_666_666_7, 984_250.0, 0.0];
+        let keys = |first: u16| {
+            let mut keys =
+                vec![1, 1, 0, 11, 1024, 0, 1, 1, 2048, 0, 1, 4269, 3072, 0, 1, 32767, 3075, 0, 1, 8, 3076, 0, 1, 9003];
+            for (i, key) in [first, 3079, 3084, 3085, 3086, 3087].into_iter().enumerate() {
+                keys.extend([key, 34736, 1, i as u16]);
+            }
+            keys
+        };
+        let mut warnings = Vec::new();
+        let found = GeoKeys::read(&keys(3078), &doubles).meaning(Path::new("r.tif"), &mut warnings).expect("read");
+        assert_eq!((found.reference, warnings.len()), (Some(Reference::Epsg(2263)), 0));
+        let found = GeoKeys::read(&keys(3999), &doubles).meaning(Path::new("r.tif"), &mut warnings).expect("read");
+        assert_eq!((found.reference, found.plane_unit_m, warnings.len()), (None, Some(1200.0 / 3937.0), 1));
+    }
+
+    /// A unit of 0.5 m that the file defines by itself stands in the tag of floating numbers.
+    #[test]
+    fn a_unit_of_its_own() {
+        let directory = [1, 1, 0, 2, 3076, 0, 1, 32767, 3077, 34736, 1, 1];
+        let keys = GeoKeys::read(&directory, &[7.0, 0.5]);
+        assert_eq!(keys.meaning(Path::new("r.tif"), &mut Vec::new()).expect("read").plane_unit_m, Some(0.5));
     }
 
     /// Directories of 0 to 9 numbers are read without a key that is not whole.
     #[test]
     fn short() {
         for length in 0..10 {
-            assert_eq!(GeoKeys::read(&vec![1; length]).0.len(), 0);
+            assert_eq!(GeoKeys::read(&vec![1; length], &[]).codes.len(), 0);
         }
     }
 }

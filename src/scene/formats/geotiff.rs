@@ -1,7 +1,9 @@
-//! In: the bytes of a GeoTIFF (OGC 19-008r4 "GeoTIFF 1.1" over TIFF 6.0 or BigTIFF). Out: the heights of its first band. Samples are
+//! In: the bytes of a GeoTIFF (OGC 19-008r4 "GeoTIFF 1.1" over TIFF 6.0 or BigTIFF). Out: the heights of its first band; what a mask or a band of
+//! opacity hides is nodata. Samples are
 //! decoded by the crate `tiff`, a strip or tile at a time; what the file claims of its size is checked before.
 
-use std::io::Cursor;
+use std::io;
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use glam::DVec2;
@@ -9,8 +11,11 @@ use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use crate::formats::gdal_metadata::{BandNotes, metres_of_unit};
 use crate::formats::geokeys::GeoKeys;
+use crate::formats::sidecar;
 use crate::formats::tiff_directory;
+use crate::formats::tiff_directory::{Patch, Patches};
 use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
@@ -18,19 +23,62 @@ use heliotile_core::error::{Error, Result};
 /// Most bytes that a strip or tile may unpack to, and the most that the crate may allocate at once.
 const MAX_CHUNK: usize = 1 << 28;
 
+/// The tag that GDAL writes XML of bands to.
+const GDAL_METADATA: u16 = 42112;
+
 /// No byte of Deflate (1032) or LZW (some 2500) unpacks to more samples than this: a claim beyond is refused unread.
 const MOST_PACKED: u64 = 4096;
 
-type Tiff<'b> = Decoder<Cursor<&'b [u8]>>;
+/// A file of which some bytes are read as others.
+struct Patched<'b> {
+    inner: Cursor<&'b [u8]>,
+    patches: Patches,
+}
+
+type Tiff<'b> = Decoder<Patched<'b>>;
+
+impl Read for Patched<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let start = self.inner.position();
+        let mut count = self.inner.read(buffer)?;
+        let end = self.inner.get_ref().len() as u64 + self.patches.zeros;
+        if count == 0 && start < end {
+            count = buffer.len().min((end - start) as usize);
+            buffer.iter_mut().take(count).for_each(|byte| *byte = 0);
+            self.inner.set_position(start + count as u64);
+        }
+        for Patch { at, bytes } in &self.patches.list {
+            let (from, to) = (start.max(*at), (start + count as u64).min(at + bytes.len() as u64));
+            if from < to
+                && let Some(into) = buffer.get_mut((from - start) as usize..(to - start) as usize)
+                && let Some(of) = bytes.get((from - at) as usize..(to - at) as usize)
+            {
+                into.copy_from_slice(of);
+            }
+        }
+        Ok(count)
+    }
+}
+
+impl Seek for Patched<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.inner.seek(to)
+    }
+}
+
+fn open<'b>(bytes: &'b [u8], patches: Patches, file: &Path) -> Result<Tiff<'b>> {
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = MAX_CHUNK;
+    limits.intermediate_buffer_size = MAX_CHUNK;
+    let tiff = Decoder::new(Patched { inner: Cursor::new(bytes), patches });
+    Ok(tiff.map_err(|e| refused(file, "its header", &e))?.with_limits(limits))
+}
 
 pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let bad = |doing: &'static str| move |e: TiffError| refused(file, doing, &e);
     let cut = "the file is damaged or cut off: fetch or export it again";
-    tiff_directory::check(bytes).map_err(|what| Error::input(file, None, what, cut))?;
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = MAX_CHUNK;
-    limits.intermediate_buffer_size = MAX_CHUNK;
-    let mut tiff = Decoder::new(Cursor::new(bytes)).map_err(bad("its header"))?.with_limits(limits);
+    let patches = tiff_directory::check(bytes).map_err(|what| Error::input(file, None, what, cut))?;
+    let mut tiff = open(bytes, patches, file)?;
     let (columns, rows) = tiff.dimensions().map_err(bad("its size"))?;
     let samples = check_size(file, columns.into(), rows.into())?;
     if samples as u64 > bytes.len() as u64 * MOST_PACKED {
@@ -38,10 +86,40 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
         return Err(Error::input(file, None, what, "the file is damaged or cut off: fetch it again"));
     }
     let mut warnings = Vec::new();
-    let (grid, mut meaning) = georeference(&mut tiff, file, [columns, rows], &mut warnings)?;
-    meaning.nodata = nodata(&mut tiff, file, &mut warnings);
-    let heights = first_band(&mut tiff, file, samples, &mut warnings)?;
+    let aux = sidecar::aux(file)?;
+    let (grid, mut meaning) = georeference(&mut tiff, file, aux.as_deref(), &mut warnings)?;
+    let notes = BandNotes::of_tag(&text_of(&mut tiff, Tag::Unknown(GDAL_METADATA)));
+    let notes = notes.or(sidecar::notes_of_aux(aux.as_deref()));
+    meaning.nodata = nodata(&mut tiff, file, &mut warnings).or(notes.nodata);
+    (meaning.scale, meaning.offset) = (notes.scale, notes.offset.unwrap_or_default());
+    if let Some(unit) = &notes.unit {
+        let metres = metres_of_unit(unit);
+        if metres.is_none() {
+            let (file, unit) = (file.display(), excerpt(unit.as_bytes()));
+            warnings.push(format!("{file}: the unit of the heights, `{unit}`, is not known and taken for metres"));
+        }
+        meaning.height_unit_m = metres.or(meaning.height_unit_m);
+    }
+    let mut heights = first_band(&mut tiff, file, samples, &mut warnings)?;
+    let mask = tiff_directory::mask(bytes).map_err(|what| Error::input(file, None, what, cut))?;
+    if let Some(mask) = mask {
+        let mut tiff = open(bytes, mask, file)?;
+        hide(&mut heights, &band(&mut tiff, file, 0, samples)?);
+    }
     Raster::new(file, grid, heights, &meaning, warnings)
+}
+
+/// Makes nodata of samples whose mask or opacity is 0, or is not there.
+fn hide(heights: &mut [f32], shown: &[f32]) {
+    for (height, shown) in heights.iter_mut().zip(shown) {
+        if shown.is_nan() || *shown == 0.0 {
+            *height = f32::NAN;
+        }
+    }
+}
+
+fn text_of(tiff: &mut Tiff, tag: Tag) -> String {
+    tiff.find_tag(tag).ok().flatten().and_then(|value| value.into_string().ok()).unwrap_or_default()
 }
 
 fn refused(file: &Path, doing: &str, error: &TiffError) -> Error {
@@ -82,18 +160,24 @@ fn nodata(tiff: &mut Tiff, file: &Path, warnings: &mut Vec<String>) -> Option<f6
 fn georeference(
     tiff: &mut Tiff,
     file: &Path,
-    [columns, rows]: [u32; 2],
+    aux: Option<&str>,
     warnings: &mut Vec<String>,
 ) -> Result<(Grid, Meaning)> {
+    let (columns, rows) = tiff.dimensions().map_err(|e| refused(file, "its size", &e))?;
     let mut doubles = |tag: Tag| -> Vec<f64> {
         let found = tiff.find_tag(tag).ok().flatten();
         found.and_then(|value| value.into_f64_vec().ok()).unwrap_or_default()
     };
     let (scale, ties) = (doubles(Tag::ModelPixelScaleTag), doubles(Tag::ModelTiepointTag));
     let transformation = doubles(Tag::ModelTransformationTag);
+    let parameters = doubles(Tag::GeoDoubleParamsTag);
+    // What the raster states itself goes before the files beside it.
+    let stated = (scale.len() >= 2 && ties.len() >= 6) || transformation.len() >= 8;
+    let beside = if stated { None } else { sidecar::world_file(file)?.or_else(|| sidecar::place_of_aux(aux?)) };
     let refuse = |what: &str, hint: &str| Err(Error::input(file, None, what, hint));
     // Both ways lead to the position of the corner (or sample) 0, 0 and a step eastwards and southwards.
     let (first, step) = match (scale.as_slice(), ties.as_slice(), transformation.as_slice()) {
+        _ if beside.is_some() => (DVec2::ZERO, DVec2::ZERO),
         ([sx, sy, ..], [i, j, _, x, y, _, ..], _) => {
             let step = DVec2::new(*sx, *sy);
             (DVec2::new(x - i * step.x, y + j * step.y), step)
@@ -121,11 +205,16 @@ fn georeference(
         }
     };
     let directory = tiff.find_tag_unsigned_vec(Tag::GeoKeyDirectoryTag).ok().flatten().unwrap_or_default();
-    let keys = GeoKeys::read(&directory);
-    let meaning = keys.meaning(file, warnings)?;
-    let plane = keys.metres_in_plane();
-    // A sample stands for its cell, whose corner is meant, unless it is a point.
-    let first = if keys.samples_are_points() { first } else { first + DVec2::new(0.5, -0.5) * step };
+    let keys = GeoKeys::read(&directory, &parameters);
+    let mut meaning = keys.meaning(file, warnings)?;
+    sidecar::complete(&mut meaning, file, aux, warnings)?;
+    let plane = meaning.plane_unit_m.unwrap_or(1.0);
+    // A sample stands for its cell, whose corner is meant, unless it is a point. World files state the middle of the cell.
+    let (first, step) = match beside {
+        Some(world) => (world.first, world.step),
+        None if keys.samples_are_points() => (first, step),
+        None => (first + DVec2::new(0.5, -0.5) * step, step),
+    };
     let grid = Grid { columns: columns as usize, rows: rows as usize, first: first * plane, step: step * plane };
     Ok((grid, meaning))
 }
@@ -133,18 +222,40 @@ fn georeference(
 /// Samples of the first band, whatever the file's number format.
 fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<String>) -> Result<Vec<f32>> {
     let bad = |e: TiffError| refused(file, "its samples", &e);
-    let (columns, rows) = tiff.dimensions().map_err(bad)?;
     // White as zero turns numbers around; `tiff` would, and no height is meant so.
     if tiff.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(0) {
         let what = "its samples are stated as white at 0 (tag 262)";
         return Err(Error::input(file, None, what, "export it as GeoTIFF of heights"));
     }
     let bands = tiff.colortype().map_err(bad)?.num_samples();
-    if bands > 1 {
+    // Of the bands behind those of the colour, 1 and 2 are opacity (tag 338).
+    let extra: Vec<u16> = tiff.find_tag_unsigned_vec(Tag::ExtraSamples).ok().flatten().unwrap_or_default();
+    let colours = usize::from(bands).saturating_sub(extra.len());
+    let alpha =
+        extra.iter().position(|kind| matches!(kind, 1 | 2)).map(|place| colours + place).filter(|place| *place > 0);
+    if usize::from(bands) > 1 + usize::from(alpha.is_some()) {
         warnings.push(format!("{}: the first of {bands} bands is taken for heights", file.display()));
     }
+    let mut heights = band(tiff, file, 0, samples)?;
+    if let Some(alpha) = alpha {
+        hide(&mut heights, &band(tiff, file, alpha, samples)?);
+    }
+    Ok(heights)
+}
+
+/// Samples of one band, NaN where the file leaves them out.
+fn band(tiff: &mut Tiff, file: &Path, number: usize, samples: usize) -> Result<Vec<f32>> {
+    let bad = |e: TiffError| refused(file, "its samples", &e);
+    let (columns, rows) = tiff.dimensions().map_err(bad)?;
+    let color = tiff.colortype().map_err(bad)?;
     let planar = tiff.find_tag_unsigned::<u16>(Tag::PlanarConfiguration).ok().flatten() == Some(2);
-    let between = if planar { 1 } else { usize::from(bands).max(1) };
+    let between = if planar { 1 } else { usize::from(color.num_samples()).max(1) };
+    let within = if planar { 0 } else { number };
+    let bits = color.bit_depth();
+    if bits < 8 && !(bits == 1 && between == 1) {
+        let what = format!("its samples have {bits} bits");
+        return Err(Error::input(file, None, what, "export it as GeoTIFF of heights"));
+    }
     let tag = match tiff.get_chunk_type() {
         ChunkType::Strip => Tag::StripByteCounts,
         ChunkType::Tile => Tag::TileByteCounts,
@@ -152,26 +263,40 @@ fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<S
     let counts: Vec<u64> = tiff.find_tag_unsigned_vec(tag).ok().flatten().unwrap_or_default();
     let (wide, high) = tiff.chunk_dimensions();
     let (across, down) = (columns.div_ceil(wide.max(1)), rows.div_ceil(high.max(1)));
-    if wide == 0 || high == 0 || (counts.len() as u64) < u64::from(across) * u64::from(down) {
+    let plane = u64::from(across) * u64::from(down);
+    let first = if planar { number as u64 * plane } else { 0 };
+    if wide == 0 || high == 0 || (counts.len() as u64) < first + plane {
         let what = format!("{} strips or tiles are fewer than {across} x {down}", counts.len());
         return Err(Error::input(file, None, what, "the file is damaged: fetch or export it again"));
     }
     let mut heights = vec![f32::NAN; samples];
-    for (chunk, &bytes) in (0..across * down).zip(&counts) {
+    for (chunk, &bytes) in (0..across * down).zip(counts.iter().skip(first as usize)) {
         // GDAL leaves tiles without any data out of the file ("sparse").
         if bytes == 0 {
             continue;
         }
-        let decoded = tiff.read_chunk(chunk).map_err(bad)?;
-        let (width, height) = tiff.chunk_data_dimensions(chunk);
+        let decoded = tiff.read_chunk(first as u32 + chunk).map_err(bad)?;
+        let (width, height) = tiff.chunk_data_dimensions(first as u32 + chunk);
         let from = (chunk / across * high) as usize * columns as usize + (chunk % across * wide) as usize;
         for line in 0..height as usize {
             let start = from + line * columns as usize;
             let to = heights.get_mut(start..start + width as usize).unwrap_or_default();
-            copy(to, &decoded, line * width as usize * between, between);
+            match &decoded {
+                DecodingResult::U8(all) if bits == 1 => copy_bits(to, all, line * (width as usize).div_ceil(8)),
+                _ => copy(to, &decoded, line * width as usize * between + within, between),
+            }
         }
     }
     Ok(heights)
+}
+
+/// Copies one line of single bits, the highest of a byte first.
+fn copy_bits(to: &mut [f32], all: &[u8], from: usize) {
+    let line = all.get(from..).unwrap_or_default();
+    for (i, to) in to.iter_mut().enumerate() {
+        let byte = line.get(i / 8).copied().unwrap_or_default();
+        *to = f32::from(byte >> (7 - i % 8) & 1);
+    }
 }
 
 /// Copies one line of a chunk, a sample in every `between`.
@@ -200,3 +325,7 @@ fn copy(to: &mut [f32], decoded: &DecodingResult, from: usize, between: usize) {
 #[cfg(test)]
 #[path = "geotiff_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "geotiff_gdal_tests.rs"]
+mod gdal_tests;

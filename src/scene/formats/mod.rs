@@ -1,10 +1,12 @@
 //! Readers of scene files, one a file, chosen by the ending of the name. In: a file of unknown origin. Out: polygons whose every
-//! index and coordinate is checked. They drop nothing silently and never look at another file than those they are given.
+//! index and coordinate is checked. They drop nothing silently and look at
+//! no other file than those they are given, those that these name, and those of the same name that go with a raster.
 
 mod ascii_grid;
 mod building;
 mod cityjson;
 pub(crate) mod energyplus;
+mod gdal_metadata;
 mod geokeys;
 mod geotiff;
 mod gltf;
@@ -14,19 +16,24 @@ pub(super) mod obj;
 mod ply;
 mod ply_body;
 mod ply_header;
+mod projections;
+mod sidecar;
 mod stl;
 #[cfg(test)]
 mod test_solids;
 mod tiff_directory;
+mod wkt;
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::facing;
+use crate::geocentric::{LocalFrame, is_geocentric, to_local};
 use crate::geometry::Geometry;
 use crate::input;
+use crate::input::NamedBytes;
 use crate::terrain::raster::Raster;
-use crate::text::excerpt;
+use crate::text::{excerpt, utf8};
 use heliotile_core::error::{Error, Result};
 
 /// What is asked of a reader besides the geometry.
@@ -38,6 +45,8 @@ pub(super) struct Asked {
     pub described: BTreeSet<String>,
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
+    /// Where geocentric coordinates become metres about: that of the files before, if one had such.
+    pub local_frame: Option<LocalFrame>,
 }
 
 impl Asked {
@@ -68,9 +77,11 @@ enum Format {
     Stl,
 }
 
-/// What names end with, in lower case; `.gz` may stand behind each.
-const ENDINGS: [(&str, Format); 14] = [
+/// What names end with, in lower case; `.gz` or `.zip` may stand behind each.
+const ENDINGS: [(&str, Format); 16] = [
     ("asc", Format::AsciiGrid),
+    ("cityjson", Format::CityJson),
+    ("cityjsonl", Format::CityJson),
     ("dem", Format::AsciiGrid),
     ("epjson", Format::EnergyPlus),
     ("glb", Format::Gltf),
@@ -86,8 +97,8 @@ const ENDINGS: [(&str, Format); 14] = [
     ("tiff", Format::GeoTiff),
 ];
 
-const SUPPORTED: &str = ".json and .jsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
-                         (Honeybee), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz behind it, and site.toml";
+const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
+                         (Honeybee), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
 
 /// The format of scenes that a name certainly belongs to, `.gz` or not; `None` also for `.json`, which may be much else.
 pub fn format_of_name(path: &Path) -> Option<&'static str> {
@@ -95,7 +106,28 @@ pub fn format_of_name(path: &Path) -> Option<&'static str> {
     ENDINGS.iter().find(|(known, _)| *known == ending).and_then(|(_, format)| format.name())
 }
 
+/// Whether files with the name of this one say nothing of which axis points up.
+pub(super) fn has_no_up(path: &Path) -> bool {
+    let ending = input::ending(path);
+    ENDINGS.iter().any(|(known, format)| *known == ending && format.has_no_up())
+}
+
 impl Format {
+    /// Whether it is a format of meshes of any kind, in which no axis is bound to be up.
+    fn is_any_mesh(self) -> bool {
+        matches!(self, Format::Gltf | Format::Obj | Format::Ply | Format::Stl)
+    }
+
+    /// Whether files say nothing of which axis points up.
+    fn has_no_up(self) -> bool {
+        matches!(self, Format::Obj | Format::Ply | Format::Stl)
+    }
+
+    /// Whether files are nothing but text, which may be UTF-16.
+    fn is_text(self) -> bool {
+        !matches!(self, Format::GeoTiff | Format::Gltf | Format::Ply | Format::Stl)
+    }
+
     fn name(self) -> Option<&'static str> {
         Some(match self {
             Format::AsciiGrid => "ASCII grid",
@@ -114,40 +146,63 @@ impl Format {
 
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
-    let ending = input::ending(path);
-    let Some((_, format)) = ENDINGS.iter().find(|(known, _)| *known == ending) else {
+    let mut ending = input::ending(path);
+    let known = |ending: &str| ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format);
+    let packed = is_zip(path);
+    if known(&ending).is_none() && !packed {
         input::check(path)?;
-        return Err(Error::Unsupported {
-            what: format!("the scene {}", path.display()),
-            found: if ending.is_empty() {
-                "a name without ending".into()
-            } else {
-                format!("a name that ends with .{}", excerpt(ending.as_bytes()))
-            },
-            supported: SUPPORTED.into(),
-        });
-    };
-    let bytes = input::read(path)?;
-    match format {
-        Format::AsciiGrid => ascii_grid::parse(&bytes, path).map(Content::Terrain),
-        Format::EnergyPlus => energyplus::parse(&bytes, path, asked).map(polygons),
-        Format::GeoTiff => geotiff::parse(&bytes, path).map(Content::Terrain),
-        Format::Gltf => gltf::parse(&bytes, path, asked).map(polygons),
-        Format::Honeybee => honeybee::parse(&bytes, path, asked).map(polygons),
-        Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked).map(polygons),
-        Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked).map(polygons),
-        Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked).map(polygons),
-        Format::Obj => obj::read(&bytes, path, asked).map(polygons),
-        Format::Ply => ply::parse(&bytes, path).map(polygons),
-        Format::Stl => stl::parse(&bytes, path).map(polygons),
+        return Err(unknown_ending(path, &ending));
     }
+    let NamedBytes { name, bytes } = input::read_named(path, "read")?;
+    if let Some(name) = name.filter(|_| known(&ending).is_none()) {
+        ending = input::ending(Path::new(&name));
+    }
+    let Some(format) = known(&ending) else { return Err(unknown_ending(path, &ending)) };
+    let bytes = if format.is_text() { utf8(bytes) } else { bytes };
+    let mut geometry = match format {
+        Format::AsciiGrid => return ascii_grid::parse(&bytes, path).map(Content::Terrain),
+        Format::GeoTiff => return geotiff::parse(&bytes, path).map(Content::Terrain),
+        Format::EnergyPlus => energyplus::parse(&bytes, path, asked),
+        Format::Gltf => gltf::parse(&bytes, path, asked),
+        Format::Honeybee => honeybee::parse(&bytes, path, asked),
+        Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked),
+        Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked),
+        Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked),
+        Format::Obj => obj::read(&bytes, path, asked),
+        Format::Ply => ply::parse(&bytes, path),
+        Format::Stl => stl::parse(&bytes, path),
+    }?;
+    if format.is_any_mesh() {
+        to_local(&mut geometry, asked.local_frame, &path.display().to_string());
+    } else if is_geocentric(&geometry.vertices) {
+        let hint = "reproject the file to a system in metres with z up, such as the national grid or UTM";
+        return Err(Error::input(
+            path,
+            None,
+            "its coordinates are geocentric: distances from the Earth's centre",
+            hint,
+        ));
+    }
+    facing::settle(&mut geometry);
+    // Names of some faces depend on where they look.
+    cityjson::name_by_tilt(&mut geometry);
+    Ok(Content::Polygons(Box::new(geometry)))
 }
 
-/// Puts the faces in order, and names those that only their tilt tells.
-fn polygons(mut geometry: Geometry) -> Content {
-    facing::settle(&mut geometry);
-    cityjson::name_by_tilt(&mut geometry);
-    Content::Polygons(Box::new(geometry))
+fn is_zip(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
+}
+
+fn unknown_ending(path: &Path, ending: &str) -> Error {
+    Error::Unsupported {
+        what: format!("the scene {}", path.display()),
+        found: if ending.is_empty() {
+            "a name without ending".into()
+        } else {
+            format!("a name that ends with .{}", excerpt(ending.as_bytes()))
+        },
+        supported: SUPPORTED.into(),
+    }
 }
 
 /// Name of a file without its folder and ending: what an object without a name is called.
@@ -169,11 +224,11 @@ mod tests {
         assert!(SUPPORTED.contains(".gz"));
     }
 
-    /// Of 14 endings 13 belong to one format, packed or not.
+    /// Of 16 endings 15 belong to one format, packed or not.
     #[test]
     fn formats_of_names() {
         let named = |ending: &str, more: &str| format_of_name(Path::new(&format!("A.{}{more}", ending.to_uppercase())));
-        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 13);
+        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 15);
         assert!(ENDINGS.iter().all(|(ending, _)| named(ending, "") == named(ending, ".gz")));
         assert_eq!((named("hbjson", ".gz"), named("json", ""), named("csv", "")), (Some("Honeybee"), None, None));
     }

@@ -1,25 +1,48 @@
 //! In: the MTL libraries that an OBJ file names. Out: materials by name, for scenes without a `materials.toml`.
 //!
-//! An MTL file was made for pictures, so it is the fallback: diffuse is the plain mean of the three `Kd` channels; specular
+//! An MTL file was made for pictures, so it is the fallback, and what says nothing of a colour (no `Kd`, a white one) is not described by it:
+//! the usual reflectance of the name counts. Diffuse is the plain mean of the three `Kd` channels; specular
 //! is the mean of `Ks` where `illum` is 3 or above (the models with true mirrors) and 0 otherwise, as `Ks` is mere gloss there.
 
+use crate::materials::assumed::{WHITE_WORDS, assumed, is_white, undescribed};
 use crate::materials::select::class_of_name;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use crate::formats::Asked;
 use crate::formats::obj::Library;
 use crate::input;
 use crate::materials::select::MaterialTable;
-use crate::text::{Lines, Words, excerpt, keyword_and_rest, number};
+use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, utf8};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::text::with_list;
+
+/// Of which materials something is wanted.
+pub(super) struct Wanted<'a> {
+    pub asked: &'a Asked,
+    /// Names that faces bear; libraries are shared by files that use a part of them each.
+    pub used: HashSet<&'a str>,
+}
+
+impl Wanted<'_> {
+    fn wants(&self, material: &str) -> bool {
+        self.asked.wants(material) && self.used.contains(material)
+    }
+}
+
+/// Names of materials of which a library says nothing.
+#[derive(Debug, Default)]
+struct Undescribed {
+    without: Vec<String>,
+    white: Vec<String>,
+}
 
 /// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
 pub(super) fn read_libraries(
     obj: &Path,
     libraries: &[Library],
-    asked: &Asked,
+    wanted: &Wanted,
     warnings: &mut Vec<String>,
 ) -> Result<MaterialTable> {
     let folder = obj.parent().unwrap_or(Path::new(""));
@@ -31,9 +54,11 @@ pub(super) fn read_libraries(
                 continue;
             }
             if path.is_file() {
-                let bytes = input::read(&path)?;
+                let bytes = utf8(input::read(&path)?);
                 let mut odd = Vec::new();
-                parse(&bytes, &path, asked, &mut table, &mut odd)?;
+                let nothing = parse(&bytes, &path, wanted, &mut table, &mut odd)?;
+                warnings.extend(undescribed(&path, &nothing.without, "without a `Kd`"));
+                warnings.extend(undescribed(&path, &nothing.white, WHITE_WORDS));
                 if odd.len() > MOST_ODD {
                     let sentence = format!(
                         "{}: {} things about materials are not taken as they stand (textures, transparency, more light than \
@@ -87,20 +112,21 @@ struct Block {
 fn parse(
     bytes: &[u8],
     file: &Path,
-    asked: &Asked,
+    wanted: &Wanted,
     table: &mut MaterialTable,
     warnings: &mut Vec<String>,
-) -> Result<()> {
+) -> Result<Undescribed> {
+    let mut nothing = Undescribed::default();
     let mut lines = Lines::new(bytes);
     let mut block: Option<Block> = None;
     while let Some((line, text)) = lines.next() {
         let (keyword, rest) = keyword_and_rest(text);
         if keyword == b"newmtl" {
             if let Some(finished) = block.take() {
-                finish(finished, file, table, warnings)?;
+                finish(finished, file, table, &mut nothing, warnings);
             }
             let name = String::from_utf8_lossy(rest).into_owned();
-            block = asked.wants(&name).then_some(Block {
+            block = wanted.wants(&name).then_some(Block {
                 name,
                 line,
                 diffuse: None,
@@ -127,10 +153,10 @@ fn parse(
             _ => {}
         }
     }
-    match block {
-        Some(finished) => finish(finished, file, table, warnings),
-        None => Ok(()),
+    if let Some(finished) = block {
+        finish(finished, file, table, &mut nothing, warnings);
     }
+    Ok(nothing)
 }
 
 /// The mean of `r g b`, or of `r` alone, which stands for all three.
@@ -148,17 +174,23 @@ fn mean_of_channels(file: &Path, line: usize, keyword: &str, text: &[u8]) -> Res
     Ok(sum / count)
 }
 
-fn finish(block: Block, file: &Path, table: &mut MaterialTable, warnings: &mut Vec<String>) -> Result<()> {
+fn finish(block: Block, file: &Path, table: &mut MaterialTable, nothing: &mut Undescribed, warnings: &mut Vec<String>) {
     let shown = excerpt(block.name.as_bytes());
     let place = format!("{}, line {}: material `{shown}`", file.display(), block.line);
     if table.contains_key(&block.name) {
         warnings.push(format!("{place} was defined before; the first definition stands"));
-        return Ok(());
+        return;
     }
-    let Some(mut diffuse) = block.diffuse else {
-        let hint = "add a line `Kd r g b`, or give reflectances in materials.toml (--materials)";
-        return Err(Error::input(file, block.line, format!("material `{shown}` has no `Kd`"), hint));
-    };
+    let stated = block.diffuse.filter(|diffuse| !is_white(*diffuse));
+    if stated.is_none() {
+        let names = if block.diffuse.is_none() { &mut nothing.without } else { &mut nothing.white };
+        names.push(block.name.clone());
+        // What a mirror does not reflect as one is scattered as usual; of all else nothing is known.
+        if !block.mirror || block.specular == 0.0 {
+            return;
+        }
+    }
+    let mut diffuse = stated.unwrap_or_else(|| assumed(&block.name).diffuse);
     let mut specular = if block.mirror { block.specular } else { 0.0 };
     let sum = diffuse + specular;
     if sum > 1.0 {
@@ -174,7 +206,6 @@ fn finish(block: Block, file: &Path, table: &mut MaterialTable, warnings: &mut V
     }
     let class = class_of_name(&block.name);
     table.insert(block.name.clone(), Material { specular, ..Material::matt(block.name, diffuse, class) });
-    Ok(())
 }
 
 #[cfg(test)]
@@ -189,7 +220,9 @@ mod tests {
 
     fn read(text: &str) -> Result<(MaterialTable, Vec<String>)> {
         let (mut table, mut warnings) = (MaterialTable::new(), Vec::new());
-        parse(text.as_bytes(), Path::new("town.mtl"), &asked(), &mut table, &mut warnings)?;
+        let used = text.lines().filter_map(|line| line.strip_prefix("newmtl ")).map(str::trim).collect();
+        let wanted = Wanted { asked: &asked(), used };
+        parse(text.as_bytes(), Path::new("town.mtl"), &wanted, &mut table, &mut warnings)?;
         Ok((table, warnings))
     }
 
@@ -211,7 +244,7 @@ mod tests {
     fn warnings() {
         let (table, warnings) =
             read("newmtl a\nKd 1 1 1\nKs 1 1 1\nillum 5\nmap_Kd a.png\nnewmtl a\nKd 0 0 0\n").expect("readable");
-        assert_eq!((table["a"].diffuse, table["a"].specular), (0.5, 0.5));
+        assert_eq!((table["a"].diffuse, table["a"].specular), (0.2 / 1.2, 1.0 / 1.2));
         assert_eq!(warnings.len(), 3);
         assert!(warnings.iter().all(|warning| warning.starts_with("town.mtl, line ")), "{warnings:?}");
     }
@@ -226,12 +259,29 @@ mod tests {
             ("newmtl a\nKd 1 1 255", 2, "`1 1 255`"),
             ("newmtl a\nKd 1 1 1\nKs nan 0 0", 3, "`Ks` is `nan 0 0`"),
             ("newmtl a\nKd 1 1 1\nillum matt", 3, "`illum` is `matt`"),
-            ("\nnewmtl roof\nKs 1 1 1\nnewmtl b\nKd 1 1 1", 2, "`roof` has no `Kd`"),
         ] {
             let message = read(text).expect_err(text).to_string();
             assert!(message.starts_with(&format!("town.mtl, line {line}: ")), "{text:?}: {message}");
             assert!(message.contains(quoted), "{text:?}: {message}");
         }
+    }
+
+    /// Of five materials one is described, 0.9; three without a `Kd` or with a white one are not, whether textured or not; a white mirror keeps
+    /// what it mirrors, 0.7, and scatters the usual 0.2; what no face bears is not looked at.
+    #[test]
+    fn white_says_nothing() {
+        let text = "newmtl wall\nKd 1 1 1\nnewmtl roof\nKa 1 1 1\nmap_Kd a.png\nnewmtl near\nKd 0.98 0.99 0.98\nmap_Kd b.png\n\
+                    newmtl paint\nKd 0.9 0.9 0.9\nnewmtl mirror\nKd 1 1 1\nKs 0.7 0.7 0.7\nillum 3\nnewmtl unused\nKd spectral a.rfl\n";
+        let used = ["wall", "roof", "near", "paint", "mirror"].into();
+        let (mut table, mut warnings) = (MaterialTable::new(), Vec::new());
+        let wanted = Wanted { asked: &asked(), used };
+        let nothing = parse(text.as_bytes(), Path::new("t.mtl"), &wanted, &mut table, &mut warnings).expect("readable");
+        assert_eq!(table.keys().collect::<Vec<_>>(), ["mirror", "paint"]);
+        assert!((table["paint"].diffuse - 0.9).abs() < 1e-12 && warnings.is_empty(), "{warnings:?}");
+        assert!((table["mirror"].specular - 0.7).abs() < 1e-12 && table["mirror"].diffuse == 0.2);
+        assert_eq!((nothing.without.len(), nothing.white.len()), (1, 3));
+        let said = undescribed(Path::new("t.mtl"), &nothing.white, WHITE_WORDS).expect("white ones");
+        assert!(said.starts_with("t.mtl: 3 materials (`wall` is the first) of white"), "{said}");
     }
 
     /// Libraries are found beside the OBJ file, with blanks in the name or two on a line; one that is missing is a warning.
@@ -244,8 +294,10 @@ mod tests {
         let libraries =
             ["my town.mtl", "b.mtl c.mtl", "gone.mtl"].map(|text| Library { line: 7, text: text.to_owned() });
         let mut warnings = Vec::new();
+        let used = ["a", "b", "c"].into();
+        let wanted = Wanted { asked: &asked(), used };
         let table =
-            read_libraries(&folder.path().join("town.obj"), &libraries, &asked(), &mut warnings).expect("readable");
+            read_libraries(&folder.path().join("town.obj"), &libraries, &wanted, &mut warnings).expect("readable");
         assert_eq!(table.keys().collect::<Vec<_>>(), ["a", "b", "c"]);
         assert_eq!(warnings.len(), 1);
         assert!(warnings[0].contains("line 7") && warnings[0].contains("gone.mtl"), "{}", warnings[0]);

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::mtl;
+use crate::formats::mtl::Wanted;
 use crate::formats::{Asked, stem};
 use crate::geometry::Geometry;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
@@ -28,7 +29,9 @@ pub(crate) struct Library {
 pub(super) fn read(bytes: &[u8], path: &Path, asked: &Asked) -> Result<Geometry> {
     let (mut geometry, libraries) = parse(bytes, path)?;
     if geometry.materials.as_slice().iter().any(|name| asked.wants(name)) {
-        geometry.stated = mtl::read_libraries(path, &libraries, asked, &mut geometry.warnings)?;
+        let names = geometry.materials.as_slice();
+        let wanted = Wanted { asked, used: names.iter().map(String::as_str).collect() };
+        geometry.stated = mtl::read_libraries(path, &libraries, &wanted, &mut geometry.warnings)?;
     }
     Ok(geometry)
 }

@@ -1,42 +1,195 @@
 //! The directory of a TIFF file, looked through before the decoder sees it: the crate allocates what a tag claims, 256 MiB at most, before
-//! it finds that the file ends. In: the bytes of a file. Out: nothing, or a sentence on the tag whose values cannot be there.
+//! it finds that the file ends. In: the bytes of a file. Out: nothing, or a sentence on the tag whose values cannot be there; where the mask
+//! of the picture stands.
+
+/// Bytes of a value by its type, from 1 on.
+const SIZES: [u64; 18] = [1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8];
+
+/// Directories that are looked through; files with overviews have some twenty.
+const MOST_DIRECTORIES: usize = 64;
+
+const SUBFILE_TYPE: u64 = 254;
+const WIDTH: u64 = 256;
+const HEIGHT: u64 = 257;
+const COMPRESSION: u64 = 259;
+const INTERPRETATION: u64 = 262;
+/// Positions and lengths of strips, of tiles.
+const CHUNKS: [[u64; 2]; 2] = [[273, 279], [324, 325]];
+
+const LZW: u64 = 5;
+
+/// The decoder of LZW wants more bytes than it needs: where a line ends with the packed bytes, it takes that for a cut file. It gets so many
+/// bytes behind each strip or tile, and zeros behind the file.
+pub(super) const MORE_FOR_LZW: u64 = 64;
+
+/// The bytes of a TIFF, classic or big.
+struct Bytes<'b> {
+    bytes: &'b [u8],
+    little: bool,
+    big: bool,
+}
+
+/// A tag with its values somewhere in the file.
+struct Entry {
+    tag: u64,
+    count: u64,
+    /// Where its values begin, and the bytes of them all.
+    place: u64,
+    length: u64,
+    size: u64,
+}
+
+/// A directory, and where the next one begins, 0 for none.
+struct Directory {
+    entries: Vec<Entry>,
+    next: u64,
+}
+
+/// Bytes to be read at a position in place of those of the file.
+pub(super) struct Patch {
+    pub at: u64,
+    pub bytes: Vec<u8>,
+}
+
+/// What a decoder is to read in place of the file, so that it reads what is meant.
+#[derive(Default)]
+pub(super) struct Patches {
+    pub list: Vec<Patch>,
+    /// Zeros behind the end of the file.
+    pub zeros: u64,
+}
+
+impl<'b> Bytes<'b> {
+    fn of(bytes: &'b [u8]) -> Option<Bytes<'b>> {
+        let found = Bytes { bytes, little: bytes.starts_with(b"II"), big: false };
+        match found.number(2, 2)? {
+            42 => Some(found),
+            43 => Some(Bytes { big: true, ..found }),
+            _ => None,
+        }
+    }
+
+    fn number(&self, at: u64, length: u64) -> Option<u64> {
+        let from = usize::try_from(at).ok()?;
+        let found = self.bytes.get(from..from.checked_add(length as usize)?)?;
+        let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+        Some(if self.little { found.iter().rev().fold(0, add) } else { found.iter().fold(0, add) })
+    }
+
+    fn written(&self, number: u64, length: usize) -> Vec<u8> {
+        let mut bytes: Vec<u8> = number.to_le_bytes().into_iter().take(length).collect();
+        if !self.little {
+            bytes.reverse();
+        }
+        bytes
+    }
+
+    /// Where the position of the first directory stands, and how long it is.
+    fn first(&self) -> (u64, u64) {
+        if self.big { (8, 8) } else { (4, 4) }
+    }
+
+    fn directory(&self, start: u64) -> Option<Directory> {
+        // Lengths of a directory's count, of a tag, of a number in it.
+        let (head, tag, wide) = if self.big { (8, 20, 8) } else { (2, 12, 4) };
+        let (mut entries, count) = (Vec::new(), self.number(start, head)?);
+        for i in 0..count {
+            let at = start.checked_add(head)?.checked_add(i.checked_mul(tag)?)?;
+            let (name, kind, count) = (self.number(at, 2)?, self.number(at + 2, 2)?, self.number(at + 4, wide)?);
+            let size = SIZES.get((kind as usize).wrapping_sub(1)).copied().unwrap_or(8);
+            let length = count.saturating_mul(size);
+            let value = at + 4 + wide;
+            let place = if length <= wide { value } else { self.number(value, wide)? };
+            entries.push(Entry { tag: name, count, place, length, size });
+        }
+        let behind = start.checked_add(head)?.checked_add(count.checked_mul(tag)?)?;
+        Some(Directory { entries, next: self.number(behind, wide).unwrap_or(0) })
+    }
+
+    /// The first value of a tag.
+    fn value(&self, directory: &Directory, tag: u64) -> Option<u64> {
+        let entry = directory.entries.iter().find(|entry| entry.tag == tag && entry.count > 0)?;
+        self.number(entry.place, entry.size)
+    }
+
+    /// What the decoder of LZW needs; an error if strips or tiles lie beyond the end of the file.
+    fn for_lzw(&self, directory: &Directory) -> Result<Patches, String> {
+        let mut patches = Patches::default();
+        if self.value(directory, COMPRESSION) != Some(LZW) {
+            return Ok(patches);
+        }
+        let find = |tag| directory.entries.iter().find(|entry| entry.tag == tag);
+        for [offsets, lengths] in CHUNKS {
+            let (Some(offsets), Some(lengths)) = (find(offsets), find(lengths)) else { continue };
+            let each = |entry: &Entry, i: u64| self.number(entry.place + i * entry.size, entry.size);
+            let mut bytes = Vec::new();
+            for i in 0..lengths.count {
+                let length = each(lengths, i).unwrap_or_default();
+                let end = each(offsets, i).filter(|_| i < offsets.count).map(|at| at.saturating_add(length));
+                if end.is_some_and(|end| end > self.bytes.len() as u64) {
+                    return Err(format!("strip or tile {i} lies beyond its {} bytes", self.bytes.len()));
+                }
+                let most = u64::MAX >> (64 - 8 * lengths.size.clamp(1, 8));
+                // 0 stands for one that is left out.
+                let more = if length == 0 || length > most - MORE_FOR_LZW { length } else { length + MORE_FOR_LZW };
+                bytes.extend(self.written(more, lengths.size as usize));
+            }
+            patches.list.push(Patch { at: lengths.place, bytes });
+            patches.zeros = MORE_FOR_LZW;
+        }
+        Ok(patches)
+    }
+
+    fn check(&self, directory: &Directory) -> Result<(), String> {
+        let all = self.bytes.len() as u64;
+        match directory.entries.iter().find(|entry| entry.place.saturating_add(entry.length) > all) {
+            Some(Entry { tag, count, .. }) => {
+                Err(format!("tag {tag} claims {count} values that lie beyond its {all} bytes"))
+            }
+            None => Ok(()),
+        }
+    }
+}
 
 /// Checks that the values of every tag of the first directory lie in the file (TIFF 6.0, section 2; BigTIFF). What is no TIFF at all, or
 /// ends within its header, is left to the decoder.
-pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
-    // Bytes of a value by its type, from 1 on.
-    const SIZES: [u64; 18] = [1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8];
-    let little = bytes.starts_with(b"II");
-    let number = |at: u64, length: u64| -> Option<u64> {
-        let from = usize::try_from(at).ok()?;
-        let found = bytes.get(from..from.checked_add(length as usize)?)?;
-        let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
-        Some(if little { found.iter().rev().fold(0, add) } else { found.iter().fold(0, add) })
-    };
-    let walk = || -> Option<Result<(), String>> {
-        // Lengths of a directory's count, of a tag, of a number in it.
-        let (start, head, tag, wide) = match number(2, 2)? {
-            42 => (number(4, 4)?, 2, 12, 4),
-            43 => (number(8, 8)?, 8, 20, 8),
-            _ => return None,
-        };
-        for i in 0..number(start, head)? {
-            let at = start.checked_add(head)?.checked_add(i.checked_mul(tag)?)?;
-            let (name, kind, count) = (number(at, 2)?, number(at + 2, 2)?, number(at + 4, wide)?);
-            let size = SIZES.get((kind as usize).wrapping_sub(1)).copied().unwrap_or(8);
-            let needed = count.saturating_mul(size);
-            let value = at + 4 + wide;
-            let place = if needed <= wide { value } else { number(value, wide)? };
-            if place.saturating_add(needed) > bytes.len() as u64 {
-                return Some(Err(format!(
-                    "tag {name} claims {count} values that lie beyond its {} bytes",
-                    bytes.len()
-                )));
-            }
+pub(super) fn check(bytes: &[u8]) -> Result<Patches, String> {
+    let Some(bytes) = Bytes::of(bytes) else { return Ok(Patches::default()) };
+    let (at, length) = bytes.first();
+    match bytes.number(at, length).and_then(|start| bytes.directory(start)) {
+        Some(directory) => {
+            bytes.check(&directory)?;
+            bytes.for_lzw(&directory)
         }
-        Some(Ok(()))
-    };
-    walk().unwrap_or(Ok(()))
+        None => Ok(Patches::default()),
+    }
+}
+
+/// Finds the mask of the picture of the first directory: one of its size, for what is transparent (type 4; those of overviews have 5).
+pub(super) fn mask(bytes: &[u8]) -> Result<Option<Patches>, String> {
+    let Some(bytes) = Bytes::of(bytes) else { return Ok(None) };
+    let (at, length) = bytes.first();
+    let Some(first) = bytes.number(at, length).and_then(|start| bytes.directory(start)) else { return Ok(None) };
+    let mut start = first.next;
+    for _ in 0..MOST_DIRECTORIES {
+        let Some(directory) = Some(start).filter(|start| *start != 0).and_then(|start| bytes.directory(start)) else {
+            break;
+        };
+        let same = |tag| bytes.value(&directory, tag) == bytes.value(&first, tag);
+        if bytes.value(&directory, SUBFILE_TYPE) == Some(4) && same(WIDTH) && same(HEIGHT) {
+            bytes.check(&directory)?;
+            let interpretation = directory.entries.iter().find(|entry| entry.tag == INTERPRETATION);
+            let Some(entry) = interpretation else { return Ok(None) };
+            let size = entry.size as usize;
+            // 1: black is zero.
+            let mut patches = bytes.for_lzw(&directory)?;
+            patches.list.push(Patch { at, bytes: bytes.written(start, length as usize) });
+            patches.list.push(Patch { at: entry.place, bytes: bytes.written(1, size) });
+            return Ok(Some(patches));
+        }
+        start = directory.next;
+    }
+    Ok(None)
 }
 
 #[cfg(test)]
@@ -68,14 +221,14 @@ mod tests {
     #[test]
     fn claims() {
         for (big, little) in [(false, true), (false, false), (true, true), (true, false)] {
-            assert_eq!(check(&file(big, little, 4, 48)), Ok(()));
+            assert!(check(&file(big, little, 4, 48)).is_ok_and(|patches| patches.list.is_empty()));
             for (count, place) in [(4, 49), (u64::from(u32::MAX), 8), (3, u64::from(u32::MAX))] {
-                let what = check(&file(big, little, count, place)).expect_err("beyond the end");
+                let what = check(&file(big, little, count, place)).err().expect("beyond the end");
                 assert_eq!(what, format!("tag 273 claims {count} values that lie beyond its 64 bytes"));
             }
             let whole = file(big, little, 4, 48);
             assert!((0..20).all(|length| check(&whole[..length]).is_ok()));
         }
-        assert_eq!(check(b"solid house"), Ok(()));
+        assert!(check(b"solid house").is_ok());
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
 }
 
 /// Bytes that so many packed ones may stand for.
-fn most(packed: u64) -> u64 {
+pub(super) fn most(packed: u64) -> u64 {
     packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_WHOLE)
 }
 

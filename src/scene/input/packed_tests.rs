@@ -9,6 +9,7 @@ use flate2::write::GzEncoder;
 
 use crate::Scene;
 use crate::covering::receivers::read_receivers;
+use crate::input::zip::tests::zipped;
 use crate::site::Site;
 
 fn pack(plain: &[u8]) -> Vec<u8> {
@@ -107,6 +108,30 @@ fn receivers() {
     assert!(found.contains("receivers.csv.gz"), "{found}");
 }
 
+/// A zip of one file is read by the name of what is in it or by its own, as OBJ in UTF-16, as a city model's features; a zip of two files and of
+/// a kind that is not read are refused.
+#[test]
+fn zips() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let at = |name: &str| folder.path().join(name);
+    let zip = |name: &str, files: &[(&str, &[u8])]| fs::write(at(name), zipped(files, 8)).expect("written");
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let wide: Vec<u8> = obj.iter().flat_map(|byte| [*byte, 0]).collect();
+    let features = fs::read(corpus().join("cityjson_seq/seed")).expect("a seed");
+    fs::write(at("plain.city.jsonl"), &features).expect("written");
+    zip("a.zip", &[("folder/", b""), ("folder/a.obj", obj)]);
+    zip("b.obj.zip", &[("whatever", &wide)]);
+    zip("c.zip", &[("c.city.jsonl", &features)]);
+    assert_eq!(hash(&at("a.zip")), hash(&at("b.obj.zip")));
+    assert_eq!(hash(&at("c.zip")), hash(&at("plain.city.jsonl")));
+    zip("two.zip", &[("a.obj", obj), ("b.obj", obj)]);
+    zip("other.zip", &[("a.ifc", b"x")]);
+    for (name, expected) in [("two.zip", "holds 2 files, not one"), ("other.zip", "found a name that ends with .ifc")] {
+        let found = Scene::load(&at(name), None).expect_err(name).to_string();
+        assert!(found.contains(expected), "{found}");
+    }
+}
+
 /// Five paths are refused with words that help: a folder without a list, a folder and a file that are not there, an ending and no ending.
 #[test]
 fn refused_in_words() {
@@ -118,7 +143,7 @@ fn refused_in_words() {
         ("", "is a folder without a site.toml\n  to fix: name the scene files in it"),
         ("a/town.obj", ": No such file: there is no folder `a` in "),
         ("twon.obj", "town.obj?"),
-        ("town.ifc.gz", "found a name that ends with .ifc, this release supports .json and .jsonl (CityJSON)"),
+        ("town.ifc.gz", "found a name that ends with .ifc, this release supports .json, .jsonl, .cityjson"),
         ("town", "found a name without ending, this release supports .json"),
     ] {
         let found = Site::of(&[folder.path().join(name)], None).and_then(|site| Scene::load_site(&site));

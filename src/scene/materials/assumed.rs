@@ -1,7 +1,11 @@
 //! What is assumed of materials that nobody describes. In: a name. Out: plain reflectances of its kind, for a warning to list.
 
+use std::path::Path;
+
 use crate::materials::select::class_of_name;
+use crate::text::excerpt;
 use heliotile_core::site::material::{Class, Material};
+use heliotile_core::text::counted;
 
 /// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output Reference, `Solar Absorptance`).
 const WALL: f64 = 0.3;
@@ -14,6 +18,27 @@ const WATER: f64 = 0.07;
 const WINDOW: f64 = 0.15;
 /// What a tree crown's hull lets through at each of its two walls: 3 % in all, the default of SOLWEIG (Lindberg and Grimmond 2011).
 const CROWN: f64 = 0.17;
+
+/// From this mean of its channels on a colour is white, which many programs write where nobody chose a colour: it says nothing of the
+/// reflectance. White paint reflects 0.8 to 0.9 of the sun's light, fresh snow 0.9.
+const WHITE: f64 = 0.98;
+
+/// Whether a colour of this mean counts as none.
+pub(crate) fn is_white(mean: f64) -> bool {
+    mean >= WHITE
+}
+
+/// A sentence on colours that say nothing: `names` of the materials that have them, if there are any.
+pub(crate) fn undescribed(file: &Path, names: &[String], why: &str) -> Option<String> {
+    let (first, file) = (excerpt(names.first()?.as_bytes()), file.display());
+    Some(format!(
+        "{file}: {} (`{first}` is the first) {why}: the usual reflectance of the name counts; --materials materials.toml states another",
+        counted(names.len() as u64, "material")
+    ))
+}
+
+/// What [`undescribed`] says of white ones.
+pub(crate) const WHITE_WORDS: &str = "of white, which programs write where no colour was chosen";
 
 /// A material of usual reflectance for its name.
 pub(crate) fn assumed(name: &str) -> Material {

@@ -28,6 +28,8 @@ pub struct Extent {
     pub shift: DVec3,
     /// Metres that a unit was taken for.
     pub scale: f64,
+    /// Whether its coordinates are metres for certain, whatever the unit of its system.
+    pub in_metres: bool,
     /// What the file itself says of its place.
     pub own: Option<Reference>,
     /// What the user says of its place.
@@ -53,19 +55,45 @@ impl Extent {
     pub fn unit_of(&self, reference: Reference) -> f64 {
         let unit = reference.unit_m();
         // A foot by any definition.
-        if unit != 1.0 && (self.scale / unit - 1.0).abs() < 0.01 { unit } else { 1.0 }
+        if unit != 1.0 && (self.in_metres || (self.scale / unit - 1.0).abs() < 0.01) { unit } else { 1.0 }
     }
 }
 
-/// Heights of upright faces, by area.
-#[derive(Clone, Debug)]
+/// Heights and widths of upright faces, by area.
+#[derive(Clone, Debug, Default)]
 pub struct Walls {
+    heights: Lengths,
+    widths: Lengths,
+}
+
+/// Lengths by area.
+#[derive(Clone, Debug)]
+struct Lengths {
     area_m2: Vec<f64>,
 }
 
-impl Default for Walls {
+impl Default for Lengths {
     fn default() -> Self {
-        Walls { area_m2: vec![0.0; BINS] }
+        Lengths { area_m2: vec![0.0; BINS] }
+    }
+}
+
+impl Lengths {
+    fn add(&mut self, length: f64, area_m2: f64) {
+        let bin = ((length.log2() - LEAST_EXPONENT) * BINS_AN_OCTAVE).clamp(0.0, (BINS - 1) as f64);
+        if let Some(area) = self.area_m2.get_mut(bin as usize) {
+            *area += area_m2;
+        }
+    }
+
+    fn median_m(&self) -> Option<f64> {
+        let half = 0.5 * self.area_m2.iter().sum::<f64>();
+        let mut sum = 0.0;
+        let bin = self.area_m2.iter().position(|area| {
+            sum += area;
+            sum >= half && half > 0.0
+        })?;
+        Some((LEAST_EXPONENT + (bin as f64 + 0.5) / BINS_AN_OCTAVE).exp2())
     }
 }
 
@@ -78,21 +106,19 @@ impl Walls {
         if !(twice_m2 > 0.0 && normal.z.abs() < UPRIGHT * twice_m2 && height > 0.0) {
             return;
         }
-        let bin = ((height.log2() - LEAST_EXPONENT) * BINS_AN_OCTAVE).clamp(0.0, (BINS - 1) as f64);
-        if let Some(area) = self.area_m2.get_mut(bin as usize) {
-            *area += 0.5 * twice_m2;
-        }
+        let width = [a - b, b - c, c - a].map(|side| side.truncate().length()).into_iter().fold(0.0, f64::max);
+        self.heights.add(height, 0.5 * twice_m2);
+        self.widths.add(width, 0.5 * twice_m2);
     }
 
     /// Median height by area, to 9 %; `None` if nothing is upright.
     pub fn median_m(&self) -> Option<f64> {
-        let half = 0.5 * self.area_m2.iter().sum::<f64>();
-        let mut sum = 0.0;
-        let bin = self.area_m2.iter().position(|area| {
-            sum += area;
-            sum >= half && half > 0.0
-        })?;
-        Some((LEAST_EXPONENT + (bin as f64 + 0.5) / BINS_AN_OCTAVE).exp2())
+        self.heights.median_m()
+    }
+
+    /// Median width by area, to 9 %; `None` if nothing is upright.
+    pub fn median_width_m(&self) -> Option<f64> {
+        self.widths.median_m()
     }
 }
 
@@ -100,7 +126,8 @@ impl Walls {
 mod tests {
     use super::*;
 
-    /// Walls of 3 m (two triangles), a small one of 40 m and a roof of any size have a median height of 3 m, to 10 %; a roof alone none.
+    /// Walls of 3 m (two triangles), a small one of 40 m and a roof of any size have a median height of 3 m and a median width of 8 m, to 10 %; a
+    /// roof alone none.
     #[test]
     fn median_height() {
         let p = DVec3::new;
@@ -112,5 +139,7 @@ mod tests {
         walls.add([p(0., 0., 0.), p(0.1, 0., 0.), p(0., 0., 40.)]);
         let median = walls.median_m().expect("walls");
         assert!((median / 3.0 - 1.0).abs() < 0.1, "{median}");
+        let width = walls.median_width_m().expect("walls");
+        assert!((width / 8.0 - 1.0).abs() < 0.1, "{width}");
     }
 }

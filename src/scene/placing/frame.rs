@@ -1,6 +1,8 @@
 //! What is said of all files of a site: where it lies, how it is turned, in which unit. In: options of a command line, or the table
 //! `[site]` of a `site.toml`. Out: numbers in range, and systems that can place coordinates.
 
+use serde::{Deserialize, Serialize};
+
 use crate::reference::{Reference, Unplaced};
 
 /// Where a site lies on Earth, how it is turned, and the unit of its files.
@@ -16,8 +18,20 @@ pub struct SiteFrame {
     pub rotate_deg: Option<f64>,
     /// Height above sea level of z = 0 of all files but rasters, metres.
     pub elevation_m: Option<f64>,
-    /// Metres a unit of all files but rasters.
+    /// Metres a unit of all files but rasters; of rasters in feet, too, for what they do not state themselves.
     pub scale: Option<f64>,
+    /// The axis that points up in files of formats that do not say it: OBJ, PLY, STL.
+    pub up: Option<UpAxis>,
+}
+
+/// The axis of a file that points up: z, with y to the north, or y, with z to the south.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// z is south.
+    Y,
+    /// y is north.
+    Z,
 }
 
 /// Metres a unit of a file, if it may be one.
@@ -42,7 +56,11 @@ pub fn check_elevation(metres: f64) -> Result<f64, String> {
 pub fn check_epsg(epsg: u32) -> Result<u32, String> {
     match Reference::Epsg(epsg).check() {
         Ok(()) => Ok(epsg),
-        Err(Unplaced::NotPlane) => Err(format!(
+        Err(Unplaced::Geocentric) => Err(format!(
+            "EPSG:{epsg} is geocentric, and scenes have x to the east and z up: reproject the files, for instance to UTM, and give the \
+             number of that system"
+        )),
+        Err(Unplaced::Degrees) => Err(format!(
             "EPSG:{epsg} has coordinates in degrees, and scenes are in metres: reproject the files, for instance to UTM, and give the \
              number of that system"
         )),
@@ -89,6 +107,7 @@ impl SiteFrame {
             rotate_deg: other.rotate_deg.or(self.rotate_deg),
             elevation_m: other.elevation_m.or(self.elevation_m),
             scale: other.scale.or(self.scale),
+            up: other.up.or(self.up),
         }
     }
 
@@ -102,6 +121,7 @@ impl SiteFrame {
             ("rotate_deg", differ(self.rotate_deg, other.rotate_deg)),
             ("elevation_m", differ(self.elevation_m, other.elevation_m)),
             ("scale", differ(self.scale, other.scale)),
+            ("up", self.up.zip(other.up).is_some_and(|(a, b)| a != b)),
         ];
         match found.into_iter().find(|(_, differ)| *differ) {
             Some((key, _)) => Err(key),

@@ -18,6 +18,11 @@ use heliotile_core::site::receiver::Receiver;
 /// A house in centimetres has 300 to 1000.
 const TALLEST_WALLS_M: f64 = 300.0;
 
+/// Walls from this height on that are so many times wider than high are storeys in centimetres (250 to 300): the largest halls are 160 m high
+/// and as wide, towers are narrower than high.
+const WIDE_WALLS_M: f64 = 200.0;
+const WIDE_WALLS_RATIO: f64 = 1.5;
+
 /// A file among several may be one building: the highest has 828 m.
 const TALLEST_BUILDING_M: f64 = 850.0;
 
@@ -88,6 +93,21 @@ fn unit(extents: &[Extent]) -> Option<String> {
             tall * scale,
             scale * extent.scale,
             0.0254 * extent.scale
+        ));
+    }
+    let wide_walls = |extent: &&Extent| {
+        let sizes = extent.walls.median_m().zip(extent.walls.median_width_m());
+        sizes.is_some_and(|(tall, wide)| tall > WIDE_WALLS_M && wide > WIDE_WALLS_RATIO * tall)
+    };
+    if let Some(extent) = solid().find(wide_walls) {
+        let tall = extent.walls.median_m().unwrap_or_default();
+        return Some(format!(
+            "{}: walls are about {tall:.0} m high and wider than that{}: if it is centimetres, give {}{}{}",
+            extent.file.display(),
+            told(extent),
+            if several { "scale = " } else { "--scale " },
+            0.01 * extent.scale,
+            if several { " in its [[scene]] of a site.toml" } else { "" }
         ));
     }
     let told = told(first);

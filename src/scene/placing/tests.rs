@@ -84,6 +84,40 @@ fn units() {
     );
 }
 
+/// A house of one storey in centimetres, 1000 x 800 x 300, is told of; four towers of 60 x 60 x 300 m, a hall of 200 x 100 x 100 m and a
+/// dam of 400 x 200 m that leans are not.
+#[test]
+fn one_storey_in_centimetres() {
+    let block = |size: [f64; 3], at: [f64; 2], first: usize| {
+        let mut text = String::new();
+        for (x, y, z) in [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)] {
+            let [x, y, z] = [f64::from(x), f64::from(y), f64::from(z)];
+            text += &format!("v {} {} {}\n", at[0] + x * size[0], at[1] + y * size[1], z * size[2]);
+        }
+        text += "usemtl wall\n";
+        for face in [[1, 4, 3, 2], [5, 6, 7, 8], [1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8]] {
+            text += &format!("f {}\n", face.map(|corner| (corner + first).to_string()).join(" "));
+        }
+        text
+    };
+    let towers: String =
+        (0..4).map(|i| block([60.0, 60.0, 300.0], [f64::from(i) * 300.0, 0.0], 8 * i as usize)).collect();
+    let folder = Folder::with(&[
+        ("storey.obj", block([1000.0, 800.0, 300.0], [0.0; 2], 0)),
+        ("low.obj", block([1400.0, 900.0, 250.0], [0.0; 2], 0)),
+        ("towers.obj", towers),
+        ("hall.obj", block([200.0, 100.0, 100.0], [0.0; 2], 0)),
+        ("dam.obj", "v 0 0 0\nv 400 0 0\nv 400 60 200\nv 0 60 200\nusemtl wall\nf 1 2 3 4\n".to_owned()),
+    ]);
+    let plain = SiteFrame::default();
+    for name in ["storey.obj", "low.obj"] {
+        one(&folder.said(&[name], &plain), &[name, "if it is centimetres, give --scale 0.01"]);
+    }
+    for name in ["towers.obj", "hall.obj", "dam.obj"] {
+        assert_eq!(folder.said(&[name], &plain), [""; 0], "{name}");
+    }
+}
+
 /// A region of 0.01 degrees with houses of 17 m is told of; a mast of 0.3 m and 17 m is not.
 #[test]
 fn degrees() {

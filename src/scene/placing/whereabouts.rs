@@ -60,15 +60,31 @@ fn middle<'a>(of: impl Iterator<Item = (&'a Extent, [DVec3; 2])> + Clone) -> DVe
 
 /// The place in a system that the user states for the coordinates of the whole scene.
 fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> Result<Place> {
-    let mut others = extents.iter().filter_map(|e| Some((e, e.reference()?))).filter(|(_, own)| !own.is_same(&system));
+    // Metres of a system in metres are none of one in feet: such files lie where they say.
+    let contrary =
+        |extent: &&Extent| extent.in_metres && extent.reference().is_some_and(|own| own.unit_m() != system.unit_m());
+    let of_system = || extents.iter().filter(|extent| !contrary(extent));
+    let mut others = of_system().filter_map(|e| Some((e, e.reference()?))).filter(|(_, own)| !own.is_same(&system));
     if let Some((extent, other)) = others.next() {
         let more = others.count();
         let files = if more == 0 { String::new() } else { format!(" (and {more} files more)") };
         let file = extent.file.display();
         report.warnings.push(format!("{file} says that it is in {other}{files}, but {system} is asked for and counts"));
     }
-    let unit = extents.iter().find(|extent| !extent.raster).map_or(1.0, |extent| extent.unit_of(system));
-    let at = middle(extents.iter().map(|extent| (extent, extent.bounds))) / unit;
+    let Some(first) = of_system().find(|extent| !extent.raster).or_else(|| of_system().next()) else {
+        if let Some(place) = of_files(extents, report) {
+            report.warnings.push(format!(
+                "the coordinates are metres, and the unit of {system} is {:.7} m: the place is that of the files ({place})",
+                system.unit_m()
+            ));
+            return Ok(place);
+        }
+        let what = format!("the coordinates are metres, and the unit of {system} is {:.7} m", system.unit_m());
+        return Err(Error::argument("--crs", what, "give the system that the coordinates of the scene are in"));
+    };
+    let unit = first.unit_of(system);
+    let in_system = |extent: &Extent| extent.bounds.map(|corner| corner / extent.unit_of(system));
+    let at = middle(of_system().map(|extent| (extent, in_system(extent))));
     match system.locate(at.x, at.y) {
         Ok((place, length)) => {
             report.warnings.extend(stretched(system, unit, length, &place));

@@ -2,6 +2,7 @@
 //! geometry, so few that no skyline moves by more than a stated angle.
 
 pub(super) mod focus;
+pub(super) mod mosaic;
 pub(super) mod raster;
 pub(super) mod surface;
 #[cfg(test)]

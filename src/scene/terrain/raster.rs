@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use crate::coordinate::is_position;
+use crate::placing::frame::{SiteFrame, UpAxis};
 use crate::reference::Reference;
 use crate::site::Part;
 use heliotile_core::error::{Error, Result};
@@ -34,9 +35,16 @@ pub(crate) struct Grid {
 /// What a file says of its numbers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Meaning {
+    /// As written, before `scale`.
     pub nodata: Option<f64>,
-    /// Metres a unit of height; 0 counts as 1.
-    pub metres: f64,
+    /// What a stored number is multiplied by to be a height; 1 where it is not stated.
+    pub scale: Option<f64>,
+    /// What is added to the product.
+    pub offset: f64,
+    /// Metres a unit of height, if the file states a unit.
+    pub height_unit_m: Option<f64>,
+    /// Metres a unit of the plane coordinates, if the file states a unit; the grid is in metres by it.
+    pub plane_unit_m: Option<f64>,
     /// Whether the file says that its plane coordinates are metres or feet, not degrees.
     pub projected: bool,
     pub reference: Option<Reference>,
@@ -47,9 +55,26 @@ pub(crate) struct Meaning {
 pub(crate) struct Raster {
     pub grid: Grid,
     /// `[row][column]`, row 0 in the north, metres; NaN: nodata. An f32 holds 9,000 m to 0.5 mm.
-    heights: Vec<f32>,
+    pub(super) heights: Vec<f32>,
     pub reference: Option<Reference>,
+    /// Metres a unit of the file's plane coordinates, if the file or its user states it: the grid is in metres for certain.
+    pub plane_unit_m: Option<f64>,
+    /// Metres a unit of the file's heights, if the file states it.
+    pub(super) height_unit_m: Option<f64>,
+    /// Whether it is of several files, which need not fill the grid.
+    pub(super) is_joined: bool,
     pub warnings: Vec<String>,
+}
+
+/// Factors of a raster's plane coordinates and of its heights.
+struct PlaneAndHeight {
+    plane: f64,
+    height: f64,
+}
+
+/// Whether two units are a foot by any definition, or equal.
+fn is_same_foot(unit_m: f64, scale: f64) -> bool {
+    unit_m != 1.0 && (scale / unit_m - 1.0).abs() < 0.01
 }
 
 /// Samples that are taken for nodata though the file does not say so.
@@ -91,12 +116,22 @@ impl Raster {
             return Err(Error::input(file, None, what, "export it again"));
         }
         check_grid(file, &grid)?;
-        let factor = if meaning.metres == 0.0 { 1.0 } else { meaning.metres as f32 };
+        let unit_m = meaning.height_unit_m.unwrap_or(1.0);
+        let (factor, shift) = (meaning.scale.unwrap_or(1.0) * unit_m, meaning.offset * unit_m);
+        if !(factor.is_finite() && shift.is_finite() && factor != 0.0) {
+            let what = format!("heights are stated as {} + {} times what is stored", meaning.offset, factor / unit_m);
+            return Err(Error::input(
+                file,
+                None,
+                what,
+                "correct the scale and the offset of the band: `gdal_edit -scale -offset`",
+            ));
+        }
         let declared = meaning.nodata.map(|nodata| nodata as f32);
         let (mut doubtful, mut known) = (Doubtful::default(), 0_usize);
         let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
         for height in &mut heights {
-            let metres = *height * factor;
+            let metres = (f64::from(*height) * factor + shift) as f32;
             *height = match *height {
                 // Not a number, or the number that stands for it.
                 h if h.is_nan() || declared == Some(h) => f32::NAN,
@@ -126,31 +161,39 @@ impl Raster {
                 &format!("its cells are {} wide and its heights span {}", grid.step.x, greatest - least),
             ));
         }
-        Ok(Raster { grid, heights, reference: meaning.reference, warnings })
+        Ok(Raster {
+            grid,
+            heights,
+            reference: meaning.reference,
+            plane_unit_m: meaning.plane_unit_m,
+            height_unit_m: meaning.height_unit_m,
+            is_joined: false,
+            warnings,
+        })
     }
 
-    /// Brings it to its place in the scene.
-    pub(crate) fn placed(mut self, part: &Part) -> Result<Raster> {
-        if part.y_up {
-            let hint = "leave y_up out: the values of a raster are heights, whatever axis points up elsewhere";
-            return Err(Error::input(&part.file, None, "y_up is asked of a raster", hint));
+    /// Brings it to its place in the scene, whose coordinates are in `system` unless the file states another one.
+    pub(crate) fn placed(mut self, part: &Part, frame: &SiteFrame, system: Option<Reference>) -> Result<Raster> {
+        if part.up == Some(UpAxis::Y) {
+            let hint = "leave up out: the values of a raster are heights, whatever axis points up elsewhere";
+            return Err(Error::input(&part.file, None, "y up is asked of a raster", hint));
         }
         if part.rotate_deg != 0.0 {
             let hint = "leave rotate_deg out: rows of a raster run east, reproject it if they do not";
             return Err(Error::input(&part.file, None, "rotate_deg is asked of a raster", hint));
         }
-        let (scale, shift) = (part.metres(), part.shift());
-        if !(scale > 0.0 && scale.is_finite() && shift.is_finite()) {
-            let what = format!("the scale {scale} or the offset {shift} is none");
+        let (PlaneAndHeight { plane, height }, shift) = (self.factors(part, frame, system), part.shift());
+        if !(plane > 0.0 && plane.is_finite() && height.is_finite() && shift.is_finite()) {
+            let what = format!("the scale {plane} or the offset {shift} is none");
             return Err(Error::input(&part.file, None, what, "give metres a unit, above 0"));
         }
-        if scale == 1.0 && shift == DVec3::ZERO {
+        if plane == 1.0 && height == 1.0 && shift == DVec3::ZERO {
             return Ok(self);
         }
-        self.grid.first = self.grid.first * scale + shift.truncate();
-        self.grid.step *= scale;
-        for height in &mut self.heights {
-            *height = (f64::from(*height) * scale + shift.z) as f32;
+        self.grid.first = self.grid.first * plane + shift.truncate();
+        self.grid.step *= plane;
+        for metres in &mut self.heights {
+            *metres = (f64::from(*metres) * height + shift.z) as f32;
         }
         check_grid(&part.file, &self.grid)?;
         let highest = self.heights.iter().fold(0.0_f32, |most, h| most.max(h.abs()));
@@ -159,6 +202,43 @@ impl Raster {
             return Err(Error::input(&part.file, None, what, "positions are metres, at most 1e9 in size"));
         }
         Ok(self)
+    }
+
+    /// What its plane coordinates and its heights are multiplied by, and warnings of what was decided where the file does not state it.
+    fn factors(&mut self, part: &Part, frame: &SiteFrame, system: Option<Reference>) -> PlaneAndHeight {
+        let file = part.file.display();
+        // A scale of its own holds for what the file does not state; what was converted is not converted twice.
+        if let Some(scale) = part.scale {
+            let left =
+                |stated: Option<f64>| if stated.is_some_and(|unit| is_same_foot(unit, scale)) { 1.0 } else { scale };
+            let factors = PlaneAndHeight { plane: left(self.plane_unit_m), height: left(self.height_unit_m) };
+            self.plane_unit_m = self.plane_unit_m.or(Some(scale));
+            return factors;
+        }
+        let own = self.reference.is_some() || self.plane_unit_m.is_some();
+        let feet = match (own, system) {
+            (true, _) => self.plane_unit_m.filter(|unit| *unit != 1.0),
+            (false, system) => system.map(Reference::unit_m).filter(|unit| *unit != 1.0),
+        };
+        let (Some(unit), scale) = (feet, frame.scale) else { return PlaneAndHeight { plane: 1.0, height: 1.0 } };
+        let scale = scale.filter(|scale| is_same_foot(unit, *scale));
+        let plane = scale.filter(|_| !own).unwrap_or(1.0);
+        if plane != 1.0 {
+            self.plane_unit_m = Some(plane);
+            self.warnings.push(format!(
+                "{file}: names no coordinate system; read in that of the scene, in units of {plane:.7} m"
+            ));
+        }
+        let height = scale.filter(|_| self.height_unit_m.is_none()).unwrap_or(1.0);
+        if self.height_unit_m.is_none() && (own || scale.is_some()) {
+            self.warnings.push(match scale {
+                Some(scale) => format!("{file}: states no unit of its heights; read in units of {scale:.7} m, as the scale says"),
+                None => format!(
+                    "{file}: states no unit of its heights, read in metres: if they are feet as its coordinates, give --scale {unit:.7}"
+                ),
+            });
+        }
+        PlaneAndHeight { plane, height }
     }
 
     pub(super) fn samples(&self) -> usize {
@@ -225,6 +305,12 @@ impl Raster {
 pub(crate) fn degrees(file: &Path, why: &str) -> Error {
     let hint = "reproject it to metres, for example `gdalwarp -t_srs EPSG:32632 -r bilinear in.tif out.tif` with the zone of the place";
     Error::input(file, None, format!("the raster is in degrees: {why}"), hint)
+}
+
+/// The error of a raster whose coordinates are distances from the Earth's centre.
+pub(crate) fn geocentric(file: &Path, why: &str) -> Error {
+    let hint = "reproject it to metres, for example `gdalwarp -t_srs EPSG:32632 -r bilinear in.tif out.tif` with the zone of the place";
+    Error::input(file, None, format!("the raster is geocentric: {why}"), hint)
 }
 
 fn check_grid(file: &Path, grid: &Grid) -> Result<()> {
@@ -307,7 +393,8 @@ mod tests {
     /// Feet become metres: 1000 ft are 304.8 m.
     #[test]
     fn feet() {
-        let found = raster(&[1000.0; 6], &Meaning { metres: 0.3048, ..Meaning::default() }).expect("heights");
+        let found =
+            raster(&[1000.0; 6], &Meaning { height_unit_m: Some(0.3048), ..Meaning::default() }).expect("heights");
         assert!((found.height(2, 1) - 304.8).abs() < 1e-3);
         assert!(found.height(3, 0).is_nan() && found.height(0, 2).is_nan() && found.height(-1, 0).is_nan());
     }

@@ -37,6 +37,7 @@ pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, 
     let mut geometry = Geometry::default();
     geometry.warnings.append(&mut raster.warnings);
     geometry.reference = raster.reference;
+    geometry.in_metres = raster.plane_unit_m.is_some();
     if let Some(angle) = wanted.horizon_deg
         && !(0.0..90.0).contains(&angle)
     {
@@ -69,7 +70,8 @@ pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, 
         return Err(Error::input(wanted.file, None, "the raster has no cell with heights at its corners", hint));
     }
     if left_out > 0 {
-        geometry.left_out.insert("at nodata (triangles of the terrain)".into(), left_out);
+        let reason = if raster.is_joined { "at nodata or beyond its tiles" } else { "at nodata" };
+        geometry.left_out.insert(format!("{reason} (triangles of the terrain)"), left_out);
     }
     let note = (!alone || limit_deg > 0.0).then(|| {
         let (file, km) = (wanted.file.display(), reach / 1000.0);

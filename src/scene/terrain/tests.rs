@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::Scene;
+use crate::placing::frame::UpAxis;
 use crate::site::{Part, Site};
 
 /// Hills of `columns` x `rows` cells of 500 m from (400,000, 5,000,000), with one height missing.
@@ -92,7 +93,7 @@ fn around_a_house() {
     assert_eq!(load(&parts).content_hash(), scene.content_hash());
 }
 
-/// Full resolution on request: 0 degrees keep all triangles beside a house; 0.2 degrees leave fewer than 0.02 do; y_up is refused.
+/// Full resolution on request: 0 degrees keep all triangles beside a house; 0.2 degrees leave fewer than 0.02 do; y up is refused.
 #[test]
 fn asked() {
     let (text, _) = house();
@@ -105,7 +106,7 @@ fn asked() {
     let found = [0.0, 0.02, 0.2].map(count);
     assert_eq!(found[0], 2 * 79 * 59 - 8 + 2);
     assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
-    let turned = Part { y_up: true, ..terrain.clone() };
+    let turned = Part { up: Some(UpAxis::Y), ..terrain.clone() };
     let message = Scene::load_site(&Site { parts: vec![turned], ..Site::default() }).expect_err("no y up").to_string();
-    assert!(message.contains("y_up is asked of a raster"), "{message}");
+    assert!(message.contains("y up is asked of a raster"), "{message}");
 }

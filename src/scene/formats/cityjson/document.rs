@@ -26,7 +26,7 @@ pub(super) struct Document<'a> {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Text<'a>(pub(super) Cow<'a, str>);
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, PartialEq, Deserialize)]
 pub(super) struct Transform {
     pub scale: [f64; 3],
     pub translate: [f64; 3],
@@ -122,7 +122,7 @@ fn within<E: Error>(place: impl Display) -> impl FnOnce(E) -> E {
     move |error| E::custom(format_args!("{place}: {error}"))
 }
 
-impl<'de> Deserialize<'de> for Document<'de> {
+impl<'de: 'a, 'a> Deserialize<'de> for Document<'a> {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
         struct Root;
         impl<'de> Visitor<'de> for Root {

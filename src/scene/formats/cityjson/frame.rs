@@ -4,22 +4,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::epsg_numbers::{Axes, axes_of};
 use crate::formats::cityjson::document::Document;
 use crate::reference::Reference;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
-
-/// Reference systems in degrees that cities are published in, horizontal, with ellipsoidal and with other heights, by their
-/// numbers in the EPSG register: worldwide, Europe and its countries, North America, Australasia, Japan, China and Korea, South
-/// America.
-const GEOGRAPHIC: [u32; 46] = [
-    4326, 4979, 9518, 9707, //
-    4258, 4937, 7423, 4171, 4965, 4289, 4314, 4277, 4230, 4149, 4150, 4313, 4619, 4977, 4265, 4312, 4124, //
-    4269, 4267, 4152, 4759, 6318, 6319, 4617, 4955, 5498, //
-    4283, 4939, 7844, 7843, 4167, 4959, //
-    4612, 4947, 6668, 6667, 6697, 4490, 4480, 4737, //
-    4674, 4989,
-];
 
 /// From numbers of the file to metres.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +47,13 @@ impl Frame {
 /// Where `metadata.referenceSystem` says that coordinates lie; coordinates in degrees are an error.
 pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> Result<Option<Reference>> {
     let number = epsg(text);
-    if number.is_some_and(|number| GEOGRAPHIC.contains(&number)) || text.contains("CRS84") {
+    let axes = number.and_then(axes_of);
+    if axes == Some(Axes::Geocentric) {
+        let what = format!("coordinates are geocentric: `metadata.referenceSystem` is `{}`", excerpt(text.as_bytes()));
+        let hint = "reproject the file to a system in metres with z up, such as the national grid or UTM, or correct the metadata";
+        return Err(Error::input(file, None, what, hint));
+    }
+    if axes == Some(Axes::Degrees) || text.contains("CRS84") {
         let what = format!("coordinates are degrees: `metadata.referenceSystem` is `{}`", excerpt(text.as_bytes()));
         let hint =
             "reproject the file to a system in metres, such as the national grid or UTM, or correct the metadata";
@@ -106,16 +101,24 @@ mod tests {
         }
     }
 
-    /// Degrees are refused under 4 names, metres are not, and a name without a number is worth 1 warning.
+    /// Degrees are refused under 6 names and geocentric coordinates under 2, metres are not, and a name without a number is worth 1 warning.
     #[test]
     fn degrees() {
         let mut warnings = Vec::new();
         let mut of = |text: &str| reference(text, Path::new("town.city.json"), &mut warnings);
-        for text in
-            ["EPSG:4326", "urn:ogc:def:crs:EPSG::4979", "http://www.opengis.net/def/crs/EPSG/0/6697", "OGC:CRS84"]
-        {
+        for text in [
+            "EPSG:4326",
+            "urn:ogc:def:crs:EPSG::4979",
+            "http://www.opengis.net/def/crs/EPSG/0/6697",
+            "OGC:CRS84",
+            "EPSG:9518",
+            "EPSG:6668",
+        ] {
             let message = of(text).expect_err(text).to_string();
             assert!(message.contains("coordinates are degrees") && message.contains("reproject"), "{message}");
+        }
+        for text in ["EPSG:4978", "urn:ogc:def:crs:EPSG::4936"] {
+            assert!(of(text).expect_err(text).to_string().contains("coordinates are geocentric"), "{text}");
         }
         assert_eq!(of("EPSG:7415").expect("metres"), Some(Reference::Epsg(7415)));
         assert_eq!(of("the local grid").expect("unknown"), None);

@@ -1,9 +1,10 @@
-//! City models. In: a CityJSON object of version 1.0 to 2.0 (`.city.json`, `.json`) or a sequence of features (`.city.jsonl`,
-//! `.jsonl`). Out: polygons with holes, named after city objects, of materials named after semantic surfaces.
+//! City models. In: a CityJSON object of version 1.0 to 2.0 (`.city.json`, `.json`) a sequence of features (`.city.jsonl`,
+//! `.jsonl`), or an answer of a service that wraps features (that of 3DBAG). Out: polygons with holes, named after city objects, of materials named after semantic surfaces.
 //!
 //! Semantics name the materials, then the type of the object; faces of buildings without semantics are told apart by tilt. Colours of
 //! `appearance` are those of pictures, not reflectances, and are not read; neither are attributes and `geographicalExtent`.
 
+mod answers;
 mod document;
 mod frame;
 mod nested;
@@ -23,10 +24,11 @@ use crate::formats::Asked;
 use crate::geometry::Geometry;
 use crate::input;
 use crate::text::{excerpt, without_byte_order_mark};
+use answers::Answer;
 use document::{Document, Lod};
 use frame::Frame;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, with_list};
 use objects::Reader;
 pub(super) use surfaces::name_by_tilt;
 use templates::Template;
@@ -38,8 +40,11 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
     if bytes.trim_ascii().is_empty() {
         return Err(Error::input(file, None, "the file is empty", "export the city model again"));
     }
-    if input::ending(file) == "jsonl" {
+    if is_sequence(bytes, file) {
         return sequence(bytes, file, asked);
+    }
+    if let Some(answer) = answers::of(bytes) {
+        return answered(answer, file, asked);
     }
     let mut document = refuse::document(bytes, file, None)?;
     refuse::other_kinds(&document, bytes, file, None)?;
@@ -47,6 +52,28 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
     let mut reader = header.reader(file, asked, geometry);
     reader.add(&document)?;
     finish(reader)
+}
+
+/// An answer of a service: the header in its metadata, and one feature or several.
+fn answered(answer: Answer, file: &Path, asked: Option<Lod>) -> Result<Geometry> {
+    let Answer { mut metadata, features } = answer;
+    refuse::version(&metadata, file)?;
+    let (header, geometry) = Header::of(&mut metadata, file)?;
+    let mut reader = header.reader(file, asked, geometry);
+    for feature in &features {
+        reader.add(feature)?;
+    }
+    finish(reader)
+}
+
+/// Whether a text is one of features, a line each: by the name of the file, or since more lines follow on a whole first one.
+fn is_sequence(bytes: &[u8], file: &Path) -> bool {
+    if ["jsonl", "cityjsonl"].contains(&input::ending(file).as_str()) {
+        return true;
+    }
+    let first = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let more = bytes.get(first.len()..).unwrap_or_default().trim_ascii_start().starts_with(b"{");
+    more && first.trim_ascii_end().ends_with(b"}")
 }
 
 /// One line the header, every other a feature with vertices of its own (CityJSON 2.0.1, section 7).
@@ -99,19 +126,24 @@ impl<'a> Header<'a> {
             objects: 0,
             levels: BTreeSet::new(),
             instanced: 0,
+            skipped: Vec::new(),
         }
     }
 }
 
 fn finish(reader: Reader) -> Result<Geometry> {
-    let Reader { file, mut geometry, objects, levels, asked, .. } = reader;
+    let Reader { file, mut geometry, objects, levels, asked, skipped, .. } = reader;
     if geometry.face_count() > 0 {
         let cut = openings::cut_openings(&mut geometry);
         if cut > 0 {
             let what = counted(cut as u64, "opening");
             geometry.doubts.push(format!("{what} (windows, doors) lay on whole walls and roofs: cut out of them"));
         }
+        geometry.warnings.extend(left_out(file, &skipped));
         return Ok(geometry);
+    }
+    if let Some(first) = skipped.into_iter().next() {
+        return Err(first);
     }
     if objects == 0 {
         return Err(Error::input(
@@ -132,6 +164,23 @@ fn finish(reader: Reader) -> Result<Geometry> {
         None => "export surfaces or solids; points and lines shade nothing".into(),
     };
     Err(Error::input(file, None, what, hint))
+}
+
+/// A sentence on objects that are left out, since their geometry is wrong; all of them stand behind it.
+fn left_out(file: &Path, skipped: &[Error]) -> Option<String> {
+    let words = |error: &Error| match error {
+        Error::Input { what, line: Some(line), .. } => format!("line {line}, {what}"),
+        Error::Input { what, .. } => what.clone(),
+        other => other.to_string(),
+    };
+    let (first, others) = skipped.split_first()?;
+    let sentence = format!(
+        "{}: {} left out, whose geometry is wrong: {}; validate the file (cjval) or export it again",
+        file.display(),
+        counted(skipped.len() as u64, "city object"),
+        words(first)
+    );
+    Some(with_list(&sentence, others.iter().map(words)))
 }
 
 fn level(text: &str, file: &Path) -> Result<Lod> {

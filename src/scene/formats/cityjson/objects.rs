@@ -37,6 +37,8 @@ pub(super) struct Reader<'f, 'h> {
     pub levels: BTreeSet<Lod>,
     /// Corners of instances.
     pub instanced: u64,
+    /// What was wrong with objects that are left out.
+    pub skipped: Vec<Error>,
 }
 
 /// Consecutive vertices that boundaries count in.
@@ -95,9 +97,17 @@ impl<'h> Reader<'_, 'h> {
                 ..ObjectNote::default()
             };
             self.geometry.object_notes.insert(number, note);
-            for Offer { shape, number: geometry, .. } in shapes {
-                let owner = Owner { id: &id.0, kind, number, geometry };
-                self.shape(&owner, shape, range)?;
+            let mark = self.geometry.mark();
+            let read = shapes.into_iter().try_for_each(|Offer { shape, number: geometry, .. }| {
+                self.shape(&Owner { id: &id.0, kind, number, geometry }, shape, range)
+            });
+            match read {
+                // What is wrong within an object costs no other one.
+                Err(error @ Error::Input { .. }) => {
+                    self.geometry.back_to(&mark);
+                    self.skipped.push(error);
+                }
+                other => other?,
             }
         }
         Ok(())

@@ -46,6 +46,11 @@ pub(super) fn other_kinds(document: &Document, text: &[u8], file: &Path, line: O
         let sketch = serde_json::from_slice(text).unwrap_or_default();
         kind_of(&sketch, file, line)?;
     }
+    version(document, file)
+}
+
+/// Lets only known versions pass.
+pub(super) fn version(document: &Document, file: &Path) -> Result<()> {
     if !["1.0", "1.1", "2.0"].iter().any(|known| document.version.0.starts_with(known)) {
         return Err(Error::Unsupported {
             what: format!("the CityJSON version of {}", file.display()),

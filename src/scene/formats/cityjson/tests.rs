@@ -313,6 +313,59 @@ fn long_and_touching_rings() {
     assert_eq!((cut.triangles.len(), cut.degenerate_faces), (2, 0));
 }
 
+/// Of three objects the one whose semantics name too few surfaces is left out with its name, and 12 faces of the others stay; two wrong ones are
+/// counted, and both are named.
+#[test]
+fn a_wrong_object_costs_no_other() {
+    let object = |name: &str, values: &str| {
+        let semantics = format!(r#""semantics":{{"surfaces":[{{"type":"RoofSurface"}}],"values":{values}}}"#);
+        format!(
+            r#""{name}":{{"type":"Building","geometry":[{{"type":"Solid","lod":"2","boundaries":{BOX},{semantics}}}]}}"#
+        )
+    };
+    let (good, short, far) = ("[[0,0,0,0,0,0]]", "[[0]]", "[[0,0,0,0,0,7]]");
+    let geometry = read(&model(&[object("a", good), object("b", short), object("c", good)].join(",")));
+    assert_eq!(geometry.face_count(), 12);
+    let [said] = geometry.warnings.as_slice() else { panic!("{:?}", geometry.warnings) };
+    assert!(said.contains("1 city object left out") && said.contains("object `b`: the values"), "{said}");
+    let geometry = read(&model(&[object("a", far), object("b", short), object("c", good)].join(",")));
+    let said = geometry.warnings.concat();
+    assert!(said.contains("2 city objects left out") && said.contains("`a`") && said.contains("`b`"), "{said}");
+    assert_eq!(faces(&geometry).iter().filter(|face| face.0 == "c").count(), 6);
+}
+
+/// An answer of a service is read as its feature or features: 6 faces of one, 12 of two, with a header of their own or one for all; the place is
+/// that of the metadata.
+#[test]
+fn answers_of_services() {
+    let metadata = format!(
+        r#"{{"type":"CityJSON","version":"2.0",{TRANSFORM},"metadata":{{"referenceSystem":"EPSG:7415"}},"CityObjects":{{}},"vertices":[]}}"#
+    );
+    let feature = |name: &str| {
+        let objects = format!(r#""{name}":{{"type":"Building","geometry":[{}]}}"#, solid("2"));
+        format!(r#"{{"type":"CityJSONFeature","id":"{name}","CityObjects":{{{objects}}},"vertices":[{VERTICES}]}}"#)
+    };
+    let item =
+        |name: &str| format!(r#"{{"id":"{name}","feature":{},"metadata":{metadata},"links":[]}}"#, feature(name));
+    for (text, found) in [
+        (item("a"), 6),
+        (format!(r#"{{"type":"Feature","feature":{},"metadata":{metadata}}}"#, feature("a")), 6),
+        (
+            format!(
+                r#"{{"type":"FeatureCollection","features":[{},{}],"metadata":{metadata}}}"#,
+                feature("a"),
+                feature("b")
+            ),
+            12,
+        ),
+        (format!(r#"{{"type":"FeatureCollection","features":[{},{}]}}"#, item("a"), item("b")), 12),
+    ] {
+        let geometry = read_as(&text, "a.json", None).expect(&text);
+        assert_eq!((geometry.face_count(), geometry.reference), (found, Some(Reference::Epsg(7415))));
+        assert_eq!(geometry.vertices[6], DVec3::new(110., 210., 8.));
+    }
+}
+
 /// Every refusal of more than 30 names the file, the line where there is one, and what is wrong.
 #[test]
 fn refusals() {
@@ -332,7 +385,7 @@ fn refusals() {
         (String::new(), None, "the file is empty"),
         ("{\"type\":\n\"CityJSON\",\n oops}".into(), Some(3), "key must be a string"),
         (sound[..sound.len() - 9].to_owned(), Some(1), "ends too early"),
-        (format!("{sound}\n{sound}"), Some(2), "let the name of a sequence of features end with .city.jsonl"),
+        (format!("{sound}\n{sound}"), Some(2), "`type` is `CityJSON`, not CityJSONFeature"),
         ("[]".into(), None, "a JSON list"),
         ("{}".into(), None, "holds nothing"),
         ("7".into(), Some(1), "expected a CityJSON object"),

@@ -1,5 +1,6 @@
 //! In: a .gltf or .glb file and what its JSON says of buffers. Out: their bytes, and values in them of which all were checked to exist.
 
+use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
@@ -7,10 +8,10 @@ use std::rc::Rc;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use percent_encoding::percent_decode_str;
 
-use crate::formats::gltf::json::{Accessor, Root};
+use crate::formats::gltf::json::{Accessor, Root, Sparse, SparsePart, unreadable};
 use crate::input;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
@@ -113,48 +114,102 @@ impl<'r> Buffers<'r> {
         let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
         let accessor = self.root.accessors.get(index).ok_or_else(|| refuse("does not exist".into()))?;
         let Accessor { count, byte_offset, .. } = *accessor;
-        if accessor.sparse.is_some() {
-            return Err(Error::Unsupported {
-                what: format!("accessor {index} of {}", self.file.display()),
-                found: "a sparse one".into(),
-                supported: "plain accessors: export it again without".into(),
-            });
-        }
         let kind = Kind::of(accessor.component_type).ok_or_else(|| {
             refuse(format!("is of component type {}, which glTF 2.0 does not have", accessor.component_type))
         })?;
-        let number = accessor.buffer_view.ok_or_else(|| refuse("has no buffer view, all its values are 0".into()))?;
+        let width = match accessor.shape.as_str() {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            other => return Err(refuse(format!("is `{}`, not SCALAR or VEC3", excerpt(other.as_bytes())))),
+        };
+        let size = (width * kind.size()) as u64;
+        let (mut bytes, mut stride) = (None, size);
+        if let Some(number) = accessor.buffer_view {
+            let view = self.view(index, number)?;
+            stride = view.stride.filter(|stride| *stride > 0).unwrap_or(size);
+            if stride < size {
+                return Err(refuse(format!("has values of {size} bytes every {stride} bytes")));
+            }
+            let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
+            let found = needed.and_then(|needed| part(view.bytes, byte_offset, needed));
+            bytes = Some(found.ok_or_else(|| {
+                let all = view.bytes.len();
+                refuse(format!("has {count} values every {stride} bytes, more than its buffer view of {all} bytes"))
+            })?);
+        } else if accessor.sparse.is_none() {
+            return Err(refuse("has no buffer view, all its values are 0".into()));
+        } else if count > MOST_ZEROS {
+            return Err(refuse(format!("has {count} values and no buffer view, more than {MOST_ZEROS}")));
+        }
+        let replaced = accessor.sparse.as_ref().map(|sparse| self.replaced(index, sparse, count, size)).transpose()?;
+        // What exists in memory is counted by a usize.
+        let normalized = accessor.normalized && kind != Kind::F32;
+        Ok(Values { bytes, count: count as usize, width, stride: stride as usize, kind, normalized, replaced })
+    }
+
+    /// The values of a sparse accessor (specification, section 3.6.2.3), `size` bytes each, and which of `count` they replace.
+    fn replaced(&self, index: usize, sparse: &Sparse, count: u64, size: u64) -> Result<Replaced<'_>> {
+        let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
+        let kind = sparse.indices.component_type.and_then(Kind::of);
+        let Some(kind @ (Kind::U8 | Kind::U16 | Kind::U32)) = kind else {
+            return Err(refuse("has sparse indices of a type that glTF 2.0 does not allow".into()));
+        };
+        let of = |of: &SparsePart, each: u64| {
+            let length = sparse.count.checked_mul(each);
+            let view = self.view(index, of.buffer_view)?;
+            let found = length.and_then(|length| part(view.bytes, of.byte_offset, length));
+            found
+                .ok_or_else(|| refuse(format!("has {} sparse values, more than their buffer view holds", sparse.count)))
+        };
+        let found = Replaced {
+            places: of(&sparse.indices, kind.size() as u64)?,
+            values: of(&sparse.values, size)?,
+            kind,
+            count: sparse.count as usize,
+            size: size as usize,
+        };
+        let mut places = (0..found.count).filter_map(|i| found.place(i));
+        if !places.clone().is_sorted_by(|a, b| a < b) || places.next_back().is_some_and(|last| u64::from(last) >= count)
+        {
+            return Err(refuse(format!("has sparse indices that do not increase, or go beyond its {count} values")));
+        }
+        Ok(found)
+    }
+
+    /// The bytes of a buffer view.
+    fn view(&self, index: usize, number: usize) -> Result<ViewBytes<'_>> {
+        let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
         let missing = || refuse(format!("is in buffer view {number}, which does not exist"));
         let view = self.root.buffer_views.get(number).ok_or_else(missing)?;
         let buffer = self.bytes.get(view.buffer).and_then(Option::as_ref).ok_or_else(|| {
-            refuse(format!("is in buffer {}, which does not exist or has no bytes of its own", view.buffer))
+            match view.extensions.keys().next() {
+                Some(name) => {
+                    let found =
+                        format!("accessor {index}, whose values only the extension {} holds", excerpt(name.as_bytes()));
+                    unreadable(self.file, &found, name)
+                }
+                None => {
+                    refuse(format!("is in buffer {}, which does not exist or has no bytes of its own", view.buffer))
+                }
+            }
         })?;
         let announced = self.root.buffers.get(view.buffer).map_or(0, |buffer| buffer.byte_length);
         let bytes = part(buffer.all(), 0, announced).and_then(|all| part(all, view.byte_offset, view.byte_length));
         let bytes =
             bytes.ok_or_else(|| refuse(format!("is in buffer view {number}, which reaches beyond its buffer")))?;
-        let width = match accessor.shape.as_str() {
-            "SCALAR" => 1,
-            "VEC3" => 3,
-            other => return Err(refuse(format!("is `{}`, not SCALAR or VEC3", excerpt(other.as_bytes())))),
-        };
-        let size = (width * kind.size()) as u64;
-        let stride = view.byte_stride.filter(|stride| *stride > 0).unwrap_or(size);
-        if stride < size {
-            return Err(refuse(format!("has values of {size} bytes every {stride} bytes")));
-        }
-        let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
-        let bytes = needed.and_then(|needed| part(bytes, byte_offset, needed)).ok_or_else(|| {
-            refuse(format!(
-                "has {count} values every {stride} bytes, more than its buffer view of {} bytes",
-                view.byte_length
-            ))
-        })?;
-        // What exists in memory is counted by a usize.
-        let normalized = accessor.normalized && kind != Kind::F32;
-        Ok(Values { bytes, count: count as usize, width, stride: stride as usize, kind, normalized })
+        Ok(ViewBytes { bytes, stride: view.byte_stride })
     }
 }
+
+/// Bytes of a buffer view, and how far apart its values are if it says so.
+struct ViewBytes<'b> {
+    bytes: &'b [u8],
+    stride: Option<u64>,
+}
+
+/// Most values of an accessor that stand in no buffer view: a short file could otherwise ask for all memory.
+const MOST_ZEROS: u64 = 10_000_000;
 
 impl Bytes<'_> {
     fn all(&self) -> &[u8] {
@@ -249,15 +304,48 @@ impl Kind {
 
 /// Values of an accessor.
 pub(super) struct Values<'b> {
-    bytes: &'b [u8],
+    /// `None`: all are 0 that are not replaced.
+    bytes: Option<&'b [u8]>,
     pub count: usize,
     width: usize,
     stride: usize,
     kind: Kind,
     normalized: bool,
+    replaced: Option<Replaced<'b>>,
 }
 
-impl Values<'_> {
+/// What a sparse accessor has in place of some values.
+struct Replaced<'b> {
+    /// Which values, increasing.
+    places: &'b [u8],
+    values: &'b [u8],
+    kind: Kind,
+    count: usize,
+    size: usize,
+}
+
+impl<'b> Replaced<'b> {
+    fn place(&self, i: usize) -> Option<u32> {
+        let bytes = self.places.get(i.checked_mul(self.kind.size())?..)?;
+        self.kind.read(bytes).map(|place| place as u32)
+    }
+
+    /// The bytes of a value, if it is replaced.
+    fn of(&self, index: usize) -> Option<&'b [u8]> {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            match (self.place(middle)? as usize).cmp(&index) {
+                Ordering::Less => low = middle + 1,
+                Ordering::Greater => high = middle,
+                Ordering::Equal => return self.values.get(middle.checked_mul(self.size)?..),
+            }
+        }
+        None
+    }
+}
+
+impl<'b> Values<'b> {
     pub(super) fn is_indices(&self) -> bool {
         self.width == 1 && [Kind::U8, Kind::U16, Kind::U32].contains(&self.kind)
     }
@@ -266,21 +354,45 @@ impl Values<'_> {
         self.width == 3 && self.kind != Kind::U32
     }
 
+    /// Whether they are turns: x, y, z, w.
+    pub(super) fn is_rotations(&self) -> bool {
+        self.width == 4 && self.kind != Kind::U32
+    }
+
+    /// The bytes from a value on.
+    #[inline]
+    fn at(&self, i: usize) -> Option<&'b [u8]> {
+        const ZEROS: &[u8] = &[0; 16];
+        if let Some(bytes) = self.replaced.as_ref().and_then(|replaced| replaced.of(i)) {
+            return Some(bytes);
+        }
+        match self.bytes {
+            Some(bytes) => bytes.get(i.checked_mul(self.stride)?..),
+            None => Some(ZEROS),
+        }
+    }
+
     /// A whole number; `None` beyond the last one.
     #[inline]
     pub(super) fn index(&self, i: usize) -> Option<u32> {
-        let bytes = self.bytes.get(i.checked_mul(self.stride)?..)?;
-        self.kind.read(bytes).filter(|_| i < self.count).map(|index| index as u32)
+        self.kind.read(self.at(i)?).filter(|_| i < self.count).map(|index| index as u32)
     }
 
     /// Three numbers, of `KHR_mesh_quantization` too; maybe not finite.
     #[inline]
     pub(super) fn vector(&self, i: usize) -> Option<DVec3> {
-        let bytes = self.bytes.get(i.checked_mul(self.stride)?..)?;
-        let mut three = bytes.chunks_exact(self.kind.size()).map(|bytes| self.kind.read(bytes));
+        let mut three = self.at(i)?.chunks_exact(self.kind.size()).map(|bytes| self.kind.read(bytes));
         let mut next = || three.next().flatten();
         let vector = DVec3::new(next()?, next()?, next()?);
         // The smallest signed number is as far from 0 as the largest.
         Some(if self.normalized { (vector / self.kind.one()).max(DVec3::NEG_ONE) } else { vector })
+    }
+
+    /// Four numbers; maybe not finite.
+    pub(super) fn four(&self, i: usize) -> Option<DVec4> {
+        let mut four = self.at(i)?.chunks_exact(self.kind.size()).map(|bytes| self.kind.read(bytes));
+        let mut next = || four.next().flatten();
+        let vector = DVec4::new(next()?, next()?, next()?, next()?);
+        Some(if self.normalized { (vector / self.kind.one()).max(DVec4::NEG_ONE) } else { vector })
     }
 }

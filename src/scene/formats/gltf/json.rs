@@ -1,5 +1,6 @@
 //! In: the JSON of a glTF file. Out: those of its properties that say where surfaces are and what they are made of, unchecked.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -20,6 +21,20 @@ pub(super) struct Root {
     pub materials: Vec<Material>,
     pub extensions_used: Vec<String>,
     pub extensions_required: Vec<String>,
+    pub extensions: RootExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct RootExtensions {
+    #[serde(rename = "CESIUM_RTC")]
+    pub relative_to_center: Option<RelativeToCenter>,
+}
+
+/// Where the origin lies, z up (Khronos, vendor extension CESIUM_RTC).
+#[derive(Deserialize)]
+pub(super) struct RelativeToCenter {
+    pub center: [f64; 3],
 }
 
 #[derive(Default, Deserialize)]
@@ -41,6 +56,28 @@ pub(super) struct Node {
     /// x, y, z, w.
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    pub extensions: NodeExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub instancing: Option<Instancing>,
+}
+
+/// Accessors of places, a mesh at each (Khronos, vendor extension EXT_mesh_gpu_instancing).
+#[derive(Deserialize)]
+pub(super) struct Instancing {
+    pub attributes: InstanceAttributes,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "UPPERCASE")]
+pub(super) struct InstanceAttributes {
+    pub translation: Option<usize>,
+    pub rotation: Option<usize>,
+    pub scale: Option<usize>,
 }
 
 #[derive(Default, Deserialize)]
@@ -58,6 +95,7 @@ pub(super) struct Primitive {
     pub material: Option<usize>,
     pub mode: Option<u32>,
     pub targets: Vec<serde::de::IgnoredAny>,
+    pub extensions: BTreeMap<String, serde::de::IgnoredAny>,
 }
 
 #[derive(Default, Deserialize)]
@@ -79,7 +117,25 @@ pub(super) struct Accessor {
     pub count: u64,
     #[serde(rename = "type")]
     pub shape: String,
-    pub sparse: Option<serde::de::IgnoredAny>,
+    pub sparse: Option<Sparse>,
+}
+
+/// Values that stand in place of some of an accessor.
+#[derive(Deserialize)]
+pub(super) struct Sparse {
+    pub count: u64,
+    pub indices: SparsePart,
+    pub values: SparsePart,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparsePart {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub byte_offset: u64,
+    /// Of indices.
+    pub component_type: Option<u32>,
 }
 
 #[derive(Deserialize)]
@@ -90,6 +146,8 @@ pub(super) struct BufferView {
     pub byte_offset: u64,
     pub byte_length: u64,
     pub byte_stride: Option<u64>,
+    #[serde(default)]
+    pub extensions: BTreeMap<String, serde::de::IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -127,20 +185,37 @@ struct Asset {
 }
 
 /// Extensions that a file may call for, as they change nothing that is read, or are read.
-const HARMLESS: [&str; 13] = [
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "KHR_texture_basisu",
-    "KHR_lights_punctual",
-    "KHR_materials_unlit",
-    "KHR_materials_specular",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_clearcoat",
-    "KHR_xmp_json_ld",
-    "EXT_texture_webp",
-    "EXT_mesh_features",
-    "EXT_structural_metadata",
+const HARMLESS: [&str; 18] = [
+    "CESIUM_RTC",
+    "CESIUM_primitive_outline",
     "EXT_instance_features",
+    "EXT_mesh_features",
+    "EXT_mesh_gpu_instancing",
+    "EXT_mesh_manifold",
+    "EXT_structural_metadata",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+    "MSFT_lod",
+];
+
+/// Beginnings of the names of extensions that say nothing of where surfaces are.
+const OF_LOOKS: [&str; 8] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "EXT_lights_",
+    "KHR_animation_",
+    "KHR_audio",
 ];
 
 impl Root {
@@ -169,22 +244,38 @@ impl Root {
         // What materials look like is read as far as it goes; where surfaces are must be read.
         let needed = |name: &&String| ignored(name) && !name.starts_with("KHR_materials_");
         if let Some(name) = self.extensions_required.iter().find(needed) {
-            let advice = match name.as_str() {
-                "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-                    "meshes without compression: switch it off in the export"
-                }
-                _ => "glTF 2.0 without it: switch it off in the export",
-            };
-            return Err(Error::Unsupported {
-                what: format!("the scene {}", file.display()),
-                found: format!("the required extension {}", shown(name)),
-                supported: advice.into(),
-            });
+            return Err(unreadable(file, &format!("the required extension {}", shown(name)), name));
         }
         let mut names: Vec<String> = self.extensions_used.iter().filter(ignored).map(shown).collect();
         names.sort();
         names.dedup();
         names.truncate(8);
-        Ok((!names.is_empty()).then(|| format!("{}: extensions not read: {}", file.display(), names.join(", "))))
+        let geometry: Vec<&str> = names.iter().map(String::as_str).filter(|name| may_hold_geometry(name)).collect();
+        let missing = match geometry.as_slice() {
+            [] => String::new(),
+            names => format!("; geometry is missing if {} holds any", names.join(" or ")),
+        };
+        Ok((!names.is_empty())
+            .then(|| format!("{}: extensions not read: {}{missing}", file.display(), names.join(", "))))
+    }
+}
+
+/// Whether an extension may say where surfaces are.
+pub(super) fn may_hold_geometry(extension: &str) -> bool {
+    !HARMLESS.contains(&extension) && !OF_LOOKS.iter().any(|begin| extension.starts_with(begin))
+}
+
+/// The error of a file whose geometry stands in an extension.
+pub(super) fn unreadable(file: &Path, found: &str, extension: &str) -> Error {
+    let compressed = ["draco", "meshopt"].iter().any(|word| extension.contains(word));
+    let supported = if compressed {
+        "meshes without compression: switch it off in the export, or unpack the file with `gltf-transform copy in.glb out.glb`"
+    } else {
+        "glTF 2.0 without it: switch it off in the export"
+    };
+    Error::Unsupported {
+        what: format!("the scene {}", file.display()),
+        found: format!("{found}, without which geometry is missing"),
+        supported: supported.into(),
     }
 }

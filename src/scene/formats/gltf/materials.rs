@@ -2,8 +2,9 @@
 //!
 //! They were made for pictures, so they are the fallback, as those of an OBJ file are: diffuse is the plain mean of the three
 //! channels of `baseColorFactor`, which are linear, times 1 - `metallicFactor` (specification, section 3.9.2 and appendix B).
-//! Where a picture gives the colour, the factor says nothing of it and the material counts as not described.
+//! Where a picture gives the colour, the factor says nothing of it and the material counts as not described; so does a white one.
 
+use crate::materials::assumed::{WHITE_WORDS, is_white, undescribed};
 use crate::materials::select::class_of_name;
 use std::path::Path;
 
@@ -25,6 +26,7 @@ pub(super) struct Materials<'r> {
     textured: Vec<String>,
     see_through: Vec<String>,
     metallic: Vec<String>,
+    white: Vec<String>,
 }
 
 impl<'r> Materials<'r> {
@@ -37,6 +39,7 @@ impl<'r> Materials<'r> {
             textured: Vec::new(),
             see_through: Vec::new(),
             metallic: Vec::new(),
+            white: Vec::new(),
         }
     }
 
@@ -86,6 +89,11 @@ impl<'r> Materials<'r> {
             let what = format!("material `{}` has a factor beyond 0 to 1", excerpt(name.as_bytes()));
             return Err(Error::input(self.file, None, what, "give reflectances in materials.toml (--materials)"));
         }
+        // White is the value of a factor that is left out, too.
+        if is_white((red + green + blue) / 3.0) {
+            self.white.push(name.to_owned());
+            return Ok(None);
+        }
         if metal > 0.0 {
             self.metallic.push(name.to_owned());
         }
@@ -95,6 +103,7 @@ impl<'r> Materials<'r> {
 
     /// One warning a kind of thing that is left out.
     pub(super) fn warn(self, geometry: &mut Geometry) {
+        geometry.warnings.extend(undescribed(self.file, &self.white, WHITE_WORDS));
         for (names, what) in [
             (&self.textured, "have a texture, which is ignored: they count as not described"),
             (&self.see_through, "let light through (alphaMode), which is ignored: they count as opaque"),

@@ -5,6 +5,7 @@
 //! extension. Source: Khronos, glTF 2.0 Specification, 2021.
 
 mod buffers;
+mod instances;
 mod json;
 mod materials;
 #[cfg(test)]
@@ -17,7 +18,8 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use crate::coordinate::is_position;
 use crate::formats::Asked;
 use crate::formats::gltf::buffers::{Buffers, Values};
-use crate::formats::gltf::json::{Mesh, Node, Primitive, Root};
+use crate::formats::gltf::instances::placements;
+use crate::formats::gltf::json::{Mesh, Node, Primitive, Root, may_hold_geometry, unreadable};
 use crate::formats::gltf::materials::Materials;
 use crate::geometry::Geometry;
 use crate::text::excerpt;
@@ -76,7 +78,10 @@ impl<'r> Reader<'r> {
         // Later ones lie deeper in the stack.
         let all = self.first_nodes()?.into_iter().rev();
         // East is x, up is y, and z points south.
-        let upright = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+        let mut upright = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+        if let Some(relative) = &root.extensions.relative_to_center {
+            upright = DAffine3::from_translation(DVec3::from(relative.center)) * upright;
+        }
         stack.extend(all.map(|node| (node, upright)));
         let mut seen = vec![false; root.nodes.len()];
         while let Some((index, parent)) = stack.pop() {
@@ -144,28 +149,59 @@ impl<'r> Reader<'r> {
         Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
     }
 
+    /// Adds a mesh where its node lies, or where each of its instances does.
     fn add_mesh(&mut self, index: usize, node: &Node, mesh: &Mesh, placed: DAffine3) -> Result<()> {
         let named = |name: &Option<String>| name.clone().filter(|name| !name.is_empty());
         let name = named(&node.name).or_else(|| named(&mesh.name)).unwrap_or_else(|| format!("node_{index}"));
         for primitive in &mesh.primitives {
             if !(4..=6).contains(&primitive.mode.unwrap_or(4)) {
                 self.geometry.leave_out("because they are points or lines");
-                continue;
+            } else {
+                self.unmoved.1 += usize::from(!primitive.targets.is_empty());
             }
-            self.unmoved.1 += usize::from(!primitive.targets.is_empty());
-            self.add_primitive(&name, primitive, placed)?;
+        }
+        let Some(instancing) = &node.extensions.instancing else { return self.add_primitives(&name, mesh, placed) };
+        let instances = placements(&instancing.attributes, self.buffers, self.file, index)?;
+        let single = instances.len() == 1;
+        for (i, instance) in (1..).zip(instances) {
+            let name = if single { name.clone() } else { format!("{name}_{i}") };
+            self.add_primitives(&name, mesh, placed * instance)?;
         }
         Ok(())
     }
 
+    fn add_primitives(&mut self, name: &str, mesh: &Mesh, placed: DAffine3) -> Result<()> {
+        let surfaces = mesh.primitives.iter().filter(|primitive| (4..=6).contains(&primitive.mode.unwrap_or(4)));
+        surfaces.into_iter().try_for_each(|primitive| self.add_primitive(name, primitive, placed))
+    }
+
+    /// The error of a primitive that cannot be read, or that of the extension that holds it.
+    fn unread(&self, name: &str, primitive: &Primitive, error: Error) -> Error {
+        match primitive.extensions.keys().find(|name| may_hold_geometry(name)) {
+            Some(extension) => {
+                let [name, shown] = [name, extension].map(|text| excerpt(text.as_bytes()));
+                unreadable(
+                    self.file,
+                    &format!("triangles of `{name}` that only the extension {shown} holds"),
+                    extension,
+                )
+            }
+            None => error,
+        }
+    }
+
     fn add_primitive(&mut self, name: &str, primitive: &Primitive, placed: DAffine3) -> Result<()> {
         let Some(positions) = primitive.attributes.position else {
+            if primitive.extensions.keys().any(|name| may_hold_geometry(name)) {
+                return Err(self.unread(name, primitive, self.error(String::new())));
+            }
             self.geometry.leave_out("because they have no attribute POSITION");
             return Ok(());
         };
         let buffers = self.buffers;
-        let positions = buffers.values(positions)?;
-        let indices = primitive.indices.map(|indices| buffers.values(indices)).transpose()?;
+        let positions = buffers.values(positions).map_err(|error| self.unread(name, primitive, error))?;
+        let indices = primitive.indices.map(|indices| buffers.values(indices)).transpose();
+        let indices = indices.map_err(|error| self.unread(name, primitive, error))?;
         if !positions.is_positions() || indices.as_ref().is_some_and(|indices| !indices.is_indices()) {
             let what = format!(
                 "`{}` has positions or indices of a type that glTF 2.0 does not allow",

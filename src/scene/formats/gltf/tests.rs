@@ -278,20 +278,181 @@ fn refusals() {
         (with(plain(), "/accessors/0/componentType", json!(5130)), "component type 5130"),
         (with(plain(), "/accessors/0/type", json!("VEC9")), "accessor 0 is `VEC9`"),
         (with(plain(), "/accessors/1/componentType", json!(5122)), "`cube` has positions or indices of a type"),
-        (with(plain(), "/accessors/0/sparse", json!({"count": 1})), "found a sparse one"),
+        (with(plain(), "/accessors/0/sparse", json!({"count": 1})), "the JSON is not that of glTF"),
         (with(plain(), "/meshes/0/primitives/0/material", json!(2)), "material 2 is used but not there; there are 0"),
         (with(plain(), "/meshes/0/primitives/0/indices", json!(2)), "accessor 2 does not exist"),
         (
             required("KHR_draco_mesh_compression"),
-            "KHR_draco_mesh_compression, this release supports meshes without compression",
+            "KHR_draco_mesh_compression, without which geometry is missing, this release supports meshes without",
         ),
-        (required("EXT_meshopt_compression"), "EXT_meshopt_compression, this release supports meshes without"),
+        (required("EXT_meshopt_compression"), "EXT_meshopt_compression, without which geometry is missing"),
         (required("ACME_\u{1b}thing"), "the required extension ACME_\u{fffd}thing"),
     ] {
         let message = parse(&json).map(drop).expect_err(said).to_string();
         let names_file = message.contains("town.gltf") || message.contains("gone.bin");
         assert!(names_file && message.contains(said), "{said}: {message}");
     }
+}
+
+/// Bytes of numbers behind those of the cube, with accessors 2 and on: f32 of a shape, or other numbers with their component type.
+fn with_accessors(mut json: Value, accessors: &[(&str, u32, &[u8], usize)]) -> Value {
+    let mut bytes = cube_bytes();
+    for (shape, kind, data, count) in accessors {
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        let view = json["bufferViews"].as_array().expect("views").len();
+        let normalized = *kind != 5126 && *shape == "VEC4";
+        json["bufferViews"]
+            .as_array_mut()
+            .expect("views")
+            .push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": data.len()}));
+        json["accessors"].as_array_mut().expect("accessors").push(
+            json!({"bufferView": view, "componentType": kind, "count": count, "type": shape, "normalized": normalized}),
+        );
+        bytes.extend_from_slice(data);
+    }
+    json["buffers"] = json!([{"byteLength": bytes.len(), "uri": data(&bytes)}]);
+    json
+}
+
+fn floats(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+fn instanced(attributes: Value) -> Value {
+    scene(json!([{"mesh": 0, "name": "house", "translation": [100, 0, 0],
+        "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}}}]))
+}
+
+/// Three instances by TRANSLATION are three cubes at 100, 130 and 160 m with names of their own; a ROTATION about the upright axis and a SCALE of
+/// 2, as floats, bytes and shorts, turn and stretch the cube alike; one instance keeps the name.
+#[test]
+fn gpu_instances() {
+    let three = floats(&[0., 0., 0., 30., 0., 0., 60., 0., 0.]);
+    let geometry = parse(&with_accessors(instanced(json!({"TRANSLATION": 2, "_ID": 9})), &[("VEC3", 5126, &three, 3)]));
+    let geometry = geometry.expect("readable");
+    assert_eq!((geometry.face_count(), geometry.vertices.len()), (36, 24));
+    assert_eq!(geometry.objects.as_slice(), ["house_1", "house_2", "house_3"]);
+    assert_eq!(bounds(&geometry), [[100., 0., 0.], [161., 1., 1.]]);
+    assert!((area_and_volume(&geometry).1 - 3.0).abs() < 1e-6);
+    // A quarter turn about y, from x to north in scene coordinates.
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let (bytes, shorts) =
+        ([0_i8, 90, 0, 90].map(|x| x as u8), [0_i16, 23_170, 0, 23_170].map(i16::to_le_bytes).concat());
+    let size = floats(&[2., 2., 2.]);
+    for (kind, turn) in [(5126, floats(&[0., half, 0., half])), (5120, bytes.to_vec()), (5122, shorts)] {
+        let json = instanced(json!({"ROTATION": 2, "SCALE": 3}));
+        let geometry =
+            parse(&with_accessors(json, &[("VEC4", kind, &turn, 1), ("VEC3", 5126, &size, 1)])).expect("readable");
+        assert_eq!(geometry.objects.as_slice(), ["house"]);
+        let [low, high] = bounds(&geometry).map(|corner| corner.map(|x| (x * 1000.0).round() / 1000.0));
+        assert_eq!([low, high], [[98., 0., 0.], [100., 2., 2.]], "{kind}");
+    }
+    let two = floats(&[0., 0., 0., 1., 1., 1.]);
+    for (attributes, said) in [
+        (json!({}), "have neither TRANSLATION nor ROTATION nor SCALE"),
+        (json!({"TRANSLATION": 2, "SCALE": 3}), "have attributes of [3, 2] values"),
+        (json!({"ROTATION": 2}), "of a type that the extension does not allow"),
+        (json!({"TRANSLATION": 7}), "accessor 7 does not exist"),
+        (json!({"SCALE": 4}), "have a placement, number 0, that is none"),
+    ] {
+        let bad = floats(&[f32::NAN, 1., 1.]);
+        let accessors: [(&str, u32, &[u8], usize); 3] =
+            [("VEC3", 5126, &three, 3), ("VEC3", 5126, &two, 2), ("VEC3", 5126, &bad, 1)];
+        let message = parse(&with_accessors(instanced(attributes), &accessors)).map(drop).expect_err(said).to_string();
+        assert!(message.contains(said), "{said}: {message}");
+    }
+}
+
+/// A sparse accessor lifts one corner of the cube by 1 m (volume 1.1667 m3 or 1.3333, by its diagonals), with a buffer view or all zeros below
+/// it; what does not increase or goes beyond the values is refused.
+#[test]
+fn sparse_accessors() {
+    let sparse = |base: bool, places: &[u8], count: u64, values: &[f32]| {
+        let moved = floats(values);
+        let json = with_accessors(
+            scene(json!([{"mesh": 0}])),
+            &[("SCALAR", 5121, places, places.len()), ("VEC3", 5126, &moved, 1)],
+        );
+        let part = |view: u64| json!({"bufferView": view, "componentType": 5121});
+        let json =
+            with(json, "/accessors/0/sparse", json!({"count": count, "indices": part(2), "values": {"bufferView": 3}}));
+        if base { json } else { with(json, "/accessors/0/bufferView", Value::Null) }
+    };
+    let (corners, _) = cube();
+    let stored = |v: &DVec3| [v.x as f32, v.z as f32, -v.y as f32];
+    let top = corners.iter().position(|v| v.z == 1.0).expect("a corner of the roof");
+    let lifted = stored(&(corners[top] + DVec3::Z));
+    let geometry = parse(&sparse(true, &[top as u8], 1, &lifted)).expect("readable");
+    let high = geometry.vertices.iter().fold(0.0_f64, |most, vertex| most.max(vertex.z));
+    assert_eq!(high, 2.0);
+    let volume = area_and_volume(&geometry).1;
+    assert!((volume - 7.0 / 6.0).abs() < 1e-9 || (volume - 4.0 / 3.0).abs() < 1e-9, "{volume}");
+    let all: Vec<f32> = corners.iter().flat_map(stored).collect();
+    let geometry = parse(&sparse(false, &[0, 1, 2, 3, 4, 5, 6, 7], 8, &all)).expect("readable");
+    assert!((area_and_volume(&geometry).1 - 1.0).abs() < 1e-9);
+    for (places, said) in
+        [(&[3, 3][..], "do not increase"), (&[4, 8], "go beyond its 8 values"), (&[1, 2, 3], "more than")]
+    {
+        let message =
+            parse(&sparse(true, places, places.len() as u64, &all[..6])).map(drop).expect_err(said).to_string();
+        assert!(message.contains(said), "{said}: {message}");
+    }
+}
+
+/// What only an extension holds is refused with its name and the word missing, 4 of 4, though it is not required; a compressed mesh with plain
+/// numbers beside it is read, with a warning.
+#[test]
+fn geometry_in_extensions() {
+    let primitive = "/meshes/0/primitives/0";
+    let draco =
+        |json| with(json, &format!("{primitive}/extensions"), json!({"KHR_draco_mesh_compression": {"bufferView": 0}}));
+    let plain = || scene(json!([{"mesh": 0}]));
+    let used = with(draco(plain()), "/extensionsUsed", json!(["KHR_draco_mesh_compression"]));
+    let geometry = parse(&used).expect("readable");
+    assert_eq!(geometry.face_count(), 12);
+    assert!(geometry.warnings.concat().contains("geometry is missing if KHR_draco_mesh_compression holds any"));
+    let unfilled = with(draco(plain()), "/accessors/0/bufferView", Value::Null);
+    let no_indices = with(draco(plain()), "/accessors/1/bufferView", Value::Null);
+    let shape = with(plain(), primitive, json!({"attributes": {}, "extensions": {"ACME_shape": {}}}));
+    let mut packed = with(plain(), "/bufferViews/0/extensions", json!({"EXT_meshopt_compression": {"buffer": 0}}));
+    packed["bufferViews"][0]["buffer"] = json!(1);
+    packed["buffers"].as_array_mut().expect("buffers").push(json!({"byteLength": 96}));
+    for (json, name) in [
+        (unfilled, "KHR_draco_mesh_compression"),
+        (no_indices, "KHR_draco_mesh_compression"),
+        (shape, "ACME_shape"),
+        (packed, "EXT_meshopt_compression"),
+    ] {
+        let message = parse(&json).map(drop).expect_err(name).to_string();
+        assert!(message.contains(name) && message.contains("without which geometry is missing"), "{message}");
+    }
+}
+
+/// A scene relative to a centre of CESIUM_RTC lies about it, z up: the cube from (7, 8, 9) to (8, 9, 10).
+#[test]
+fn relative_to_a_center() {
+    let mut json = scene(json!([{"mesh": 0}]));
+    json["extensions"] = json!({"CESIUM_RTC": {"center": [7, 8, 9]}});
+    assert_eq!(bounds(&parse(&json).expect("readable")), [[7., 8., 9.], [8., 9., 10.]]);
+}
+
+/// White factors, stated or left out, and nearly white ones say nothing of the reflectance: 3 materials in one warning, none described.
+#[test]
+fn white_says_nothing() {
+    let plain = json!({"name": "wall", "pbrMetallicRoughness": {"metallicFactor": 0}});
+    let stated =
+        json!({"name": "roof", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0}});
+    let near = json!({"name": "near", "pbrMetallicRoughness": {"baseColorFactor": [0.98, 0.99, 0.985, 1], "metallicFactor": 1}});
+    let primitives =
+        [0, 1, 2].map(|material| json!({"attributes": {"POSITION": 0}, "indices": 1, "material": material}));
+    let json = with(scene(json!([{"mesh": 0}])), "/meshes/0/primitives", json!(primitives));
+    let geometry = parse(&with(json, "/materials", json!([plain, stated, near]))).expect("readable");
+    assert_eq!((geometry.stated.len(), geometry.warnings.len()), (0, 1));
+    assert!(
+        geometry.warnings[0].starts_with("town.gltf: 3 materials (`wall` is the first) of white"),
+        "{:?}",
+        geometry.warnings
+    );
 }
 
 /// 8 .glb files cut anywhere or with wrong lengths are refused; 9,000 instances of 12 triangles beyond the limit too.

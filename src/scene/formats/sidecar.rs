@@ -1,0 +1,115 @@
+//! Small files beside a raster. In: the path of the raster. Out: where it lies by its world file, its coordinate system by its `.prj`,
+//! notes on its band by its `.aux.xml`.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+
+use crate::epsg_numbers::Axes;
+use crate::formats::gdal_metadata::{BandNotes, element, unescaped};
+use crate::formats::wkt::TextSystem;
+use crate::input;
+use crate::terrain::raster::{Meaning, degrees, geocentric};
+use crate::text::{excerpt, utf8};
+use heliotile_core::error::{Error, Result};
+
+/// Position of the middle of the first cell, and a step eastwards and southwards.
+pub(super) struct WorldFile {
+    pub first: DVec2,
+    pub step: DVec2,
+}
+
+/// The file of the same name with another ending, in small or capital letters.
+fn beside(raster: &Path, endings: &[&str]) -> Option<PathBuf> {
+    let name = raster.file_name()?.to_string_lossy();
+    let plain = input::without_packing(&name);
+    let (stem, _) = plain.rsplit_once('.')?;
+    let names = endings.iter().flat_map(|ending| [(*ending).to_owned(), ending.to_uppercase()]);
+    names.map(|ending| raster.with_file_name(format!("{stem}.{ending}"))).find(|path| path.is_file())
+}
+
+/// The text of a file beside.
+fn text_of(path: &Path) -> Result<String> {
+    Ok(String::from_utf8_lossy(&utf8(input::read(path)?)).into_owned())
+}
+
+/// What the world file of a raster says: `.tfw`, `.tifw`, `.tiffw` or `.wld`, six numbers, a line each (Esri; the GDAL manual, "World files").
+pub(super) fn world_file(raster: &Path) -> Result<Option<WorldFile>> {
+    let Some(path) = beside(raster, &["tfw", "tifw", "tiffw", "wld"]) else { return Ok(None) };
+    let text = text_of(&path)?;
+    let numbers: Vec<Option<f64>> = text.split_whitespace().map(|word| word.replace(',', ".").parse().ok()).collect();
+    let hint = "write six lines: width of a cell, 0, 0, minus its height, x and y of the middle of the first cell";
+    let refuse = |what: String| Err(Error::input(&path, None, what, hint));
+    match numbers.as_slice() {
+        [Some(wide), Some(turned), Some(other), Some(high), Some(x), Some(y), ..] => {
+            if *turned != 0.0 || *other != 0.0 || *wide <= 0.0 || *high >= 0.0 {
+                return refuse(format!("the raster is rotated or mirrored ({wide}, {turned}, {other}, {high})"));
+            }
+            Ok(Some(WorldFile { first: DVec2::new(*x, *y), step: DVec2::new(*wide, -*high) }))
+        }
+        _ => refuse(format!("holds `{}`, not six numbers", excerpt(text.trim().as_bytes()))),
+    }
+}
+
+/// The place of a raster by its `.aux.xml`.
+pub(super) fn place_of_aux(aux: &str) -> Option<WorldFile> {
+    let numbers: Vec<f64> =
+        element(aux, "GeoTransform")?.split(',').map_while(|word| word.trim().parse().ok()).collect();
+    match numbers.as_slice() {
+        [x, wide, turned, y, other, high] if *turned == 0.0 && *other == 0.0 && *wide > 0.0 && *high < 0.0 => {
+            let step = DVec2::new(*wide, -*high);
+            Some(WorldFile { first: DVec2::new(*x, *y) + DVec2::new(0.5, -0.5) * step, step })
+        }
+        _ => None,
+    }
+}
+
+/// The `.aux.xml` of a raster, which stands behind its whole name.
+pub(super) fn aux(raster: &Path) -> Result<Option<String>> {
+    let Some(name) = raster.file_name().map(|name| name.to_string_lossy()) else { return Ok(None) };
+    let path = raster.with_file_name(format!("{}.aux.xml", input::without_packing(&name)));
+    if path.is_file() { text_of(&path).map(Some) } else { Ok(None) }
+}
+
+/// Fills what a raster does not state with what the file beside it does: the system, the units.
+pub(super) fn complete(
+    meaning: &mut Meaning,
+    raster: &Path,
+    aux: Option<&str>,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
+    if meaning.reference.is_some() {
+        return Ok(());
+    }
+    let (path, text) = match (beside(raster, &["prj"]), aux.and_then(|aux| element(aux, "SRS"))) {
+        (Some(path), _) => (path.clone(), text_of(&path)?),
+        (None, Some(text)) => (raster.to_owned(), unescaped(text)),
+        (None, None) => return Ok(()),
+    };
+    let shown = path.display();
+    let Some(system) = TextSystem::of(&text) else {
+        let text = excerpt(text.trim().as_bytes());
+        warnings.push(format!("{shown}: `{text}` is no coordinate system in well-known text; the place stays unknown"));
+        return Ok(());
+    };
+    let why = format!("{shown} names `{}`", system.name);
+    match system.axes {
+        Some(Axes::Degrees) => return Err(degrees(raster, &why)),
+        Some(Axes::Geocentric) => return Err(geocentric(raster, &why)),
+        Some(Axes::Plane) if system.epsg.is_none() => warnings.push(format!(
+            "{shown}: the number of `{}` in the EPSG register is not known here; the place stays unknown: give --crs",
+            system.name
+        )),
+        _ => {}
+    }
+    meaning.reference = system.reference();
+    meaning.projected |= system.axes == Some(Axes::Plane);
+    meaning.plane_unit_m = meaning.plane_unit_m.or(system.plane_unit_m);
+    meaning.height_unit_m = meaning.height_unit_m.or(system.height_unit_m);
+    Ok(())
+}
+
+/// What the `.aux.xml` says of the first band.
+pub(super) fn notes_of_aux(aux: Option<&str>) -> BandNotes {
+    aux.map_or_else(BandNotes::default, BandNotes::of_aux)
+}
