@@ -138,6 +138,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             reflectances: part.materials.is_none() || !part.materials_only,
             described: palette.described(part.materials.as_deref()),
             lod: part.lod.clone(),
+            assume_version: part.assume_version,
         };
         match formats::read(&part.file, &asked)? {
             Content::Polygons(geometry) => {

@@ -25,6 +25,7 @@ use std::path::Path;
 use crate::facing;
 use crate::geometry::Geometry;
 use crate::input;
+use crate::model_version::ModelVersion;
 use crate::terrain::raster::Raster;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
@@ -38,6 +39,8 @@ pub(super) struct Asked {
     pub described: BTreeSet<String>,
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
+    /// Version of EnergyPlus that models are taken for, whatever they state.
+    pub assume_version: Option<ModelVersion>,
 }
 
 impl Asked {
