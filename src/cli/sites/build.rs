@@ -10,12 +10,13 @@ use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// What the plan of an atlas says of its parts.
-const PLANNED: [&str; 20] = [
+const PLANNED: [&str; 21] = [
     "receivers",
     "output",
     "materials",
     "materials_only",
     "no_ground",
+    "assume_version",
     "crs",
     "latitude",
     "longitude",
