@@ -429,3 +429,45 @@ fn energyplus_runs_it() {
         assert!(ours.abs() < 1.0 && without.abs() > ours.abs(), "{out}: {all}");
     }
 }
+
+/// A storey at 30 m has its ground at z = 0: under 10 June of Golden each of its four walls absorbs within 0.5 % of the sun that EnergyPlus's own
+/// reflections give it, of 1 W/m2 or more. Says so where no EnergyPlus is named by HELIOTILE_ENERGYPLUS.
+#[test]
+fn a_storey_at_30_m_has_its_ground_at_zero() {
+    let Some(engine) = std::env::var_os("HELIOTILE_ENERGYPLUS") else {
+        eprintln!("not run: HELIOTILE_ENERGYPLUS names no folder of EnergyPlus 25.2");
+        return;
+    };
+    let folder = Folder::new();
+    folder.write("storey.idf", &fs::read_to_string(model("floor_at_30m.idf")).expect("a model"));
+    let asked = "energyplus storey.idf --physics energyplus --quality draft --run -o out --weather";
+    let mut command = folder.command(asked);
+    let output = command.arg(golden().with_file_name("golden_tmy3.epw")).arg("--energyplus").arg(&engine).output();
+    let output = output.expect("the program");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("ground: a plane at 0.00 m") || stderr(&output).contains("ground: a plane at 0.00 m"));
+    let report = text(&folder, "out/report.md");
+    let section = report.split("## Sun absorbed by opaque surfaces").nth(1).expect("a section");
+    for wall in ["S", "E", "N", "W"] {
+        let line = section.lines().find(|line| line.starts_with(&format!("| {wall} |"))).expect(wall);
+        let cells: Vec<f64> = line.split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
+        assert!(cells[1] > 1.0 && cells[4].abs() < 0.5, "{line}");
+    }
+}
+
+/// The strips above and below a window that is 0.2 mm less wide than its wall have receivers of their own at 10, 3 and 1 m: the wall gets 372 of
+/// 1000 W/m2 of sky by the ground, within 3 %, at each of them.
+#[test]
+fn a_window_as_wide_as_its_wall_leaves_two_strips() {
+    let folder = Folder::new();
+    folder.write("ribbon.idf", &fs::read_to_string(model("ribbon_window_sliver.idf")).expect("a model"));
+    for spacing in ["10m", "3m", "1m"] {
+        let done = folder.run(&format!("energyplus ribbon.idf --physics energyplus --replace --spacing {spacing} -o out"));
+        assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+        let report = text(&folder, "out/report.md");
+        let line = report.lines().find(|line| line.starts_with("| N | wall |")).expect("a row");
+        let cells: Vec<f64> = line.split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
+        let (receivers, sky) = (cells[1], cells[cells.len() - 1]);
+        assert!(receivers >= 2.0 && (sky / 372.2 - 1.0).abs() < 0.03, "{spacing}: {line}");
+    }
+}

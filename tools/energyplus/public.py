@@ -4,6 +4,7 @@ In: names of models. Out: surfaces that get less area than EnergyPlus gives them
 EnergyPlus's own reflections, by surface. Of a model only the envelope is run: what the sun does at it needs no systems.
 """
 
+import csv
 import pathlib
 import re
 import shutil
@@ -35,7 +36,7 @@ SUM_BOUND, WINDOW_BOUND = 1.0, 3.0
 
 
 def folder_of_models():
-    """Where the package keeps its models; None where it is not installed."""
+    """Where the package keeps its models and its weather."""
     import pyenergyplus
 
     return pathlib.Path(pyenergyplus.__file__).parent / "data"
@@ -74,7 +75,7 @@ def surfaces(folder):
             head = fields
         elif fields[0] == "HeatTransfer Surface" and head:
             of = dict(zip(head[1:], fields[1:]))
-            if of["ExtSolar"] == "Yes":
+            if of["SunExposure"] == "SunExposed":
                 net = next(value for key, value in of.items() if key.startswith("Area (Net)"))
                 found[of["Surface Name"].upper()] = (of["Surface Class"], float(net))
     return found
@@ -86,13 +87,11 @@ def injected(source, folder, *options):
     shutil.rmtree(out, ignore_errors=True)
     command = [study.HELIOTILE, "energyplus", source, "--physics", "energyplus", *options, "-o", out, "--quiet"]
     seconds = runs.seconds(command)
-    areas, at = {}, None
-    import csv
-
+    areas = {}
     with open(out / "receivers.csv", newline="") as file:
         for row in csv.DictReader(file):
-            at = row["face"].upper()
-            areas[at] = areas.get(at, 0.0) + float(row["area"])
+            name = row["face"].upper()
+            areas[name] = areas.get(name, 0.0) + float(row["area"])
     return out / "model.idf", areas, seconds
 
 
