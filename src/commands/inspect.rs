@@ -42,9 +42,9 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
         return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
     }
-    let MaterialsArgs { materials, materials_only, no_ground } = &args.surfaces;
-    if materials.is_some() || *materials_only || *no_ground {
-        let hint = "leave --materials, --materials-only and --no-ground out";
+    let MaterialsArgs { materials, materials_only, no_ground, assume_version } = &args.surfaces;
+    if materials.is_some() || *materials_only || *no_ground || assume_version.is_some() {
+        let hint = "leave --materials, --materials-only, --no-ground and --assume-version out";
         return Err(Error::input(path, None, "is an archive, whose surfaces were stated when it was built", hint));
     }
     let archive = open_archive(path, args.io)?;

@@ -42,6 +42,7 @@ pub mod load;
 pub mod materials;
 pub mod mesh;
 pub mod mirrors;
+mod model_version;
 pub mod objects;
 mod palette;
 pub mod placing;
@@ -65,6 +66,7 @@ pub use formats::energyplus::ground::GROUND_MONTHS;
 pub use formats::energyplus::idf::{IdfField, idf_fields};
 pub use formats::format_of_name;
 pub use ground::model::USUAL as USUAL_GROUND;
+pub use model_version::ModelVersion;
 
 use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};

@@ -142,6 +142,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             described: palette.described(part.materials.as_deref()),
             lod: part.lod.clone(),
             local_frame,
+            assume_version: part.assume_version,
         };
         match formats::read(&part.file, &asked)? {
             Content::Polygons(geometry) => {

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use crate::coordinate::is_position;
 use crate::formats::has_no_up;
 use crate::input;
+use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::reference::Reference;
 use crate::region_part::RegionPart;
@@ -63,6 +64,8 @@ pub struct Part {
     pub is_moved: bool,
     /// Level of detail where an object carries several; the finest without it.
     pub lod: Option<String>,
+    /// Version of EnergyPlus that a model is taken for; the one that it states without it.
+    pub assume_version: Option<ModelVersion>,
     /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0 keeps every sample. Without it
     /// 0.2 beside other geometry, and every sample where rasters are the whole scene.
     pub horizon_deg: Option<f64>,
@@ -83,6 +86,7 @@ impl Part {
             reference: None,
             is_moved: false,
             lod: None,
+            assume_version: None,
             horizon_deg: None,
         }
     }
@@ -156,14 +160,15 @@ struct Entry {
     latitude_deg: Option<f64>,
     longitude_deg: Option<f64>,
     lod: Option<String>,
+    assume_version: Option<String>,
     horizon_deg: Option<f64>,
 }
 
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
                     materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", \
                     rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
-                    lod = \"2.2\", and for terrain horizon_deg = 0.2; what holds for all files stands in a table [site]: \
-                    epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up";
+                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, and for terrain horizon_deg = 0.2; what holds for all \
+                     files stands in a table [site]: epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up";
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
@@ -265,6 +270,7 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
         reference,
         is_moved: false,
         lod: entry.lod.clone(),
+        assume_version: entry.assume_version.as_ref().map(|text| text.parse()).transpose()?,
         horizon_deg: entry.horizon_deg,
     })
 }

@@ -127,7 +127,7 @@ fn tables_hold_what_a_query_gives() {
     assert_eq!(compared, 3 * 16, "{lines}");
 }
 
-/// 7 models that cannot get our light are refused with exit code 2, each with what is wrong and what to do; no model is written.
+/// 8 models that cannot get our light are refused with exit code 2, each with what is wrong and what to do; no model is written.
 #[test]
 fn refusals() {
     let outdoors = |folder: &Folder| {
@@ -143,8 +143,12 @@ fn refusals() {
         folder.write("box.idf", &none);
     };
     type Changes = &'static [(&'static str, &'static str)];
-    let cases: [(Changes, &[&str]); 4] = [
+    let cases: [(Changes, &[&str]); 5] = [
         (&[("Version, 25.2;", "Version, 9.6;")], &["EnergyPlus 9.6, and 25.2 is to run it", "Transition tool"]),
+        (
+            &[("Version, 25.2;", "Version, 26.1;")],
+            &["EnergyPlus 26.1, and 25.2 is to run it", "no tool brings models back", "--assume-version 25.2"],
+        ),
         (&[("Window, Skylight,", "Window, SOUTH window,")], &["`SOUTH window` bears the name of", "a name of its own"]),
         (
             &[(
@@ -168,6 +172,69 @@ fn refusals() {
     );
     folder.refused(&format!("energyplus scene.obj {DRAFT}"), &["is no model of EnergyPlus by its name", "--scene"]);
     folder.refused(&format!("energyplus box.idf {DRAFT} --run"), &["--weather"]);
+}
+
+/// Models of 24.1, 24.2 and 25.1 are taken with one warning, and of 9.6 and 26.1 where 25.2 is assumed; one of 26.1 as epJSON is told of the
+/// tool that takes it: 5 models, 1 refusal.
+#[test]
+fn models_of_other_versions() {
+    for (version, more, said) in [
+        ("24.1", "", "the model is of EnergyPlus 24.1: EnergyPlus 25.2 runs it with a warning"),
+        ("24.2.0", "", "the model is of EnergyPlus 24.2.0"),
+        ("25.1", "", "the model is of EnergyPlus 25.1"),
+        ("9.6", "--assume-version 25.2", "states EnergyPlus 9.6 and is taken for one of 25.2"),
+        ("26.1", "--assume-version 25.2", "states EnergyPlus 26.1 and is taken for one of 25.2"),
+    ] {
+        let folder = boxed(&[("Version, 25.2;", &format!("Version, {version};"))]);
+        let printed = injected(&folder, &format!("{DRAFT} {more}"));
+        assert_eq!(printed.matches(said).count(), 1, "{version}: {printed}");
+        assert!(text(&folder, "out/report.md").contains(said));
+    }
+    let folder = Folder::new();
+    let json = fs::read_to_string(model("box.epJSON")).expect("a model");
+    folder.write("box.epJSON", &json.replace("\"25.2\"", "\"24.2\"").replace("\"24.2\"", "\"23.1\""));
+    folder.refused(
+        &format!("energyplus box.epJSON {DRAFT}"),
+        &["EnergyPlus 23.1", "ConvertInputFormat", "takes IDF only"],
+    );
+}
+
+/// A schedule's file beside the model in another folder gets its whole name in the new one, and a file that is not there is warned of: 1 and 1.
+#[test]
+fn files_that_the_model_names() {
+    let schedules = "Schedule:File, Half, , half.csv, 1, 0;\nSchedule:File, Lost, , lost.csv, 1, 0;\nZone, Hall";
+    let folder = Folder::new();
+    fs::create_dir(folder.path("models")).expect("made");
+    folder.write("models/box.idf", &BOX.replacen("Zone, Hall", schedules, 1));
+    folder.write("models/half.csv", "1\n");
+    let output = folder.run(&format!("energyplus models/box.idf {DRAFT}"));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stdout(&output) + &stderr(&output);
+    assert!(said.contains("files are looked for beside the new model (1): copy them there"), "{said}");
+    let objects = objects(&text(&folder, "out/model.idf"));
+    let names: Vec<&str> = of(&objects, "Schedule:File").iter().map(|object| object[3].as_str()).collect();
+    assert_eq!(names[1], "lost.csv");
+    assert!(Path::new(names[0]).is_absolute() && Path::new(names[0]).is_file(), "{names:?}");
+    let report = text(&folder, "out/report.md");
+    assert!(report.contains("half.csv") && report.contains("`lost.csv` of Schedule:File `Lost`"), "{report}");
+}
+
+/// A neighbour that stands against the lower half of a wall hides half of its 18 m2 or less: the report says how much of 1 wall gets light,
+/// and a warning counts the surfaces.
+#[test]
+fn walls_that_are_hidden_in_part() {
+    let folder = boxed(&[]);
+    let at = |z: f64| {
+        [(-1.0, -5.0), (9.0, -5.0), (9.0, 0.02), (-1.0, 0.02)].map(|(x, y)| format!("v {x} {y} {z}\n")).concat()
+    };
+    let faces = "usemtl white\nf 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 6 7 8\n";
+    folder.write("block.obj", &(at(-0.5) + &at(1.0) + faces));
+    let said = injected(&folder, &format!("{DRAFT} --scene block.obj"));
+    assert!(said.contains("partly hidden by a neighbour or the ground"), "{said}");
+    let report = text(&folder, "out/report.md");
+    let line = report.lines().find(|line| line.contains("m2 get light, the rest is hidden")).expect("a line");
+    let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert!(numbers.len() == 2 && 0.0 < numbers[0] && numbers[0] < 0.9 * numbers[1], "{line}");
 }
 
 /// A model that heliotile has written is refused; other spacing in a folder with results is, too, and replaces them with `--replace`; equal
@@ -360,5 +427,50 @@ fn energyplus_runs_it() {
         let cells: Vec<f64> = all.split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
         let (without, ours) = (cells[3], cells[4]);
         assert!(ours.abs() < 1.0 && without.abs() > ours.abs(), "{out}: {all}");
+    }
+}
+
+/// A storey at 30 m has its ground at z = 0: under 10 June of Golden each of its four walls absorbs within 0.5 % of the sun that EnergyPlus's own
+/// reflections give it, of 1 W/m2 or more. Says so where no EnergyPlus is named by HELIOTILE_ENERGYPLUS.
+#[test]
+fn a_storey_at_30_m_has_its_ground_at_zero() {
+    let Some(engine) = std::env::var_os("HELIOTILE_ENERGYPLUS") else {
+        eprintln!("not run: HELIOTILE_ENERGYPLUS names no folder of EnergyPlus 25.2");
+        return;
+    };
+    let folder = Folder::new();
+    folder.write("storey.idf", &fs::read_to_string(model("floor_at_30m.idf")).expect("a model"));
+    let asked = "energyplus storey.idf --physics energyplus --quality draft --run -o out --weather";
+    let mut command = folder.command(asked);
+    let output = command.arg(golden().with_file_name("golden_tmy3.epw")).arg("--energyplus").arg(&engine).output();
+    let output = output.expect("the program");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(
+        stdout(&output).contains("ground: a plane at 0.00 m") || stderr(&output).contains("ground: a plane at 0.00 m")
+    );
+    let report = text(&folder, "out/report.md");
+    let section = report.split("## Sun absorbed by opaque surfaces").nth(1).expect("a section");
+    for wall in ["S", "E", "N", "W"] {
+        let line = section.lines().find(|line| line.starts_with(&format!("| {wall} |"))).expect(wall);
+        let cells: Vec<f64> = line.split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
+        assert!(cells[1] > 1.0 && cells[4].abs() < 0.5, "{line}");
+    }
+}
+
+/// The strips above and below a window that is 0.2 mm less wide than its wall have receivers of their own at 10, 3 and 1 m: the wall gets 372 of
+/// 1000 W/m2 of sky by the ground, within 3 %, at each of them.
+#[test]
+fn a_window_as_wide_as_its_wall_leaves_two_strips() {
+    let folder = Folder::new();
+    folder.write("ribbon.idf", &fs::read_to_string(model("ribbon_window_sliver.idf")).expect("a model"));
+    for spacing in ["10m", "3m", "1m"] {
+        let done =
+            folder.run(&format!("energyplus ribbon.idf --physics energyplus --replace --spacing {spacing} -o out"));
+        assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+        let report = text(&folder, "out/report.md");
+        let line = report.lines().find(|line| line.starts_with("| N | wall |")).expect("a row");
+        let cells: Vec<f64> = line.split('|').filter_map(|cell| cell.trim().parse().ok()).collect();
+        let (receivers, sky) = (cells[1], cells[cells.len() - 1]);
+        assert!(receivers >= 2.0 && (sky / 372.2 - 1.0).abs() < 0.03, "{spacing}: {line}");
     }
 }

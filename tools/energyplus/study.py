@@ -176,7 +176,14 @@ def main():
     parser.add_argument(
         "--light", choices=[*models.YEARS, *variants.VARIANTS], help="each part of the light by surface, ours beside EnergyPlus's"
     )
+    parser.add_argument(
+        "--public", metavar="MODELS", help="whole public models beside EnergyPlus's own reflections: six, all, or names"
+    )
     asked = parser.parse_args()
+    if asked.public:
+        import public
+
+        sys.exit(public.public(asked.public, asked.keep))
     if asked.light:
         return by_part(asked.light, asked.keep)
     if asked.paper:

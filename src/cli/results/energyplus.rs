@@ -12,7 +12,7 @@ use crate::cli::{AccuracyArgs, MaterialsArgs};
 
 #[derive(Args, Debug)]
 pub struct EnergyplusArgs {
-    /// Model of EnergyPlus 25.2: .idf or .epJSON
+    /// Model of EnergyPlus 24.1 to 25.2, or with --assume-version 25.2 of any that EnergyPlus 25.2 runs: .idf or .epJSON
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
     /// Files of what stands around it: CityJSON, terrain, meshes, site.toml; in the coordinates of the model, or see --at

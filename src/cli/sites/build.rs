@@ -16,6 +16,7 @@ const PLANNED: [&str; 21] = [
     "materials",
     "materials_only",
     "no_ground",
+    "assume_version",
     "crs",
     "latitude",
     "longitude",

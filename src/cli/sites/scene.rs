@@ -6,6 +6,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use heliotile_core::error;
+use heliotile_scene::ModelVersion;
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
 use heliotile_scene::site::{MissingGround, Site};
 
@@ -37,6 +38,30 @@ pub struct MaterialsArgs {
     /// Add no ground to a scene that has none [default: a plane below it, that of an EnergyPlus model as the model says]
     #[arg(long)]
     pub no_ground: bool,
+    /// Take EnergyPlus models for models of this version, whatever they state: it says what the fields of an IDF mean. `energyplus` takes a
+    /// model of any version with 25.2, for EnergyPlus 25.2 to run as it is
+    #[arg(long, value_name = "VERSION")]
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "version_text")]
+    pub assume_version: Option<ModelVersion>,
+}
+
+/// Versions as text.
+mod version_text {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    use heliotile_scene::ModelVersion;
+
+    #[allow(clippy::ref_option)] // The signature that serde asks for.
+    pub fn serialize<S: Serializer>(version: &Option<ModelVersion>, to: S) -> Result<S::Ok, S::Error> {
+        match version {
+            Some(version) => to.serialize_str(&version.to_string()),
+            None => to.serialize_none(),
+        }
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<ModelVersion>, D::Error> {
+        Option::<String>::deserialize(from)?.map(|text| text.parse().map_err(D::Error::custom)).transpose()
+    }
 }
 
 impl MaterialsArgs {
@@ -46,7 +71,10 @@ impl MaterialsArgs {
         if !self.no_ground {
             site.missing_ground = MissingGround::Assume;
         }
-        site.parts.iter_mut().for_each(|part| part.materials_only |= self.materials_only);
+        for part in &mut site.parts {
+            part.materials_only |= self.materials_only;
+            part.assume_version = self.assume_version.or(part.assume_version);
+        }
         Ok(site)
     }
 }

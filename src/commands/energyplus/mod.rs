@@ -18,11 +18,13 @@ use crate::covering::Covered;
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};
+use crate::outputs::energyplus::named_files::{NamedFiles, make_absolute};
 use crate::outputs::energyplus::report::Report;
 use crate::outputs::energyplus::sun_tables::{GroundRange, ReflectedSky, SurfaceLight, TableRequest, surface_lights};
 use crate::outputs::sink::write_texts;
 use around::Around;
 use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::trace::placement::Lying;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
@@ -49,12 +51,66 @@ pub(super) struct Targets {
     pub by_wall: Vec<(String, String)>,
     /// Surfaces all of whose area is hidden.
     pub hidden: Vec<String>,
+    /// Surfaces a part of whose area is hidden.
+    pub partly: Vec<PartlyHidden>,
+}
+
+/// A surface of which some is hidden.
+pub(super) struct PartlyHidden {
+    pub name: String,
+    /// What gets light, m2.
+    pub free_m2: f64,
+    /// All of it, m2.
+    pub whole_m2: f64,
+}
+
+/// Hidden parts below this share of a surface are edges.
+const HARDLY_HIDDEN: f64 = 0.01;
+
+/// Surfaces that are hidden in part, by name.
+pub(super) fn partly_hidden(covered: &Covered) -> Vec<PartlyHidden> {
+    let mut areas: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+    for (_, piece, surface, lying) in covered.all() {
+        let [free_m2, whole_m2] = areas.entry(covered.part(piece, surface).face).or_default();
+        *whole_m2 += piece.area_m2;
+        if lying == Lying::Free {
+            *free_m2 += piece.area_m2;
+        }
+    }
+    let partly = areas.into_iter().map(|(name, [free_m2, whole_m2])| PartlyHidden { name, free_m2, whole_m2 });
+    partly.filter(|p| p.free_m2 > 0.0 && p.free_m2 < (1.0 - HARDLY_HIDDEN) * p.whole_m2).collect()
+}
+
+/// Says how many surfaces are hidden in part.
+pub(super) fn warn_of_partly_hidden(partly: &[PartlyHidden]) {
+    if let Some(first) = partly.first() {
+        warn(&format!(
+            "{} partly hidden by a neighbour or the ground, where they get no light (first: `{}`, {:.2} of {:.2} m2 get light); the report \
+             lists all",
+            counted_are(partly.len(), "surface"),
+            first.name,
+            first.free_m2,
+            first.whole_m2
+        ));
+    }
+}
+
+/// "1 surface is", "2 surfaces are".
+fn counted_are(count: usize, what: &str) -> String {
+    format!("{} {}", counted(count as u64, what), if count == 1 { "is" } else { "are" })
+}
+
+/// The model as it is to be written into another folder.
+fn read_model(args: &EnergyplusArgs) -> Result<(Document, NamedFiles)> {
+    let mut document = Document::read(&args.model, input::read(&args.model)?)?;
+    let files = make_absolute(&mut document)?;
+    Ok((document, files))
 }
 
 /// `heliotile energyplus`.
 pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
-    let mut document = Document::read(&args.model, input::read(&args.model)?)?;
-    checks::check(&document)?;
+    let (mut document, named_files) = read_model(args)?;
+    checks::check(&document, args.surfaces.assume_version)?;
     // Before minutes of work.
     let engine = args.run.then(|| Engine::find(args.energyplus.as_deref())).transpose()?;
     let steps = stripped::steps(args, &document)?;
@@ -64,12 +120,12 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     let (scene, covered) = cover_site(&site, &cover_of(args, types)).map_err(|error| no_surface(args, error))?;
     let archive = traced(args, (&scene, &covered), [&files.receivers, &files.archive], EffectChoice::Auto)?;
     let bare = || {
-        let mut model = Document::read(&args.model, input::read(&args.model)?)?;
+        let (mut model, _) = read_model(args)?;
         neighbours.add(&mut model, &materials, true);
         Ok(model)
     };
     if let Some(steps) = steps {
-        let full = Full { files: &files, archive: &archive, covered: &covered, bare: &bare, engine };
+        let full = Full { files: &files, archive: &archive, covered: &covered, bare: &bare, engine, named_files };
         return stripped::run(args, document, &steps, full);
     }
     let ground = match args.physics {
@@ -80,10 +136,13 @@ pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
     let targets = targets(&document, &lights, &covered);
     let injection =
         Injection { grid: SunGrid::USUAL, sky: sky_of(args.physics), lights: &lights, targets: &targets.list };
-    let changed = injection::write(&mut document, &injection)?;
+    let mut changed = injection::write(&mut document, &injection)?;
+    changed.notes.extend(named_files.notes);
     neighbours.add(&mut document, &materials, false);
     let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
-    let warnings = checks::warnings(&document, &injected);
+    let mut warnings = named_files.warnings;
+    warnings.extend(checks::warnings(&document, args.surfaces.assume_version, &injected));
+    warn_of_partly_hidden(&targets.partly);
     changed.notes.iter().try_for_each(|note| remark(&format!("{note}\n")))?;
     warnings.iter().for_each(|text| warn(text));
     let told = pages::Told {
@@ -273,7 +332,7 @@ fn targets(document: &Document, lights: &[SurfaceLight], covered: &Covered) -> T
     let by_wall = checks::openings_left_out(document, &known.collect());
     list.extend(by_wall.iter().map(|(name, wall)| (name.clone(), number.get(wall).copied())));
     list.extend(hidden.iter().map(|name| (name.clone(), None)));
-    Targets { list, by_wall, hidden: hidden.into_iter().collect() }
+    Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
 }
 
 fn write_document(path: &Path, document: &Document) -> Result<()> {

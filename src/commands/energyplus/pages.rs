@@ -109,11 +109,17 @@ fn surfaces(told: &Told) -> Vec<Block> {
 
 /// Surfaces that get nothing of their own.
 pub fn left_out(targets: &Targets) -> Block {
-    let Targets { by_wall, hidden, .. } = targets;
+    let Targets { by_wall, hidden, partly, .. } = targets;
     let mut list: Vec<String> = hidden
         .iter()
         .map(|name| format!("{name}: all of it is hidden by a neighbour or the ground, and it gets no reflected light"))
         .collect();
+    list.extend(partly.iter().map(|surface| {
+        format!(
+            "{}: {:.2} of {:.2} m2 get light, the rest is hidden by a neighbour or the ground; the surface gets the mean of both",
+            surface.name, surface.free_m2, surface.whole_m2
+        )
+    }));
     let beyond = |(name, wall): &(String, String)| {
         format!("{name}: reaches over an edge of `{wall}` or over another window, and gets what that wall gets")
     };

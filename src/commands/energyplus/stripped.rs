@@ -7,7 +7,9 @@ use std::io::Write;
 
 use super::pages::{left_out, physics_lines};
 use super::runs::{self, Engine};
-use super::{Files, REPORT, Targets, areas, cover_of, traced, write_document, write_report};
+use super::{
+    Files, REPORT, Targets, areas, cover_of, partly_hidden, traced, warn_of_partly_hidden, write_document, write_report,
+};
 use crate::cli::{EnergyplusArgs, Physics};
 use crate::commands::receivers::cover_site;
 use crate::commands::{Outcome, remark, temporary_files, warn};
@@ -17,6 +19,7 @@ use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::{Document, ModelObject};
 use crate::outputs::energyplus::erl::Names;
 use crate::outputs::energyplus::injection;
+use crate::outputs::energyplus::named_files::NamedFiles;
 use crate::outputs::energyplus::report::{Block, Report};
 use crate::outputs::energyplus::series::deleted::{Deleted, delete};
 use crate::outputs::energyplus::series::lights::{DIRECT, REFLECTED, SeriesRequest, SurfaceSeries, surface_series};
@@ -46,6 +49,8 @@ pub struct Full<'a> {
     /// The model as EnergyPlus runs it itself, for comparison.
     pub bare: &'a dyn Fn() -> Result<Document>,
     pub engine: Option<Engine>,
+    /// Files that the model names.
+    pub named_files: NamedFiles,
 }
 
 /// Light of a surface with all that stands around it and of the model alone: sun, sky.
@@ -100,12 +105,15 @@ pub fn run(args: &EnergyplusArgs, mut document: Document, steps: &Steps, full: F
         readers.push(Reader { surface: name.clone(), column, multiplier: multiplies.then_some(column + 1), sky_view });
     }
     let mut notes: Vec<String> = injection::switch_distribution(&mut document)?.into_iter().collect();
+    notes.extend(full.named_files.notes.iter().cloned());
     injection::brighten_ground(&mut document, &mut notes)?;
     let names = Names::free(document.objects.iter().map(ModelObject::name));
     let table = Table { file: SERIES, hours: steps.count / steps.an_hour, steps_an_hour: steps.an_hour };
     objects::write(&mut document, &names, &table, &readers)?;
     let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
-    let mut warnings = checks::warnings(&document, &injected);
+    let mut warnings = full.named_files.warnings.clone();
+    warnings.extend(checks::warnings(&document, args.surfaces.assume_version, &injected));
+    warn_of_partly_hidden(&targets.partly);
     warnings.extend(of_this_way(&document, &windows, &shaded));
     notes.iter().try_for_each(|note| remark(&format!("{note}\n")))?;
     warnings.iter().for_each(|text| warn(text));
@@ -245,7 +253,7 @@ fn targets(document: &Document, lit: &[Lit], covered: &Covered) -> Targets {
     let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
     let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
     list.extend(hidden.iter().map(|name| (name.clone(), None)));
-    Targets { list, by_wall, hidden: hidden.into_iter().collect() }
+    Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
 }
 
 /// Names of openings with panes, in small letters.

@@ -2,12 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::document::{Document, ModelObject};
+use super::document::{Document, Form, ModelObject};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::with_list;
+use heliotile_scene::ModelVersion;
 
 /// The version whose rules were measured.
-const VERSION: &str = "25.2";
+const VERSION: ModelVersion = ModelVersion { major: 25, minor: 2 };
+/// The oldest whose models that version runs as they are, but for objects that changed; it warns of them.
+const OLDEST_RUN: ModelVersion = ModelVersion { major: 24, minor: 1 };
 
 /// Classes whose objects are surfaces by a name of their own.
 const SURFACES: [&str; 22] = [
@@ -42,9 +45,9 @@ const OPENINGS: [(&str, usize); 4] =
 /// The control type of the actuators that are added.
 const ACTUATED: &str = "View Factor To Ground";
 
-/// Refuses what cannot work.
-pub fn check(document: &Document) -> Result<()> {
-    check_version(document)?;
+/// Refuses what cannot work. `assumed` is the version that the model is taken for, whatever it states.
+pub fn check(document: &Document, assumed: Option<ModelVersion>) -> Result<()> {
+    version_note(document, assumed)?;
     check_names(document)?;
     let actuators = document.of("EnergyManagementSystem:Actuator");
     if let Some(actuator) = actuators.into_iter().find(|a| a.text(4, "actuated_component_control_type") == ACTUATED) {
@@ -61,16 +64,46 @@ fn line(object: &ModelObject) -> Option<usize> {
     (object.line > 0).then_some(object.line)
 }
 
-fn check_version(document: &Document) -> Result<()> {
-    let Some(version) = document.of("Version").next() else { return Ok(()) };
-    let stated = version.text(1, "version_identifier");
-    let numbers: Vec<&str> = stated.split('.').take(2).map(str::trim).collect();
-    if numbers.join(".") == VERSION {
-        return Ok(());
+/// What to know of a model of another version; refuses one that is not to be run so.
+fn version_note(document: &Document, assumed: Option<ModelVersion>) -> Result<Option<String>> {
+    let Some(object) = document.of("Version").next() else { return Ok(None) };
+    let text = object.text(1, "version_identifier");
+    let stated = ModelVersion::parse(text);
+    let version = assumed.or(stated);
+    if version == Some(VERSION) {
+        let other = stated != Some(VERSION);
+        return Ok(other.then(|| {
+            format!(
+                "the model states EnergyPlus {text} and is taken for one of {VERSION}: EnergyPlus {VERSION} warns of that, and stops at objects \
+                 that changed since"
+            )
+        }));
     }
-    let what = format!("is a model of EnergyPlus {stated}, and {VERSION} is to run it");
-    let hint = "bring it to 25.2 with the Transition tool (IDFVersionUpdater) that comes with EnergyPlus";
-    Err(Error::input(&document.file, line(version), what, hint))
+    if assumed.is_none() && version.is_some_and(|version| (OLDEST_RUN..VERSION).contains(&version)) {
+        return Ok(Some(format!(
+            "the model is of EnergyPlus {text}: EnergyPlus {VERSION} runs it with a warning, but stops at objects that changed since; the \
+             Transition tool brings it to {VERSION}"
+        )));
+    }
+    let version = version.map_or_else(|| text.to_owned(), |version| version.to_string());
+    let what = format!("is a model of EnergyPlus {version}, and {VERSION} is to run it");
+    Err(Error::input(&document.file, line(object), what, how_to_bring(document.form, &version)))
+}
+
+/// How a model of a version gets to one that runs.
+fn how_to_bring(form: Form, version: &str) -> String {
+    let newer = ModelVersion::parse(version).is_some_and(|version| version > VERSION);
+    let way = match form {
+        _ if newer => format!("no tool brings models back: have the program that made it write one for {VERSION}"),
+        Form::Idf => {
+            format!("bring it to {VERSION} with the Transition tool (IDFVersionUpdater) that comes with EnergyPlus")
+        }
+        Form::EpJson => format!(
+            "write it as IDF with the ConvertInputFormat of its own EnergyPlus and bring that to {VERSION} with the Transition tool, which \
+             takes IDF only"
+        ),
+    };
+    format!("{way}; if EnergyPlus {VERSION} runs it as it is, give --assume-version {VERSION}")
 }
 
 fn check_names(document: &Document) -> Result<()> {
@@ -107,8 +140,8 @@ pub fn openings_left_out(document: &Document, injected: &BTreeSet<String>) -> Ve
 }
 
 /// What EnergyPlus will not get right under injection. `injected` are names in small letters.
-pub fn warnings(document: &Document, injected: &BTreeSet<String>) -> Vec<String> {
-    let mut found = Vec::new();
+pub fn warnings(document: &Document, assumed: Option<ModelVersion>, injected: &BTreeSet<String>) -> Vec<String> {
+    let mut found: Vec<String> = version_note(document, assumed).ok().flatten().into_iter().collect();
     let mut say = |what: &str, names: Vec<String>| {
         if !names.is_empty() {
             found.push(with_list(&format!("{what} ({})", names.len()), names));

@@ -26,6 +26,16 @@ pub struct Document {
     added: Vec<NewObject>,
 }
 
+/// A field of one object, and what it is to say.
+#[derive(Clone, Debug)]
+pub(super) struct FieldEdit {
+    /// Place among the objects.
+    pub object: usize,
+    pub place: usize,
+    pub key: &'static str,
+    pub text: String,
+}
+
 /// An object of a model.
 #[derive(Clone, Debug)]
 pub struct ModelObject {
@@ -135,14 +145,32 @@ impl Document {
                 edits.push(self.missing(object, place, key, &text));
                 continue;
             };
-            let Some(span) = field.span.clone() else {
-                let what = format!("{}: the field `{}` goes over several lines", object.title(), field.text.trim());
-                return Err(Error::input(&self.file, field.line, what, "write it on one line: it has to be changed"));
-            };
+            let Some(span) = field.span.clone() else { return Err(self.in_lines(object, field)) };
             edits.push((span, text.clone().into_bytes()));
         }
         self.edits.extend(edits);
         Ok(())
+    }
+
+    /// Sets fields of single objects, which have them.
+    pub(super) fn edit(&mut self, edits: Vec<FieldEdit>) -> Result<()> {
+        for edit in edits {
+            let Some(object) = self.objects.get(edit.object) else { continue };
+            let Some(field) = object.field(edit.place, edit.key) else { continue };
+            let Some(span) = field.span.clone() else { return Err(self.in_lines(object, field)) };
+            let text = match self.form {
+                Form::Idf => edit.text,
+                Form::EpJson => serde_json::Value::from(edit.text).to_string(),
+            };
+            self.edits.push((span, text.into_bytes()));
+        }
+        Ok(())
+    }
+
+    /// The refusal of a field that cannot be changed.
+    fn in_lines(&self, object: &ModelObject, field: &ModelField) -> Error {
+        let what = format!("{}: the field `{}` goes over several lines", object.title(), field.text.trim());
+        Error::input(&self.file, field.line, what, "write it on one line: it has to be changed")
     }
 
     /// A field that an object has not got, where it goes: at its end in IDF, at its beginning in epJSON.

@@ -270,6 +270,7 @@ impl SurfaceLight {
             lines
                 .into_iter()
                 .flat_map(|line| line.fixed.iter_mut().chain(&mut line.by_ground))
+                .chain(&mut self.mirrored)
                 .for_each(|v| *v *= share);
         }
     }

@@ -32,6 +32,7 @@ use crate::geocentric::{LocalFrame, is_geocentric, to_local};
 use crate::geometry::Geometry;
 use crate::input;
 use crate::input::NamedBytes;
+use crate::model_version::ModelVersion;
 use crate::terrain::raster::Raster;
 use crate::text::{excerpt, utf8};
 use heliotile_core::error::{Error, Result};
@@ -47,6 +48,8 @@ pub(super) struct Asked {
     pub lod: Option<String>,
     /// Where geocentric coordinates become metres about: that of the files before, if one had such.
     pub local_frame: Option<LocalFrame>,
+    /// Version of EnergyPlus that models are taken for, whatever they state.
+    pub assume_version: Option<ModelVersion>,
 }
 
 impl Asked {

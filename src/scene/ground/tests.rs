@@ -79,7 +79,7 @@ fn city_models() {
     assert_eq!(plane(&load(&[&data.join("small.city.jsonl")], None)).1, Some(0.2));
 }
 
-/// A model of 0.4 in two months and 0.2 in ten gets a plane of their mean at its lowest point, 1 m, says so in a note and keeps the months; a table
+/// A model of 0.4 in two months and 0.2 in ten gets a plane of their mean at z = 0, 1 m below it, says so in a note and keeps the months; a table
 /// of 0.3 wins over both, a lawn beside it over the plane, and a plain model has 0.2 at all times and no months.
 #[test]
 fn energyplus_models() {
@@ -87,11 +87,11 @@ fn energyplus_models() {
     let model = folder.write("m.idf", MODEL);
     let scene = load(&[&model], None);
     let (low, diffuse) = plane(&scene);
-    assert!(low == 0.99 && diffuse.is_some_and(|diffuse| (diffuse - 2.8 / 12.0).abs() < 1e-12), "{low} {diffuse:?}");
+    assert!(low == -0.01 && diffuse.is_some_and(|diffuse| (diffuse - 2.8 / 12.0).abs() < 1e-12), "{low} {diffuse:?}");
     let months = scene.ground.expect("by month");
     assert_eq!((months.of(12, None), months.of(6, None), months.material.as_str()), (0.4, 0.2, "endless_ground"));
     let [note] = scene.report.notes.as_slice() else { panic!("{:?}", scene.report.notes) };
-    assert!(note.starts_with("ground: a plane at 1.00 m that reflects 0.2 to 0.4 by month, as "), "{note}");
+    assert!(note.starts_with("ground: a plane at 0.00 m that reflects 0.2 to 0.4 by month, as "), "{note}");
     assert!(!scene.report.warnings.iter().any(|text| text.contains("ground")), "{:?}", scene.report.warnings);
 
     let table = folder.write("m.toml", "[endless_ground]\ndiffuse = 0.3\n");
@@ -102,5 +102,5 @@ fn energyplus_models() {
     assert_eq!((plane(&scene), scene.ground), ((1.0, None), None));
     let plain = folder.write("plain.idf", &MODEL.replace("0.4", "0.2"));
     let scene = load(&[&plain], None);
-    assert_eq!((plane(&scene), scene.ground), ((0.99, Some(0.2)), None));
+    assert_eq!((plane(&scene), scene.ground), ((-0.01, Some(0.2)), None));
 }

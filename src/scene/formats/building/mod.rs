@@ -1,9 +1,11 @@
 //! What readers of building models share. In: walls, openings and layers, whatever the format. Out: holes where windows are, faces that
-//! lie inside, glass by its panes, materials under names of their own, and one warning for each kind of oddity.
+//! lie inside or look inwards, the ground, glass by its panes, materials under names of their own, and one warning for each kind of oddity.
 
 pub(super) mod back_to_back;
 pub(super) mod frame;
 pub(super) mod holes;
 pub(super) mod notes;
 pub(super) mod optics;
+pub(super) mod outwards;
 pub(super) mod reasons;
+pub(super) mod standing;

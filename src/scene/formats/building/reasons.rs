@@ -9,6 +9,9 @@ pub(in crate::formats) const TOO_FAR: &str = "because they lie more than 1e9 m a
 pub(in crate::formats) const INSIDE: &str = "because they lie inside the building";
 /// Faces.
 pub(in crate::formats) const ALL_WINDOW: &str = "because a window takes up the whole of them";
+/// A note of openings.
+pub(in crate::formats) const TURNED_OPENINGS: &str =
+    "windows or doors look the other way than their wall and are turned";
 /// A note of windows and doors.
 pub(in crate::formats) const BEYOND: &str = "windows or doors are left out of walls that stay whole there: they reach over an edge or \
                                              each other, or lie off the plane";

@@ -8,8 +8,9 @@ use std::path::Path;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 use crate::coordinate::MAX_COORDINATE_M;
-use crate::formats::energyplus::layout::{Layout, Version};
+use crate::formats::energyplus::layout::Layout;
 use crate::formats::energyplus::model::{Model, Object, Value};
+use crate::model_version::ModelVersion;
 use crate::text::without_byte_order_mark;
 use heliotile_core::error::{Error, Result};
 
@@ -28,7 +29,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
         let what: String = e.to_string().chars().take(LONGEST_MESSAGE).collect();
         Error::input(file, line, format!("not a model in epJSON: {what}"), hint)
     })?;
-    let stated = model.of("Version").next().and_then(|object| Version::parse(object.text("version_identifier")));
+    let stated = model.of("Version").next().and_then(|object| ModelVersion::parse(object.text("version_identifier")));
     model.version = stated;
     Ok(model)
 }

@@ -1,5 +1,5 @@
-//! The ground of a model, which no surface draws: EnergyPlus takes an endless plane. In: what the file states of its reflectance, and how
-//! low what is outdoors reaches. Out: the plane.
+//! The ground of a model, which no surface draws: EnergyPlus takes an endless plane. In: what the file states of its reflectance, and where
+//! the plane lies. Out: the plane.
 
 use std::path::Path;
 
@@ -25,10 +25,9 @@ pub const GROUND_MONTHS: [&str; 12] = [
     "december_ground_reflectance",
 ];
 
-/// Reads the ground of a model. The plane lies as low as what the sun may reach, so that nothing of it is buried: EnergyPlus buries
-/// nothing.
-pub(super) fn read(model: &Model, file: &Path, lowest_m: Option<f64>, notes: &mut Notes) -> Result<ModelGround> {
-    let mut ground = ModelGround::usual(lowest_m.unwrap_or(0.0));
+/// Reads the ground of a model.
+pub(super) fn read(model: &Model, file: &Path, elevation_m: f64, notes: &mut Notes) -> Result<ModelGround> {
+    let mut ground = ModelGround::usual(elevation_m);
     if let Some(stated) = model.of("Site:GroundReflectance").next() {
         ground.stated = true;
         for (value, key) in ground.reflectance.iter_mut().zip(GROUND_MONTHS) {

@@ -6,18 +6,22 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::coordinate::MAX_COORDINATE_M;
-use crate::formats::energyplus::layout::{Layout, Version};
+use crate::formats::energyplus::layout::Layout;
 use crate::formats::energyplus::model::{Model, Object, Value};
 use crate::formats::energyplus::vertex_error;
+use crate::model_version::ModelVersion;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 
 /// What the newest known version is taken for where a file states none.
-const NEWEST: Version = Version { major: u16::MAX, minor: 0 };
+const NEWEST: ModelVersion = ModelVersion { major: u16::MAX, minor: 0 };
 
-/// Reads all objects of known classes.
-pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
-    let version = version(bytes, file)?;
+/// Reads all objects of known classes; fields are those of the version that is `assumed`, or else of the one that the file states.
+pub(super) fn parse(bytes: &[u8], file: &Path, assumed: Option<ModelVersion>) -> Result<Model> {
+    let version = match assumed {
+        Some(version) => Some(version),
+        None => version(bytes, file)?,
+    };
     let mut reader = Reader {
         file,
         version: version.unwrap_or(NEWEST),
@@ -29,12 +33,12 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
 }
 
 /// The version stands anywhere in the file but decides what its fields mean.
-fn version(bytes: &[u8], file: &Path) -> Result<Option<Version>> {
+fn version(bytes: &[u8], file: &Path) -> Result<Option<ModelVersion>> {
     let mut of_version = false;
     let mut found = None;
     idf_fields(bytes, file, |field| {
         if found.is_none() && of_version && field.place == 1 {
-            found = Version::parse(&String::from_utf8_lossy(field.text));
+            found = ModelVersion::parse(&String::from_utf8_lossy(field.text));
         }
         of_version = field.place == 0 && field.text.eq_ignore_ascii_case(b"version");
         Ok(found.is_none())
@@ -116,7 +120,7 @@ pub fn idf_fields(bytes: &[u8], file: &Path, mut take: impl FnMut(IdfField) -> R
 
 struct Reader<'f> {
     file: &'f Path,
-    version: Version,
+    version: ModelVersion,
     model: Model,
     /// The object being read, if its class is known.
     current: Option<Current>,

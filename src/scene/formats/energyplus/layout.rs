@@ -3,26 +3,12 @@
 //! Keys and order are those of EnergyPlus' Input Output Reference 25.2 (keys as epJSON spells them) and of its chapters "What's
 //! changed" for older files.
 
+use crate::model_version::ModelVersion;
+
 /// First version with spaces: surfaces name one between zone and boundary.
-const SPACES_SINCE: Version = Version { major: 9, minor: 6 };
+const SPACES_SINCE: ModelVersion = ModelVersion { major: 9, minor: 6 };
 /// First version whose windows no longer name their shading control.
-const NO_SHADING_CONTROL_SINCE: Version = Version { major: 9, minor: 0 };
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Version {
-    pub major: u16,
-    pub minor: u16,
-}
-
-impl Version {
-    /// "25.2", "9.6.0" or "8".
-    pub(super) fn parse(text: &str) -> Option<Version> {
-        let mut parts = text.trim().split('.');
-        let major = parts.next()?.trim().parse().ok()?;
-        let minor = parts.next().map_or(Some(0), |part| part.trim().parse().ok())?;
-        Some(Version { major, minor })
-    }
-}
+const NO_SHADING_CONTROL_SINCE: ModelVersion = ModelVersion { major: 9, minor: 0 };
 
 /// What is known of a class.
 #[derive(Debug)]
@@ -41,7 +27,7 @@ impl Layout {
     }
 
     /// Keys in the order of an IDF file of a version.
-    pub(super) fn order(&self, version: Version) -> Vec<&'static str> {
+    pub(super) fn order(&self, version: ModelVersion) -> Vec<&'static str> {
         let key = |field: &&'static str| match (field.strip_prefix('+'), field.strip_prefix('-')) {
             (Some(key), _) => (version >= SPACES_SINCE).then_some(key),
             (_, Some(key)) => (version < NO_SHADING_CONTROL_SINCE).then_some(key),

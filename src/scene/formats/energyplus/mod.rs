@@ -17,23 +17,22 @@ mod shades;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+mod turned;
 
 use std::path::Path;
 
 use crate::formats::Asked;
 use crate::formats::building::notes::Notes;
+use crate::formats::building::standing::{Shades, ground_elevation_m};
 use crate::geometry::Geometry;
 use crate::input;
+use crate::model_version::doubt;
 use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
-use layout::Version;
 use materials::Materials;
 use model::Model;
 use place::Place;
 use surfaces::Surfaces;
-
-/// Fields of older versions may stand elsewhere than is known here.
-const OLDEST: Version = Version { major: 8, minor: 0 };
 
 /// Whether a file that only calls itself JSON is a model.
 pub(super) fn is_model(bytes: &[u8]) -> bool {
@@ -42,14 +41,20 @@ pub(super) fn is_model(bytes: &[u8]) -> bool {
 
 /// Reads a model: text if its name ends with `.idf`, JSON else.
 pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
-    let model = if input::ending(file) == "idf" { idf::parse(bytes, file)? } else { epjson::parse(bytes, file)? };
+    let model = if input::ending(file) == "idf" {
+        idf::parse(bytes, file, asked.assume_version)?
+    } else {
+        epjson::parse(bytes, file)?
+    };
     assemble(&model, file, asked)
 }
 
 fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let mut geometry = Geometry::default();
     let mut notes = Notes::default();
-    note_version(model, file, &mut geometry.warnings);
+    if asked.assume_version.is_none() {
+        geometry.warnings.extend(doubt(model.version, file));
+    }
     let place = Place::read(model, file, &mut geometry.warnings)?;
     geometry.reference = reference(model, file, &mut notes)?;
     for object in model.of("GeometryTransform") {
@@ -63,17 +68,14 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let mut materials = Materials::new(model, file);
     let surfaces = Surfaces::read(model, file, &place, &mut geometry, &mut notes)?;
     surfaces.write(file, &mut geometry, &mut materials, &mut notes)?;
-    let hull = geometry.vertices.len();
     shades::write(model, file, &place, &surfaces, &mut geometry, &mut materials, &mut notes)?;
     if let Some(building) = model.of("Building").next() {
         for note in geometry.object_notes.values_mut().filter(|note| !note.object.is_empty()) {
             note.building.clone_from(&building.name);
         }
     }
-    // What shades may stand in a pit; what the sun reaches does not stand in the ground.
-    let shades = geometry.vertices.iter().skip(hull).map(|p| p.z.max(0.0));
-    let lowest_m = surfaces.outdoors().chain(shades).reduce(f64::min);
-    geometry.ground = Some(ground::read(model, file, lowest_m, &mut notes)?);
+    let elevation_m = ground_elevation_m(&mut geometry, Shades::Pass, file);
+    geometry.ground = Some(ground::read(model, file, elevation_m, &mut notes)?);
     notes.say(file, &mut geometry.warnings);
     if asked.reflectances {
         geometry.stated = materials.into_stated();
@@ -84,19 +86,6 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
         return Err(Error::input(file, None, what, hint));
     }
     Ok(geometry)
-}
-
-fn note_version(model: &Model, file: &Path, warnings: &mut Vec<String>) {
-    match model.version {
-        None => warnings.push(format!("{}: states no version of EnergyPlus, the newest is assumed", file.display())),
-        Some(version) if version < OLDEST => warnings.push(format!(
-            "{}: is of EnergyPlus {}.{}; fields of versions before 8.0 may be misread, upgrade it with the Transition tool",
-            file.display(),
-            version.major,
-            version.minor
-        )),
-        Some(_) => {}
-    }
 }
 
 fn reference(model: &Model, file: &Path, notes: &mut Notes) -> Result<Option<Reference>> {

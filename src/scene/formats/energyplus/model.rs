@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::coordinate::MAX_COORDINATE_M;
-use crate::formats::energyplus::layout::{Layout, Version};
+use crate::formats::energyplus::layout::Layout;
+use crate::model_version::ModelVersion;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
@@ -31,7 +32,7 @@ pub(super) struct Object {
 #[derive(Debug, Default)]
 pub(super) struct Model {
     pub objects: Vec<Object>,
-    pub version: Option<Version>,
+    pub version: Option<ModelVersion>,
 }
 
 impl Model {

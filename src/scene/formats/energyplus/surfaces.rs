@@ -15,6 +15,7 @@ use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TOO
 use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::place::{Of, Place};
+use crate::formats::energyplus::turned::turn_outwards;
 use crate::geometry::Geometry;
 use crate::semantics::{FaceNote, FaceSource, ObjectNote, SurfaceKind};
 use heliotile_core::error::Result;
@@ -84,6 +85,7 @@ impl<'m> Surfaces<'m> {
             }
         }
         surfaces.pair_up();
+        turn_outwards(&mut surfaces.list, notes);
         Ok(surfaces)
     }
 
@@ -215,12 +217,6 @@ impl<'m> Surfaces<'m> {
                 surface.behind = Behind::Inside;
             }
         }
-    }
-
-    /// Heights of the corners of walls, roofs and openings that the sun may reach.
-    pub(super) fn outdoors(&self) -> impl Iterator<Item = f64> {
-        let outdoors = self.list.iter().filter(|surface| surface.exposed);
-        outdoors.flat_map(|surface| &surface.vertices).map(|p| p.z)
     }
 
     /// Writes the faces of the hull.

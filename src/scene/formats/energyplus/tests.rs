@@ -160,6 +160,13 @@ fn versions() {
     // A version behind what it decides counts as well.
     let last = format!("{}Version,9.5;", no_space.replace("Version,25.2;", ""));
     assert_eq!(faces(&idf(&last)), expected);
+    // Fields of 8.9 under another version are those of 8.9 where that is assumed.
+    let assumed = Asked { assume_version: "8.9".parse().ok(), ..Asked::default() };
+    for version in ["7.2", "25.2", "26.1"] {
+        let geometry = parse(with_control.replace("25.2", version).as_bytes(), Path::new("m.idf"), &assumed);
+        let geometry = geometry.expect("readable");
+        assert_eq!((faces(&geometry), geometry.warnings.len()), (expected.clone(), 0), "{version}");
+    }
     for (text, version, word) in [(with_control, "Version,7.2;", "Transition"), (newest, "", "no version")] {
         let geometry = idf(&text.replace("Version,25.2;", version));
         assert_eq!((faces(&geometry), geometry.warnings.len()), (expected.clone(), 1));
@@ -293,27 +300,31 @@ fn glazed_shades() {
     );
 }
 
-/// The ground of seven models lies at the lowest corner that the sun may reach: at 1.5, at -3 under a deeper wall but not under one without
-/// sun, at 1 where a shade hangs lower and at 0 where it hangs in a pit; a wall to the ground does not count. It reflects 0.2, or what January to December say, 1.5 times that under snow; 1.4 counts as 1, -2 as 0.
+/// The ground of seven models lies at z = 0 as that of EnergyPlus, or at -3 where a wall in the sun reaches so low, and only that one is warned
+/// of; under a wall without sun, a wall to the ground and a shade in a pit it stays at 0, and at 30 m a warning says so. It reflects 0.2, or
+/// what January to December say, 1.5 times that under snow; 1.4 counts as 1, -2 as 0.
 #[test]
-fn ground() {
+fn the_ground_of_energyplus_lies_at_zero() {
     let wall = |behind: &str, low: f64| {
         format!(
             "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z; Construction,W,B; Material,B;\n\
-             BuildingSurface:Detailed,Wall,Wall,W,Z,,{behind},,,,,4, 0,0,9, 0,0,{low}, 4,0,{low}, 4,0,9;\n"
+             BuildingSurface:Detailed,Wall,Wall,W,Z,,{behind},,,,,4, 0,0,39, 0,0,{low}, 4,0,{low}, 4,0,39;\n"
         )
     };
     let shade = "Shading:Site:Detailed,S,,3, 0,9,1, 1,9,1, 1,9,2;";
-    for (text, elevation_m) in [
-        (wall("Outdoors", 1.5), 1.5),
-        (wall("Outdoors", -3.0), -3.0),
-        (wall("Outdoors", -3.0).replace("Outdoors,,,", "Outdoors,,NoSun,"), 0.0),
-        (wall("Outdoors", 1.5) + &shade.replace(",1,", ",-1,"), 0.0),
-        (wall("Outdoors", 1.5) + shade, 1.0),
-        (wall("Ground", 0.5) + shade, 1.0),
-        (wall("Ground", 2.0), 0.0),
+    for (text, elevation_m, said) in [
+        (wall("Outdoors", 1.5), 0.0, None),
+        (wall("Outdoors", 30.0), 0.0, Some("lies 30.00 m above the ground")),
+        (wall("Outdoors", -3.0), -3.0, Some("1 surfaces in the sun reach below z = 0, down to -3.00 m")),
+        (wall("Outdoors", -3.0).replace("Outdoors,,,", "Outdoors,,NoSun,"), 0.0, None),
+        (wall("Outdoors", 1.5) + &shade.replace(",1,", ",-1,"), 0.0, None),
+        (wall("Ground", 0.5) + shade, 0.0, None),
+        (wall("Ground", -2.0), 0.0, None),
     ] {
-        assert_eq!(idf(&text).ground, Some(ModelGround::usual(elevation_m)), "{text}");
+        let geometry = idf(&text);
+        assert_eq!(geometry.ground, Some(ModelGround::usual(elevation_m)), "{text}");
+        assert_eq!(geometry.warnings.len(), usize::from(said.is_some()), "{:?}", geometry.warnings);
+        assert!(said.is_none_or(|said| geometry.warnings[0].contains(said)), "{:?}", geometry.warnings);
     }
     let stated = "Site:GroundReflectance,0.1,0.2,0.3,1.4,0.5,0.6,0.7,,0.9,0.1,0.1,0.12; Site:GroundReflectance:SnowModifier,1.5,9;";
     let geometry = idf(&(wall("Outdoors", 0.0) + stated));
@@ -323,4 +334,63 @@ fn ground() {
     assert!(geometry.warnings[0].contains("shares of light are not from 0 to 1"), "{:?}", geometry.warnings);
     let below = idf(&(wall("Outdoors", 0.0) + "Site:GroundReflectance:SnowModifier,-2;"));
     assert_eq!((below.ground.map(|ground| ground.snow_modifier), below.warnings.len()), (Some(0.0), 1));
+}
+
+/// A zone of 10 x 8 x 3 m with a window of 3 m2: with all walls wound inwards, with one, and with the window alone turned, areas and normals are
+/// those of the zone that is right, and a warning counts 4, 1 and 1.
+#[test]
+fn walls_of_a_closed_zone_look_outwards() {
+    let head = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z; Construction,C,M; Material,M;\n";
+    let corner = |number: char| match number {
+        'a' => "0,0",
+        'b' => "10,0",
+        'c' => "10,8",
+        _ => "0,8",
+    };
+    let ring = |corners: [String; 4], turned: bool| {
+        let mut corners = corners.to_vec();
+        if turned {
+            corners.reverse();
+        }
+        corners.join(",")
+    };
+    let zone = |walls: &[char], window: bool| {
+        let mut text = head.to_owned();
+        for (name, from, to) in [('S', 'a', 'b'), ('E', 'b', 'c'), ('N', 'c', 'd'), ('W', 'd', 'a')] {
+            let (from, to) = (corner(from), corner(to));
+            let corners = [format!("{from},3"), format!("{from},0"), format!("{to},0"), format!("{to},3")];
+            text += &format!(
+                "BuildingSurface:Detailed,{name},Wall,C,Z,,Outdoors,,SunExposed,WindExposed,,4,{};\n",
+                ring(corners, walls.contains(&name))
+            );
+        }
+        for (name, kind, z) in [("R", "Roof", 3), ("F", "Floor", 0)] {
+            let corners = ['d', 'a', 'b', 'c'].map(|at| format!("{},{z}", corner(at)));
+            text += &format!(
+                "BuildingSurface:Detailed,{name},{kind},C,Z,,Outdoors,,SunExposed,WindExposed,,4,{};\n",
+                ring(corners, z == 0)
+            );
+        }
+        let corners = ["2,0,2", "2,0,1", "5,0,1", "5,0,2"].map(str::to_owned);
+        text + &format!("FenestrationSurface:Detailed,P,Window,C,S,,,,1,4,{};\n", ring(corners, window))
+    };
+    let vectors = |geometry: &Geometry| -> HashMap<String, DVec3> {
+        let faces = faces(geometry).into_iter();
+        faces.map(|(name, rings)| (name, area_vector(&rings[0]))).collect()
+    };
+    let right = idf(&zone(&[], false));
+    assert_eq!(right.warnings, Vec::<String>::new());
+    let right = vectors(&right);
+    assert!((right["P"] - DVec3::new(0.0, -3.0, 0.0)).length() < 1e-9 && (right["W"].x + 24.0).abs() < 1e-9);
+    for (text, said) in [
+        (zone(&['S', 'E', 'N', 'W'], true), "4 surfaces look into their zone and are turned"),
+        (zone(&['N'], false), "1 surfaces look into their zone and are turned"),
+        (zone(&[], true), "1 windows or doors look the other way than their wall"),
+    ] {
+        let geometry = idf(&text);
+        assert!(geometry.warnings.len() == 1 && geometry.warnings[0].contains(said), "{:?}", geometry.warnings);
+        for (name, vector) in vectors(&geometry) {
+            assert!((vector - right[&name]).length() < 1e-9, "{name}: {vector}");
+        }
+    }
 }

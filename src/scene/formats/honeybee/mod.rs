@@ -3,6 +3,7 @@
 //!
 //! Written from the schema (ladybug-tools, honeybee-schema 2.3), whose words the fields bear.
 
+mod cut;
 mod document;
 #[cfg(test)]
 mod hostile_tests;
@@ -20,7 +21,9 @@ use std::path::Path;
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
 use crate::formats::Asked;
+use crate::formats::building::standing::{Shades, ground_elevation_m};
 use crate::geometry::Geometry;
+use crate::ground::model::ModelGround;
 use crate::text::{excerpt, without_byte_order_mark};
 use document::Model;
 use heliotile_core::error::{Error, Result};
@@ -50,6 +53,8 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
     for note in geometry.object_notes.values_mut().filter(|note| !note.object.is_empty()) {
         note.building.clone_from(&model.identifier);
     }
+    let elevation_m = ground_elevation_m(&mut geometry, Shades::Count, file);
+    geometry.ground = Some(ModelGround::usual(elevation_m));
     if asked.reflectances {
         geometry.stated = materials.into_stated();
     }

@@ -7,11 +7,12 @@ use glam::DVec3;
 
 use crate::coordinate::is_position;
 use crate::formats::building::back_to_back::back_to_back;
-use crate::formats::building::frame::Frame;
-use crate::formats::building::holes;
-use crate::formats::building::holes::{Fit, ROUNDED_M};
+use crate::formats::building::frame::{Frame, area_vector};
+use crate::formats::building::holes::ROUNDED_M;
 use crate::formats::building::notes::Notes;
-use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR};
+use crate::formats::building::outwards::facing_inwards;
+use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TURNED_OPENINGS};
+use crate::formats::honeybee::cut::cut;
 use crate::formats::honeybee::document::{Boundary, Face, FaceType, Model, Opening, Room, Shade, ShadeMesh};
 use crate::formats::honeybee::materials::Materials;
 use crate::formats::honeybee::surface::{Behind, Kind, Rings, Surface, Writer};
@@ -20,6 +21,7 @@ use heliotile_core::error::{Error, Result};
 
 /// Shades at the inner side of something.
 const INDOORS: &str = "because they are shades indoors";
+const INWARDS: &str = "faces of closed rooms look inwards and are turned";
 /// A tolerance beyond this says nothing of what is one point, metres.
 const MOST_ROUNDED_M: f64 = 0.1;
 
@@ -34,6 +36,12 @@ pub(super) fn write<'d>(model: &'d Model, file: &Path) -> Result<(Geometry, Mate
     let Writer { mut geometry, materials, notes, .. } = reader.writer;
     notes.say(file, &mut geometry.warnings);
     Ok((geometry, materials))
+}
+
+/// Rings of a face, and of its apertures and then its doors.
+struct FaceRings {
+    own: Rings,
+    openings: Vec<Rings>,
 }
 
 struct Reader<'w, 'd> {
@@ -51,13 +59,17 @@ impl<'d> Reader<'_, 'd> {
             .flat_map(|room| room.faces.iter().map(move |face| (Some(room), face)))
             .chain(model.orphaned_faces.iter().flatten().map(|face| (None, face)))
             .collect();
-        let rings: Vec<Rings> = faces.iter().map(|(_, face)| Rings::of(&face.geometry, self.metres)).collect();
+        let mut rings: Vec<Rings> = faces.iter().map(|(_, face)| Rings::of(&face.geometry, self.metres)).collect();
+        let turned = self.turn_outwards(model, &mut rings);
         let open = faces.iter().zip(&rings).enumerate();
         let open = open.filter(|(_, ((_, face), _))| face.boundary_condition.kind == Boundary::Adiabatic);
         let pairs: HashSet<usize> = back_to_back(open.map(|(i, (_, rings))| (i, rings.outline.as_slice())));
         for (i, ((room, face), rings)) in faces.iter().zip(rings).enumerate() {
             match kind_of(face) {
-                Some(kind) if !pairs.contains(&i) => self.face(*room, face, kind, rings)?,
+                Some(kind) if !pairs.contains(&i) => {
+                    let rings = self.openings_along(face, rings, turned.contains(&i));
+                    self.face(*room, face, kind, rings)?;
+                }
                 _ => self.inside(face),
             }
         }
@@ -71,13 +83,51 @@ impl<'d> Reader<'_, 'd> {
             self.indoors(room.indoor_shades.as_ref().map_or(0, Vec::len));
         }
         for window in model.orphaned_apertures.iter().flatten() {
-            self.opening(None, window, window_of(window, true), true)?;
+            let rings = Rings::of(&window.geometry, self.metres);
+            self.opening(None, window, window_of(window, true), &rings, true)?;
         }
         for door in model.orphaned_doors.iter().flatten() {
-            self.opening(None, door, door_of(door, true), true)?;
+            let rings = Rings::of(&door.geometry, self.metres);
+            self.opening(None, door, door_of(door, true), &rings, true)?;
         }
         self.shades(model.orphaned_shades.as_ref(), None)?;
         model.shade_meshes.iter().flatten().try_for_each(|mesh| self.mesh(mesh))
+    }
+
+    /// Faces that look into their room are turned; their numbers. `rings` begins with the faces of all rooms.
+    fn turn_outwards(&mut self, model: &Model, rings: &mut [Rings]) -> HashSet<usize> {
+        let mut turned = HashSet::new();
+        let mut first = 0;
+        for room in model.rooms.iter().flatten() {
+            let own = rings.get(first..first + room.faces.len()).unwrap_or_default();
+            let faces: Vec<Vec<&[DVec3]>> = own.iter().map(|rings| rings.all().map(Vec::as_slice).collect()).collect();
+            for i in facing_inwards(&faces) {
+                if let (Some(rings), Some(face)) = (rings.get_mut(first + i), room.faces.get(i)) {
+                    self.writer.notes.add(INWARDS, &face.identifier);
+                    rings.turn();
+                    turned.insert(first + i);
+                }
+            }
+            first += room.faces.len();
+        }
+        turned
+    }
+
+    /// A face, and its apertures and doors so that they look where it does; those of a face that was turned follow it.
+    fn openings_along(&mut self, face: &Face, rings: Rings, is_turned: bool) -> FaceRings {
+        let outwards = area_vector(&rings.outline);
+        let mut outlines = Vec::new();
+        for opening in face.apertures.iter().chain(&face.doors).flatten() {
+            let mut own = Rings::of(&opening.geometry, self.metres);
+            if area_vector(&own.outline).dot(outwards) < 0.0 {
+                if !is_turned {
+                    self.writer.notes.add(TURNED_OPENINGS, &opening.identifier);
+                }
+                own.turn();
+            }
+            outlines.push(own);
+        }
+        FaceRings { own: rings, openings: outlines }
     }
 
     /// Counts a face that no light meets, and all that belongs to it.
@@ -99,62 +149,58 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// A face of the hull, what is cut out of it and what shades it.
-    fn face(&mut self, room: Option<&'d Room>, face: &'d Face, kind: Kind, rings: Rings) -> Result<()> {
+    fn face(&mut self, room: Option<&'d Room>, face: &'d Face, kind: Kind, rings: FaceRings) -> Result<()> {
+        let FaceRings { own: rings, openings: outlines } = rings;
         let in_wall = face.face_type == FaceType::Wall;
         let windows = face.apertures.iter().flatten().map(|window| (window, window_of(window, in_wall)));
         let doors = face.doors.iter().flatten().map(|door| (door, door_of(door, in_wall)));
         let openings: Vec<(&Opening, Kind)> = windows.chain(doors).collect();
-        let sound = rings.check(&mut self.writer.geometry);
-        let mut rings = rings;
-        let mut whole = false;
-        if sound && let Some(frame) = Frame::of(&rings.outline) {
-            let outlines: Vec<Rings> =
-                openings.iter().map(|(opening, _)| Rings::of(&opening.geometry, self.metres)).collect();
-            let outlines: Vec<&[DVec3]> = outlines.iter().map(|rings| rings.outline.as_slice()).collect();
-            let wall = holes::Wall { outline: &rings.outline, holes: &rings.holes, frame, rounded_m: self.rounded_m };
-            let fits = holes::fit(&wall, &outlines);
-            for ((opening, kind), fit) in openings.iter().zip(fits) {
-                let fits = match fit {
-                    Fit::Hole(ring) => {
-                        rings.holes.push(ring);
-                        true
-                    }
-                    Fit::Whole => {
-                        whole = true;
-                        true
-                    }
-                    Fit::Beyond => {
-                        self.writer.notes.add(BEYOND, &opening.identifier);
-                        false
-                    }
-                };
-                self.opening(room, opening, *kind, fits)?;
-            }
-        } else {
+        let frame = if rings.check(&mut self.writer.geometry) { Frame::of(&rings.outline) } else { None };
+        let Some(frame) = frame else {
             // What is left of a face that is none are its openings.
-            openings.iter().try_for_each(|(opening, kind)| self.opening(room, opening, *kind, true))?;
+            for ((opening, kind), rings) in openings.iter().zip(&outlines) {
+                self.opening(room, opening, *kind, rings, true)?;
+            }
+            return self.shades_of(face, room);
+        };
+        let left = cut(rings, frame, &outlines, self.rounded_m);
+        for (((opening, kind), rings), fits) in openings.iter().zip(&outlines).zip(left.fits) {
+            if !fits {
+                self.writer.notes.add(BEYOND, &opening.identifier);
+            }
+            self.opening(room, opening, *kind, rings, fits)?;
         }
-        if whole {
+        if left.is_whole {
             self.writer.geometry.leave_out(ALL_WINDOW);
-        } else if sound {
-            let surface = Surface { identifier: &face.identifier, kind, room, properties: &face.properties };
-            self.writer.push(&surface, &rings)?;
         }
+        let surface = Surface { identifier: &face.identifier, kind, room, properties: &face.properties };
+        left.pieces.iter().try_for_each(|piece| self.writer.push(&surface, piece))?;
+        self.shades_of(face, room)
+    }
+
+    /// The shades of a face.
+    fn shades_of(&mut self, face: &'d Face, room: Option<&'d Room>) -> Result<()> {
         self.shades(face.outdoor_shades.as_ref(), room)?;
         self.indoors(face.indoor_shades.as_ref().map_or(0, Vec::len));
         Ok(())
     }
 
     /// A window or a door, if it is one to the outside, and its shades.
-    fn opening(&mut self, room: Option<&'d Room>, opening: &'d Opening, kind: Kind, fits: bool) -> Result<()> {
-        let rings = Rings::of(&opening.geometry, self.metres);
+    fn opening(
+        &mut self,
+        room: Option<&'d Room>,
+        opening: &'d Opening,
+        kind: Kind,
+        rings: &Rings,
+        fits: bool,
+    ) -> Result<()> {
         if room.is_none() && opening.boundary_condition.kind == Boundary::Surface {
             self.writer.geometry.leave_out(INSIDE);
             return Ok(());
         }
         if fits && rings.check(&mut self.writer.geometry) {
             let surface = Surface { identifier: &opening.identifier, kind, room, properties: &opening.properties };
-            self.writer.push(&surface, &rings)?;
+            self.writer.push(&surface, rings)?;
         }
         self.shades(opening.outdoor_shades.as_ref(), room)?;
         self.indoors(opening.indoor_shades.as_ref().map_or(0, Vec::len));

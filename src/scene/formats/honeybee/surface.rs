@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::coordinate::is_position;
-use crate::formats::building::frame::area_vector;
+use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::notes::Notes;
 use crate::formats::building::reasons::{TOO_FAR, TOO_FEW};
 use crate::formats::honeybee::document::{Face3D, Room};
@@ -93,7 +93,20 @@ impl Rings {
         Rings { outline, holes: geometry.holes.iter().flatten().map(ring).collect() }
     }
 
-    fn all(&self) -> impl Iterator<Item = &Vec<DVec3>> {
+    /// Lets it look the other way.
+    pub(super) fn turn(&mut self) {
+        self.outline.reverse();
+    }
+
+    /// Itself, so that it looks where a frame does.
+    pub(super) fn along(mut self, frame: Frame) -> Rings {
+        if area_vector(&self.outline).dot(frame.right().cross(frame.up())) < 0.0 {
+            self.turn();
+        }
+        self
+    }
+
+    pub(super) fn all(&self) -> impl Iterator<Item = &Vec<DVec3>> {
         std::iter::once(&self.outline).chain(&self.holes)
     }
 

@@ -289,3 +289,89 @@ fn json_that_is_a_model() {
     let scene = load("a.hbjson");
     assert_eq!((load("b.json").content_hash(), scene.report.faces_read), (scene.content_hash(), 33));
 }
+
+/// The ground of four models lies at z = 0, where honeybee's translation to EnergyPlus has it, or as low as a shade or wall of 3 cm, 30 cm and
+/// 3 m below it reaches.
+#[test]
+fn the_ground_lies_at_zero() {
+    let wall = |low: f64| json!([[0.0, 0.0, low], [4.0, 0.0, low], [4.0, 0.0, 9.0]]);
+    let outdoors = json!({"type": "Outdoors"});
+    let of = |wall_low: f64, shade_low: f64| {
+        json!({"type": "Model",
+            "orphaned_faces": [{"identifier": "w", "face_type": "Wall", "boundary_condition": outdoors, "geometry": {"boundary": wall(wall_low)}}],
+            "orphaned_shades": [{"identifier": "s", "geometry": {"boundary": wall(shade_low)}}]})
+    };
+    for (model, elevation_m) in
+        [(of(8.0, 5.0), 0.0), (of(-0.03, 2.0), -0.03), (of(0.0, -0.3), -0.3), (of(-3.0, 1.0), -3.0)]
+    {
+        let geometry = read(&model.to_string());
+        assert_eq!(geometry.ground, Some(ModelGround::usual(elevation_m)));
+        let said =
+            geometry.warnings.iter().filter(|said| said.contains("surfaces in the sun reach below z = 0")).count();
+        assert_eq!(said, usize::from(elevation_m < 0.0), "{:?}", geometry.warnings);
+    }
+}
+
+/// A window of 4 m2 with a hole of 1 m2 in a wall of 80 m2 leaves 77 m2 of it, 1 of them in two pieces in the hole, beside a window there of 0.25
+/// m2 that is listed first: the areas of wall, frame and window are 76.75, 3 and 0.25 m2.
+#[test]
+fn what_stands_in_the_hole_of_a_window_is_wall() {
+    let square = |low: f64, high: f64| json!([[low, 0.0, low], [high, 0.0, low], [high, 0.0, high], [low, 0.0, high]]);
+    let window = |name: &str, boundary: Value, holes: Value| json!({"identifier": name, "boundary_condition": {"type": "Outdoors"}, "geometry": {"boundary": boundary, "holes": holes}});
+    let wall = json!([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 0.0, 8.0], [0.0, 0.0, 8.0]]);
+    for (is_clockwise, inner) in [(false, true), (true, true), (false, false)] {
+        let mut hole = square(3.5, 4.5);
+        if is_clockwise {
+            hole.as_array_mut().expect("a ring").reverse();
+        }
+        let mut windows = vec![window("pane", square(3.0, 5.0), json!([hole]))];
+        if inner {
+            windows.insert(0, window("inner", square(3.75, 4.25), Value::Null));
+        }
+        let face = json!({"identifier": "wall", "face_type": "Wall", "boundary_condition": {"type": "Outdoors"},
+            "geometry": {"boundary": wall}, "apertures": windows});
+        let geometry = read(&json!({"type": "Model", "orphaned_faces": [face]}).to_string());
+        let found = areas(&geometry);
+        let area = |name: &str| found.get(name).map_or(0.0, |faces| faces.iter().copied().sum::<DVec3>().length());
+        let inner_m2 = if inner { 0.25 } else { 0.0 };
+        for (name, area_m2) in [("wall", 77.0 - inner_m2), ("pane", 3.0), ("inner", inner_m2)] {
+            assert!((area(name) - area_m2).abs() < 1e-9, "{name}: {}", area(name));
+        }
+        assert_eq!(geometry.warnings.iter().filter(|said| said.contains("left out of walls")).count(), 0);
+    }
+}
+
+/// A room whose 6 faces look inwards, with its window or without, one whose roof does, and one whose window does become the same as the room that
+/// is right, with 1 warning that counts them; a room without its roof and floor stays as it stands.
+#[test]
+fn faces_of_a_closed_room_look_outwards() {
+    let text = include_str!("../../../../tests/data/honeybee/room_inwards.hbjson");
+    let flipped: Value = serde_json::from_str(text).expect("JSON");
+    let turn = |boundary: &mut Value| boundary["geometry"]["boundary"].as_array_mut().expect("a ring").reverse();
+    let mut right = flipped.clone();
+    right["rooms"][0]["faces"].as_array_mut().expect("faces").iter_mut().for_each(turn);
+    let mut whole = flipped.clone();
+    turn(&mut whole["rooms"][0]["faces"][0]["apertures"][0]);
+    let normals = |model: &Value| -> BTreeMap<String, Vec<DVec3>> { areas(&read(&model.to_string())) };
+    let expected = normals(&right);
+    assert!((expected["R"][0] - DVec3::new(0.0, 0.0, 80.0)).length() < 1e-9);
+    let (mut roof, mut window) = (right.clone(), right.clone());
+    turn(&mut roof["rooms"][0]["faces"][4]);
+    turn(&mut window["rooms"][0]["faces"][0]["apertures"][0]);
+    for (model, said) in [
+        (&whole, "6 faces of closed rooms look inwards and are turned"),
+        (&flipped, "6 faces of closed rooms look inwards and are turned"),
+        (&roof, "1 faces of closed rooms look inwards and are turned"),
+        (&window, "1 windows or doors look the other way than their wall and are turned"),
+    ] {
+        let geometry = read(&model.to_string());
+        let turned: Vec<&String> = geometry.warnings.iter().filter(|warning| warning.contains("turned")).collect();
+        assert!(turned.len() == 1 && turned[0].contains(said), "{said}: {turned:?}");
+        for (name, faces) in normals(model) {
+            assert!((faces[0] - expected[&name][0]).length() < 1e-9, "{name}");
+        }
+    }
+    let mut open = flipped.clone();
+    open["rooms"][0]["faces"].as_array_mut().expect("faces").truncate(4);
+    assert!((normals(&open)["N"][0].y + 30.0).abs() < 1e-9);
+}

@@ -1,0 +1,53 @@
+//! Where the ground of a building model lies. In: its faces. Out: the height of the plane, and what is said of a model that reaches below
+//! it or stands far above it.
+//!
+//! EnergyPlus has its ground at z = 0 whatever the model is like: `SolarReflectionManager` of version 25.2 never sets `GroundLevelZ`.
+
+use std::path::Path;
+
+use crate::geometry::{Geometry, Polygon};
+use crate::semantics::SurfaceKind;
+
+/// Surfaces that reach less than this below z = 0 are taken for rounded coordinates, metres.
+const ROUNDED_M: f64 = 0.01;
+/// A model whose lowest surface in the sun lies higher than this is worth a word, metres.
+const HIGH_M: f64 = 10.0;
+
+/// What decides how low the ground lies, besides what the sun reaches of the building.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::formats) enum Shades {
+    /// Shades may be terrain, and lie on the ground.
+    Count,
+    /// Shades may stand in a pit.
+    Pass,
+}
+
+/// Height of the ground of a model, metres: 0, or that of the lowest corner of the surfaces in the sun where it lies below 0.
+pub(in crate::formats) fn ground_elevation_m(geometry: &mut Geometry, shades: Shades, file: &Path) -> f64 {
+    let corner = |corner: &u32| geometry.vertices.get(*corner as usize).map(|p| p.z);
+    let lowest_of = |face: &Polygon| face.corners().iter().filter_map(corner).reduce(f64::min);
+    let mut lowest = Vec::new();
+    for (face, source) in geometry.faces().zip(geometry.source_faces()) {
+        let counts = shades == Shades::Count || source.note.kind != Some(SurfaceKind::Shade);
+        if counts && source.note.exposed == Some(true) {
+            lowest.extend(lowest_of(&face));
+        }
+    }
+    let Some(lowest_m) = lowest.iter().copied().reduce(f64::min) else { return 0.0 };
+    let below = lowest.iter().filter(|z| **z < -ROUNDED_M).count();
+    if below > 0 {
+        geometry.warnings.push(format!(
+            "{}: {below} surfaces in the sun reach below z = 0, down to {lowest_m:.2} m: the ground is a plane there. That of EnergyPlus \
+             stays at z = 0, hides nothing, and sends no light to points below it; raise the model if it stands on the ground",
+            file.display()
+        ));
+    }
+    if lowest_m > HIGH_M {
+        geometry.warnings.push(format!(
+            "{}: the lowest surface in the sun lies {lowest_m:.2} m above the ground, which EnergyPlus has at z = 0; lower the model if it \
+             stands on the ground",
+            file.display()
+        ));
+    }
+    lowest_m.min(0.0)
+}

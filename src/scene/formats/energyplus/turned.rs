@@ -1,0 +1,58 @@
+//! Surfaces that are wound the wrong way. In: the surfaces of a model. Out: the same, those of closed zones looking outwards, openings as
+//! their walls.
+//!
+//! EnergyPlus 25.2 itself turns floors and roofs. A wall that looks into its zone it lights as if that were outdoors, and says nothing;
+//! a window that looks the other way than its wall is fatal to it.
+
+use std::collections::{BTreeMap, HashSet};
+
+use glam::DVec3;
+
+use crate::formats::building::frame::{Frame, area_vector};
+use crate::formats::building::notes::Notes;
+use crate::formats::building::outwards::facing_inwards;
+use crate::formats::building::reasons::TURNED_OPENINGS;
+use crate::formats::energyplus::model::same;
+use crate::formats::energyplus::surfaces::Surface;
+
+const INWARDS: &str =
+    "surfaces look into their zone and are turned; EnergyPlus lights them from that side: reverse their vertices";
+
+/// Turns surfaces that look into their zone, and openings that look the other way than their wall.
+pub(super) fn turn_outwards(list: &mut [Surface], notes: &mut Notes) {
+    let mut turned: HashSet<usize> = HashSet::new();
+    let mut zones: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (i, surface) in list.iter().enumerate().filter(|(i, surface)| surface.base == *i) {
+        zones.entry(same(surface.object.text("zone_name"))).or_default().push(i);
+    }
+    for members in zones.values() {
+        let faces: Vec<Vec<&[DVec3]>> =
+            members.iter().filter_map(|&i| list.get(i)).map(|surface| vec![surface.vertices.as_slice()]).collect();
+        turned.extend(facing_inwards(&faces).into_iter().filter_map(|i| members.get(i)));
+    }
+    for (i, wall) in list.iter_mut().enumerate().filter(|(i, _)| turned.contains(i)) {
+        debug_assert_eq!(wall.base, i);
+        notes.add(INWARDS, &wall.object.name);
+        turn(wall);
+    }
+    for i in 0..list.len() {
+        let Some(surface) = list.get(i).filter(|surface| surface.base != i) else { continue };
+        let Some(wall) = list.get(surface.base) else { continue };
+        let is_contrary = area_vector(&wall.vertices).dot(area_vector(&surface.vertices)) < 0.0;
+        // Openings follow a wall that was turned.
+        let is_odd = !turned.contains(&surface.base);
+        if is_contrary && let Some(opening) = list.get_mut(i) {
+            if is_odd {
+                notes.add(TURNED_OPENINGS, &opening.object.name);
+            }
+            turn(opening);
+        }
+    }
+}
+
+fn turn(surface: &mut Surface) {
+    surface.vertices.reverse();
+    if let Some(frame) = Frame::of(&surface.vertices) {
+        surface.frame = frame;
+    }
+}
