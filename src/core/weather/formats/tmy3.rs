@@ -8,6 +8,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
 use crate::weather::air::Air;
 use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, irradiance};
 use crate::weather::judging::station::Station;
@@ -105,17 +106,28 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     Ok(RawWeather { station, rows: raw, air, step_min: 60.0, stamped_at: StampedAt::End, warnings: Vec::new() })
 }
 
-/// The first line; the name may hold commas, so numbers are counted from its end.
+/// The first line. The name may hold commas, and cells of other programs may stand behind the elevation: time zone, latitude and longitude
+/// are the first three numbers that can be those, with an elevation behind them.
 fn site(path: &Path, line: &str) -> Result<Station> {
     let hint = "number,name,state,time zone,latitude,longitude,elevation";
     let line = line.trim_start_matches('\u{feff}').trim_end_matches([',', ' ', '\r']);
     let cells: Vec<&str> = line.split(',').map(|cell| cell.trim_matches(['"', ' '])).collect();
-    let [_, name @ .., zone, latitude, longitude, elevation] = cells.as_slice() else {
+    let is = |cell: Option<&&str>, most: f64| {
+        cell.and_then(|text| text.parse::<f64>().ok()).is_some_and(|value| value.abs() <= most)
+    };
+    let fits = |start: &usize| {
+        let at = |place: usize| cells.get(start + place);
+        is(at(0), 14.0) && is(at(1), 90.0) && is(at(2), 180.0) && is(at(3), 9999.0)
+    };
+    let start = (2..cells.len()).find(fits).unwrap_or_else(|| cells.len().saturating_sub(4).min(3));
+    let (Some([_, name @ ..]), Some([zone, latitude, longitude, elevation])) =
+        (cells.get(..start), cells.get(start..start + 4))
+    else {
         return Err(Error::input(path, 1, "the site has fewer than five columns", hint));
     };
     let number = |text: &str, what: &str| {
         let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-        value.ok_or_else(|| Error::input(path, 1, format!("{what} of the site holds `{text}`"), hint))
+        value.ok_or_else(|| Error::input(path, 1, format!("{what} of the site holds `{}`", excerpt(text, 60)), hint))
     };
     let (latitude, longitude) = (number(latitude, "latitude")?, number(longitude, "longitude")?);
     let site = Location::new(latitude, longitude, number(zone, "time zone")?, number(elevation, "elevation")?);
@@ -125,8 +137,9 @@ fn site(path: &Path, line: &str) -> Result<Station> {
 
 fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<RawRow> {
     let cell = |place: usize| cells.get(place).copied().unwrap_or_default();
-    let bad =
-        |name: &str, text: &str, hint: &str| Error::input(path, line, format!("column `{name}` holds `{text}`"), hint);
+    let bad = |name: &str, text: &str, hint: &str| {
+        Error::input(path, line, format!("column `{name}` holds `{}`", excerpt(text, 60)), hint)
+    };
     let whole = |text: &str| text.parse::<u32>().ok();
     let mut parts = cell(columns.date).split('/').map(whole);
     let mut next = || parts.next().flatten();
