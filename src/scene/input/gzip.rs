@@ -1,4 +1,4 @@
-//! Packed files. In: bytes that may be gzip (RFC 1952), of one member or several. Out: the plain bytes, of a number that is limited:
+//! Packed files. In: bytes that may be a zip archive of one file, or gzip (RFC 1952), of one member or several. Out: the plain bytes, of a number that is limited:
 //! one packed byte may stand for a thousand.
 
 use std::fs::File;
@@ -8,6 +8,8 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 use heliotile_core::error::{Error, Result};
+
+use super::zip;
 
 const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
@@ -20,9 +22,10 @@ const MOST_TIMES: u64 = 200;
 /// Most bytes that a file which is read piece by piece may unpack to: 100 million receivers are a tenth of that.
 const MOST_STREAMED: u64 = 64 << 30;
 
-/// The plain bytes of a file.
+/// The plain bytes of a file that gzip or zip packed.
 pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
-    unpack_up_to(most(bytes.len() as u64), bytes, file)
+    let most = most(bytes.len() as u64);
+    zip::unpack(unpack_up_to(most, bytes, file)?, file, most)
 }
 
 /// Bytes that so many packed ones may stand for.
@@ -47,13 +50,18 @@ fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
     Ok(plain)
 }
 
-/// The plain bytes of a file, piece by piece.
-pub(super) fn unpacked(mut file: File) -> io::Result<Box<dyn Read>> {
+/// The plain bytes of a file, piece by piece; those of a zip archive, whose list stands at its end, as a whole.
+pub(super) fn unpacked(mut file: File, path: &Path) -> Result<Box<dyn Read>> {
     let mut head = Vec::new();
-    file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut head)?;
-    let packed = head == MAGIC;
+    file.by_ref().take(zip::MAGIC.len() as u64).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+    let (is_gzip, is_zip) = (head.starts_with(&MAGIC), head == zip::MAGIC);
+    if is_zip {
+        file.read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+        let most = most(head.len() as u64);
+        return Ok(Box::new(Cursor::new(zip::unpack(head, path, most)?)));
+    }
     let whole = Cursor::new(head).chain(file);
-    Ok(if packed {
+    Ok(if is_gzip {
         Box::new(Bounded { inner: MultiGzDecoder::new(BufReader::new(whole)), left: MOST_STREAMED })
     } else {
         Box::new(whole)
@@ -91,16 +99,17 @@ mod tests {
         packer.finish().expect("packed")
     }
 
-    /// Plain bytes stay, packed ones and two packed ones in a row are unpacked, as a whole and piece by piece: 3 of 3 alike.
+    /// Plain bytes stay, packed ones, two packed ones in a row and a zip archive are unpacked, as a whole and piece by piece: 4 of 4 alike.
     #[test]
     fn unpacks() {
         let text = b"v 0 0 0\n".repeat(1000);
         let folder = tempfile::tempdir().expect("a scratch folder");
         let path = folder.path().join("a");
-        for bytes in [text.clone(), pack(&text), [pack(&text[..100]), pack(&text[100..])].concat()] {
+        let zipped = zip::tests::pack(&[("a.obj", &text)], 8);
+        for bytes in [text.clone(), pack(&text), [pack(&text[..100]), pack(&text[100..])].concat(), zipped] {
             std::fs::write(&path, &bytes).expect("written");
             let mut streamed = Vec::new();
-            unpacked(File::open(&path).expect("there")).expect("read").read_to_end(&mut streamed).expect("read");
+            unpacked(File::open(&path).expect("there"), &path).expect("read").read_to_end(&mut streamed).expect("read");
             assert_eq!((unpack(bytes, &path).expect("unpacked").len(), streamed.len()), (8000, 8000));
             assert!(streamed == text);
         }

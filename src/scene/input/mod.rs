@@ -1,5 +1,5 @@
-//! Files as bytes, for all readers of the program. In: a path. Out: its bytes, unpacked where they are gzip, or what of the path is there and what is
-//! like it.
+//! Files as bytes, for all readers of the program. In: a path. Out: its bytes, unpacked where they are gzip or a zip archive of one file, or what of
+//! the path is there and what is like it.
 //!
 //! What is packed shows in the first bytes and not in the name: programs that fetch files unpack some and keep the name, or the reverse.
 
@@ -7,6 +7,7 @@ mod gzip;
 mod missing;
 #[cfg(test)]
 mod packed_tests;
+mod zip;
 
 use std::fs;
 use std::fs::File;
@@ -28,7 +29,7 @@ pub(crate) fn read_as(path: &Path, action: &'static str) -> Result<Vec<u8>> {
 /// The same, piece by piece.
 pub(crate) fn open(path: &Path) -> Result<Box<dyn Read>> {
     let file = File::open(path).map_err(|source| refused(path, "read", source))?;
-    gzip::unpacked(file).map_err(Error::io(path, "read"))
+    gzip::unpacked(file, path)
 }
 
 /// Refuses a path that leads nowhere, with what of it is there and names that are like the missing one.
@@ -46,10 +47,12 @@ pub(crate) fn plain_or_packed(path: PathBuf) -> PathBuf {
     if path.is_file() { path } else { Some(packed()).filter(|packed| packed.is_file()).unwrap_or(path) }
 }
 
-/// What the name of a file ends with, in lower case and without `.gz`: `json` of `Town.City.JSON.gz`; empty for a name without a dot.
+/// What the name of a file ends with, in lower case and without `.gz` or, where an ending stands before it, `.zip`: `json` of
+/// `Town.City.JSON.gz`; empty for a name without a dot.
 pub fn ending(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let plain = name.strip_suffix(".gz").unwrap_or(&name);
+    let zipped = || name.strip_suffix(".zip").filter(|plain| plain.contains('.'));
+    let plain = name.strip_suffix(".gz").or_else(zipped).unwrap_or(&name);
     plain.rsplit_once('.').map_or(String::new(), |(_, ending)| ending.to_owned())
 }
 
@@ -65,7 +68,7 @@ fn refused(path: &Path, action: &'static str, source: std::io::Error) -> Error {
 mod tests {
     use super::*;
 
-    /// Six names end as their plain files do.
+    /// Eight names end as their plain files do.
     #[test]
     fn endings() {
         for (name, expected) in [
@@ -74,6 +77,8 @@ mod tests {
             ("a/b.c/hills.tif.gz", "tif"),
             ("b.c/hills", ""),
             ("hills.gz", ""),
+            ("town.obj.zip", "obj"),
+            ("town.zip", "zip"),
             ("", ""),
         ] {
             assert_eq!(ending(Path::new(name)), expected, "{name}");
