@@ -10,6 +10,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::text::excerpt;
 use crate::weather::air::Air;
+use crate::weather::formats::weather_csv::is_watts;
 use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, irradiance};
 use crate::weather::judging::station::Station;
 use crate::weather::options::{StampedAt, WeatherOptions};
@@ -26,7 +27,8 @@ const MISSING_RADIATION: f64 = 9999.0;
 pub(super) fn is_tmy3(bytes: &[u8]) -> bool {
     let second = bytes.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
     let second = second.trim_ascii_start();
-    second.strip_prefix(b"\"").unwrap_or(second).get(..6).is_some_and(|name| name.eq_ignore_ascii_case(b"Date ("))
+    let start = second.strip_prefix(b"\"").unwrap_or(second).get(..8);
+    start.is_some_and(|name| name.eq_ignore_ascii_case(b"Date (MM"))
 }
 
 /// Places of the columns that are read; `None` where the file has none.
@@ -55,6 +57,14 @@ impl Columns {
                 Error::input(path, 2, format!("there is no column `{wanted}`"), hint)
             })
         };
+        // TMY3 holds W/m2; programs that write other units have layouts of their own.
+        for (cell, name) in line.split(',').zip(&names) {
+            let unit = cell.split_once('(').and_then(|(_, unit)| unit.rsplit_once(')')).map(|(unit, _)| unit);
+            if ["ghi", "dni", "dhi"].contains(&name.as_str()) && unit.is_some_and(|unit| !is_watts(unit)) {
+                let what = format!("the unit of column `{}` is not W/m2, which TMY3 holds", excerpt(cell.trim(), 60));
+                return Err(Error::input(path, 2, what, "write light in W/m2"));
+            }
+        }
         Ok(Columns {
             date: needed("date")?,
             time: needed("time")?,
@@ -237,6 +247,24 @@ mod tests {
         assert_eq!(weather.report.warnings.len(), 2, "{:?}", weather.report.warnings);
         let rows = "06/16/2021,23:00,0,0,0\n06/16/2021,24:00,0,0,0\n06/17/2021,01:00,0,0,0\n";
         assert_eq!(parse(&format!("{HEAD}{rows}")).expect("valid").rows.len(), 3);
+    }
+
+    /// Cells behind the elevation, and commas in the name, leave the site at 45 N, 8 E and 250 m: 3 of 3; light in kW/m2 is refused.
+    #[test]
+    fn sites() {
+        let rows = "06/16/2021,14:00,1,1,1\n06/16/2021,15:00,1,1,1\n";
+        for site in [
+            "1,Town,X,1,45,8,250,\"made by hand, 60 minutes\",,",
+            "1,\"Town, East\",X,1,45,8,250",
+            "1,A,B,C,X,1,45,8,250,7",
+        ] {
+            let weather = parse(&format!("{}{rows}", HEAD.replace("1,Town,X,1,45,8,250", site))).expect(site);
+            let place = (weather.site.latitude_deg, weather.site.longitude_deg, weather.site.elevation_m);
+            assert_eq!(place, (45.0, 8.0, 250.0), "{site}");
+        }
+        let message =
+            parse(&format!("{}{rows}", HEAD.replace("DNI (W/m^2)", "DNI (kW/m^2)"))).expect_err("a unit").to_string();
+        assert!(message.contains("line 2: the unit of column `DNI (kW/m^2)` is not W/m2"), "{message}");
     }
 
     /// 11 files that are wrong are refused with the line and what it holds.

@@ -74,8 +74,17 @@ struct Candidate<'h> {
 }
 
 impl Columns {
-    pub fn read(path: &Path, head: &Head) -> Result<Self> {
-        let find = |quantity| find(path, head, quantity);
+    /// `warnings` gets what is to be said of columns that are left out; of air only if `with_air`.
+    pub fn read(path: &Path, head: &Head, with_air: bool, warnings: &mut Vec<String>) -> Result<Self> {
+        let mut find = |quantity: Quantity| match find(path, head, quantity) {
+            Err(_) if quantity.is_of_air() && !with_air => Ok(None),
+            Err(error) if quantity.is_of_ground() => {
+                let told = error.to_string().replace("\n  to fix: ", ", and it is left out: ");
+                warnings.push(told);
+                Ok(None)
+            }
+            found => found,
+        };
         let mut columns = Columns {
             count: head.names.len(),
             ghi: find(Quantity::Ghi)?,

@@ -11,6 +11,8 @@ mod json;
 mod layout;
 #[cfg(test)]
 mod layout_tests;
+#[cfg(test)]
+mod made_layouts;
 mod moments;
 mod names;
 mod source;
@@ -39,6 +41,7 @@ use source::RowSource;
 use stamp_columns::{StampColumns, StampPlace};
 
 pub(super) use json::is_json;
+pub(super) use units::is_watts;
 
 pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Result<RawWeather> {
     let head = Head::read(path, bytes)?;
@@ -51,9 +54,11 @@ pub(super) fn read_json(path: &Path, bytes: &[u8], options: &WeatherOptions) -> 
     read_table(path, table.head, &RowSource::Records(table.records), options)
 }
 
-fn read_table(path: &Path, head: Head, source: &RowSource, options: &WeatherOptions) -> Result<RawWeather> {
+fn read_table(path: &Path, mut head: Head, source: &RowSource, options: &WeatherOptions) -> Result<RawWeather> {
     let stamps = StampColumns::find(path, &head)?;
-    let columns = Columns::read(path, &head)?;
+    let mut warnings = Vec::new();
+    let columns = Columns::read(path, &head, options.with_air, &mut warnings)?;
+    head.warnings.append(&mut warnings);
     let order = order_of(path, &head, &columns, &stamps, source, options)?;
     let moments = MomentReader { columns: &stamps, names: &columns, order };
     let mut rows = Rows::new(path, &head, &columns, moments, options);

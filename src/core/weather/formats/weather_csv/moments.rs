@@ -52,7 +52,11 @@ impl MomentReader<'_> {
             moment.minutes = Some(self.length(cells, place, moment.seconds, &end)?);
             moment.is_start = true;
         } else if let Some(place) = self.columns.period {
-            moment.minutes = parse_minutes(&cells.text(place));
+            // A bare number may be that of a row.
+            let text = cells.text(place);
+            let says_unit = text.chars().any(|c| c.is_alphabetic() || c == ':')
+                || self.names.name(place).to_lowercase().contains("min");
+            moment.minutes = parse_minutes(&text).filter(|_| says_unit);
         }
         Ok(moment)
     }

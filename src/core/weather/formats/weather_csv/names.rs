@@ -121,6 +121,17 @@ impl Quantity {
         }
     }
 
+    /// Whether it is only read for longwave irradiance.
+    pub const fn is_of_air(self) -> bool {
+        use Quantity::{DewPoint, DryBulb, Humidity, Infrared, OpaqueSky};
+        matches!(self, DryBulb | DewPoint | Humidity | Infrared | OpaqueSky)
+    }
+
+    /// Whether it is of the ground, which few replays take from weather.
+    pub const fn is_of_ground(self) -> bool {
+        matches!(self, Quantity::Albedo | Quantity::Snow)
+    }
+
     pub const fn measure(self) -> Measure {
         match self {
             Quantity::Ghi | Quantity::Dni | Quantity::Dhi | Quantity::Beam | Quantity::Infrared => Measure::Irradiance,

@@ -28,6 +28,8 @@ const TIME: &[&str] = &[
     "epoch",
     "epochtime",
     "index",
+    "datum",
+    "zeitstempel",
     "day",
 ];
 
@@ -40,7 +42,8 @@ const MIDDLE: &[&str] =
     &["periodmid", "periodmiddle", "midtime", "timemid", "intervalmid", "periodcenter", "periodcentre"];
 
 /// A time of day, beside a column of dates.
-const CLOCK: &[&str] = &["time", "hour", "hr", "clock", "timeofday", "hh:mm", "localtime", "hhmm", "hourofday"];
+const CLOCK: &[&str] =
+    &["time", "hour", "hr", "clock", "timeofday", "hh:mm", "localtime", "hhmm", "hourofday", "uhrzeit", "zeit"];
 
 const YEAR: &[&str] = &["year", "yyyy", "yr", "y"];
 const MONTH: &[&str] = &["month", "mo", "mm", "m"];

@@ -136,6 +136,11 @@ fn exact_percent(unit: Unit) -> Unit {
     if (unit.factor - 1.0).abs() < 1e-12 { Unit::PLAIN } else { unit }
 }
 
+/// Whether a text is W/m2, however it is written.
+pub fn is_watts(text: &str) -> bool {
+    parse_unit(text, Measure::Irradiance) == Some(Unit::PLAIN)
+}
+
 /// What one of a unit of shares is.
 fn share(plain: &str) -> Option<f64> {
     match plain {
