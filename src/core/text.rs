@@ -5,6 +5,12 @@ pub fn counted(count: u64, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
+/// The start of a text that may be long, with `...` behind it if that is not all, and on one line: for messages.
+pub fn excerpt(text: &str, most: usize) -> String {
+    let shown: String = text.chars().take(most).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(most).is_some() { shown + "..." } else { shown }
+}
+
 /// Whether a place is an address, such as `s3://bucket/site.helio`, and not a path.
 pub fn is_address(place: &str) -> bool {
     place.split_once("://").is_some_and(|(scheme, _)| {
@@ -51,6 +57,12 @@ pub fn separator_hint(header: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A text of 5 characters is shown whole at 5 and cut at 4; a line break becomes a blank.
+    #[test]
+    fn excerpts() {
+        assert_eq!((excerpt("ab\u{e9}\nd", 5), excerpt("abcde", 4)), ("ab\u{e9} d".into(), "abcd...".into()));
+    }
 
     /// 5 addresses are told from 4 paths, and of 9 places named without user, password and signature.
     #[test]

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::{parse_latitude, parse_longitude};
 use crate::cli::values::choice;
-use heliotile_core::weather::options::{StampedAt, TimeShift, WeatherOptions, parse_zone};
+use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions, parse_zone};
 
 /// Where a weather file was measured and how it reads the clock, for commands that know no scene.
 #[derive(Args, Clone, Debug)]
@@ -34,9 +34,13 @@ pub struct ClockArgs {
     /// Move its time stamps, such as 41min, -30min or 0.5h; `auto` takes what fits GHI, DNI and DHI best if it fits clearly better
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub shift: Option<TimeShift>,
-    /// Where in its interval a time stamp stands, in the middle for values at one moment [default: what the format says; start for plain CSV]
+    /// Where in its interval a time stamp stands, in the middle for values at one moment [default: what format, names of columns or hours
+    /// 1 to 24 say; start for plain CSV]
     #[arg(long, value_parser = choice::<StampedAt>())]
     pub weather_stamp: Option<StampedAt>,
+    /// Order of its dates of three numbers, such as 01/06/2021 [default: what the whole column shows]
+    #[arg(long, value_parser = choice::<DateOrder>())]
+    pub date_order: Option<DateOrder>,
 }
 
 impl WeatherArgs {
@@ -53,6 +57,7 @@ impl ClockArgs {
             zone_hours: self.time_zone,
             shift: self.shift.unwrap_or_default(),
             stamped_at: self.weather_stamp,
+            date_order: self.date_order,
             with_air,
             ..WeatherOptions::default()
         }
@@ -70,6 +75,7 @@ impl ClockArgs {
             ("timeZone", self.time_zone.map(|zone| zone.to_string())),
             ("shift", shift),
             ("stamp", self.weather_stamp.map(|at| at.name().to_owned())),
+            ("dateOrder", self.date_order.map(|order| order.name().to_owned())),
         ];
         said.into_iter().filter_map(|(name, said)| Some((name.to_owned(), Value::from(said?)))).collect()
     }
@@ -86,8 +92,11 @@ impl fmt::Display for ClockArgs {
             Some(TimeShift::Minutes(minutes)) => write!(f, " --shift {minutes}min")?,
             None => {}
         }
-        match self.weather_stamp {
-            Some(at) => write!(f, " --weather-stamp {}", at.name()),
+        if let Some(at) = self.weather_stamp {
+            write!(f, " --weather-stamp {}", at.name())?;
+        }
+        match self.date_order {
+            Some(order) => write!(f, " --date-order {}", order.name()),
             None => Ok(()),
         }
     }
@@ -99,7 +108,7 @@ pub fn parse_time_zone(text: &str) -> Result<f64, String> {
 
 /// The options of [`ClockArgs`], where weather is not needed: they say nothing without it.
 pub fn clock_of(weather: &'static str) -> ArgGroup {
-    ArgGroup::new("clock").args(["time_zone", "shift", "weather_stamp"]).multiple(true).requires(weather)
+    ArgGroup::new("clock").args(["time_zone", "shift", "weather_stamp", "date_order"]).multiple(true).requires(weather)
 }
 
 /// Weather files that what is said of the clock can be about.

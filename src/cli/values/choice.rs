@@ -4,7 +4,7 @@ use heliotile_builder::settings::{Quality, Share};
 use heliotile_core::archive::Access;
 use heliotile_core::error::Error;
 use heliotile_core::replay::reflectances::Snow;
-use heliotile_core::weather::options::StampedAt;
+use heliotile_core::weather::options::{DateOrder, StampedAt};
 
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
@@ -52,6 +52,14 @@ impl NamedValues for StampedAt {
         (StampedAt::Start.name(), "The interval starts there", StampedAt::Start),
         (StampedAt::Middle.name(), "It is the middle of the interval", StampedAt::Middle),
         (StampedAt::End.name(), "The interval ends there", StampedAt::End),
+    ];
+}
+
+impl NamedValues for DateOrder {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        (DateOrder::Dmy.name(), "Day, month, year: 31/12/2021", DateOrder::Dmy),
+        (DateOrder::Mdy.name(), "Month, day, year: 12/31/2021", DateOrder::Mdy),
+        (DateOrder::Ymd.name(), "Year, month, day: 21/12/31", DateOrder::Ymd),
     ];
 }
 

@@ -94,6 +94,11 @@ impl Closure {
         (better && self.fits_somewhere()).then_some(self.best_shift_min)
     }
 
+    /// Whether the sun fits where it is.
+    pub fn holds(&self) -> bool {
+        self.fits_somewhere() && self.better_shift_min().is_none()
+    }
+
     fn fits_somewhere(&self) -> bool {
         self.best_rmse_w_m2 <= LARGEST_SHARE * self.sunless_rmse_w_m2
     }

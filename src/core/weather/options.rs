@@ -15,6 +15,8 @@ pub struct WeatherOptions {
     pub shift: TimeShift,
     /// Where in its interval a time stamp stands, in place of what is usual for the format.
     pub stamped_at: Option<StampedAt>,
+    /// How dates that start with a day or a month are written, in place of what the whole column shows.
+    pub date_order: Option<DateOrder>,
     /// Whether the air of every row is read too, which longwave irradiance is made of.
     pub with_air: bool,
 }
@@ -47,6 +49,31 @@ impl StampedAt {
             StampedAt::Start => 0.0,
             StampedAt::Middle => 0.5,
             StampedAt::End => 1.0,
+        }
+    }
+}
+
+/// How a date of three numbers is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DateOrder {
+    /// 2021-06-01: the year first.
+    Ymd,
+    /// 01/06/2021: the day first.
+    Dmy,
+    /// 06/01/2021: the month first.
+    Mdy,
+}
+
+impl DateOrder {
+    /// All of them.
+    pub const ALL: [DateOrder; 3] = [DateOrder::Ymd, DateOrder::Dmy, DateOrder::Mdy];
+
+    /// As it is written on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            DateOrder::Ymd => "ymd",
+            DateOrder::Dmy => "dmy",
+            DateOrder::Mdy => "mdy",
         }
     }
 }
@@ -89,11 +116,17 @@ impl FromStr for TimeShift {
     }
 }
 
-/// Hours ahead of UTC: `+01:00`, `-0330`, `1`, `5.5`, `UTC`, `Z`.
+/// Hours ahead of UTC: `+01:00`, `-0330`, `1`, `5.5`, `UTC`, `Z`, `UTC+1`.
 pub fn parse_zone(text: &str) -> Option<f64> {
     if ["UTC", "GMT", "Z"].iter().any(|name| text.eq_ignore_ascii_case(name)) {
         return Some(0.0);
     }
+    let after_name = text.get(..3).filter(|name| ["UTC", "GMT"].iter().any(|known| name.eq_ignore_ascii_case(known)));
+    let text = match after_name.and(text.get(3..)).map(str::trim_start) {
+        Some(offset) if offset.starts_with(['+', '-']) => offset,
+        Some(_) => return None,
+        None => text,
+    };
     let (sign, digits) = match (text.strip_prefix('-'), text.strip_prefix('+')) {
         (Some(digits), _) => (-1.0, digits),
         (_, Some(digits)) => (1.0, digits),
@@ -121,7 +154,7 @@ pub fn parse_zone(text: &str) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Twelve ways to write a zone give their hours; eight that are none are refused.
+    /// Fourteen ways to write a zone give their hours; ten that are none are refused.
     #[test]
     fn zones() {
         for (text, hours) in [
@@ -137,10 +170,12 @@ mod tests {
             ("utc", 0.0),
             ("Z", 0.0),
             ("0", 0.0),
+            ("UTC+1", 1.0),
+            ("GMT-03:30", -3.5),
         ] {
             assert_eq!(parse_zone(text), Some(hours), "{text}");
         }
-        for text in ["", "+", "CET", "15", "+01:60", "nan", "inf", "--1"] {
+        for text in ["", "+", "CET", "15", "+01:60", "nan", "inf", "--1", "UTC1", "GMT+"] {
             assert_eq!(parse_zone(text), None, "{text}");
         }
     }

@@ -27,6 +27,7 @@ class WeatherArgs(TypedDict):
     time_zone: str | None
     shift: str | None
     weather_stamp: str | None
+    date_order: str | None
 
 
 class Weather:
@@ -35,10 +36,11 @@ class Weather:
     Parameters
     ----------
     source
-        Path of an EPW, TMY3, NSRDB, PVGIS, SURFRAD or CSV file, packed with gzip or not; or a pandas DataFrame with some of
-        pvlib's columns `ghi`, `dni`, `dhi` (W/m2), and perhaps `temp_air` (degrees Celsius), `albedo`, `snow_depth` (cm) and what
-        else the book's page of weather lists, whose index are times with a zone; or a table of Polars or Arrow, or a mapping of arrays, with
-        a column `time`; or a table and its metadata, as pvlib's readers give both.
+        Path of a file of any layout that the book's page of weather lists, packed or not; or a pandas DataFrame with some of pvlib's
+        columns `ghi`, `dni`, `dhi` (W/m2), and perhaps `temp_air` (degrees Celsius), `albedo`, `snow_depth` (cm) and what else that
+        page lists, whose index are times with a zone; or a table of Polars or Arrow, a Dataset of xarray or a mapping of arrays, with
+        a column of time; or a table and its metadata, as pvlib's readers give both. A name may state its unit, `ghi (kW/m2)`, and an
+        index or column `period_end` says that its times are ends.
     latitude, longitude
         Degrees, north and east positive, in place of the file's. Where neither says, the archive's place is taken.
     time_zone
@@ -47,7 +49,10 @@ class Weather:
     shift
         Moves time stamps: `"41min"`, `"-0.5h"` or `"auto"`.
     stamp
-        Where in its interval a time stamp stands: `"start"`, `"middle"` or `"end"`. Default: what the format says; start for tables.
+        Where in its interval a time stamp stands: `"start"`, `"middle"` or `"end"`. Default: what the format, or the name of the index or of
+        the column of time says; else start for tables.
+    date_order
+        Order of dates of three numbers, `"dmy"`, `"mdy"` or `"ymd"`. Default: what the whole column shows.
     name
         What messages and provenance call a table.
     """
@@ -61,6 +66,7 @@ class Weather:
         time_zone: str | float | None = None,
         shift: str | None = None,
         stamp: str | None = None,
+        date_order: str | None = None,
         name: str = TABLE,
     ) -> None:
         self.name = name
@@ -75,7 +81,7 @@ class Weather:
             zone = None if time_zone is None else _hours(time_zone)
         else:
             self._bytes, zone = _table(source, name, time_zone)
-        self._said = (given.number("latitude", latitude), given.number("longitude", longitude), zone, shift, stamp)
+        self._said = (given.number("latitude", latitude), given.number("longitude", longitude), zone, shift, stamp, date_order)
 
     @classmethod
     def of(cls, source: Any) -> Weather:
@@ -84,7 +90,7 @@ class Weather:
 
     def args(self) -> WeatherArgs:
         """As the engine takes it."""
-        latitude, longitude, time_zone, shift, stamp = self._said
+        latitude, longitude, time_zone, shift, stamp, date_order = self._said
         return {
             "weather": {"name": self.name, "bytes": self._bytes},
             "latitude": latitude,
@@ -92,18 +98,44 @@ class Weather:
             "time_zone": time_zone,
             "shift": shift,
             "weather_stamp": stamp,
+            "date_order": date_order,
         }
 
     def __repr__(self) -> str:
         return f"Weather({self.name!r})"
 
 
+#: Names of times, without case, blanks and underscores, as the engine's reader knows them; the usual ones first.
+TIMES = ("time", "timestamp", "datetime", "periodstart", "starttime", "intervalstart", "periodend", "endtime", "intervalend", "periodmid", "validtime", "date")
+#: What the names of columns end with that times can be told from with others beside them.
+PARTS = ("year", "month", "day", "hour", "minute", "date")
+
+
+def _plain(name: Any) -> str:
+    """A name without case, blanks and underscores, and without a zone behind it."""
+    plain = str(name).lower().replace("_", "").replace(" ", "").replace("-", "").split("(")[0].split("[")[0]
+    return plain.removesuffix("utc") or plain
+
+
+def _time_of(columns: Mapping[str, np.ndarray]) -> str | None:
+    """The column of times, by its name."""
+    plain = {_plain(name): name for name in reversed(columns)}
+    return next((plain[name] for name in TIMES if name in plain), None)
+
+
 def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
     """The bytes of a table, and the zone of its clock, as its times or somebody say it."""
+    source = _frame_of(source)
     columns = columns_of(source, name)
-    given_times: Any = source["time"] if "time" in columns else getattr(source, "index", None)
+    # A column `time`, then an index of times, then columns of other names.
+    has_times = hasattr(getattr(source, "index", None), "tz_localize")
+    key = "time" if "time" in columns else None if has_times else _time_of(columns)
+    is_index = key is None
+    given_times: Any = source[key] if key is not None else getattr(source, "index", None)
+    # The name of an index may say where its times stand: `period_end`.
+    key = key or next((str(told) for told in [getattr(given_times, "name", None)] if _plain(told) in TIMES), "time")
     found = None if given_times is None else _moments(given_times)
-    if found is None and "time" not in columns and given_times is not None and hasattr(given_times, "tz_localize"):
+    if found is None and is_index and given_times is not None and hasattr(given_times, "tz_localize"):
         # An index of times that names no zone.
         if time_zone is None:
             hint = f'say which clock it is, as in table.tz_localize("Etc/GMT-1") for UTC+01:00, or {name}=Weather(table, time_zone="+01:00")'
@@ -111,22 +143,48 @@ def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
         if _is_name(time_zone):
             found, time_zone = _moments(_localized(given_times, time_zone, name)), None
         else:
-            columns = {"time": np.asarray(given_times.to_numpy()), **columns}
+            columns = {key: np.asarray(given_times.to_numpy()), **columns}
     if found is None:
         zone = None if time_zone is None else _hours(time_zone)
     else:
         utc, of = found
         offset = standard_offset(of, utc)
-        local = utc + np.timedelta64(int(offset.total_seconds()), "s")
-        clock = datetime(2000, 1, 1, tzinfo=timezone(offset)).isoformat()[-6:]
-        texts = np.char.add(np.datetime_as_string(local.astype("datetime64[ms]")), clock)
-        columns = {"time": np.where(np.isnat(utc), "", texts).astype(object), **{key: values for key, values in columns.items() if key != "time"}}
+        columns = {key: _texts(utc, offset), **{other: values for other, values in columns.items() if other != key}}
+        for other in [other for other in columns if other != key and _plain(other) in TIMES]:
+            # The other stamp of a pair, in the same clock.
+            if (pair := _moments(source[other])) is not None:
+                columns[other] = _texts(pair[0], offset)
         zone = str(offset.total_seconds() / 3600) if time_zone is None else _hours(time_zone)
-    # Other times than `time`, and shares of yes and no, are nothing that a weather file has.
-    numbers = {key: values for key, values in columns.items() if key == "time" or values.dtype.kind in "fiuOUST"}
-    if "time" not in numbers:
+    # Times of other names, and shares of yes and no, are nothing that a weather file has.
+    def is_told(other: str, values: np.ndarray) -> bool:
+        is_time = _plain(other) in TIMES
+        return other == key or (values.dtype.kind in "fiuOUST" and not (is_time and is_index)) or (is_time and not is_index)
+
+    numbers = {other: values for other, values in columns.items() if is_told(other, values)}
+    if key not in numbers and not any(_plain(other) in PARTS for other in numbers):
         raise refused(name, "has no times", "give a DataFrame whose index are times with a zone, or a column `time`")
     return csv_of(checked(numbers, name)), zone
+
+
+def _texts(utc: np.ndarray, offset: timedelta) -> np.ndarray:
+    """Moments as text of a clock that is ahead of UTC by an offset."""
+    local = utc + np.timedelta64(int(offset.total_seconds()), "s")
+    clock = datetime(2000, 1, 1, tzinfo=timezone(offset)).isoformat()[-6:]
+    return np.where(np.isnat(utc), "", np.char.add(np.datetime_as_string(local.astype("datetime64[ms]")), clock)).astype(object)
+
+
+def _frame_of(source: Any) -> Any:
+    """A Dataset of xarray as a mapping of its variables and its only coordinate of times, units behind their names."""
+    if not (hasattr(source, "data_vars") and hasattr(source, "coords") and hasattr(source, "dims")):
+        return source
+
+    def named(key: Any, variable: Any) -> str:
+        unit = variable.attrs.get("units") if variable.dtype.kind in "fiu" and "(" not in str(key) else None
+        return f"{key} ({unit})" if unit else str(key)
+
+    flat = source.squeeze()
+    times = {str(key): flat[key].to_numpy() for key in flat.coords if flat[key].ndim == 1}
+    return {**times, **{named(key, flat[key]): flat[key].to_numpy() for key in flat.data_vars if flat[key].ndim == 1}}
 
 
 def _moments(times: Any) -> tuple[np.ndarray, Any] | None:

@@ -67,6 +67,7 @@ pub struct ReplayArgs {
     time_zone: Option<String>,
     shift: Option<String>,
     weather_stamp: Option<String>,
+    date_order: Option<String>,
     every: String,
     stamp: String,
     year: Option<i32>,
@@ -309,6 +310,7 @@ impl ReplayArgs {
                 None => Default::default(),
             },
             stamped_at: self.weather_stamp.as_ref().map(|name| by_name("weather_stamp", name)).transpose()?,
+            date_order: self.date_order.as_ref().map(|name| by_name("date_order", name)).transpose()?,
             with_air,
         };
         let file = &self.weather.name;

@@ -138,3 +138,39 @@ def test_arrays_are_views(site: heliotile.Archive) -> None:
     assert (first == expected).all()
     with pytest.raises(ValueError, match="read-only"):
         first[0, 0] = 1
+
+
+def test_thirteen_layouts_of_a_table(site: heliotile.Archive, frame: pd.DataFrame) -> None:
+    """The same two days in 13 layouts of pandas, Polars, Arrow, xarray and mappings, with units in names and attributes, ends in an index or a
+    column, pairs, clocks with a zone and without, give the sums of the plain frame to 0.01 %."""
+    import xarray as xr
+
+    expected = site.replay(heliotile.Weather(frame, **PLACE), every="total")["total"]
+    utc, hour = frame.index.tz_convert("UTC"), pd.Timedelta("1h")
+    light = {name: frame[name].to_numpy() for name in frame}
+    kilowatts = pd.DataFrame({f"{name} (kW/m2)": frame[name] / 1000 for name in frame})
+    stamps = [stamp.isoformat() for stamp in utc]
+    dataset = xr.Dataset({name: ("time", values / 1000, {"units": "kW m-2"}) for name, values in light.items()}, coords={"time": utc.tz_localize(None).to_numpy()})
+    american = frame.index.strftime("%m/%d/%Y %I:%M %p").to_numpy()
+    layouts: dict[str, heliotile.Weather] = {
+        "kW/m2": heliotile.Weather(kilowatts, **PLACE),
+        "J/cm2": heliotile.Weather(pd.DataFrame({f"{name}_j_cm2": frame[name] * 0.36 for name in frame}), **PLACE),
+        "index period_end": heliotile.Weather(frame.set_axis((frame.index + hour).rename("period_end")), **PLACE),
+        "index Period End without a zone": heliotile.Weather(frame.set_axis((frame.index + hour).tz_localize(None).rename("Period End")), time_zone="+01:00", **PLACE),
+        "column period_end": heliotile.Weather(frame.reset_index(drop=True).assign(period_end=utc + hour, period="PT60M"), **PLACE),
+        "PeriodStart and PeriodEnd": heliotile.Weather(frame.reset_index(drop=True).assign(PeriodEnd=utc + hour, PeriodStart=utc), **PLACE),
+        "mapping of text": heliotile.Weather({"period_end": [(stamp + hour).isoformat() for stamp in utc], **light}, **PLACE),
+        "timestamp of text": heliotile.Weather({"timestamp": stamps, **light}, **PLACE),
+        "US dates": heliotile.Weather({"time": american, **light}, time_zone="+01:00", date_order="mdy", **PLACE),
+        "Polars, period_end": heliotile.Weather(pl.from_pandas(kilowatts.reset_index(drop=True).assign(period_end=utc + hour)), **PLACE),
+        "Arrow, timestamp": heliotile.Weather(pa.table({"timestamp": pa.array(utc), **light}), **PLACE),
+        "xarray with units": heliotile.Weather(dataset, time_zone="UTC", **PLACE),
+        "parts": heliotile.Weather({"year": frame.index.year.to_numpy(), "month": frame.index.month.to_numpy(), "day": frame.index.day.to_numpy(), "hour": frame.index.hour.to_numpy() + 1, **light}, time_zone="+01:00", **PLACE),
+    }
+    for name, weather in layouts.items():
+        assert site.replay(weather, every="total")["total"] == pytest.approx(expected, rel=1e-4), name
+    assert len(layouts) == 13
+    with pytest.raises(heliotile.InputError, match=r"the unit `lux` of column `ghi \(lux\)` is not known"):
+        site.replay(heliotile.Weather(frame.rename(columns={"ghi": "ghi (lux)"}), **PLACE))
+    with pytest.raises(heliotile.ArgumentError, match="date_order"):
+        site.replay(heliotile.Weather(frame, date_order="european", **PLACE))

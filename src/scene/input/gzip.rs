@@ -9,6 +9,8 @@ use std::path::Path;
 use flate2::read::MultiGzDecoder;
 use heliotile_core::error::{Error, Result};
 
+use super::zip;
+
 const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// Most bytes that a file which is read as a whole may unpack to: what a machine of 16 GB can hold with the scene that is made of it.
@@ -47,11 +49,17 @@ fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
     Ok(plain)
 }
 
-/// The plain bytes of a file, piece by piece.
-pub(super) fn unpacked(mut file: File) -> io::Result<Box<dyn Read>> {
+/// The plain bytes of a file, piece by piece; those of a zip, whose list stands at its end, as a whole.
+pub(super) fn unpacked(mut file: File, path: &Path) -> Result<Box<dyn Read>> {
     let mut head = Vec::new();
-    file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut head)?;
-    let packed = head == MAGIC;
+    file.by_ref().take(zip::MAGIC.len() as u64).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+    let packed = head.starts_with(&MAGIC);
+    if head == zip::MAGIC {
+        file.read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+        if let Some(single) = zip::single(&head, path)? {
+            return Ok(Box::new(Cursor::new(single.bytes)));
+        }
+    }
     let whole = Cursor::new(head).chain(file);
     Ok(if packed {
         Box::new(Bounded { inner: MultiGzDecoder::new(BufReader::new(whole)), left: MOST_STREAMED })
@@ -100,7 +108,7 @@ mod tests {
         for bytes in [text.clone(), pack(&text), [pack(&text[..100]), pack(&text[100..])].concat()] {
             std::fs::write(&path, &bytes).expect("written");
             let mut streamed = Vec::new();
-            unpacked(File::open(&path).expect("there")).expect("read").read_to_end(&mut streamed).expect("read");
+            unpacked(File::open(&path).expect("there"), &path).expect("read").read_to_end(&mut streamed).expect("read");
             assert_eq!((unpack(bytes, &path).expect("unpacked").len(), streamed.len()), (8000, 8000));
             assert!(streamed == text);
         }

@@ -45,7 +45,7 @@ pub(crate) fn read_named(path: &Path, action: &'static str) -> Result<NamedBytes
 /// The same, piece by piece.
 pub(crate) fn open(path: &Path) -> Result<Box<dyn Read>> {
     let file = File::open(path).map_err(|source| refused(path, "read", source))?;
-    gzip::unpacked(file).map_err(Error::io(path, "read"))
+    gzip::unpacked(file, path)
 }
 
 /// Refuses a path that leads nowhere, with what of it is there and names that are like the missing one.

@@ -114,7 +114,9 @@ fn receivers() {
 fn zips() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let at = |name: &str| folder.path().join(name);
-    let zip = |name: &str, files: &[(&str, &[u8])]| fs::write(at(name), zipped(files, 8)).expect("written");
+    let zip = |name: &str, files: &[(&str, &[u8])]| {
+        fs::write(at(name), zipped(files, zip::CompressionMethod::Deflated)).expect("written")
+    };
     let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let wide: Vec<u8> = obj.iter().flat_map(|byte| [*byte, 0]).collect();
     let features = fs::read(corpus().join("cityjson_seq/seed")).expect("a seed");

@@ -8,6 +8,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
 use crate::weather::air::{Air, dew_point_c};
 use crate::weather::formats::stamp_text::{clock_seconds, digits};
 use crate::weather::formats::stamped::{StampedRows, SteppedRows};
@@ -81,7 +82,7 @@ fn station(path: &Path, name: &str, place: &str) -> Result<Station> {
         let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
         let hint =
             "SURFRAD writes latitude, longitude (west positive) and elevation, such as `37.70 105.92 2317 m version 1`";
-        value.ok_or_else(|| Error::input(path, 2, format!("{name} holds `{text}`"), hint))
+        value.ok_or_else(|| Error::input(path, 2, format!("{name} holds `{}`", excerpt(text, 60)), hint))
     };
     let (latitude, west, elevation_m) = (number("latitude")?, number("longitude")?, number("elevation")?);
     Ok(Station {
@@ -123,7 +124,7 @@ impl SurfradRow<'_> {
             let text = self.cell(place);
             let missing = |value: f64| value.is_finite() && (value <= MISSING || self.cell(place + 1) == IMPOSSIBLE);
             irradiance(text, missing, &mut negative, || {
-                let what = format!("column `{name}` holds `{text}`");
+                let what = format!("column `{name}` holds `{}`", excerpt(text, 60));
                 Error::input(self.path, self.line, what, "W/m2 stand here, -9999.9 where missing")
             })
         };

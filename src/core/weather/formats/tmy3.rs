@@ -8,7 +8,9 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
 use crate::weather::air::Air;
+use crate::weather::formats::weather_csv::is_watts;
 use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, irradiance};
 use crate::weather::judging::station::Station;
 use crate::weather::options::{StampedAt, WeatherOptions};
@@ -25,7 +27,8 @@ const MISSING_RADIATION: f64 = 9999.0;
 pub(super) fn is_tmy3(bytes: &[u8]) -> bool {
     let second = bytes.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
     let second = second.trim_ascii_start();
-    second.strip_prefix(b"\"").unwrap_or(second).get(..6).is_some_and(|name| name.eq_ignore_ascii_case(b"Date ("))
+    let start = second.strip_prefix(b"\"").unwrap_or(second).get(..8);
+    start.is_some_and(|name| name.eq_ignore_ascii_case(b"Date (MM"))
 }
 
 /// Places of the columns that are read; `None` where the file has none.
@@ -54,6 +57,14 @@ impl Columns {
                 Error::input(path, 2, format!("there is no column `{wanted}`"), hint)
             })
         };
+        // TMY3 holds W/m2; programs that write other units have layouts of their own.
+        for (cell, name) in line.split(',').zip(&names) {
+            let unit = cell.split_once('(').and_then(|(_, unit)| unit.rsplit_once(')')).map(|(unit, _)| unit);
+            if ["ghi", "dni", "dhi"].contains(&name.as_str()) && unit.is_some_and(|unit| !is_watts(unit)) {
+                let what = format!("the unit of column `{}` is not W/m2, which TMY3 holds", excerpt(cell.trim(), 60));
+                return Err(Error::input(path, 2, what, "write light in W/m2"));
+            }
+        }
         Ok(Columns {
             date: needed("date")?,
             time: needed("time")?,
@@ -105,17 +116,28 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     Ok(RawWeather { station, rows: raw, air, step_min: 60.0, stamped_at: StampedAt::End, warnings: Vec::new() })
 }
 
-/// The first line; the name may hold commas, so numbers are counted from its end.
+/// The first line. The name may hold commas, and cells of other programs may stand behind the elevation: time zone, latitude and longitude
+/// are the first three numbers that can be those, with an elevation behind them.
 fn site(path: &Path, line: &str) -> Result<Station> {
     let hint = "number,name,state,time zone,latitude,longitude,elevation";
     let line = line.trim_start_matches('\u{feff}').trim_end_matches([',', ' ', '\r']);
     let cells: Vec<&str> = line.split(',').map(|cell| cell.trim_matches(['"', ' '])).collect();
-    let [_, name @ .., zone, latitude, longitude, elevation] = cells.as_slice() else {
+    let is = |cell: Option<&&str>, most: f64| {
+        cell.and_then(|text| text.parse::<f64>().ok()).is_some_and(|value| value.abs() <= most)
+    };
+    let fits = |start: &usize| {
+        let at = |place: usize| cells.get(start + place);
+        is(at(0), 14.0) && is(at(1), 90.0) && is(at(2), 180.0) && is(at(3), 9999.0)
+    };
+    let start = (2..cells.len()).find(fits).unwrap_or_else(|| cells.len().saturating_sub(4).min(3));
+    let (Some([_, name @ ..]), Some([zone, latitude, longitude, elevation])) =
+        (cells.get(..start), cells.get(start..start + 4))
+    else {
         return Err(Error::input(path, 1, "the site has fewer than five columns", hint));
     };
     let number = |text: &str, what: &str| {
         let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-        value.ok_or_else(|| Error::input(path, 1, format!("{what} of the site holds `{text}`"), hint))
+        value.ok_or_else(|| Error::input(path, 1, format!("{what} of the site holds `{}`", excerpt(text, 60)), hint))
     };
     let (latitude, longitude) = (number(latitude, "latitude")?, number(longitude, "longitude")?);
     let site = Location::new(latitude, longitude, number(zone, "time zone")?, number(elevation, "elevation")?);
@@ -125,8 +147,9 @@ fn site(path: &Path, line: &str) -> Result<Station> {
 
 fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<RawRow> {
     let cell = |place: usize| cells.get(place).copied().unwrap_or_default();
-    let bad =
-        |name: &str, text: &str, hint: &str| Error::input(path, line, format!("column `{name}` holds `{text}`"), hint);
+    let bad = |name: &str, text: &str, hint: &str| {
+        Error::input(path, line, format!("column `{name}` holds `{}`", excerpt(text, 60)), hint)
+    };
     let whole = |text: &str| text.parse::<u32>().ok();
     let mut parts = cell(columns.date).split('/').map(whole);
     let mut next = || parts.next().flatten();
@@ -224,6 +247,24 @@ mod tests {
         assert_eq!(weather.report.warnings.len(), 2, "{:?}", weather.report.warnings);
         let rows = "06/16/2021,23:00,0,0,0\n06/16/2021,24:00,0,0,0\n06/17/2021,01:00,0,0,0\n";
         assert_eq!(parse(&format!("{HEAD}{rows}")).expect("valid").rows.len(), 3);
+    }
+
+    /// Cells behind the elevation, and commas in the name, leave the site at 45 N, 8 E and 250 m: 3 of 3; light in kW/m2 is refused.
+    #[test]
+    fn sites() {
+        let rows = "06/16/2021,14:00,1,1,1\n06/16/2021,15:00,1,1,1\n";
+        for site in [
+            "1,Town,X,1,45,8,250,\"made by hand, 60 minutes\",,",
+            "1,\"Town, East\",X,1,45,8,250",
+            "1,A,B,C,X,1,45,8,250,7",
+        ] {
+            let weather = parse(&format!("{}{rows}", HEAD.replace("1,Town,X,1,45,8,250", site))).expect(site);
+            let place = (weather.site.latitude_deg, weather.site.longitude_deg, weather.site.elevation_m);
+            assert_eq!(place, (45.0, 8.0, 250.0), "{site}");
+        }
+        let message =
+            parse(&format!("{}{rows}", HEAD.replace("DNI (W/m^2)", "DNI (kW/m^2)"))).expect_err("a unit").to_string();
+        assert!(message.contains("line 2: the unit of column `DNI (kW/m^2)` is not W/m2"), "{message}");
     }
 
     /// 11 files that are wrong are refused with the line and what it holds.

@@ -74,8 +74,11 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
         return Err(Error::input(path, lost.first_line, what, "give a weather file with solar radiation"));
     }
     let ahead = site.hours_ahead_of_clock();
-    // A shift says that the clock is known to be wrong.
-    if moved_min == 0.0 && ahead.abs() > FARTHEST_CLOCK_HOURS && !station.zone_is_certain {
+    // A shift says that the clock is known to be wrong, a user who says UTC knows it, and light that fits the sun proves it right.
+    let says_utc = options.zone_hours == Some(0.0);
+    let is_known = moved_min != 0.0 || station.zone_is_certain || says_utc;
+    let fits = report.closure.is_some_and(|closure| closure.holds());
+    if ahead.abs() > FARTHEST_CLOCK_HOURS && !is_known && !fits {
         let Location { longitude_deg, zone_hours, .. } = site;
         report.warnings.push(format!(
             "{}, line 1: longitude {longitude_deg} and time zone {zone_hours} are {:.1} h apart; east is positive in both",

@@ -65,12 +65,17 @@ pub fn irradiance(
 ) -> Result<Option<f64>> {
     match text.parse::<f64>() {
         Ok(value) if missing(value) => Ok(None),
-        // Adding 0 turns the -0.00 of some files into 0.
-        Ok(value) if value >= 0.0 && value.is_finite() => Ok(Some(value + 0.0)),
-        Ok(value) if (LOWEST_OFFSET_W_M2..0.0).contains(&value) => {
-            *negative = true;
-            Ok(Some(0.0))
-        }
-        _ => Err(bad()),
+        Ok(value) => irradiance_of(value, negative).map(Some).ok_or_else(bad),
+        Err(_) => Err(bad()),
     }
+}
+
+/// A number of W/m2 as an irradiance, if it can be one: what an instrument reads a little below 0 is 0, and `negative` is told.
+pub fn irradiance_of(value: f64, negative: &mut bool) -> Option<f64> {
+    if (LOWEST_OFFSET_W_M2..0.0).contains(&value) {
+        *negative = true;
+        return Some(0.0);
+    }
+    // Adding 0 turns the -0.00 of some files into 0.
+    (value >= 0.0 && value.is_finite()).then_some(value + 0.0)
 }

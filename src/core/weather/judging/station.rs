@@ -12,6 +12,7 @@ use crate::weather::time::sun::Location;
 pub type ScenePlace<'p> = &'p mut dyn FnMut() -> Result<Option<Place>>;
 
 /// What a file says of its station; `None` where it is silent.
+#[derive(Clone, Debug)]
 pub struct Station {
     pub name: String,
     pub latitude_deg: Option<f64>,

@@ -30,6 +30,14 @@ impl Date {
         exists.then_some(Date { year, month, day })
     }
 
+    /// The year of weather that names none: it starts on a Sunday, as files of EnergyPlus say, and has no 29 February.
+    pub const NO_YEAR: i32 = 2017;
+
+    /// A date of no year: in [`Date::NO_YEAR`], and 29 February in the year before.
+    pub fn of_no_year(month: u32, day: u32) -> Option<Self> {
+        Date::new(Date::NO_YEAR, month, day).or_else(|| Date::new(Date::NO_YEAR - 1, month, day))
+    }
+
     /// 1 on 1 January, 366 on 31 December of a leap year.
     pub fn day_of_year(self) -> u32 {
         (1..self.month).map(|m| days_in_month(self.year, m)).sum::<u32>() + self.day

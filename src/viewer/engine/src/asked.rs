@@ -5,7 +5,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{self, ConstantOrFile};
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::options::{StampedAt, WeatherOptions, parse_zone};
+use heliotile_core::weather::options::{DateOrder, StampedAt, WeatherOptions, parse_zone};
 use serde::Deserialize;
 
 /// Reflectances and transmittances, as `--reflectance` and `--transmittance` take them.
@@ -40,6 +40,7 @@ pub struct Clock {
     time_zone: Option<String>,
     shift: Option<String>,
     stamp: Option<String>,
+    date_order: Option<String>,
 }
 
 impl Clock {
@@ -54,7 +55,12 @@ impl Clock {
             let found = all.into_iter().find(|at| at.name() == text);
             found.ok_or_else(|| Error::argument("stamp", format!("`{text}`"), "give start, middle or end"))
         });
+        let order = self.date_order.as_deref().map(|text| {
+            let found = DateOrder::ALL.into_iter().find(|order| order.name() == text);
+            found.ok_or_else(|| Error::argument("dateOrder", format!("`{text}`"), "give dmy, mdy or ymd"))
+        });
         Ok(WeatherOptions {
+            date_order: order.transpose()?,
             zone_hours: zone.transpose()?,
             shift: shift.transpose()?.unwrap_or_default(),
             stamped_at: stamp.transpose()?,

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
 use crate::weather::judging::station::Station;
 use crate::weather::time::sun::Location;
 
@@ -28,8 +29,10 @@ impl EpwHeader {
         let names = ["latitude", "longitude", "time zone", "elevation"];
         for (i, (number, name)) in numbers.iter_mut().zip(names).enumerate() {
             let text = cells.get(6 + i).copied().unwrap_or_default();
-            *number =
-                text.parse().map_err(|_| Error::input(path, 1, format!("{name} of LOCATION holds `{text}`"), hint))?;
+            // Programs that change the climate of a file write words behind the elevation, which EnergyPlus passes over.
+            let word = text.split_whitespace().next().unwrap_or_default();
+            let bad = |_| Error::input(path, 1, format!("{name} of LOCATION holds `{}`", excerpt(text, 60)), hint);
+            *number = word.parse().map_err(bad)?;
         }
         let [latitude, longitude, zone, elevation] = numbers;
         let site =

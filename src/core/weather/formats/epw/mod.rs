@@ -3,8 +3,8 @@
 //! Format: Crawley, Hand and Lawrie, "Improving the weather information available to simulation programs", Building
 //! Simulation 1999, and EnergyPlus, "Auxiliary programs", chapter "EnergyPlus weather file (EPW) data dictionary". Rows carry
 //! the END of their interval: hour 1 of an hourly file is 00:00 to 01:00 of standard time. Radiation from 9999 up or
-//! empty, albedo of 0 or above 1 and snow depth 999 mean missing; so do temperatures of 99.9, opaque sky cover 99 and infrared
-//! radiation of 0, which no sky sends.
+//! empty, GHI of -99, -999 or -9999, albedo of 0 or above 1 and snow depth 999 mean missing; so do temperatures of 99.9,
+//! opaque sky cover 99 and infrared radiation of 0, which no sky sends.
 
 mod air;
 mod header;
@@ -14,7 +14,7 @@ use std::path::Path;
 
 use air::read_air;
 use header::EpwHeader;
-use row::{DHI, read_row};
+use row::{DHI, YEAR, read_row};
 
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
@@ -22,6 +22,7 @@ use crate::weather::judging::judged;
 use crate::weather::judging::raw_weather::{RawRow, RawWeather};
 use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::series::Weather;
+use crate::weather::time::calendar::Date;
 
 /// Reads and checks the bytes of a weather file; `path` is its name in messages. The text need not be UTF-8: only its numbers are used.
 pub fn parse_epw(path: &Path, bytes: &[u8]) -> Result<Weather> {
@@ -52,6 +53,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     let mut columns = None;
     let mut gaps_left = header.periods.saturating_sub(1);
     let mut odd_minute = None;
+    let mut no_year = 0_usize;
     for (text, line) in lines {
         let text = text.trim();
         if text.is_empty() {
@@ -63,6 +65,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
             let what = format!("the row has {} columns instead of {expected}", cells.len());
             return Err(Error::input(path, line, what, "the file may be cut off; fetch it again"));
         }
+        no_year += usize::from(cells.get(YEAR).is_some_and(|year| year.parse() == Ok(0_u32)));
         let row = read_row(path, line, &cells, header.records_per_hour, &mut odd_minute)?;
         if let Some(before) = raw.last()
             && !before.is_followed_by(&row)
@@ -94,13 +97,15 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
             path.display()
         )
     });
+    let of_no_year = (no_year > 0)
+        .then(|| format!("{}: {no_year} rows are of the year 0 and are taken as of {}", path.display(), Date::NO_YEAR));
     Ok(RawWeather {
         station: header.station,
         rows: raw,
         air,
         step_min: 60.0 / f64::from(header.records_per_hour),
         stamped_at: StampedAt::End,
-        warnings: ignored.into_iter().collect(),
+        warnings: ignored.into_iter().chain(of_no_year).collect(),
     })
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
 use crate::weather::judging::raw_weather::{RawRow, irradiance};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
@@ -12,10 +13,13 @@ const MINUTE: usize = 4;
 const GHI: usize = 13;
 const DNI: usize = 14;
 pub const DHI: usize = 15;
+pub const YEAR: usize = 0;
 const SNOW_DEPTH: usize = 30;
 const ALBEDO: usize = 32;
 
 const MISSING_RADIATION: f64 = 9999.0;
+/// What some programs write for GHI in place of 9999; EnergyPlus, which takes DNI and DHI, runs such files.
+const MISSING_CODES: [f64; 3] = [-99.0, -999.0, -9999.0];
 const MISSING_SNOW_CM: f64 = 999.0;
 
 /// Reads the cells of a line. `odd_minute` gets line and minute of the first hourly row whose minute is not 0 or 60.
@@ -27,8 +31,9 @@ pub fn read_row(
     odd_minute: &mut Option<(usize, u32)>,
 ) -> Result<RawRow> {
     let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
-    let bad =
-        |name: &str, text: &str, hint: &str| Error::input(path, line, format!("column `{name}` holds `{text}`"), hint);
+    let bad = |name: &str, text: &str, hint: &str| {
+        Error::input(path, line, format!("column `{name}` holds `{}`", excerpt(text, 60)), hint)
+    };
     let mut clock = [0_u32; 5];
     let names = ["year", "month", "day", "hour", "minute"];
     for (i, (value, name)) in clock.iter_mut().zip(names).enumerate() {
@@ -36,7 +41,11 @@ pub fn read_row(
         *value = text.parse().map_err(|_| bad(name, text, "write a whole number"))?;
     }
     let [year, month, day, hour, minute] = clock;
-    let date = i32::try_from(year).ok().and_then(|year| Date::new(year, month, day));
+    // EnergyPlus runs files whose years are 0.
+    let date = match year {
+        0 => Date::of_no_year(month, day),
+        _ => i32::try_from(year).ok().and_then(|year| Date::new(year, month, day)),
+    };
     let Some(date) = date else {
         let what = format!("the date {year}-{month}-{day} does not exist");
         return Err(Error::input(path, line, what, "correct year, month or day"));
@@ -63,10 +72,11 @@ pub fn read_row(
     let mut negative = false;
     let mut radiation = |i: usize, name: &str| {
         let text = cell(i);
+        let codes: &[f64] = if i == GHI { &MISSING_CODES } else { &[] };
         if text.is_empty() {
             return Ok(None);
         }
-        let missing = |value| value >= MISSING_RADIATION;
+        let missing = |value| value >= MISSING_RADIATION || codes.contains(&value);
         irradiance(text, missing, &mut negative, || bad(name, text, "write W/m2 from 0 up, 9999 where missing"))
     };
     let optional = |i: usize, low: f64, high: f64| {

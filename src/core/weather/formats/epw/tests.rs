@@ -54,6 +54,20 @@ fn typical_year_cut() {
     assert_eq!((days[23], days[24]), (20, 21));
 }
 
+/// A file of the year 0, with words behind its elevation and GHI of -99, is read: 24 hours of 2017 at 250 m with DNI of 10 W/m2, and one
+/// sentence about the year.
+#[test]
+fn what_energyplus_runs() {
+    let header = HEADER.replace("1.0,250", "1.0,250.0  Morphed:TAS|DWPT");
+    let rows: String = (1..=24).map(|hour| row([0, 6, 1, hour, 0], "-99,10,5")).collect();
+    let weather = file(&format!("{header}DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n{rows}")).expect("valid");
+    assert_eq!((weather.rows.len(), weather.site.elevation_m), (24, 250.0));
+    assert!(weather.rows.iter().all(|row| row.ghi_w_m2.is_none() && row.dni_w_m2 == 10.0 && row.dhi_w_m2 == 5.0));
+    assert_eq!(weather.rows[0].interval.label(), "2017-06-01T00:00");
+    let said = weather.report.warnings.iter().filter(|warning| warning.contains("24 rows are of the year 0")).count();
+    assert_eq!(said, 1, "{:?}", weather.report.warnings);
+}
+
 /// Hour 24 ends its own day: it starts at 23:00, and minute 60 means the same as minute 0.
 #[test]
 fn hour_24() {
@@ -130,7 +144,7 @@ fn errors_name_line_and_column() {
         (row([2018, 1, 1, 1, 0], "NaN,0,0"), "column `global horizontal radiation` holds `NaN`"),
         (row([2018, 1, 1, 25, 0], "0,0,0"), "column `hour` holds `25`"),
         (row([2018, 1, 1, 0, 0], "0,0,0"), "column `hour` holds `0`"),
-        (row([0, 1, 1, 1, 0], "0,0,0"), "the date 0-1-1 does not exist"),
+        (row([0, 2, 30, 1, 0], "0,0,0"), "the date 0-2-30 does not exist"),
         (row([4_000_000_000, 1, 1, 1, 0], "0,0,0"), "does not exist"),
         (row([2018, 13, 1, 1, 0], "0,0,0"), "the date 2018-13-1 does not exist"),
         ("a,b\n".to_string(), "the row has 2 columns instead of 35"),

@@ -1,4 +1,4 @@
-//! The cells of a row. In: a record of a CSV file. Out: numbers, or an error that names line and column.
+//! The cells of a row. In: a record of a table. Out: numbers, or an error that names line and column.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -6,27 +6,45 @@ use std::path::Path;
 use csv::ByteRecord;
 
 use crate::error::{Error, Result};
-use crate::weather::judging::raw_weather::irradiance;
+use crate::text::excerpt;
 
-/// From this down a number means that there is none: -999, -9999 and -9900 are in use.
+/// From this down a number of W/m2 means that there is none: -999, -9999 and -9900 are in use.
 const MISSING_BELOW: f64 = -900.0;
 
 /// Light from here up is no measurement; some programs write 9999 for missing.
-const MISSING_RADIATION: f64 = 9999.0;
+pub const MISSING_RADIATION: f64 = 9999.0;
 
 /// Words for a missing number.
 const MISSING: [&str; 7] = ["", "nan", "na", "n/a", "null", "none", "-"];
+
+/// Characters of a cell that a message shows.
+pub const SHOWN: usize = 60;
+
+/// How numbers of a file are written, and what stands for none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NumberStyle {
+    /// Whether 1,5 is one and a half.
+    pub decimal_comma: bool,
+    /// What the file says that it writes where it has no value.
+    pub no_data: Option<f64>,
+}
 
 /// A row of a file.
 pub struct Cells<'a> {
     pub path: &'a Path,
     pub line: usize,
     pub record: &'a ByteRecord,
+    pub style: NumberStyle,
 }
 
 /// A cell as text; empty beyond the end.
 pub fn cell(record: &ByteRecord, place: usize) -> Cow<'_, str> {
     String::from_utf8_lossy(record.get(place).unwrap_or_default())
+}
+
+/// Whether a cell says that it has no value.
+pub fn is_missing(text: &str) -> bool {
+    MISSING.iter().any(|word| text.eq_ignore_ascii_case(word))
 }
 
 impl Cells<'_> {
@@ -36,22 +54,41 @@ impl Cells<'_> {
 
     /// An error about a cell in the column of this name.
     pub fn bad(&self, place: usize, name: &str, hint: &str) -> Error {
-        Error::input(self.path, self.line, format!("column `{name}` holds `{}`", self.text(place)), hint)
+        let (name, text) = (excerpt(name, SHOWN), self.text(place));
+        Error::input(self.path, self.line, format!("column `{name}` holds `{}`", excerpt(&text, SHOWN)), hint)
     }
 
-    /// GHI, DNI or DHI; `None` where missing.
-    pub fn light(&self, place: usize, name: &str, negative: &mut bool) -> Result<Option<f64>> {
+    fn parse(&self, text: &str) -> Option<f64> {
+        if self.style.decimal_comma && text.matches(',').count() == 1 && !text.contains('.') {
+            return text.replace(',', ".").parse().ok();
+        }
+        text.parse().ok()
+    }
+
+    /// GHI, DNI or DHI in the column's own unit; `None` where missing.
+    pub fn light(&self, place: usize, name: &str, in_watts: bool) -> Result<Option<f64>> {
         let text = self.text(place);
-        if MISSING.iter().any(|word| text.eq_ignore_ascii_case(word)) {
+        if is_missing(&text) {
             return Ok(None);
         }
-        let missing = |value: f64| value.is_finite() && (value <= MISSING_BELOW || value >= MISSING_RADIATION);
-        let hint = "write W/m2 from 0 up, with a decimal point; leave the cell empty where missing";
-        irradiance(&text, missing, negative, || self.bad(place, name, hint))
+        let Some(value) = self.parse(&text).filter(|value| value.is_finite()) else {
+            let hint = "write W/m2 from 0 up, with a decimal point; leave the cell empty where missing";
+            return Err(self.bad(place, name, hint));
+        };
+        let codes = in_watts && (value <= MISSING_BELOW || value >= MISSING_RADIATION) || !in_watts && is_code(&text);
+        Ok((!codes && Some(value) != self.style.no_data).then_some(value))
     }
 
-    /// Any other number within limits; `None` where it is missing, outside or no number.
-    pub fn number(&self, place: Option<usize>, [low, high]: [f64; 2]) -> Option<f64> {
-        self.text(place?).parse().ok().filter(|value| (low..=high).contains(value))
+    /// Any other number; `None` where it is missing or no number.
+    pub fn number(&self, place: usize) -> Option<f64> {
+        self.parse(&self.text(place)).filter(|value| Some(*value) != self.style.no_data)
     }
+}
+
+/// -999, 9999 and the like, which say in every unit that there is no value.
+pub fn is_code(text: &str) -> bool {
+    let digits = text.trim_start_matches('-');
+    let whole = digits.split('.').next().unwrap_or_default();
+    whole.len() >= 3 && whole.bytes().all(|byte| byte == b'9') && (text.starts_with('-') || whole.len() >= 4)
+        || text.starts_with("-9900")
 }

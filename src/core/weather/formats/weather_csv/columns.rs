@@ -1,42 +1,17 @@
-//! Which column is what. In: a line of names. Out: places of the columns that are read, and rows by them.
+//! Which column is what. In: names of columns and their units. Out: places of the columns that are read, and rows by them.
 
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
 use crate::weather::air::{Air, dew_point_c};
-use crate::weather::formats::stamp_text::parse_stamp;
-use crate::weather::formats::weather_csv::cells::Cells;
-use crate::weather::formats::weather_csv::head::{Head, Kind};
-use crate::weather::judging::raw_weather::{AIR_C, RawRow};
+use crate::weather::formats::weather_csv::cells::{Cells, MISSING_RADIATION, SHOWN, is_code};
+use crate::weather::formats::weather_csv::head::Head;
+use crate::weather::formats::weather_csv::names::{NameMatch, Quantity, StatedUnit, match_name, squash};
+use crate::weather::formats::weather_csv::units::{Unit, looks_like_unit, parse_unit};
+use crate::weather::judging::raw_weather::{AIR_C, RawRow, irradiance_of};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
-
-/// Names of the columns of each quantity, in lower case, without the unit that may stand behind them.
-const GHI: &[&str] = &["ghi", "g(h)", "global_horizontal_irradiance", "global_horizontal_radiation"];
-const DNI: &[&str] =
-    &["dni", "gb(n)", "bn", "direct_normal_irradiance", "direct_normal_radiation", "beam_normal_irradiance"];
-const DHI: &[&str] =
-    &["dhi", "gd(h)", "diffuse_horizontal_irradiance", "diffuse_horizontal_radiation", "diffuse_irradiance"];
-const ALBEDO: &[&str] = &["albedo", "surface_albedo", "alb"];
-const SNOW_CM: &[&str] = &["snow_depth", "snow_depth_cm"];
-const DRY_BULB: &[&str] = &[
-    "temp_air",
-    "temperature",
-    "air_temperature",
-    "dry_bulb",
-    "dry_bulb_temperature",
-    "drybulb",
-    "t2m",
-    "temp",
-    "tamb",
-];
-const DEW_POINT: &[&str] = &["temp_dew", "dew_point", "dewpoint", "dew_point_temperature", "temperature_dew_point"];
-const HUMIDITY: &[&str] = &["relative_humidity", "rh", "humidity"];
-const INFRARED: &[&str] =
-    &["longwave_down", "ir(h)", "lwd", "dw_ir", "lw_in", "horizontal_infrared_radiation", "infrared"];
-const OPAQUE_SKY: &[&str] = &["opaque_sky_cover", "opqcld", "opaque_cloud_cover"];
-const TIME: &[&str] =
-    &["time", "timestamp", "datetime", "date_time", "date", "time(utc)", "time_utc", "timestamp_utc", "datetime_utc"];
 
 /// Light on an inclined plane: of no use unless it lies flat.
 const BEAM_INCLINED: &str = "gb(i)";
@@ -45,89 +20,106 @@ const GLOBAL_INCLINED: &str = "g(i)";
 
 const MISSING_SNOW_CM: f64 = 999.0;
 
-/// Where the time stamp stands.
-pub enum StampColumns {
-    Text { place: usize, utc: bool },
-    Parts { year: usize, month: usize, day: usize, hour: Option<usize>, minute: Option<usize> },
+/// Characters of a line of names that a message shows.
+const NAMES_SHOWN: usize = 120;
+
+/// A column that is read.
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    place: usize,
+    unit: Unit,
 }
 
 /// Places of the columns that are read; `None` where the file has none.
 pub struct Columns {
-    pub stamp: StampColumns,
     pub count: usize,
     names: Vec<String>,
-    ghi: Option<usize>,
-    dni: Option<usize>,
-    dhi: Option<usize>,
+    ghi: Option<Column>,
+    dni: Option<Column>,
+    dhi: Option<Column>,
     /// The direct part on the horizontal, where GHI is only given as a sum of two.
-    beam: Option<usize>,
-    albedo: Option<usize>,
-    snow_cm: Option<usize>,
-    dry_bulb: Option<usize>,
-    dew_point: Option<usize>,
-    humidity: Option<usize>,
-    infrared: Option<usize>,
-    opaque_sky: Option<usize>,
+    beam: Option<Column>,
+    albedo: Option<Column>,
+    snow: Option<Column>,
+    dry_bulb: Option<Column>,
+    dew_point: Option<Column>,
+    humidity: Option<Column>,
+    infrared: Option<Column>,
+    opaque_sky: Option<Column>,
+    /// Whether light is given at moments only.
+    pub instants: bool,
 }
 
-/// `Dew Point`, `dew_point`, `Dew-point (C)`, `dew_point_deg_c` are one name; `G(h)` keeps what stands in brackets.
-fn plain(name: &str) -> String {
-    let lower = name.to_lowercase().replace([' ', '-'], "_");
-    let bare = lower.split("_(").next().unwrap_or_default().split('[').next().unwrap_or_default();
-    let bare = UNITS.iter().find_map(|unit| bare.strip_suffix(unit)).unwrap_or(bare);
-    bare.trim_end_matches('_').to_owned()
+/// A number that is not one, counted by column.
+#[derive(Clone, Debug, Default)]
+pub struct OutOfRange {
+    /// Column, rows, line and text of the first.
+    columns: Vec<(usize, usize, usize, String)>,
 }
 
-/// What may stand behind a name.
-const UNITS: [&str; 6] = ["_w_m2", "_w/m2", "_wm2", "_deg_c", "_degc", "_percent"];
+impl OutOfRange {
+    fn add(&mut self, place: usize, cells: &Cells) {
+        match self.columns.iter_mut().find(|(column, ..)| *column == place) {
+            Some((_, rows, ..)) => *rows += 1,
+            None => self.columns.push((place, 1, cells.line, cells.text(place).into_owned())),
+        }
+    }
+}
+
+/// A column that could be a quantity's.
+struct Candidate<'h> {
+    place: usize,
+    name: &'h str,
+    found: NameMatch,
+}
 
 impl Columns {
-    pub fn read(path: &Path, head: &Head) -> Result<Self> {
-        let names: Vec<String> = head.names.iter().map(|name| plain(name)).collect();
-        let find = |wanted: &[&str]| {
-            // Earlier names are the more usual ones.
-            wanted.iter().find_map(|name| names.iter().position(|found| found == name))
-        };
-        let light = |wanted: &[&str], what: &str| -> Result<Option<usize>> {
-            let mut found = names.iter().zip(&head.names).filter(|(name, _)| wanted.contains(&name.as_str()));
-            let first = find(wanted);
-            match (found.next(), found.next()) {
-                (Some((_, one)), Some((_, two))) => {
-                    let what = format!("columns `{one}` and `{two}` are both {what}");
-                    Err(Error::input(path, head.lines, what, "keep one of the two"))
-                }
-                _ => Ok(first),
+    /// `warnings` gets what is to be said of columns that are left out; of air only if `with_air`.
+    pub fn read(path: &Path, head: &Head, with_air: bool, warnings: &mut Vec<String>) -> Result<Self> {
+        let mut find = |quantity: Quantity| match find(path, head, quantity) {
+            Err(_) if quantity.is_of_air() && !with_air => Ok(None),
+            Err(error) if quantity.is_of_ground() => {
+                let told = error.to_string().replace("\n  to fix: ", ", and it is left out: ");
+                warnings.push(told);
+                Ok(None)
             }
+            found => found,
         };
         let mut columns = Columns {
-            stamp: stamp_columns(path, head, &names)?,
-            count: names.len(),
-            ghi: light(GHI, "GHI")?,
-            dni: light(DNI, "DNI")?,
-            dhi: light(DHI, "DHI")?,
-            beam: None,
-            albedo: find(ALBEDO),
-            snow_cm: find(SNOW_CM),
-            dry_bulb: find(DRY_BULB),
-            dew_point: find(DEW_POINT),
-            humidity: find(HUMIDITY),
-            infrared: find(INFRARED),
-            opaque_sky: find(OPAQUE_SKY),
+            count: head.names.len(),
+            ghi: find(Quantity::Ghi)?,
+            dni: find(Quantity::Dni)?,
+            dhi: find(Quantity::Dhi)?,
+            beam: find(Quantity::Beam)?,
+            albedo: find(Quantity::Albedo)?,
+            snow: find(Quantity::Snow)?,
+            dry_bulb: find(Quantity::DryBulb)?,
+            dew_point: find(Quantity::DewPoint)?,
+            humidity: find(Quantity::Humidity)?,
+            infrared: find(Quantity::Infrared)?,
+            opaque_sky: find(Quantity::OpaqueSky)?,
             names: head.names.clone(),
+            instants: false,
         };
-        if [columns.ghi, columns.dni, columns.dhi].iter().all(Option::is_none) {
-            columns.take_inclined(path, head, &names)?;
+        let light = [columns.ghi, columns.dni, columns.dhi];
+        if light.iter().all(Option::is_none) {
+            columns.take_inclined(path, head)?;
         }
+        let is_instant = |column: &Column| columns.name(column.place).to_lowercase().contains("instant");
+        columns.instants = light.iter().flatten().all(is_instant) && light.iter().any(Option::is_some);
         Ok(columns)
     }
 
     /// Irradiances of a plane that lies flat; of any other they are refused.
-    fn take_inclined(&mut self, path: &Path, head: &Head, names: &[String]) -> Result<()> {
-        let place = |wanted: &str| names.iter().position(|name| name == wanted);
+    fn take_inclined(&mut self, path: &Path, head: &Head) -> Result<()> {
+        let place = |wanted: &str| {
+            let place = head.names.iter().position(|name| squash(name) == wanted);
+            place.map(|place| Column { place, unit: Unit::PLAIN })
+        };
         let (beam, diffuse, global) = (place(BEAM_INCLINED), place(DIFFUSE_INCLINED), place(GLOBAL_INCLINED));
         let known = "ghi, dni and dhi, or G(h), Gb(n) and Gd(h)";
         if beam.or(diffuse).or(global).is_none() {
-            let what = format!("no column of light among `{}`", head.names.join(","));
+            let what = format!("no column of light among `{}`", excerpt(&head.names.join(","), NAMES_SHOWN));
             let hint =
                 format!("give an EPW, TMY3 or SURFRAD file, or a CSV with a line of names: a time and some of {known}");
             return Err(Error::input(path, head.lines, what, hint));
@@ -149,42 +141,136 @@ impl Columns {
         self.names.get(place).map_or("", String::as_str)
     }
 
-    /// Light and ground of a row, its interval still to come.
-    pub fn row(&self, cells: &Cells) -> Result<RawRow> {
+    /// Whether GHI, DNI and DHI are all given, so that the sun's place is judged by them.
+    pub fn has_all_light(&self) -> bool {
+        [self.ghi, self.dni, self.dhi].iter().all(Option::is_some)
+    }
+
+    /// Whether light is given as energy of an interval, so that [`Columns::to_watts`] is needed.
+    pub fn has_energies(&self) -> bool {
+        let all = [self.ghi, self.dni, self.dhi, self.beam, self.infrared];
+        all.iter().flatten().any(|column| column.unit.per_interval)
+    }
+
+    /// Light and ground of a row, its interval still to come. Energies are in J/m2 until [`Columns::to_watts`].
+    pub fn row(&self, cells: &Cells, odd: &mut OutOfRange) -> Result<RawRow> {
         let mut negative = false;
-        let mut light = |place: Option<usize>| match place {
-            Some(place) => cells.light(place, self.name(place), &mut negative),
-            None => Ok(None),
-        };
+        let mut light = |column: Option<Column>| self.light(cells, column, &mut negative);
         let (ghi, dni, dhi) = (light(self.ghi)?, light(self.dni)?, light(self.dhi)?);
         let beam = light(self.beam)?;
-        let sum = beam.zip(dhi).map(|(beam, dhi)| beam + dhi);
+        let sum = beam.zip(dhi).filter(|_| alike(self.beam, self.dhi)).map(|(beam, dhi)| beam + dhi);
+        let rest = || ghi.zip(beam).filter(|_| alike(self.ghi, self.beam)).map(|(ghi, beam)| (ghi - beam).max(0.0));
+        let rest = || self.dhi.is_none().then(rest).flatten();
+        let albedo = self.number(cells, self.albedo, [0.0, 1.0], odd).filter(|albedo| *albedo > 0.0);
+        let snow_depth_cm = self.number(cells, self.snow, [0.0, MISSING_SNOW_CM - 0.5], odd);
         Ok(RawRow {
             line: cells.line,
             interval: NO_INTERVAL,
             ghi: ghi.or(sum),
             dni,
-            dhi,
+            dhi: dhi.or_else(rest),
             negative,
-            albedo: cells.number(self.albedo, [0.0, 1.0]).filter(|albedo| *albedo > 0.0),
-            snow_depth_cm: cells.number(self.snow_cm, [0.0, MISSING_SNOW_CM - 0.5]),
+            albedo,
+            snow_depth_cm,
         })
     }
 
-    /// The air of a row.
-    pub fn air(&self, cells: &Cells) -> Air {
-        let dry_bulb_c = cells.number(self.dry_bulb, AIR_C);
-        let humidity = || cells.number(self.humidity, [0.1, 100.0]);
-        Air {
-            dry_bulb_c,
-            dew_point_c: cells
-                .number(self.dew_point, AIR_C)
-                .or_else(|| Some(dew_point_c(dry_bulb_c?, humidity()?)))
-                .filter(|dew| (AIR_C[0]..=AIR_C[1]).contains(dew)),
-            infrared_w_m2: cells.number(self.infrared, [1.0, MOST_INFRARED_W_M2]),
-            opaque_sky_tenths: cells.number(self.opaque_sky, [0.0, 10.0]),
+    fn light(&self, cells: &Cells, column: Option<Column>, negative: &mut bool) -> Result<Option<f64>> {
+        let Some(Column { place, unit }) = column else { return Ok(None) };
+        let in_watts = unit == Unit::PLAIN;
+        let Some(value) = cells.light(place, self.name(place), in_watts)? else { return Ok(None) };
+        if unit.per_interval {
+            return Ok(Some(unit.of(value)));
+        }
+        let hint = "write W/m2 from 0 up, with a decimal point; leave the cell empty where missing";
+        irradiance_of(unit.of(value), negative).ok_or_else(|| cells.bad(place, self.name(place), hint)).map(Some)
+    }
+
+    /// Makes W/m2 of what is energy, now that the length of an interval is known.
+    pub fn to_watts(&self, path: &Path, row: &mut RawRow, step_s: f64) -> Result<()> {
+        let line = row.line;
+        for (value, column) in [(&mut row.ghi, self.ghi), (&mut row.dni, self.dni), (&mut row.dhi, self.dhi)] {
+            // A sum of two is of the unit of both.
+            let column = column.or(self.beam);
+            let Some(Column { place, .. }) = column.filter(|column| column.unit.per_interval) else { continue };
+            let Some(joules) = *value else { continue };
+            let watts = irradiance_of(joules / step_s, &mut row.negative).ok_or_else(|| {
+                let what = format!("column `{}` holds {} W/m2", excerpt(self.name(place), SHOWN), joules / step_s);
+                Error::input(path, line, what, "write energies from 0 up; leave the cell empty where missing")
+            })?;
+            *value = Some(watts).filter(|watts| *watts < MISSING_RADIATION);
+        }
+        Ok(())
+    }
+
+    /// The same for infrared radiation.
+    pub fn air_to_watts(&self, air: &mut Air, step_s: f64) {
+        if self.infrared.is_some_and(|column| column.unit.per_interval) {
+            let watts = air.infrared_w_m2.map(|joules| joules / step_s);
+            air.infrared_w_m2 = watts.filter(|watts| (1.0..=MOST_INFRARED_W_M2).contains(watts));
         }
     }
+
+    /// The air of a row.
+    pub fn air(&self, cells: &Cells, odd: &mut OutOfRange) -> Air {
+        let dry_bulb_c = self.number(cells, self.dry_bulb, AIR_C, odd);
+        let dew_c = self.number(cells, self.dew_point, AIR_C, odd);
+        let humidity = self.number(cells, self.humidity, [0.1, 100.0], &mut OutOfRange::default());
+        let infrared = match self.infrared.is_some_and(|column| column.unit.per_interval) {
+            true => [0.0, f64::MAX],
+            false => [1.0, MOST_INFRARED_W_M2],
+        };
+        let nothing = &mut OutOfRange::default();
+        Air {
+            dry_bulb_c,
+            dew_point_c: dew_c
+                .or_else(|| Some(dew_point_c(dry_bulb_c?, humidity?)))
+                .filter(|dew| (AIR_C[0]..=AIR_C[1]).contains(dew)),
+            infrared_w_m2: self.number(cells, self.infrared, infrared, nothing),
+            opaque_sky_tenths: self.number(cells, self.opaque_sky, [0.0, 10.0], nothing),
+        }
+    }
+
+    /// A number of a column within limits; what lies outside and is no code for missing is counted.
+    fn number(&self, cells: &Cells, column: Option<Column>, limits: [f64; 2], odd: &mut OutOfRange) -> Option<f64> {
+        let Column { place, unit } = column?;
+        let number = cells.number(place)?;
+        let value = unit.of(number);
+        let inside = (limits[0]..=limits[1]).contains(&value);
+        // 99, 99.9 and 999 are what EPW files write for missing; -1 is in use too.
+        let code =
+            is_code(&cells.text(place)) || number < -90.0 || number == -1.0 || [99.0, 99.9, 999.0].contains(&number);
+        if !inside && !code && number.is_finite() {
+            odd.add(place, cells);
+        }
+        Some(value).filter(|_| inside)
+    }
+
+    /// What is to be said of numbers outside their limits: one sentence a column.
+    pub fn odd_numbers(&self, path: &Path, odd: &OutOfRange) -> Vec<String> {
+        let sentence = |(place, rows, line, text): &(usize, usize, usize, String)| {
+            let name = excerpt(self.name(*place), SHOWN);
+            let [quantity, range, example] = if self.albedo.is_some_and(|column| column.place == *place) {
+                ["albedo", "0 to 1", "(%)"]
+            } else if self.snow.is_some_and(|column| column.place == *place) {
+                ["snow depth", "0 to 998 cm", "(mm)"]
+            } else {
+                ["air", "-90 to 70 degrees Celsius", "(K)"]
+            };
+            format!(
+                "{}, line {line} and on: `{name}` of {rows} rows, the first `{}`, lies outside {range} and is left out; state its unit in \
+                 the name, such as `{quantity} {example}`",
+                path.display(),
+                excerpt(text, SHOWN)
+            )
+        };
+        odd.columns.iter().map(sentence).collect()
+    }
+}
+
+/// Whether both are powers or both are energies, so that they can be added.
+fn alike(one: Option<Column>, two: Option<Column>) -> bool {
+    one.map(|column| column.unit.per_interval) == two.map(|column| column.unit.per_interval)
 }
 
 /// A sky as warm as the hottest air sends 786 W/m2.
@@ -193,21 +279,41 @@ const MOST_INFRARED_W_M2: f64 = 800.0;
 /// Stands where the step is not yet known.
 const NO_INTERVAL: Interval = Interval { date: Date::OF_DAY_0, start_min: 0.0, end_min: 0.0 };
 
-/// A column with a name for it, else the first one if it holds time stamps, else year, month, day, hour and minute.
-fn stamp_columns(path: &Path, head: &Head, names: &[String]) -> Result<StampColumns> {
-    let place = |wanted: &str| names.iter().position(|name| name == wanted);
-    if let Some(place) = TIME.iter().find_map(|name| place(name)) {
-        let utc =
-            head.kind == Kind::Pvgis || head.names.get(place).is_some_and(|name| name.to_lowercase().contains("utc"));
-        return Ok(StampColumns::Text { place, utc });
+/// The column of a quantity, by the most usual of its names; of light, two of usual names are refused.
+fn find(path: &Path, head: &Head, quantity: Quantity) -> Result<Option<Column>> {
+    let named = head.names.iter().enumerate();
+    let mut all: Vec<Candidate> =
+        named.filter_map(|(place, name)| Some(Candidate { place, name, found: match_name(name, quantity)? })).collect();
+    // Means before values at a moment, then the more usual name, then the first column.
+    all.sort_by_key(|candidate| (candidate.found.instant, candidate.found.rank, candidate.place));
+    let usual = |candidate: &&Candidate| candidate.found.rank < quantity.usual_names() && !candidate.found.instant;
+    let mut twins: Vec<&Candidate> = all.iter().filter(usual).collect();
+    twins.sort_by_key(|candidate| candidate.place);
+    if let [one, two, ..] = twins.as_slice() {
+        let what = format!(
+            "columns `{}` and `{}` are both {}",
+            excerpt(one.name, SHOWN),
+            excerpt(two.name, SHOWN),
+            quantity.word()
+        );
+        return Err(Error::input(path, head.lines, what, "keep one of the two"));
     }
-    if parse_stamp(&head.first_cell).is_some() {
-        return Ok(StampColumns::Text { place: 0, utc: false });
-    }
-    if let (Some(year), Some(month), Some(day)) = (place("year"), place("month"), place("day")) {
-        return Ok(StampColumns::Parts { year, month, day, hour: place("hour"), minute: place("minute") });
-    }
-    let what = format!("no column of time among `{}`", head.names.join(","));
-    let hint = "name one `time`, such as 2021-06-01T12:30+01:00, or give year, month, day, hour and minute";
-    Err(Error::input(path, head.lines, what, hint))
+    let Some(Candidate { place, name, found }) = all.into_iter().next() else { return Ok(None) };
+    let stated = head.units.get(place).map(String::as_str).unwrap_or_default();
+    let unit = match found.unit {
+        StatedUnit::Known(unit) => unit,
+        StatedUnit::Unknown(text) => return Err(unknown_unit(path, head, quantity, name, &text)),
+        StatedUnit::Silent if stated.is_empty() => head.usual_unit(quantity),
+        StatedUnit::Silent => match parse_unit(stated, quantity.measure()) {
+            Some(unit) => unit,
+            None if !looks_like_unit(stated) && head.units_are_loose => head.usual_unit(quantity),
+            None => return Err(unknown_unit(path, head, quantity, name, stated)),
+        },
+    };
+    Ok(Some(Column { place, unit }))
+}
+
+fn unknown_unit(path: &Path, head: &Head, quantity: Quantity, name: &str, unit: &str) -> Error {
+    let what = format!("the unit `{}` of column `{}` is not known", excerpt(unit, SHOWN), excerpt(name, SHOWN));
+    Error::input(path, head.lines, what, format!("give {} in {}", quantity.word(), quantity.units()))
 }

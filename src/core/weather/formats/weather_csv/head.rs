@@ -1,15 +1,22 @@
-//! What stands above the rows of a CSV file. In: its first lines. Out: names of columns, and what NSRDB and PVGIS say of the place.
+//! What stands above the rows of a table. In: its first lines. Out: names of columns, their units, and what the lines above them say of
+//! the place and the clock.
 //!
-//! NSRDB (PSM3, PSM4; Sengupta and others, "The National Solar Radiation Data Base", 2018): a line of names and one of values, among them
-//! Latitude, Longitude, Time Zone and Elevation, then the names of the columns. PVGIS (European Commission, JRC, versions 5.x): lines
-//! `Latitude (decimal degrees): 45.000` and so on, the years of a typical year's months, names, rows in UTC, and a legend below them.
+//! The line of names is the first one with a time and some light among its cells. Whose layout a file has, and what follows from it,
+//! stands in [`layout`](super::layout).
 
 use std::path::Path;
 
 use csv::{ReaderBuilder, Trim};
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
+use crate::weather::formats::stamp_text::parse_stamp;
+use crate::weather::formats::weather_csv::cells::{NumberStyle, is_missing};
+use crate::weather::formats::weather_csv::names::{Quantity, match_name, squash};
+use crate::weather::formats::weather_csv::stamp_columns::names_a_time;
+use crate::weather::formats::weather_csv::units::{Measure, Unit, parse_unit};
 use crate::weather::judging::station::Station;
+use crate::weather::options::{DateOrder, StampedAt};
 
 /// Whose layout a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,40 +24,53 @@ pub enum Kind {
     Plain,
     Nsrdb,
     Pvgis,
+    OpenMeteo,
+    NasaPower,
+    Solargis,
+    Pvsyst,
+    Cams,
+    SolarAnywhere,
+    Meteonorm,
+    /// Files of Campbell's dataloggers, TOA5.
+    Datalogger,
 }
 
 /// What is known before the first row.
 pub struct Head {
     pub kind: Kind,
     pub station: Station,
+    /// A blank stands for any number of blanks.
     pub delimiter: u8,
     /// Names of the columns as they stand there.
     pub names: Vec<String>,
-    /// First cell of the first row.
-    pub first_cell: String,
+    /// `[column]`: units that a row below the names or lines above them state; empty where they are silent.
+    pub units: Vec<String>,
+    /// Whether what stands in `units` may be another thing than a unit.
+    pub units_are_loose: bool,
+    /// Cells of the first row.
+    pub first_row: Vec<String>,
     /// Lines above the rows; the last is that of the names.
     pub lines: usize,
     /// Of the plane that PVGIS' irradiances are on.
     pub slope_deg: Option<f64>,
     /// How long after its stamp each row was.
     pub late_min: f64,
+    /// Where in its interval a stamp stands, by what the lines above say.
+    pub stamped_at: Option<StampedAt>,
+    pub style: NumberStyle,
+    /// Sentences for the user, each naming the file.
+    pub warnings: Vec<String>,
     /// Where the rows start, bytes.
     rows_at: usize,
 }
 
-/// Satellites pass within the hour of a time stamp.
-const FARTHEST_OFFSET_HOURS: f64 = 1.0;
-
-/// PVGIS has a dozen lines above the names, and 13 more in a typical year.
-const MOST_HEAD_LINES: usize = 64;
-
-/// Columns that only NSRDB has: files that lost the two lines above the names are told by them.
-const ONLY_NSRDB: [&str; 2] = ["cloud type", "fill flag"];
+/// NASA POWER and Solargis have some dozens of lines above the names.
+const MOST_HEAD_LINES: usize = 200;
 
 impl Head {
-    pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let mut lines = Lines { bytes, at: if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }, count: 0 };
-        let mut head = Head {
+    /// A head of which nothing is known but the file.
+    pub fn empty(path: &Path) -> Self {
+        Head {
             kind: Kind::Plain,
             station: Station {
                 name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -62,131 +82,180 @@ impl Head {
             },
             delimiter: b',',
             names: Vec::new(),
-            first_cell: String::new(),
+            units: Vec::new(),
+            units_are_loose: false,
+            first_row: Vec::new(),
             lines: 0,
             slope_deg: None,
             late_min: 0.0,
+            stamped_at: None,
+            style: NumberStyle::default(),
+            warnings: Vec::new(),
             rows_at: 0,
-        };
-        let Some(mut names) = lines.next() else {
-            return Err(Error::input(
-                path,
-                None,
-                "the file is empty",
-                "give a weather file, EPW, TMY3, SURFRAD or CSV",
-            ));
-        };
-        let lower = names.to_lowercase();
-        if lower.starts_with("latitude (") {
-            head.kind = Kind::Pvgis;
-            names = head.pvgis(path, names, &mut lines)?;
-        } else if ["latitude", "longitude", "time zone"].iter().all(|name| lower.contains(name)) {
-            head.kind = Kind::Nsrdb;
-            let values = lines.next().unwrap_or_default();
-            head.nsrdb(path, &names, &values)?;
-            names = lines.next().unwrap_or_default();
         }
-        let of = |delimiter: &u8| names.bytes().filter(|byte| byte == delimiter).count();
-        // The first of those that are equally frequent.
-        head.delimiter = [b'\t', b';', b','].into_iter().max_by_key(of).unwrap_or(b',');
-        head.names = split(&names, head.delimiter);
-        if head.kind == Kind::Plain && head.names.iter().any(|name| ONLY_NSRDB.contains(&name.to_lowercase().as_str()))
-        {
-            head.kind = Kind::Nsrdb;
-        }
-        (head.lines, head.rows_at) = (lines.count, lines.at);
-        let first = lines.next().unwrap_or_default();
-        head.first_cell = split(&first, head.delimiter).into_iter().next().unwrap_or_default();
+    }
+
+    pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let mut head = Head::empty(path);
+        let mut lines = Lines { bytes, at: if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }, count: 0 };
+        let above = head.find_names(path, &mut lines)?;
+        head.take_layout(path, &above)?;
+        let before = head.style.no_data;
+        head.take_rows_below(path, &mut lines)?;
+        head.style.no_data = before;
+        head.style.decimal_comma = head.delimiter != b',';
         Ok(head)
+    }
+
+    /// Looks for the line of names, and gives the lines above it.
+    fn find_names(&mut self, path: &Path, lines: &mut Lines) -> Result<Vec<HeadLine>> {
+        let start = *lines;
+        let mut above = Vec::new();
+        while let Some(line) = lines.next_line() {
+            if above.len() >= MOST_HEAD_LINES {
+                break;
+            }
+            if self.take_names(&line) && names_are_here(self, lines) {
+                (self.lines, self.rows_at) = (lines.count, lines.at);
+                return Ok(above);
+            }
+            above.push(HeadLine { line: lines.count, text: line });
+        }
+        // None is a line of names: the first that is no comment is taken for it, so that messages show it.
+        *lines = start;
+        let Some(first) = lines.next_plain() else {
+            let hint = "give a weather file, EPW, TMY3, SURFRAD or CSV";
+            return Err(Error::input(path, None, "the file is empty", hint));
+        };
+        self.refuse_unfinished(path, &above)?;
+        self.take_names(&first);
+        (self.lines, self.rows_at) = (lines.count, lines.at);
+        Ok(Vec::new())
+    }
+
+    /// Takes a line's cells for names; whether there is light among them, and a time.
+    fn take_names(&mut self, line: &str) -> bool {
+        let plain = line.strip_prefix('#').map_or(line, str::trim_start);
+        let of = |delimiter: &u8| plain.bytes().filter(|byte| byte == delimiter).count();
+        // The first of those that are equally frequent.
+        self.delimiter = [b'\t', b';', b','].into_iter().max_by_key(of).unwrap_or(b',');
+        if of(&self.delimiter) == 0 && plain.split_whitespace().count() > 2 {
+            self.delimiter = b' ';
+        }
+        self.names = split(plain, self.delimiter);
+        if line.starts_with('#') {
+            while self.names.last().is_some_and(String::is_empty) {
+                self.names.pop();
+            }
+        }
+        let light = [Quantity::Ghi, Quantity::Dni, Quantity::Dhi, Quantity::Beam];
+        let is_light = |name: &String| {
+            light.iter().any(|quantity| match_name(name, *quantity).is_some())
+                || ["gb(i)", "gd(i)", "g(i)"].contains(&squash(name).as_str())
+        };
+        self.names.len() > 1 && self.names.iter().any(is_light)
+    }
+
+    /// Takes rows of units and of words below the names, and the first row.
+    fn take_rows_below(&mut self, path: &Path, lines: &mut Lines) -> Result<()> {
+        loop {
+            let mut ahead = *lines;
+            let Some(line) = ahead.next_plain() else { return Ok(()) };
+            let cells = split(&line, self.delimiter);
+            let has_units = self.kind == Kind::Datalogger && self.lines < 4;
+            if !(has_units || self.is_row_of_units(&cells)) {
+                self.first_row = cells;
+                return Ok(());
+            }
+            if self.units.iter().all(String::is_empty) {
+                self.units = cells.iter().map(|cell| cell.trim_matches(['(', ')', '[', ']', ' ']).to_owned()).collect();
+                self.units.iter_mut().filter(|unit| is_missing(unit)).for_each(String::clear);
+            }
+            *lines = ahead;
+            (self.lines, self.rows_at) = (lines.count, lines.at);
+            if self.lines > MOST_HEAD_LINES {
+                return Err(Error::input(
+                    path,
+                    self.lines,
+                    "no row of numbers below the names",
+                    "save the file as CSV",
+                ));
+            }
+        }
+    }
+
+    /// Whether the cells below the names are units: none of them is a number or a stamp, and one is a unit of light or stands below light.
+    fn is_row_of_units(&self, cells: &[String]) -> bool {
+        let number = |cell: &String| {
+            let text = cell.replace(',', ".");
+            text.parse::<f64>().is_ok() || parse_stamp(cell, Some(DateOrder::Dmy)).is_some()
+        };
+        if cells.iter().any(number) {
+            return false;
+        }
+        let below_light = |(name, cell): (&String, &String)| {
+            let light = [Quantity::Ghi, Quantity::Dni, Quantity::Dhi, Quantity::Beam];
+            let is_light = light.iter().any(|quantity| match_name(name, *quantity).is_some());
+            let unit = cell.trim_matches(['(', ')', '[', ']', ' ']);
+            is_light && (parse_unit(unit, Measure::Irradiance).is_some() || !is_missing(unit) && cells.len() > 1)
+        };
+        let dated = cells.first().is_some_and(|cell| cell.chars().filter(char::is_ascii_digit).count() > 3);
+        !dated && self.names.iter().zip(cells).any(below_light)
+    }
+
+    /// A cell of the first row.
+    pub fn first(&self, place: usize) -> &str {
+        self.first_row.get(place).map_or("", String::as_str)
+    }
+
+    /// The unit of a column whose name and lines state none.
+    pub fn usual_unit(&self, quantity: Quantity) -> Unit {
+        let stated = match (self.kind, quantity.measure()) {
+            (Kind::Cams, Measure::Irradiance) => parse_unit("Wh/m2", Measure::Irradiance),
+            (Kind::OpenMeteo, Measure::Depth) => parse_unit("m", Measure::Depth),
+            _ => None,
+        };
+        stated.unwrap_or(Unit::PLAIN)
     }
 
     /// The bytes below the names.
     pub fn rows_of<'b>(&self, bytes: &'b [u8]) -> &'b [u8] {
         bytes.get(self.rows_at..).unwrap_or_default()
     }
-
-    fn nsrdb(&mut self, path: &Path, names: &str, values: &str) -> Result<()> {
-        let (names, values) = (split(names, b','), split(values, b','));
-        let text = |wanted: &str| {
-            let place = names.iter().position(|name| name.eq_ignore_ascii_case(wanted));
-            place.and_then(|place| values.get(place)).map(String::as_str)
-        };
-        let number = |wanted: &str| {
-            let text = text(wanted).unwrap_or_default();
-            checked(path, 2, wanted, text).map(Some)
-        };
-        let station = &mut self.station;
-        (station.latitude_deg, station.longitude_deg) = (number("Latitude")?, number("Longitude")?);
-        station.zone_hours = number("Time Zone")?;
-        if text("Elevation").is_some_and(|text| !text.is_empty()) {
-            station.elevation_m = number("Elevation")?.unwrap_or_default();
-        }
-        let named: Vec<&str> = ["City", "State", "Country"].iter().filter_map(|name| text(name)).collect();
-        let named: Vec<&str> = named.into_iter().filter(|name| !["", "-"].contains(name)).collect();
-        if !named.is_empty() {
-            station.name = named.join(", ");
-        }
-        Ok(())
-    }
-
-    /// Reads up to the line of names, and returns that.
-    fn pvgis(&mut self, path: &Path, first: String, lines: &mut Lines) -> Result<String> {
-        let mut line = first;
-        loop {
-            let lower = line.to_lowercase();
-            if lower.starts_with("time") {
-                return Ok(line);
-            }
-            let value = line.split_once(':').map(|(_, value)| value.trim()).unwrap_or_default();
-            // `30 deg. (optimum)`
-            let value = value.split_whitespace().next().unwrap_or_default();
-            let number = |name: &str| checked(path, lines.count, name, value);
-            if lower.starts_with("latitude") {
-                self.station.latitude_deg = Some(number("Latitude")?);
-            } else if lower.starts_with("longitude") {
-                self.station.longitude_deg = Some(number("Longitude")?);
-            } else if lower.starts_with("elevation") {
-                self.station.elevation_m = number("Elevation")?;
-            } else if lower.starts_with("irradiance time offset") {
-                let hours = number("Irradiance Time Offset")?;
-                if hours.abs() > FARTHEST_OFFSET_HOURS {
-                    let what = format!("`Irradiance Time Offset` holds `{value}`, more than an hour");
-                    let hint = "write the hours after the time stamp, -1 to 1, as in the file that was downloaded";
-                    return Err(Error::input(path, lines.count, what, hint));
-                }
-                self.late_min = 60.0 * hours;
-            } else if lower.starts_with("slope") {
-                self.slope_deg = Some(number("Slope")?);
-            }
-            match lines.next() {
-                Some(next) if lines.count <= MOST_HEAD_LINES => line = next,
-                _ => {
-                    let what = "no line of names that starts with `time`, as PVGIS writes it";
-                    return Err(Error::input(
-                        path,
-                        lines.count,
-                        what,
-                        "fetch the file again as CSV, hourly data or typical year",
-                    ));
-                }
-            }
-        }
-    }
 }
 
-fn checked(path: &Path, line: usize, name: &str, text: &str) -> Result<f64> {
+/// Whether what stands below a line can be rows, so that the line is one of names and not of a text that mentions light.
+fn names_are_here(head: &Head, lines: &Lines) -> bool {
+    let mut ahead = *lines;
+    let Some(next) = ahead.next_line() else { return true };
+    if next.starts_with('#') && !names_a_time(&head.names) {
+        return false;
+    }
+    let cells = split(next.strip_prefix('#').unwrap_or(&next), head.delimiter);
+    let first = cells.first().map_or("", String::as_str);
+    let dated = parse_stamp(first, Some(DateOrder::Dmy)).is_some();
+    names_a_time(&head.names) && cells.len() > 1 || dated
+}
+
+/// A line above the names.
+pub struct HeadLine {
+    pub line: usize,
+    pub text: String,
+}
+
+/// A number of a line above the names.
+pub fn checked(path: &Path, line: usize, name: &str, text: &str) -> Result<f64> {
     text.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| {
-        Error::input(
-            path,
-            line,
-            format!("`{name}` holds `{text}`"),
-            "write a number, as in the file that was downloaded",
-        )
+        let what = format!("`{name}` holds `{}`", excerpt(text, 60));
+        Error::input(path, line, what, "write a number, as in the file that was downloaded")
     })
 }
 
 /// The cells of one line.
-fn split(line: &str, delimiter: u8) -> Vec<String> {
+pub fn split(line: &str, delimiter: u8) -> Vec<String> {
+    if delimiter == b' ' {
+        return line.split_whitespace().map(str::to_owned).collect();
+    }
     let mut reader =
         ReaderBuilder::new().has_headers(false).trim(Trim::All).delimiter(delimiter).from_reader(line.as_bytes());
     let record = reader.records().next().and_then(std::result::Result::ok).unwrap_or_default();
@@ -194,6 +263,7 @@ fn split(line: &str, delimiter: u8) -> Vec<String> {
 }
 
 /// Lines of a file that are not empty, one after the other.
+#[derive(Clone, Copy)]
 struct Lines<'b> {
     bytes: &'b [u8],
     /// Where the next one starts.
@@ -203,18 +273,36 @@ struct Lines<'b> {
 }
 
 impl Lines<'_> {
-    /// The next line that says something.
-    fn next(&mut self) -> Option<String> {
+    /// The next line that is not empty.
+    fn next_line(&mut self) -> Option<String> {
         loop {
             let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
             let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
             self.at += (end + 1).min(rest.len());
             self.count += 1;
-            let line = String::from_utf8_lossy(rest.get(..end).unwrap_or_default());
+            let line = latin_or_utf8(rest.get(..end).unwrap_or_default());
             let line = line.trim_end_matches('\r');
-            if !line.trim().is_empty() && !line.starts_with('#') {
+            if !line.trim().is_empty() {
                 return Some(line.to_owned());
             }
         }
+    }
+
+    /// The next line that is no comment.
+    fn next_plain(&mut self) -> Option<String> {
+        loop {
+            let line = self.next_line()?;
+            if !line.starts_with('#') {
+                return Some(line);
+            }
+        }
+    }
+}
+
+/// Text of bytes: UTF-8, or else Latin 1, in which some programs write `W/m²`.
+fn latin_or_utf8(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
     }
 }

@@ -16,6 +16,7 @@ const AT_NICE: WeatherOptions = WeatherOptions {
     zone_hours: Some(1.0),
     shift: TimeShift::Minutes(0.0),
     stamped_at: None,
+    date_order: None,
     with_air: true,
 };
 
@@ -348,7 +349,7 @@ fn refusals() {
         (rows("2021-06-01T12:00,x,1,1\n"), "line 4: column `ghi` holds `x`"),
         (rows("2021-06-01T12:00,1,inf,1\n"), "line 4: column `dni` holds `inf`"),
         (rows("2021-06-01T12:00,1,1,-99\n"), "line 4: column `dhi` holds `-99`"),
-        ("time;ghi\n2021-06-01T10:00;1,5\n2021-06-01T11:00;1,5\n".into(), "line 2: column `ghi` holds `1,5`"),
+        ("time;ghi\n2021-06-01T10:00;1.000,5\n2021-06-01T11:00;1,5\n".into(), "line 2: column `ghi` holds `1.000,5`"),
         ("time,ghi\n2021-06-01,1\n2021-06-02,1\n".into(), "rows are 1440 min apart"),
         ("time,ghi\n2021-06-01T10:00:00,1\n2021-06-01T10:00:10,1\n".into(), "rows are 0.16666666666666666 min apart"),
         ("year,month,day,hour,ghi\n2021,2,30,1,1\n".into(), "line 2: year, month, day, hour and minute are no time"),

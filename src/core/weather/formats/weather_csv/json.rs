@@ -1,0 +1,245 @@
+//! Weather as JSON. In: a document. Out: the names, units and rows of the table in it, and what it says of its place.
+//!
+//! Read are PVGIS (`outputs` with a list of hours), Open-Meteo (`hourly` with an array for each name), NASA POWER (`properties` with an
+//! object of hours for each name), and, of any service, a list of records or arrays of one length by name.
+
+use std::path::Path;
+
+use csv::ByteRecord;
+use serde_json::{Map, Value};
+
+use crate::error::{Error, Result};
+use crate::text::excerpt;
+use crate::weather::formats::weather_csv::head::{Head, Kind};
+use crate::weather::formats::weather_csv::layout::late_min;
+use crate::weather::formats::weather_csv::names::squash;
+
+/// A document as a table.
+pub struct JsonTable {
+    pub head: Head,
+    pub records: Vec<ByteRecord>,
+}
+
+/// Members of an object that a message names, at most.
+const NAMED: usize = 8;
+
+/// Levels down to the table, at most.
+const DEEPEST: usize = 6;
+
+/// Whether a file starts as JSON does.
+pub fn is_json(bytes: &[u8]) -> bool {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let after = start.get(1..).unwrap_or_default().trim_ascii_start();
+    matches!(
+        (start.first(), after.first()),
+        (Some(b'{'), Some(b'"' | b'}')) | (Some(b'['), Some(b'{' | b'[' | b']' | b'"'))
+    )
+}
+
+pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
+    let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let document: Value = serde_json::from_slice(plain).map_err(|error| {
+        let what = format!("is no whole JSON document: {}", excerpt(&error.to_string(), 120));
+        Error::input(path, (error.line() > 0).then_some(error.line()), what, "the file may be cut off; fetch it again")
+    })?;
+    let mut head = Head::empty(path);
+    let found = open_meteo(path, &document, &mut head)?
+        .or_else(|| nasa_power(&document, &mut head))
+        .or_else(|| list_of_records(&document, 0).map(of_records))
+        .or_else(|| arrays(&document, 0));
+    let Some((names, records)) = found else {
+        let hint = "give PVGIS, Open-Meteo or NASA POWER as JSON, a list of records with a time and ghi, dni, dhi, or a CSV file";
+        return Err(Error::input(
+            path,
+            None,
+            format!("is JSON without a table of hours: {}", described(&document)),
+            hint,
+        ));
+    };
+    if head.kind == Kind::Plain {
+        pvgis(path, &document, &mut head)?;
+    }
+    place(&document, &mut head);
+    head.first_row = records.first().map(row_text).unwrap_or_default();
+    head.names = names;
+    Ok(JsonTable { head, records })
+}
+
+type NamesAndRows = (Vec<String>, Vec<ByteRecord>);
+
+fn row_text(record: &ByteRecord) -> Vec<String> {
+    record.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect()
+}
+
+/// What a document without a table is.
+fn described(document: &Value) -> String {
+    match document {
+        Value::Object(members) => {
+            let names: Vec<String> =
+                members.keys().take(NAMED).map(|name| format!("`{}`", excerpt(name, 20))).collect();
+            format!("an object of {} members, {}", members.len(), names.join(", "))
+        }
+        Value::Array(items) => format!("a list of {} items", items.len()),
+        _ => "a single value".into(),
+    }
+}
+
+/// A value as a cell.
+fn text(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// The first list of objects, from the outside in.
+fn list_of_records(value: &Value, depth: usize) -> Option<&Vec<Value>> {
+    match value {
+        Value::Array(items) if items.len() > 1 && items.iter().all(Value::is_object) => Some(items),
+        Value::Array(items) if items.len() == 1 && depth < DEEPEST => list_of_records(&items[0], depth + 1),
+        Value::Object(members) if depth < DEEPEST => {
+            members.values().find_map(|value| list_of_records(value, depth + 1))
+        }
+        _ => None,
+    }
+}
+
+fn of_records(items: &Vec<Value>) -> NamesAndRows {
+    let objects: Vec<&Map<String, Value>> = items.iter().filter_map(Value::as_object).collect();
+    let mut names: Vec<String> = Vec::new();
+    if let Some(first) = objects.first() {
+        names.extend(
+            first.iter().filter(|(_, value)| !value.is_object() && !value.is_array()).map(|(name, _)| name.clone()),
+        );
+    }
+    let cell = |object: &&Map<String, Value>, name: &String| object.get(name).map(text).unwrap_or_default();
+    let records = objects.iter().map(|object| names.iter().map(|name| cell(object, name)).collect()).collect();
+    (names, records)
+}
+
+/// Arrays of one length by name, one of them of times: as pandas writes columns, and services their series.
+fn arrays(value: &Value, depth: usize) -> Option<NamesAndRows> {
+    let members = value.as_object()?;
+    let columns: Vec<(&String, Vec<String>)> =
+        members.iter().filter_map(|(name, value)| Some((name, series(value)?))).collect();
+    let length = columns.iter().map(|(_, cells)| cells.len()).max().unwrap_or_default();
+    let whole: Vec<&(&String, Vec<String>)> = columns.iter().filter(|(_, cells)| cells.len() == length).collect();
+    if length > 1 && whole.len() > 1 {
+        let names = whole.iter().map(|(name, _)| (*name).clone()).collect();
+        let row = |row: usize| whole.iter().filter_map(|(_, cells)| cells.get(row)).collect();
+        return Some((names, (0..length).map(row).collect()));
+    }
+    if depth >= DEEPEST {
+        return None;
+    }
+    members.values().find_map(|value| arrays(value, depth + 1))
+}
+
+/// An array of values, or an object of them by the number of their row.
+fn series(value: &Value) -> Option<Vec<String>> {
+    let single = |value: &Value| !value.is_object() && !value.is_array();
+    match value {
+        Value::Array(items) => items.iter().all(single).then(|| items.iter().map(text).collect()),
+        Value::Object(rows) => {
+            let mut numbered: Vec<(u64, &Value)> =
+                rows.iter().map(|(row, value)| Some((row.parse().ok()?, value))).collect::<Option<_>>()?;
+            numbered.sort_by_key(|(row, _)| *row);
+            let all_single = numbered.iter().all(|(_, value)| single(value));
+            (!numbered.is_empty() && all_single).then(|| numbered.iter().map(|(_, value)| text(value)).collect())
+        }
+        _ => None,
+    }
+}
+
+/// Open-Meteo: `hourly` or `minutely_15`, with units beside it.
+fn open_meteo(path: &Path, document: &Value, head: &mut Head) -> Result<Option<NamesAndRows>> {
+    if let Value::Array(places) = document
+        && places.len() > 1
+        && places.iter().all(|place| place.get("utc_offset_seconds").is_some())
+    {
+        let what = format!("holds {} places of Open-Meteo", places.len());
+        return Err(Error::input(path, None, what, "ask for one place a file"));
+    }
+    let document = document.as_array().and_then(|places| places.first()).unwrap_or(document);
+    let Some(offset) = document.get("utc_offset_seconds").and_then(Value::as_f64) else { return Ok(None) };
+    for series in ["minutely_15", "hourly"] {
+        let Some(found) = document.get(series).and_then(|hours| arrays(hours, DEEPEST)) else { continue };
+        let units = document.get(format!("{series}_units"));
+        head.kind = Kind::OpenMeteo;
+        let unit = |name: &String| units.and_then(|units| units.get(name)).map(text).unwrap_or_default();
+        head.units = found.0.iter().map(unit).collect();
+        head.units_are_loose = true;
+        (head.station.zone_hours, head.station.zone_is_certain) = (Some(offset / 3600.0), true);
+        return Ok(Some(found));
+    }
+    Ok(None)
+}
+
+/// NASA POWER: an object of `YYYYMMDDHH` for each parameter.
+fn nasa_power(document: &Value, head: &mut Head) -> Option<NamesAndRows> {
+    let parameters = document.get("properties")?.get("parameter")?.as_object()?;
+    let hours: Vec<&String> = parameters.values().next()?.as_object()?.keys().collect();
+    let mut names = vec!["time".to_owned()];
+    names.extend(parameters.keys().cloned());
+    let row = |hour: &&String| {
+        let cell = |values: &Value| values.get(hour.as_str()).map(text).unwrap_or_default();
+        std::iter::once((*hour).clone()).chain(parameters.values().map(cell)).collect()
+    };
+    let records = hours.iter().map(row).collect();
+    head.kind = Kind::NasaPower;
+    let told = document.get("parameters");
+    let unit = |name: &String| {
+        let unit = told.and_then(|told| told.get(name)).and_then(|told| told.get("units"));
+        unit.map(text).unwrap_or_default()
+    };
+    (head.units, head.units_are_loose) = (names.iter().map(unit).collect(), true);
+    if let Some(place) = document.get("geometry").and_then(|geometry| geometry.get("coordinates")) {
+        let number = |place_of: usize| place.get(place_of).and_then(Value::as_f64);
+        (head.station.longitude_deg, head.station.latitude_deg) = (number(0), number(1));
+        head.station.elevation_m = number(2).unwrap_or_default();
+    }
+    let header = document.get("header");
+    let standard = header.and_then(|header| header.get("time_standard")).and_then(Value::as_str);
+    head.nasa_zone(&standard.unwrap_or_default().to_lowercase());
+    head.style.no_data = header.and_then(|header| header.get("fill_value")).and_then(Value::as_f64);
+    Some((names, records))
+}
+
+/// PVGIS: what `inputs` says of the plane and of the time.
+fn pvgis(path: &Path, document: &Value, head: &mut Head) -> Result<()> {
+    let (Some(inputs), Some(_)) = (document.get("inputs"), document.get("outputs")) else { return Ok(()) };
+    head.kind = Kind::Pvgis;
+    head.slope_deg = number_of(inputs, "slope", 0);
+    if let Some(hours) = number_of(inputs, "irradiancetimeoffset", 0) {
+        head.late_min = late_min(path, None, hours, &hours.to_string())?;
+    }
+    Ok(())
+}
+
+/// Latitude, longitude and elevation, wherever they stand.
+fn place(document: &Value, head: &mut Head) {
+    let single =
+        document.as_array().filter(|items| items.len() == 1).and_then(|items| items.first()).unwrap_or(document);
+    if !single.is_object() {
+        return;
+    }
+    let station = &mut head.station;
+    let number = |name: &str| number_of(single, name, 0);
+    station.latitude_deg = station.latitude_deg.or_else(|| number("latitude"));
+    station.longitude_deg = station.longitude_deg.or_else(|| number("longitude"));
+    if station.elevation_m == 0.0 {
+        station.elevation_m = number("elevation").unwrap_or_default();
+    }
+}
+
+/// The number of a member with this name, or of the `value` in it, from the outside in; lists are passed over.
+fn number_of(value: &Value, name: &str, depth: usize) -> Option<f64> {
+    let members = value.as_object()?;
+    let named = members.iter().find(|(key, _)| squash(key) == name).map(|(_, value)| value);
+    let number = named.and_then(|value| value.as_f64().or_else(|| value.get("value")?.as_f64()));
+    number.filter(|number| number.is_finite()).or_else(|| {
+        let below = || members.values().find_map(|value| number_of(value, name, depth + 1));
+        (depth < DEEPEST).then(below).flatten()
+    })
+}

@@ -1,0 +1,242 @@
+//! Which columns hold the time. In: names of columns and the first row. Out: their places, and where in an interval their names say that a
+//! stamp stands.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::text::excerpt;
+use crate::weather::formats::stamp_text::{parse_clock, parse_stamp};
+use crate::weather::formats::weather_csv::head::{Head, Kind};
+use crate::weather::formats::weather_csv::names::squash;
+use crate::weather::options::{DateOrder, StampedAt, parse_zone};
+
+/// Names of a column of whole stamps, squashed, the usual ones first.
+const TIME: &[&str] = &[
+    "time",
+    "timestamp",
+    "datetime",
+    "date",
+    "valid_time",
+    "observationtime",
+    "observationperiod",
+    "date/time",
+    "dateandtime",
+    "time_stamp",
+    "messdatum",
+    "unixtime",
+    "unix",
+    "epoch",
+    "epochtime",
+    "index",
+    "datum",
+    "zeitstempel",
+    "day",
+];
+
+/// The same of stamps that stand at the start, and at the end.
+const START: &[&str] =
+    &["periodstart", "intervalstart", "starttime", "timestart", "start", "from", "begin", "hourbeginning", "startdate"];
+const END: &[&str] =
+    &["periodend", "intervalend", "endtime", "timeend", "end", "to", "hourending", "enddate", "periodending"];
+const MIDDLE: &[&str] =
+    &["periodmid", "periodmiddle", "midtime", "timemid", "intervalmid", "periodcenter", "periodcentre"];
+
+/// A time of day, beside a column of dates.
+const CLOCK: &[&str] =
+    &["time", "hour", "hr", "clock", "timeofday", "hh:mm", "localtime", "hhmm", "hourofday", "uhrzeit", "zeit"];
+
+const YEAR: &[&str] = &["year", "yyyy", "yr", "y"];
+const MONTH: &[&str] = &["month", "mo", "mm", "m"];
+const DAY: &[&str] = &["day", "dd", "dayofmonth", "dm", "dy", "d"];
+const HOUR: &[&str] = &["hour", "hr", "hh", "hourofday", "h"];
+const MINUTE: &[&str] = &["minute", "min", "mi", "minutes"];
+
+/// The length of an interval.
+const PERIOD: &[&str] =
+    &["period", "interval", "periodminutes", "intervalminutes", "duration", "periodmin", "intervalmin"];
+
+/// Where a time stamp stands in a row.
+pub enum StampPlace {
+    /// A whole stamp in one cell, or a date with its time of day in another.
+    Text { date: usize, clock: Option<usize> },
+    /// Year, month, day, hour and minute; without a year it is one of no year, without a month `day` is the day of the year.
+    Parts {
+        year: Option<usize>,
+        month: Option<usize>,
+        day: usize,
+        hour: Option<usize>,
+        minute: Option<usize>,
+        clock: Option<usize>,
+    },
+}
+
+/// Where a row's time stands, and what the names say of it.
+pub struct StampColumns {
+    pub place: StampPlace,
+    /// Hours ahead of UTC, by the name of the column.
+    pub zone_hours: Option<f64>,
+    /// By the name.
+    pub at: Option<StampedAt>,
+    /// The stamp of the end, where the first is that of the start.
+    pub end: Option<usize>,
+    pub period: Option<usize>,
+    /// By a name such as `Date (MM/DD/YYYY)`.
+    pub order: Option<DateOrder>,
+}
+
+/// A column of whole stamps.
+#[derive(Clone, Copy)]
+struct Found {
+    place: usize,
+    at: Option<StampedAt>,
+}
+
+/// A name without what stands behind it in brackets, and without a zone.
+fn bare(name: &str) -> String {
+    let squashed = squash(name);
+    let plain = squashed.split(['(', '[']).next().unwrap_or_default();
+    let ends = ["utc", "gmt", "lst", "local", "iso8601", "iso"];
+    ends.iter().find_map(|end| plain.strip_suffix(end).filter(|start| !start.is_empty())).unwrap_or(plain).to_owned()
+}
+
+/// The place of the first of the wanted names that is there.
+pub fn place_of(names: &[String], wanted: &[&str]) -> Option<usize> {
+    let plain: Vec<String> = names.iter().map(|name| bare(name)).collect();
+    wanted.iter().find_map(|wanted| plain.iter().position(|name| *name == squash(wanted)))
+}
+
+/// Whether some column has a name of a time.
+pub fn names_a_time(names: &[String]) -> bool {
+    let has = |wanted: &[&str]| place_of(names, wanted).is_some();
+    [TIME, START, END, MIDDLE].into_iter().any(has)
+        || has(&["year"])
+        || has(DAY) && has(HOUR) && (has(MONTH) || has(YEAR))
+}
+
+impl StampColumns {
+    /// A column with a name for it, else the first one if it holds time stamps, else year, month, day, hour and minute.
+    pub fn find(path: &Path, head: &Head) -> Result<Self> {
+        let names = head.names.as_slice();
+        let place = |wanted: &[&str]| place_of(names, wanted);
+        let period = place(PERIOD).filter(|place| !squash(names.get(*place).map_or("", String::as_str)).contains('/'));
+        let of_name = |place: usize| names.get(place).map(String::as_str).unwrap_or_default();
+        let with = |found: Found, clock: Option<usize>, end: Option<usize>| {
+            let name = of_name(found.place);
+            let zone_hours = zone_of(name).or_else(|| clock.and_then(|clock| zone_of(of_name(clock))));
+            let zone_hours = zone_hours.or((head.kind == Kind::Pvgis).then_some(0.0));
+            StampColumns {
+                place: StampPlace::Text { date: found.place, clock },
+                zone_hours,
+                at: found.at,
+                end,
+                period,
+                order: order_of(name),
+            }
+        };
+        let (start, end) = (place(START), place(END));
+        if let Some(start) = start
+            && looks_dated(head, start)
+        {
+            return Ok(with(Found { place: start, at: Some(StampedAt::Start) }, None, end));
+        }
+        if let Some(end) = end
+            && looks_dated(head, end)
+        {
+            return Ok(with(Found { place: end, at: Some(StampedAt::End) }, None, None));
+        }
+        if let Some(middle) = place(MIDDLE) {
+            return Ok(with(Found { place: middle, at: Some(StampedAt::Middle) }, None, None));
+        }
+        let (month, hour, minute) = (place(MONTH), place(HOUR), place(MINUTE));
+        let parts = |day: usize, year: Option<usize>, month: Option<usize>| {
+            let clock = hour.is_none().then(|| place(CLOCK)).flatten();
+            let place = StampPlace::Parts { year, month, day, hour, minute, clock };
+            let zone_hours = [hour, clock].into_iter().flatten().find_map(|place| zone_of(of_name(place)));
+            StampColumns { place, zone_hours, at: None, end: None, period, order: None }
+        };
+        let whole: Vec<usize> = TIME.iter().filter_map(|name| place(&[name])).collect();
+        let dated = whole.iter().copied().find(|place| is_whole(head, *place));
+        if let Some(place) = dated {
+            return Ok(with(Found { place, at: None }, None, None));
+        }
+        // A date, and a time of day beside it.
+        let date = whole.iter().copied().find(|place| looks_dated(head, *place));
+        let clocks = |names: &[&str]| {
+            let places = names.iter().filter_map(|name| place(&[name]));
+            places.into_iter().find(|place| Some(*place) != date && is_clock(head, *place))
+        };
+        let clock = clocks(CLOCK);
+        for (clock, at) in [
+            (clock, None),
+            (clocks(&["hourending", "he"]), Some(StampedAt::End)),
+            (clocks(&["hourbeginning", "hb"]), Some(StampedAt::Start)),
+        ] {
+            if let (Some(date), Some(_)) = (date, clock) {
+                return Ok(with(Found { place: date, at }, clock, None));
+            }
+        }
+        if parse_stamp(head.first(0), Some(DateOrder::Dmy)).is_some_and(|stamp| stamp.has_time) {
+            return Ok(with(Found { place: 0, at: None }, None, None));
+        }
+        let (year, day) = (place(YEAR), place(DAY));
+        if let (Some(month), Some(day)) = (month, day)
+            && (year.is_some() || hour.is_some() || place(CLOCK).is_some())
+        {
+            return Ok(parts(day, year, Some(month)));
+        }
+        // The day of the year, with its time.
+        let day_of_year = place(&["day_of_year", "doy", "dy"]).or(day);
+        if let Some(day) = day_of_year
+            && (hour.is_some() || clock.is_some())
+            && head.first(day).parse::<u32>().is_ok()
+        {
+            return Ok(parts(day, year, None));
+        }
+        if let Some(place) = date.or(whole.first().copied()) {
+            return Ok(with(Found { place, at: None }, None, None));
+        }
+        let what = format!("no column of time among `{}`", excerpt(&names.join(","), 120));
+        let hint = "name one `time`, such as 2021-06-01T12:30+01:00, or give year, month, day, hour and minute";
+        Err(Error::input(path, head.lines, what, hint))
+    }
+}
+
+/// Whether a cell of the first row starts with a date of any order, or is the whole stamp of an interval.
+fn looks_dated(head: &Head, place: usize) -> bool {
+    let text = head.first(place);
+    let text = text.split_once('/').filter(|(start, _)| start.len() > 9).map_or(text, |(start, _)| start);
+    [DateOrder::Dmy, DateOrder::Mdy].into_iter().any(|order| parse_stamp(text, Some(order)).is_some())
+}
+
+/// The same with a time of day.
+fn is_whole(head: &Head, place: usize) -> bool {
+    let text = head.first(place);
+    let text = text.split_once('/').filter(|(start, _)| start.len() > 10).map_or(text, |(start, _)| start);
+    let stamp = |order| parse_stamp(text, Some(order)).is_some_and(|stamp| stamp.has_time);
+    [DateOrder::Dmy, DateOrder::Mdy].into_iter().any(stamp)
+}
+
+fn is_clock(head: &Head, place: usize) -> bool {
+    parse_clock(head.first(place)).is_some()
+}
+
+/// The zone that a name states: `time(UTC)`, `timestamp_utc`, `Time (UTC+1)`.
+fn zone_of(name: &str) -> Option<f64> {
+    let lower = name.to_lowercase();
+    let at = lower.find("utc").or_else(|| lower.find("gmt"))?;
+    let zone: String =
+        lower.get(at..)?.chars().take_while(|c| c.is_alphanumeric() || matches!(c, '+' | '-' | ':')).collect();
+    parse_zone(&zone).or(Some(0.0).filter(|_| !zone.contains(['+', '-'])))
+}
+
+/// The order of a date that a name states: `Date (MM/DD/YYYY)`.
+fn order_of(name: &str) -> Option<DateOrder> {
+    let letters: String = name.to_lowercase().chars().filter(char::is_ascii_alphabetic).collect();
+    let is = |order: &str| letters.contains(order);
+    match () {
+        () if is("mmddyy") => Some(DateOrder::Mdy),
+        () if is("ddmmyy") => Some(DateOrder::Dmy),
+        () if is("yymmdd") => Some(DateOrder::Ymd),
+        () => None,
+    }
+}
