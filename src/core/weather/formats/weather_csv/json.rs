@@ -94,7 +94,7 @@ fn text(value: &Value) -> String {
 }
 
 /// The first list of objects, from the outside in.
-fn list_of_records(value: &Value, depth: usize) -> Option<&Vec<Value>> {
+fn list_of_records(value: &Value, depth: usize) -> Option<&[Value]> {
     match value {
         Value::Array(items) if items.len() > 1 && items.iter().all(Value::is_object) => Some(items),
         Value::Array(items) if items.len() == 1 && depth < DEEPEST => list_of_records(&items[0], depth + 1),
@@ -105,7 +105,7 @@ fn list_of_records(value: &Value, depth: usize) -> Option<&Vec<Value>> {
     }
 }
 
-fn of_records(items: &Vec<Value>) -> NamesAndRows {
+fn of_records(items: &[Value]) -> NamesAndRows {
     let objects: Vec<&Map<String, Value>> = items.iter().filter_map(Value::as_object).collect();
     let mut names: Vec<String> = Vec::new();
     if let Some(first) = objects.first() {
