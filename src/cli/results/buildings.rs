@@ -14,7 +14,7 @@ use heliotile_core::archive::Access;
 pub struct YearArgs {
     /// Archive to read, or the folder of an atlas: a path or an address
     pub archive: PathBuf,
-    /// Weather file of a year: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
+    /// Weather file of a year: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Take y for north: suns are not turned to the true north that the archive's place tells of

@@ -15,7 +15,7 @@ use heliotile_core::weather::options::StampedAt;
 pub struct PvArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Places of modules, CSV: point,x,y, z or height (metres above the roof or ground below), tilt,azimuth (degrees, clockwise from

@@ -133,7 +133,7 @@ pub struct FactorsArgs {
 pub struct ReplayArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Rows: means in W/m2, or sums in kWh/m2

@@ -41,7 +41,7 @@ fn endings() -> PossibleValuesParser {
 pub struct RunArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file: EPW, TMY3, NSRDB, PVGIS or other CSV, SURFRAD; also packed with gzip (.gz)
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Folder for receivers.csv, site.helio, and a folder for each weather file with annual.csv and annual.ply [default: the name of the

@@ -525,6 +525,7 @@ fn weather_csv(data: &[u8]) {
         zone_hours: Some(1.0),
         shift: TimeShift::Auto,
         stamped_at: None,
+        date_order: None,
         with_air: true,
     };
     if let Ok(weather) = parse_weather_as(Path::new("year.csv"), data, &options, &mut || Ok(None)) {

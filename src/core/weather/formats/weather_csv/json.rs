@@ -1,7 +1,7 @@
 //! Weather as JSON. In: a document. Out: the names, units and rows of the table in it, and what it says of its place.
 //!
 //! Read are PVGIS (`outputs` with a list of hours), Open-Meteo (`hourly` with an array for each name), NASA POWER (`properties` with an
-//! object of hours for each name), and, of any service, a list of records or arrays of one length by name.
+//! object of hours for each name), and, of any service, a list of records, records a line each, or arrays of one length by name.
 
 use std::path::Path;
 
@@ -38,13 +38,14 @@ pub fn is_json(bytes: &[u8]) -> bool {
 
 pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
     let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let document: Value = serde_json::from_slice(plain).map_err(|error| {
+    let document = document(plain).map_err(|error| {
         let what = format!("is no whole JSON document: {}", excerpt(&error.to_string(), 120));
         Error::input(path, (error.line() > 0).then_some(error.line()), what, "the file may be cut off; fetch it again")
     })?;
     let mut head = Head::empty(path);
     let found = open_meteo(path, &document, &mut head)?
         .or_else(|| nasa_power(&document, &mut head))
+        .or_else(|| split_table(&document))
         .or_else(|| list_of_records(&document, 0).map(of_records))
         .or_else(|| arrays(&document, 0));
     let Some((names, records)) = found else {
@@ -63,6 +64,25 @@ pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
     head.first_row = records.first().map(row_text).unwrap_or_default();
     head.names = names;
     Ok(JsonTable { head, records })
+}
+
+/// One document, or the list of those that stand a line each.
+fn document(bytes: &[u8]) -> serde_json::Result<Value> {
+    serde_json::from_slice(bytes).or_else(|error| {
+        let lines = serde_json::Deserializer::from_slice(bytes)
+            .into_iter::<Value>()
+            .collect::<serde_json::Result<Vec<Value>>>();
+        lines.ok().filter(|lines| lines.len() > 1).map(Value::Array).ok_or(error)
+    })
+}
+
+/// Names in `columns` and rows in `data`, as pandas writes a table that is split.
+fn split_table(document: &Value) -> Option<NamesAndRows> {
+    let names: Vec<String> = document.get("columns")?.as_array()?.iter().map(text).collect();
+    let rows = document.get("data")?.as_array()?;
+    let records =
+        rows.iter().map(|row| Some(row.as_array()?.iter().map(text).collect())).collect::<Option<Vec<ByteRecord>>>()?;
+    Some((names, records))
 }
 
 type NamesAndRows = (Vec<String>, Vec<ByteRecord>);
@@ -94,7 +114,7 @@ fn text(value: &Value) -> String {
 }
 
 /// The first list of objects, from the outside in.
-fn list_of_records(value: &Value, depth: usize) -> Option<&Vec<Value>> {
+fn list_of_records(value: &Value, depth: usize) -> Option<&[Value]> {
     match value {
         Value::Array(items) if items.len() > 1 && items.iter().all(Value::is_object) => Some(items),
         Value::Array(items) if items.len() == 1 && depth < DEEPEST => list_of_records(&items[0], depth + 1),
@@ -105,7 +125,7 @@ fn list_of_records(value: &Value, depth: usize) -> Option<&Vec<Value>> {
     }
 }
 
-fn of_records(items: &Vec<Value>) -> NamesAndRows {
+fn of_records(items: &[Value]) -> NamesAndRows {
     let objects: Vec<&Map<String, Value>> = items.iter().filter_map(Value::as_object).collect();
     let mut names: Vec<String> = Vec::new();
     if let Some(first) = objects.first() {

@@ -30,10 +30,10 @@ fn read(name: &str, bytes: &[u8], options: &WeatherOptions) -> Result<Weather, S
     parse_weather_as(Path::new(name), bytes, options, &mut || Ok(None)).map_err(|error| error.to_string())
 }
 
-/// Sixty-one layouts and units of one weather, those of people, of programs and of services, give the sums of the plain table on three planes
+/// Sixty-three layouts and units of one weather, those of people, of programs and of services, give the sums of the plain table on three planes
 /// to 0.1 %, and no word about their clocks.
 #[test]
-fn sixty_one_layouts_give_the_same_sums() {
+fn sixty_three_layouts_give_the_same_sums() {
     let right = sums(&read("right.csv", in_unit("time,ghi,dni,dhi", 1.0).as_bytes(), &AT_PLACE).expect("valid"));
     assert!((right[0] / 16_700.0 - 1.0).abs() < 0.1, "{right:?}");
     let all: Vec<Layout> = [units(), stamps(), services()].into_iter().flatten().collect();
@@ -53,7 +53,7 @@ fn sixty_one_layouts_give_the_same_sums() {
         }
     }
     assert!(wrong.is_empty(), "{} of {} are wrong:\n{}", wrong.len(), all.len(), wrong.join("\n"));
-    assert_eq!(all.len(), 61);
+    assert_eq!(all.len(), 63);
 }
 
 /// Sixteen files that can be read in two ways, or in none, are refused by a message of at most four lines and 400 characters that names the
@@ -170,7 +170,7 @@ fn unknown_units_beside_light() {
     assert!(message.contains("the unit `x` of column `temp_air (x)` is not known"), "{message}");
 }
 
-/// Any cut of the 61 layouts, and changed bytes in them, are read or refused without a panic, and no number that is not finite is let
+/// Any cut of the 63 layouts, and changed bytes in them, are read or refused without a panic, and no number that is not finite is let
 /// through: over 4000 tries.
 #[test]
 fn cuts_and_noise_of_layouts() {
@@ -194,4 +194,19 @@ fn cuts_and_noise_of_layouts() {
         }
     }
     assert!(tries > 4000, "{tries}");
+}
+
+/// Where a layout says that its stamps are in UTC, `-7` moves days and labels and no sun: the first of 48 hours is 00:00, and the sums stay.
+#[test]
+fn zones_of_layouts_move_labels() {
+    let local = WeatherOptions { zone_hours: Some(-7.0), ..SILENT };
+    for text in
+        [cams("Universal time (UT)"), nasa_csv("UTC", 0), open_meteo_json(|hour| json!(hour.iso(0, 60)), "iso8601")]
+    {
+        let [moved, plain] =
+            [&local, &SILENT].map(|options| read("town.txt", text.as_bytes(), options).expect("valid"));
+        let label = |weather: &Weather| weather.rows[0].interval.label();
+        assert_eq!((label(&moved).as_str(), label(&plain).as_str()), ("2021-06-01T00:00", "2021-06-01T07:00"));
+        assert!(sums(&moved).iter().zip(&sums(&plain)).all(|(a, b)| (a / b - 1.0).abs() < 1e-9));
+    }
 }

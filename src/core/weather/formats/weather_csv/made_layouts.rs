@@ -277,6 +277,19 @@ fn columns_json() -> String {
     .to_string()
 }
 
+fn lines_json() -> String {
+    let row = |hour: Hour| {
+        json!({"time": hour.iso(0, 0) + "Z", "ghi": hour.ghi, "dni": hour.dni, "dhi": hour.dhi}).to_string()
+    };
+    hours().into_iter().map(row).collect::<Vec<_>>().join("\n")
+}
+
+fn split_json() -> String {
+    let row = |hour: Hour| json!([hour.iso(0, 0) + "Z", hour.ghi, hour.dni, hour.dhi]);
+    json!({"columns": ["time", "ghi", "dni", "dhi"], "data": hours().into_iter().map(row).collect::<Vec<_>>()})
+        .to_string()
+}
+
 /// A layout with its name, its bytes, what a user says of it.
 pub type Layout = (&'static str, Vec<u8>, WeatherOptions);
 
@@ -457,6 +470,8 @@ pub fn services() -> Vec<Layout> {
         ("TOA5", toa5(), AT_PLACE),
         ("JSON of records", records_json(), AT_PLACE),
         ("JSON of columns", columns_json(), AT_PLACE),
+        ("JSON a line each", lines_json(), AT_PLACE),
+        ("JSON, split", split_json(), AT_PLACE),
     ];
     texts.into_iter().map(|(name, text, options)| (name, text.into_bytes(), options)).collect()
 }

@@ -123,7 +123,7 @@ impl StampColumns {
         let with = |found: Found, clock: Option<usize>, end: Option<usize>| {
             let name = of_name(found.place);
             let zone_hours = zone_of(name).or_else(|| clock.and_then(|clock| zone_of(of_name(clock))));
-            let zone_hours = zone_hours.or((head.kind == Kind::Pvgis).then_some(0.0));
+            let zone_hours = zone_hours.or_else(|| zone_of_layout(head));
             StampColumns {
                 place: StampPlace::Text { date: found.place, clock },
                 zone_hours,
@@ -152,6 +152,7 @@ impl StampColumns {
             let clock = hour.is_none().then(|| place(CLOCK)).flatten();
             let place = StampPlace::Parts { year, month, day, hour, minute, clock };
             let zone_hours = [hour, clock].into_iter().flatten().find_map(|place| zone_of(of_name(place)));
+            let zone_hours = zone_hours.or_else(|| zone_of_layout(head));
             StampColumns { place, zone_hours, at: None, end: None, period, order: None }
         };
         let whole: Vec<usize> = TIME.iter().filter_map(|name| place(&[name])).collect();
@@ -218,6 +219,16 @@ fn is_whole(head: &Head, place: usize) -> bool {
 
 fn is_clock(head: &Head, place: usize) -> bool {
     parse_clock(head.first(place)).is_some()
+}
+
+/// The zone that all stamps of a layout are in, as if each of them said so.
+fn zone_of_layout(head: &Head) -> Option<f64> {
+    match head.kind {
+        Kind::Pvgis => Some(0.0),
+        // Of NSRDB the user may say another.
+        Kind::Nsrdb => None,
+        _ => head.station.zone_hours.filter(|_| head.station.zone_is_certain),
+    }
 }
 
 /// The zone that a name states: `time(UTC)`, `timestamp_utc`, `Time (UTC+1)`.
