@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::atlas::opened::Atlas;
+use super::build::tables::in_hours;
 use super::horizon::nothing_seen;
 use super::{Outcome, atlas, is_archive, say, scene, warn};
 use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
@@ -146,8 +147,9 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
 fn say_accuracy(out: &mut String, a: &Accuracy) {
     line!(
         out,
-        "  error       {} % of the mean total ({} W/m2), RMSE of hourly totals; {} % wanted, {} % expected",
+        "  error       {} % of the mean total ({:.2} of {} W/m2), RMSE of hourly totals; {} % wanted, {} % expected",
         a.rmse_percent,
+        a.rmse_w_m2(),
         a.mean_w_m2,
         a.target_percent,
         a.predicted_percent
@@ -168,6 +170,9 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
         .map(|(name, percent)| format!("{name} {percent} %"))
         .collect();
     line!(out, "              {}", parts.join(", "));
+    for hours in &a.hours {
+        line!(out, "              {}", in_hours(hours));
+    }
     for group in &a.groups {
         let ([low, high], receivers) = (group.sky_view, counted(group.receivers.into(), "receiver"));
         let (rmse, mean) = (group.rmse_w_m2, group.mean_w_m2);

@@ -20,6 +20,7 @@ mod honeybee;
 mod hostile;
 mod interrupt;
 mod kaitai;
+mod lit_wall;
 mod longwave;
 mod manners;
 mod maps;

@@ -1,10 +1,11 @@
 //! From a few trials to the error of every rung. In: how far trials lie from the finest one, source by source. Out: an error for each rung,
 //! and the cheapest rungs that keep within a target.
 //!
-//! Errors of two rungs are independent (their rays are), so the squared distance of rung k to the finest one c is e_k^2 + e_c^2. With
+//! Errors of two rungs are independent where their rays are, so the squared distance of rung k to the finest one c is e_k^2 + e_c^2. With
 //! e_c / e_k as on typical sites, that of the finest trial follows from the next coarser one, then those of all others. Rungs
 //! that were not tried lie where typical ones would.
 
+use crate::accuracy::judged::SourcesFound;
 use crate::accuracy::trial::{ErrorSource, Irradiances, Trial};
 use crate::settings::ladder::{BOUNCED_RUNGS, PATCH_RUNGS, Rungs, SEEN_RUNGS, SKY_RUNGS};
 
@@ -40,7 +41,12 @@ impl Curve {
     /// From distances in percent between trials and the finest one: (rung, distance), and the finest trial's rung.
     pub fn through(source: ErrorSource, distances: &[(usize, f64)], finest: usize) -> Self {
         let typical = typical(source).percent;
-        let mut known: Vec<(usize, f64)> = distances.iter().copied().filter(|d| d.0 != finest).collect();
+        let others: Vec<(usize, f64)> = distances.iter().copied().filter(|d| d.0 != finest).collect();
+        // Rungs of the same hits cast the same rays: their distance holds nothing of what these rays are off by.
+        let mut known: Vec<(usize, f64)> = others.iter().copied().filter(|d| !same_rays(source, d.0, finest)).collect();
+        if known.is_empty() {
+            known = others;
+        }
         known.sort_by_key(|d| d.0);
         // The next coarser trial says how this site compares with a typical one.
         let next = known.iter().rev().find(|d| d.0 < finest).or(known.first());
@@ -62,6 +68,26 @@ impl Curve {
             .collect();
         Curve { percent }
     }
+
+    /// Scales the curve so that it has a value at a rung. What noise makes small is not believed below half of what was foretold.
+    fn pass_through(&mut self, source: ErrorSource, rung: usize, found: f64) {
+        let here = self.percent[rung];
+        if here > 0.0 {
+            let scale = (found / here).max(0.5);
+            self.percent.iter_mut().for_each(|percent| *percent *= scale);
+        } else {
+            // Trials that did not differ foretold nothing.
+            let typical = typical(source).percent;
+            self.percent = typical.iter().map(|percent| found * percent / typical[rung]).collect();
+        }
+    }
+}
+
+/// Whether a receiver's rays are the same at two rungs of a source: those to what it sees go through a jittered point of each texel, which
+/// depends on the receiver and the side of the texture.
+fn same_rays(source: ErrorSource, one: usize, other: usize) -> bool {
+    let hit = |seen: usize| Rungs { seen, ..Rungs::FINEST }.settings().hit;
+    source == ErrorSource::Seen && hit(one) == hit(other)
 }
 
 /// Errors of all ladders on one site, percent of the mean total.
@@ -71,6 +97,8 @@ pub struct Errors {
     pub curves: [Curve; 3],
     /// `[rung]` of the sky's patches: 145, 577, 2305.
     pub patches: [f64; PATCH_RUNGS],
+    /// Error of reflected light in hours when the sun lights what receivers see, over that in all hours, both in W/m2.
+    pub lit: f64,
 }
 
 impl Errors {
@@ -84,7 +112,18 @@ impl Errors {
             };
             Curve::through(source, &trials.iter().map(distance).collect::<Vec<_>>(), rung(*finest, source))
         });
-        Errors { curves, patches }
+        Errors { curves, patches, lit: 1.0 }
+    }
+
+    /// Takes what the judge found at some rungs in place of what trials foretold there; other rungs follow in proportion.
+    pub fn learn(&mut self, rungs: Rungs, found: &SourcesFound) {
+        for source in ErrorSource::ALL {
+            let patches = if source == ErrorSource::Sky { self.patches[rungs.patches] } else { 0.0 };
+            let found = (found.percent[source as usize].powi(2) - patches * patches).max(0.0).sqrt();
+            self.curves[source as usize].pass_through(source, rung(rungs, source), found);
+        }
+        let all = found.percent[ErrorSource::Seen as usize].hypot(found.percent[ErrorSource::Bounced as usize]);
+        self.lit = if all > 0.0 { (found.lit_percent / all).max(1.0) } else { 1.0 };
     }
 
     /// Error of a source at some rungs.
@@ -98,8 +137,20 @@ impl Errors {
         (squares.iter().sum::<f64>() + self.patches[rungs.patches].powi(2)).sqrt()
     }
 
-    /// The cheapest rungs within a target, or the finest ones if none are.
-    pub fn cheapest(&self, target_percent: f64) -> Rungs {
+    /// Error of reflected light in hours when the sun lights what receivers see, percent of the mean total of all hours.
+    pub fn lit(&self, rungs: Rungs) -> f64 {
+        self.lit * self.at(rungs, ErrorSource::Seen).hypot(self.at(rungs, ErrorSource::Bounced))
+    }
+
+    /// The cheapest rungs that keep the total and what is reflected within a target; if none do, those that keep the total; if none do, the finest
+    /// ones. After rungs that did not keep it, rungs are nowhere coarser and somewhere finer.
+    pub fn cheapest(&self, target_percent: f64, after: Option<Rungs>) -> Rungs {
+        let of_total = |rungs: Rungs| self.total(rungs) <= target_percent;
+        let both = self.cheapest_that(|rungs| of_total(rungs) && self.lit(rungs) <= target_percent, after);
+        both.or_else(|| self.cheapest_that(of_total, after)).unwrap_or(Rungs::FINEST)
+    }
+
+    fn cheapest_that(&self, keeps: impl Fn(Rungs) -> bool, after: Option<Rungs>) -> Option<Rungs> {
         let mut best: Option<(f64, Rungs)> = None;
         for sky in 0..SKY_RUNGS {
             for seen in 0..SEEN_RUNGS {
@@ -107,14 +158,15 @@ impl Errors {
                     for patches in 0..PATCH_RUNGS {
                         let rungs = Rungs { sky, seen, bounced, patches };
                         let cost = cost(rungs);
-                        if self.total(rungs) <= target_percent && best.is_none_or(|b| cost < b.0) {
+                        let is_finer = after.is_none_or(|after| after != rungs && after.is_nowhere_finer(rungs));
+                        if is_finer && keeps(rungs) && best.is_none_or(|b| cost < b.0) {
                             best = Some((cost, rungs));
                         }
                     }
                 }
             }
         }
-        best.map_or(Rungs::FINEST, |b| b.1)
+        best.map(|b| b.1)
     }
 }
 
@@ -175,10 +227,39 @@ mod tests {
             assert!(typical.percent.is_sorted_by(|a, b| a > b) && typical.cost.is_sorted_by(|a, b| a < b));
         }
         let curves = ErrorSource::ALL.map(|s| Curve { percent: typical(s).percent.to_vec() });
-        let errors = Errors { curves, patches: [0.27, 0.06, 0.01] };
-        let (five, one) = (errors.cheapest(5.0), errors.cheapest(1.0));
+        let errors = Errors { curves, patches: [0.27, 0.06, 0.01], lit: 1.0 };
+        let (five, one) = (errors.cheapest(5.0, None), errors.cheapest(1.0, None));
         assert!(cost(five) < cost(one) && errors.total(one) <= 1.0 && errors.total(five) <= 5.0);
         assert!(errors.total(five) > 1.0);
-        assert_eq!(errors.cheapest(0.01), Rungs::FINEST);
+        assert_eq!(errors.cheapest(0.01, None), Rungs::FINEST);
+    }
+
+    /// Rungs 3 and 4 of the cells that are seen cast the same 32 x 32 rays: a distance of 0 between them says nothing. The error of rung 4 follows
+    /// from rung 2, which casts others and lies 1 % apart.
+    #[test]
+    fn the_same_rays_say_nothing_of_each_other() {
+        let typical = typical(ErrorSource::Seen).percent;
+        let curve = Curve::through(ErrorSource::Seen, &[(2, 1.0), (3, 0.0)], 4);
+        assert!((curve.percent[4] - typical[4] / typical[2].hypot(typical[4])).abs() < 1e-9, "{curve:?}");
+        assert!(same_rays(ErrorSource::Seen, 3, 4) && !same_rays(ErrorSource::Seen, 2, 3));
+        assert!(!same_rays(ErrorSource::Bounced, 3, 4));
+    }
+
+    /// The judge finds 1.2 % of one reflection where trials foretold nothing, and twice that in hours when the sun lights what is seen: the curve
+    /// goes through 1.2 %, other sources keep at least half of what was foretold, and for 2 % finer cells are taken, and nothing that is coarser.
+    #[test]
+    fn what_the_judge_finds_goes_to_its_source() {
+        let mut curves = ErrorSource::ALL.map(|s| Curve { percent: typical(s).percent.to_vec() });
+        curves[ErrorSource::Seen as usize].percent.fill(0.0);
+        let mut errors = Errors { curves, patches: [0.27, 0.06, 0.01], lit: 1.0 };
+        let tried = errors.cheapest(3.0, None);
+        assert_eq!(tried.seen, 0);
+        let sky = errors.at(tried, ErrorSource::Sky);
+        errors.learn(tried, &SourcesFound { percent: [0.0, 1.2, 0.0], lit_percent: 2.4 });
+        assert!((errors.at(tried, ErrorSource::Seen) - 1.2).abs() < 1e-12);
+        assert!((errors.at(tried, ErrorSource::Sky) - sky / 2.0).abs() < 1e-12 && (errors.lit - 2.0).abs() < 1e-12);
+        let again = errors.cheapest(2.0, Some(tried));
+        assert!(again.seen > 0 && errors.lit(again) <= 2.0, "{again:?}");
+        assert!(tried.is_nowhere_finer(again), "{tried:?} {again:?}");
     }
 }

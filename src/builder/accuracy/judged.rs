@@ -3,12 +3,13 @@
 use rayon::prelude::*;
 
 use crate::accuracy::estimate::percent;
-use crate::accuracy::trial::{Bench, Irradiances};
+use crate::accuracy::trial::{Bench, ErrorSource, Irradiances};
 use crate::judge::comparison::{Pair, deviation, mean_w_m2, off};
 use crate::judge::groups::by_sky_view;
-use crate::judge::{Judge, Judged, JudgedSky, PARTS};
+use crate::judge::hours::{HourKind, HourSample, HoursFound};
+use crate::judge::{Judge, Judged, JudgedSky, PARTS, judge_pairs, spread};
 use crate::settings::Effects;
-use heliotile_core::archive::accuracy::{Accuracy, GroupError, TileError};
+use heliotile_core::archive::accuracy::{Accuracy, GroupError, HoursError, TileError};
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::replay::components::Component;
@@ -17,14 +18,19 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::in_axes;
 
-/// Conditions that a receiver is judged under, besides the mean of all.
-const CONDITIONS: usize = 16;
+/// Receivers times conditions that are judged at least, and limits of the conditions of each, besides the mean of all: few receivers tell as much
+/// as many by more of them.
+const PAIRS: usize = 2048;
+const OF_RECEIVER: (usize, usize) = (16, 64);
 
 /// Paths of a receiver where the error wanted is 1 %, and the limits of their number: the judge's noise is taken off, but must not be many times
 /// what it looks for.
 const PATHS: f64 = 4096.0;
 const LEAST_PATHS: f64 = 2048.0;
 const MOST_PATHS: f64 = 32768.0;
+
+/// Seed of the hours that are chosen, and of their paths.
+const SEED: u64 = 0x0068_6f75_7273;
 
 /// The total, after the six components.
 pub const TOTAL: usize = PARTS - 1;
@@ -36,9 +42,15 @@ pub fn with_total(row: &[f32; 8]) -> [f64; PARTS] {
 }
 
 /// Receivers of a sample as the judge sees them.
-pub struct JudgedSample {
+pub struct JudgedSample<'a> {
+    judge: Judge<'a>,
+    receivers: &'a [Receiver],
     /// Conditions of all.
-    conditions: usize,
+    skies: Vec<JudgedSky>,
+    /// Paths of a receiver.
+    paths: usize,
+    /// Hours when the sun lights what receivers see, without results.
+    hours: HourSample,
     /// In the order of the receivers; without results.
     pairs: Vec<Pair>,
     /// `[receiver]`: the mean of all conditions.
@@ -47,9 +59,18 @@ pub struct JudgedSample {
     views: Vec<f64>,
 }
 
-impl JudgedSample {
+/// What the judge finds of each source of error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SourcesFound {
+    /// RMSE of each of [`ErrorSource::ALL`], percent of the mean total; the sky's holds that of its patches.
+    pub percent: [f64; 3],
+    /// RMSE of all reflected light in hours when the sun lights what receivers see and not the receivers, percent of the mean total of all hours.
+    pub lit_percent: f64,
+}
+
+impl<'a> JudgedSample<'a> {
     /// Asks the judge about the receivers of a bench, for an error of so many percent.
-    pub fn of(bench: &Bench, left_out: Effects, target_percent: f64) -> Result<Self> {
+    pub fn of(bench: &Bench<'a>, left_out: Effects, target_percent: f64) -> Result<Self> {
         let scene = bench.scene.scene;
         let conditions = in_axes(bench.conditions, North::of(scene.place.as_ref()));
         let skies: Vec<JudgedSky> =
@@ -57,10 +78,10 @@ impl JudgedSample {
         let (mean, open) = (JudgedSky::mean(&skies), JudgedSky::open());
         let judge = Judge::new(bench.scene, left_out);
         let paths = (PATHS / (target_percent * target_percent).max(1e-9)).clamp(LEAST_PATHS, MOST_PATHS) as usize;
-        let stride = skies.len().div_ceil(CONDITIONS).max(1);
+        let each = (PAIRS / bench.receivers.len().max(1)).clamp(OF_RECEIVER.0, OF_RECEIVER.1);
         let judged = |(receiver, of): (usize, &Receiver)| {
             // Others for each receiver, so that many take part.
-            let chosen: Vec<usize> = (receiver % stride..skies.len()).step_by(stride).collect();
+            let chosen = spread(skies.len(), each, mix(SEED, receiver as u64));
             let mut under: Vec<&JudgedSky> = chosen.iter().map(|&condition| &skies[condition]).collect();
             under.extend([&mean, &open]);
             let seed = mix(0x0070_696c_6f74, receiver as u64);
@@ -73,7 +94,26 @@ impl JudgedSample {
         let all: Vec<(Vec<Pair>, (Judged, f64))> = bench.receivers.par_iter().enumerate().map(judged).collect();
         let (pairs, of_receivers): (Vec<Vec<Pair>>, Vec<(Judged, f64)>) = all.into_iter().unzip();
         let (means, views) = of_receivers.into_iter().unzip();
-        Ok(JudgedSample { conditions: skies.len(), pairs: pairs.concat(), means, views })
+        let (receivers, hours, pairs) = (bench.receivers, HourSample::default(), pairs.concat());
+        Ok(JudgedSample { judge, receivers, skies, paths, hours, pairs, means, views })
+    }
+
+    /// Asks about hours when the sun lights what receivers see, too; which those are, a light of theirs tells.
+    #[must_use]
+    pub fn with_hours(mut self, light: &Irradiances) -> Self {
+        let mut hours = HourSample::default();
+        let result = |receiver, condition| with_total(self.row(light, receiver, condition));
+        hours.choose(0..self.receivers.len(), self.skies.len(), result, SEED);
+        judge_pairs(&mut hours.pairs, &self.skies, |number, under| {
+            let of = &self.receivers[number];
+            self.judge.irradiance(of.position, of.normal, under, self.paths, mix(SEED, number as u64))
+        });
+        self.hours = hours;
+        self
+    }
+
+    fn row<'l>(&self, light: &'l Irradiances, receiver: usize, condition: usize) -> &'l [f32; 8] {
+        &light.rows[receiver * self.skies.len() + condition]
     }
 
     /// Mean of the totals, W/m2.
@@ -83,7 +123,7 @@ impl JudgedSample {
 
     /// How far a light of the same receivers and conditions is off; `tile` of a receiver.
     pub fn accuracy(&self, light: &Irradiances, tile: impl Fn(usize) -> u32) -> Accuracy {
-        let row = |receiver: usize, condition: usize| &light.rows[receiver * self.conditions + condition];
+        let row = |receiver: usize, condition: usize| self.row(light, receiver, condition);
         let with_result = |pair: &Pair| Pair { result: with_total(row(pair.receiver, pair.condition)), ..*pair };
         let pairs: Vec<Pair> = self.pairs.iter().map(with_result).collect();
         let mean = mean_w_m2(&pairs);
@@ -93,8 +133,8 @@ impl JudgedSample {
         let components = found.iter().take(TOTAL).map(|found| in_percent(found.rmse_w_m2.value));
         // Of each receiver's mean over all conditions.
         let yearly = |(receiver, judged): (usize, &Judged)| {
-            let all = (0..self.conditions).map(|condition| with_total(row(receiver, condition))[TOTAL]);
-            let difference = all.sum::<f64>() / self.conditions.max(1) as f64 - judged.mean[TOTAL];
+            let all = (0..self.skies.len()).map(|condition| with_total(row(receiver, condition))[TOTAL]);
+            let difference = all.sum::<f64>() / self.skies.len().max(1) as f64 - judged.mean[TOTAL];
             difference * difference - judged.error[TOTAL].powi(2)
         };
         let squares: f64 = self.means.iter().enumerate().map(yearly).sum();
@@ -107,13 +147,34 @@ impl JudgedSample {
             sample: self.means.len() as u64,
             mean_w_m2: rounded(mean),
             groups: by_sky_view(&self.views).iter().filter_map(|group| self.group(group, &pairs)).collect(),
+            hours: self.hours_of(light).found().iter().map(stated).collect(),
             tiles: tiles(&pairs, tile),
             ..Accuracy::default()
         }
     }
-}
 
-impl JudgedSample {
+    /// What a light of the same receivers and conditions is off by, source by source.
+    pub fn sources(&self, light: &Irradiances) -> SourcesFound {
+        let mean = self.mean_w_m2();
+        let rmse = |source: ErrorSource| {
+            let square = |pair: &Pair| {
+                let judged = pair.judged.by_reflections[source as usize];
+                let result = source.of(self.row(light, pair.receiver, pair.condition));
+                (result - judged).powi(2) - pair.judged.by_reflections_error[source as usize].powi(2)
+            };
+            let squares: f64 = self.pairs.iter().map(square).sum();
+            percent((squares / self.pairs.len().max(1) as f64).max(0.0).sqrt(), mean)
+        };
+        let hours = self.hours_of(light).found();
+        let shaded = hours.iter().find(|found| found.kind == HourKind::NoDirectSun);
+        let lit = shaded.map_or(0.0, |found| found.reflected_w_m2.value);
+        SourcesFound { percent: ErrorSource::ALL.map(rmse), lit_percent: percent(lit, mean) }
+    }
+
+    fn hours_of(&self, light: &Irradiances) -> HourSample {
+        self.hours.with_results(|receiver, condition| with_total(self.row(light, receiver, condition)))
+    }
+
     /// The error of some receivers.
     fn group(&self, group: &[usize], pairs: &[Pair]) -> Option<GroupError> {
         let inside: Vec<Pair> = pairs.iter().filter(|pair| group.contains(&pair.receiver)).copied().collect();
@@ -124,6 +185,19 @@ impl JudgedSample {
             mean_w_m2: rounded(mean_w_m2(&inside)),
             rmse_w_m2: rounded(deviation(&inside, TOTAL).rmse_w_m2.value),
         })
+    }
+}
+
+/// As the manifest states it.
+fn stated(found: &HoursFound) -> HoursError {
+    HoursError {
+        hours: found.kind.name().into(),
+        share_percent: rounded(100.0 * found.share),
+        receivers: found.receivers as u32,
+        mean_w_m2: rounded(found.mean_w_m2),
+        rmse_w_m2: rounded(found.rmse_w_m2.value),
+        reflected_mean_w_m2: rounded(found.reflected_mean_w_m2),
+        reflected_w_m2: rounded(found.reflected_w_m2.value),
     }
 }
 

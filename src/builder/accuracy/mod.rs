@@ -3,7 +3,8 @@
 //!
 //! Some of a spread sample of the receivers are the pilot: it is built with a few settings, and the distances between them give the error of
 //! every rung of each ladder ([`estimate`]). The others are the check: built with the settings that were chosen and compared with an independent
-//! [judge](crate::judge); where that finds more than was wanted, finer settings are chosen by what it found.
+//! [judge](crate::judge), in all hours and in those when the sun lights what receivers see and not the receivers. Where the judge finds that the
+//! total is off by more than was wanted, or that reflected light alone is, finer settings are chosen by what it found of each source.
 //! Nothing here depends on the machine, so the same site and target give the same settings, and the same archive.
 
 pub mod conditions;
@@ -34,6 +35,7 @@ const SHARE: usize = 16;
 const CHECKED_SHARE: usize = 4;
 const LEAST: usize = 20;
 const MOST: usize = 32;
+const LEAST_CHECKED: usize = 64;
 const MOST_CHECKED: usize = 128;
 
 /// Suns and skies of an estimate.
@@ -94,19 +96,28 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let conditions = wish.suns.some(CONDITIONS);
     let count = build.receivers.count();
     let pilots = (count / SHARE).clamp(LEAST, MOST).min(count.div_ceil(2));
-    let checked = (count / CHECKED_SHARE).clamp(LEAST, MOST_CHECKED).min(count - pilots);
+    let checked = (count / CHECKED_SHARE).clamp(LEAST_CHECKED, MOST_CHECKED).min(count - pilots);
+    // A small site is checked whole, its pilots too.
+    let whole = count <= LEAST_CHECKED;
     let sample = sample(build.receivers, pilots + checked)?;
     let is_pilot = |i: usize| (i + 1) * pilots / sample.len() > i * pilots / sample.len();
-    let some = |pilot: bool| sample.iter().enumerate().filter(move |(i, _)| is_pilot(*i) == pilot).map(|(_, s)| s);
-    let parts: [Vec<Receiver>; 2] = [true, false].map(|pilot| some(pilot).map(|s| s.1.clone()).collect());
+    let (mut piloted, mut checked) = (Vec::new(), Vec::new());
+    for (i, (tile, receiver)) in sample.iter().enumerate() {
+        if is_pilot(i) {
+            piloted.push(receiver.clone());
+        }
+        if whole || !is_pilot(i) {
+            checked.push((*tile, receiver.clone()));
+        }
+    }
+    let parts: [Vec<Receiver>; 2] = [piloted, checked.iter().map(|s| s.1.clone()).collect()];
     let Workspace { folder, memory } = build.workspace;
     let trials = tempfile::Builder::new().prefix("heliotile-pilot").tempdir_in(folder);
     let trials = trials.map_err(Error::io(folder, "make a folder in"))?;
     let workspace = Workspace { folder: trials.path().to_path_buf(), memory: *memory };
     let bench = |part: usize| Bench {
         scene: build.scene,
-        // With a single receiver there is no other part.
-        receivers: if parts[part].is_empty() { &parts[0] } else { &parts[part] },
+        receivers: &parts[part],
         conditions: &conditions,
         workspace: &workspace,
         observer: build.observer,
@@ -127,12 +138,12 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let lights = [bench(0).light(archive, fewest)?, finest.1.light.clone(), bench(0).light(archive, most)?];
     let patches = patch_errors(&lights);
     let mut errors = Errors::of(&trials, &finest, patches);
-    let mut chosen = errors.cheapest(wish.target_percent);
+    let mut chosen = errors.cheapest(wish.target_percent, None);
     let mut finer = finer(chosen, &errors, wish.target_percent);
     for _ in 0..ROUNDS {
         trials.push(std::mem::replace(&mut finest, try_out(0, finer)?));
         errors = Errors::of(&trials, &finest, patches);
-        let again = errors.cheapest(wish.target_percent);
+        let again = errors.cheapest(wish.target_percent, None);
         if again == chosen {
             break;
         }
@@ -144,35 +155,38 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
         finer = next;
     }
 
-    let of_checked: Vec<u32> = some(false).map(|s| s.0).collect();
+    let of_checked: Vec<u32> = checked.iter().map(|s| s.0).collect();
     let tile = |i: usize| of_checked.get(i).copied().unwrap_or_default();
-    let judged = JudgedSample::of(&bench(1), wish.left_out, wish.target_percent)?;
-    // What the judge finds over what the pilot expects.
-    let (mut scale, mut round) = (1.0, 1);
-    let (accuracy, expected) = loop {
-        let (_, here) = try_out(1, chosen)?;
-        let accuracy = judged.accuracy(&here.light, tile);
-        let expected = scale * errors.total(chosen);
-        if accuracy.rmse_percent <= wish.target_percent || round == ROUNDS {
-            break (accuracy, expected);
+    let (_, mut here) = try_out(1, chosen)?;
+    let judged = JudgedSample::of(&bench(1), wish.left_out, wish.target_percent)?.with_hours(&here.light);
+    let mut round = 0;
+    let accuracy = loop {
+        let (accuracy, found) = (judged.accuracy(&here.light, tile), judged.sources(&here.light));
+        let keeps = accuracy.rmse_percent <= wish.target_percent && found.lit_percent <= wish.target_percent;
+        round += 1;
+        if keeps || round == ROUNDS {
+            break accuracy;
         }
-        let again = errors.cheapest(wish.target_percent * expected / (scale * accuracy.rmse_percent));
+        let mut learned = errors.clone();
+        learned.learn(chosen, &found);
+        let again = learned.cheapest(wish.target_percent, Some(chosen));
         if again == chosen {
-            break (accuracy, expected);
+            break accuracy;
         }
-        (chosen, scale, round) = (again, scale * accuracy.rmse_percent / expected, round + 1);
+        (chosen, errors) = (again, learned);
+        here = try_out(1, chosen)?.1;
     };
     drop(progress);
 
     let accuracy = Accuracy {
         target_percent: wish.target_percent,
-        predicted_percent: rounded(expected),
+        predicted_percent: rounded(errors.total(chosen)),
         conditions: conditions.len() as u64,
         weather: wish.suns.name().into(),
         ..accuracy
     };
-    let [sky, seen, bounced] = ErrorSource::ALL.map(|source| scale * errors.at(chosen, source));
-    let sources_percent = [sky, seen, bounced, scale * patches[chosen.patches]];
+    let [sky, seen, bounced] = ErrorSource::ALL.map(|source| errors.at(chosen, source));
+    let sources_percent = [sky, seen, bounced, patches[chosen.patches]];
     let pilot_s = started.elapsed().as_secs_f64();
     Ok(SettingsChoice { settings: settings(chosen), accuracy, sources_percent, pilot_s })
 }
@@ -187,7 +201,8 @@ fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
     Rungs {
         // Skies cost little.
         sky: (2..SKY_RUNGS).find(|&sky| fine(sky) > fine(rungs.sky)).unwrap_or(SKY_RUNGS - 1),
-        seen: up(ErrorSource::Seen, SEEN_RUNGS).max(2),
+        // The first rung whose hits are not those of the first trials.
+        seen: up(ErrorSource::Seen, SEEN_RUNGS).max(3),
         bounced: up(ErrorSource::Bounced, BOUNCED_RUNGS).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
         patches: rungs.patches,
     }

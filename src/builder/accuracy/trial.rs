@@ -149,7 +149,8 @@ impl ErrorSource {
     /// All sources, in the order of their numbers.
     pub const ALL: [ErrorSource; 3] = [ErrorSource::Sky, ErrorSource::Seen, ErrorSource::Bounced];
 
-    fn of(self, row: &[f32; 8]) -> f64 {
+    /// The part of a row of [`Irradiances`] that has this source, W/m2.
+    pub fn of(self, row: &[f32; 8]) -> f64 {
         let [sun, sky, sun_diffuse, sky_diffuse, sun_specular, sky_specular, once_sun, once_sky] = row.map(f64::from);
         match self {
             ErrorSource::Sky => sun + sky + sun_specular + sky_specular,

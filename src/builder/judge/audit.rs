@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::comparison::Pair;
-use super::estimate::PARTS;
+use super::estimate::{Judged, PARTS};
+use super::hours::HourSample;
 use super::random::Random;
 use super::sky::JudgedSky;
 use super::walk::Judge;
@@ -62,6 +63,8 @@ pub struct Audited {
     pub receivers: Vec<(Receiver, f64)>,
     /// In the order of the receivers.
     pub pairs: Vec<Pair>,
+    /// The same receivers in hours when the sun lights what they see.
+    pub hours: HourSample,
 }
 
 /// Compares results of an archive with the judge's. An error: blocks that cannot be read, a sky that the judge does not know.
@@ -87,7 +90,7 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
     let replay = Replay::new(&site, request.conditions, settings)?;
     let judge = Judge::new(request.scene, Effects::of_names(&request.archive.manifest().settings.left_out));
     let progress = Stage::begin(request.observer, "audit", Some(request.samples.min(all.len()) as u64));
-    let mut audited = Audited { receivers: Vec::new(), pairs: Vec::new() };
+    let mut audited = Audited { receivers: Vec::new(), pairs: Vec::new(), hours: HourSample::default() };
     let mut chosen = spread(all.len(), request.samples, request.seed);
     // Whenever the time is up, those that were looked at lie everywhere.
     shuffle(&mut chosen, request.seed);
@@ -101,6 +104,8 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
         let mut some: Vec<(u32, usize)> = some.iter().map(|&i| all[i]).collect();
         some.sort_unstable();
         let first = audited.receivers.len();
+        // `[receiver of this batch][condition]`: the six components and the total.
+        let mut results: Vec<Vec<[f32; PARTS]>> = Vec::new();
         site.expect(&[format::RECEIVERS, format::PARTS], some.iter().map(|of| of.0));
         for of_tile in some.chunk_by(|a, b| a.0 == b.0) {
             let tile = of_tile[0].0;
@@ -110,32 +115,50 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
             for &(_, row) in of_tile {
                 let receiver = audited.receivers.len();
                 audited.receivers.push((receivers[row].clone(), f64::from(views[row][0])));
+                let of = |condition| std::array::from_fn(|part| values.row(Component::ALL[part], row)[condition]);
+                results.push((0..skies.len()).map(of).collect());
                 for condition in spread(skies.len(), request.hours, mix(request.seed, receiver as u64)) {
-                    let of = |part: usize| f64::from(values.row(Component::ALL[part], row)[condition]);
-                    let result: [f64; PARTS] = std::array::from_fn(of);
+                    let result = results[receiver - first][condition].map(f64::from);
                     audited.pairs.push(Pair { receiver, condition, result, judged: Default::default() });
                 }
             }
         }
-        let (receivers, seed) = (&audited.receivers, mix(request.seed, 0x0061_7564_6974));
-        let start = audited.pairs.partition_point(|pair| pair.receiver < first);
-        let mut of_receivers: Vec<&mut [Pair]> =
-            audited.pairs[start..].chunk_by_mut(|a, b| a.receiver == b.receiver).collect();
-        of_receivers.par_iter_mut().for_each(|pairs| {
-            let Some(number) = pairs.first().map(|pair| pair.receiver) else { return };
-            let under: Vec<&JudgedSky> = pairs.iter().map(|pair| &skies[pair.condition]).collect();
-            let receiver = &receivers[number].0;
-            let seed = mix(seed, number as u64);
-            let found = judge.irradiance(receiver.position, receiver.normal, &under, request.paths, seed);
-            pairs.iter_mut().zip(found).for_each(|(pair, judged)| pair.judged = judged);
-            progress.advance(1);
-        });
+        let all = first..audited.receivers.len();
+        let result = |receiver: usize, condition: usize| results[receiver - first][condition].map(f64::from);
+        audited.hours.choose(all, skies.len(), result, mix(request.seed, first as u64));
+        let (receivers, hours) = (&audited.receivers, &mut audited.hours.pairs);
+        for (pairs, name, progress) in
+            [(&mut audited.pairs, 0x0061_7564_6974, Some(&progress)), (hours, 0x686f_7572, None)]
+        {
+            let start = pairs.partition_point(|pair| pair.receiver < first);
+            let of_receiver = |number: usize, under: &[&JudgedSky]| {
+                let (receiver, seed) = (&receivers[number].0, mix(mix(request.seed, name), number as u64));
+                progress.inspect(|progress| progress.advance(1));
+                judge.irradiance(receiver.position, receiver.normal, under, request.paths, seed)
+            };
+            judge_pairs(&mut pairs[start..], &skies, of_receiver);
+        }
     }
     Ok(audited)
 }
 
-/// So many numbers below a limit, one at random of each part of it.
-fn spread(limit: usize, count: usize, seed: u64) -> Vec<usize> {
+/// Asks about pairs, which are in the order of their receivers: all conditions of a receiver at once.
+pub fn judge_pairs(
+    pairs: &mut [Pair],
+    skies: &[JudgedSky],
+    irradiance: impl Fn(usize, &[&JudgedSky]) -> Vec<Judged> + Sync,
+) {
+    let mut of_receivers: Vec<&mut [Pair]> = pairs.chunk_by_mut(|a, b| a.receiver == b.receiver).collect();
+    of_receivers.par_iter_mut().for_each(|pairs| {
+        let Some(number) = pairs.first().map(|pair| pair.receiver) else { return };
+        let under: Vec<&JudgedSky> = pairs.iter().map(|pair| &skies[pair.condition]).collect();
+        let found = irradiance(number, &under);
+        pairs.iter_mut().zip(found).for_each(|(pair, judged)| pair.judged = judged);
+    });
+}
+
+/// So many numbers below a limit, all if there are fewer, one at random of each part of it.
+pub fn spread(limit: usize, count: usize, seed: u64) -> Vec<usize> {
     let count = count.min(limit);
     let mut random = Random::new(mix(seed, 0));
     let number = |i: usize| ((i as f64 + random.next()) * limit as f64 / count as f64) as usize;

@@ -64,13 +64,26 @@ struct Sums {
 
 /// Finds out about one part of pairs, which are in the order of their receivers.
 pub fn deviation(pairs: &[Pair], part: usize) -> Deviation {
+    let [bias_w_m2, rmse_w_m2] = bias_and_rmse(pairs, |pair| (off(pair, part), pair.judged.error[part]), part as u64);
+    let beyond_noise = |pair: &Pair| off(pair, part).abs() - 2.0 * pair.judged.error[part];
+    let worst = pairs.iter().max_by(|a, b| beyond_noise(a).total_cmp(&beyond_noise(b))).copied();
+    Deviation { bias_w_m2, rmse_w_m2, worst }
+}
+
+/// RMSE of any difference of pairs, W/m2, from each pair's difference and the standard error of what the judge found.
+pub fn rmse_known(pairs: &[Pair], difference: impl Fn(&Pair) -> (f64, f64)) -> Known {
+    bias_and_rmse(pairs, difference, PARTS as u64)[1]
+}
+
+/// Mean and RMSE of differences that are known with standard errors; the seed draws the resamplings.
+fn bias_and_rmse(pairs: &[Pair], difference: impl Fn(&Pair) -> (f64, f64), seed: u64) -> [Known; 2] {
     let of_receiver = |pairs: &[Pair]| {
         let mut sums = Sums::default();
         for pair in pairs {
-            let difference = off(pair, part);
+            let (difference, error) = difference(pair);
             sums.count += 1.0;
             sums.difference += difference;
-            sums.square += difference * difference - pair.judged.error[part].powi(2);
+            sums.square += difference * difference - error.powi(2);
         }
         sums
     };
@@ -86,7 +99,7 @@ pub fn deviation(pairs: &[Pair], part: usize) -> Deviation {
         [all.difference / count, (all.square / count).max(0.0).sqrt()]
     };
     let values = figures(&mut receivers.iter().copied());
-    let mut random = Random::new(part as u64);
+    let mut random = Random::new(seed);
     let mut draw = || receivers[((random.next() * receivers.len() as f64) as usize).min(receivers.len() - 1)];
     let drawn: Vec<[f64; 2]> = match receivers.is_empty() {
         true => Vec::new(),
@@ -98,9 +111,7 @@ pub fn deviation(pairs: &[Pair], part: usize) -> Deviation {
         let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(values[figure]);
         Known { value: values[figure], low: at(TAIL), high: at(1.0 - TAIL) }
     };
-    let beyond_noise = |pair: &Pair| off(pair, part).abs() - 2.0 * pair.judged.error[part];
-    let worst = pairs.iter().max_by(|a, b| beyond_noise(a).total_cmp(&beyond_noise(b))).copied();
-    Deviation { bias_w_m2: known(0), rmse_w_m2: known(1), worst }
+    [known(0), known(1)]
 }
 
 /// How far a result is off.

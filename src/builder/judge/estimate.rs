@@ -30,6 +30,10 @@ pub struct Judged {
     pub by_effect: [f64; EFFECTS],
     /// Standard errors of these.
     pub by_effect_error: [f64; EFFECTS],
+    /// The total by how many matt surfaces reflected the light: none, one, more.
+    pub by_reflections: [f64; 3],
+    /// Standard errors of these.
+    pub by_reflections_error: [f64; 3],
 }
 
 impl Judged {
@@ -44,8 +48,18 @@ impl Judged {
             let values = batches.each_ref().map(|batch| batch[lane(effect)]);
             (judged.by_effect[effect as usize], judged.by_effect_error[effect as usize]) = mean_and_error(&values);
         }
+        for reflections in 0..3 {
+            let values = batches.each_ref().map(|batch| by_reflections(batch)[reflections]);
+            (judged.by_reflections[reflections], judged.by_reflections_error[reflections]) = mean_and_error(&values);
+        }
         judged
     }
+}
+
+/// The total of a batch by how many matt surfaces reflected the light: none, one, more.
+fn by_reflections(batch: &Batch) -> [f64; 3] {
+    let (matt, again) = (batch[lane(Effect::Diffuse)], batch[lane(Effect::Bounces)]);
+    [batch[..PARTS - 1].iter().sum::<f64>() - matt, matt - again, again]
 }
 
 fn mean_and_error(values: &[f64; BATCHES]) -> (f64, f64) {

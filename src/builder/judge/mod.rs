@@ -12,12 +12,13 @@ mod carried;
 pub mod comparison;
 mod estimate;
 pub mod groups;
+pub mod hours;
 mod random;
 mod sky;
 mod sun;
 mod walk;
 
-pub use audit::{AuditRequest, Audited, audit};
+pub use audit::{AuditRequest, Audited, audit, judge_pairs, spread};
 pub use estimate::{BATCHES, Judged, PARTS};
 pub use sky::JudgedSky;
 pub use walk::Judge;

@@ -76,6 +76,14 @@ impl Rungs {
         }
     }
 
+    /// Whether no rung is above another one's.
+    pub const fn is_nowhere_finer(self, other: Rungs) -> bool {
+        self.sky <= other.sky
+            && self.seen <= other.seen
+            && self.bounced <= other.bounced
+            && self.patches <= other.patches
+    }
+
     /// Settings that share probes and leave nothing out.
     pub fn settings(self) -> BuildSettings {
         BuildSettings::of_rungs(self)

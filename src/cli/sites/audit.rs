@@ -23,9 +23,12 @@ pub struct AuditArgs {
     /// 64 each receiver is asked about all
     #[arg(long, short, value_name = "FILE", conflicts_with = "weather")]
     pub conditions: Option<PathBuf>,
-    /// Receivers to ask the judge about, under 8 hours each [default: 256, or as many as --seconds allow]
+    /// Receivers to ask the judge about [default: 256, or as many as --seconds allow]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: Option<u32>,
+    /// Hours that each of them is asked about [default: 8, or all of --conditions if they are 64 or fewer]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub hours: Option<u32>,
     /// Stop asking after this time
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     pub seconds: Option<f64>,

@@ -53,7 +53,7 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
         archive: &archive,
         scene: &prepared,
         conditions: &conditions,
-        hours,
+        hours: args.hours.map_or(hours, |hours| hours as usize),
         sky: args.sky,
         samples: samples as usize,
         time: args.seconds.map(Duration::from_secs_f64),

@@ -7,8 +7,10 @@ use crate::outputs::page::{escaped, page};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::csvw::{self, CsvColumn};
+use heliotile_builder::accuracy::estimate::percent;
 use heliotile_builder::judge::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
 use heliotile_builder::judge::groups::by_sky_view;
+use heliotile_builder::judge::hours::{HourKind, HoursFound, mix_of};
 use heliotile_builder::judge::{Audited, PARTS};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::error::Result;
@@ -48,6 +50,7 @@ pub struct AuditReport<'a> {
     /// `[part]`
     deviations: Vec<Deviation>,
     groups: Vec<Group>,
+    hours: Vec<HoursFound>,
 }
 
 /// Receivers that see about as much of the sky.
@@ -69,8 +72,28 @@ impl<'a> AuditReport<'a> {
     ) -> Self {
         let deviations = (0..PARTS).map(|part| deviation(&audited.pairs, part)).collect();
         let groups = groups(audited);
-        let mean_w_m2 = mean_w_m2(&audited.pairs);
-        AuditReport { archive, audited, conditions, weather, stated, mean_w_m2, deviations, groups }
+        let (mean_w_m2, hours) = (mean_w_m2(&audited.pairs), audited.hours.found());
+        AuditReport { archive, audited, conditions, weather, stated, mean_w_m2, deviations, groups, hours }
+    }
+
+    /// What is stated of the error of the hours that were looked at, percent of their mean.
+    fn stated_percent(&self, stated: &Accuracy) -> f64 {
+        percent(stated.expected_w_m2(&mix_of(&self.audited.pairs), self.mean_w_m2), self.mean_w_m2)
+    }
+
+    /// What is stated of the error of a kind of hours, percent of their mean.
+    fn stated_of(&self, found: &HoursFound) -> Option<f64> {
+        let stated = self.stated.filter(|stated| stated.hours.iter().any(|hours| hours.hours == found.kind.name()))?;
+        Some(percent(stated.expected_w_m2(&found.mix, found.mean_w_m2), found.mean_w_m2))
+    }
+
+    /// The kinds of hours in which the error is larger than what is stated.
+    fn refuted_hours(&self) -> Vec<HourKind> {
+        let is_refuted = |found: &&HoursFound| {
+            let low = percent(found.rmse_w_m2.low, found.mean_w_m2);
+            self.stated_of(found).is_some_and(|stated| low > STATED_WITHIN * stated)
+        };
+        self.hours.iter().filter(is_refuted).map(|found| found.kind).collect()
     }
 
     /// Of the mean total.
@@ -85,17 +108,25 @@ impl<'a> AuditReport<'a> {
     pub fn verdict(&self) -> Verdict {
         match self.stated {
             None => Verdict::NothingStated,
-            Some(stated) if self.total().low > STATED_WITHIN * stated.rmse_percent => Verdict::Refuted,
+            Some(stated) if self.total().low > STATED_WITHIN * self.stated_percent(stated) => Verdict::Refuted,
+            Some(_) if !self.refuted_hours().is_empty() => Verdict::Refuted,
             Some(_) => Verdict::Holds,
         }
     }
 
     /// The verdict in words.
     fn sentence(&self) -> String {
-        let stated = self.stated.map_or(0.0, |stated| stated.rmse_percent);
+        let stated = self.stated.map_or(0.0, |stated| self.stated_percent(stated));
+        let hours: Vec<&str> = self.refuted_hours().into_iter().map(HourKind::name).collect();
         match self.verdict() {
             Verdict::NothingStated => "nothing is stated: `build --error 2%` would state an error".into(),
             Verdict::Holds => format!("stated: {stated:.2} %: not refuted"),
+            Verdict::Refuted if !hours.is_empty() => {
+                let hours = hours.join(", ");
+                format!(
+                    "stated: {stated:.2} %: REFUTED, the error is more than {STATED_WITHIN} times as large in hours of: {hours}"
+                )
+            }
             Verdict::Refuted => {
                 format!("stated: {stated:.2} %: REFUTED, the error is more than {STATED_WITHIN} times as large")
             }
@@ -139,6 +170,26 @@ impl<'a> AuditReport<'a> {
             let (value, from, to) = (rmse.value, rmse.low, rmse.high);
             let _ =
                 writeln!(out, "{low:.2} to {high:.2} {mean:>12.1} {value:>9.2} ({from:.2} to {to:.2}) {percent:>13.2}");
+        }
+        if !self.hours.is_empty() {
+            let _ = writeln!(
+                out,
+                "hours             share % mean W/m2        RMSE, W/m2 (95 %)     % of its mean  stated %"
+            );
+        }
+        for found in &self.hours {
+            let (rmse, mean) = (found.rmse_w_m2, found.mean_w_m2);
+            let stated = self.stated_of(found).map_or("-".into(), |stated| format!("{stated:.2}"));
+            let _ = writeln!(
+                out,
+                "{:16} {:>8.1} {mean:>9.1} {:>9.2} ({:.2} to {:.2}) {:>13.2} {stated:>9}",
+                found.kind.name(),
+                100.0 * found.share,
+                rmse.value,
+                rmse.low,
+                rmse.high,
+                percent(rmse.value, mean)
+            );
         }
         let total = self.deviations[PARTS - 1].rmse_w_m2;
         let _ = writeln!(out, "RMSE of totals: {:.2} W/m2; {}", total.value, self.sentence());

@@ -1,11 +1,13 @@
 //! What a build will do and has done, as tables for people.
 
+use std::fmt::Write;
 use std::path::Path;
 
 use heliotile_builder::accuracy::SettingsChoice;
 use heliotile_builder::build::{BuildReport, Forecast, SKY_W_M2, SUN_W_M2};
 use heliotile_builder::planning::losses::YearLosses;
 use heliotile_builder::settings::Effect;
+use heliotile_core::archive::accuracy::HoursError;
 use heliotile_core::archive::format;
 use heliotile_core::site::chain::MOST_MIRRORS;
 use heliotile_core::text::counted;
@@ -122,17 +124,48 @@ pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String
         true => format!(": more than the {} % wanted", a.target_percent),
         false => String::new(),
     };
-    format!(
-        "error: {:.2} % expected, {:.2} % ({:.2} W/m2) found on {} (bias {:.2} %, means over all hours {:.2} %){above}\n\
-         time: {expected_s:.1} s expected, {taken_s:.1} s taken, besides the pilot's {:.1} s\n",
+    let mut out = format!(
+        "error: {:.2} % expected, {:.2} % ({:.2} W/m2) found on {} (bias {:.2} %, means over all hours {:.2} %){above}\n",
         a.predicted_percent,
         a.rmse_percent,
-        a.rmse_percent / 100.0 * a.mean_w_m2,
-        counted(a.sample, "other receiver"),
+        a.rmse_w_m2(),
+        counted(a.sample, "receiver"),
         a.bias_percent,
         a.yearly_percent,
+    );
+    for hours in &a.hours {
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "  {}", in_hours(hours));
+    }
+    let _ = writeln!(
+        out,
+        "time: {expected_s:.1} s expected, {taken_s:.1} s taken, besides the pilot's {:.1} s",
         choice.pilot_s
+    );
+    out
+}
+
+/// The error in hours of one kind, in words.
+pub fn in_hours(hours: &HoursError) -> String {
+    format!(
+        "in hours with {} ({:.0} % of all): {:.2} % of their mean ({:.2} of {:.1} W/m2), reflected light {:.2} % ({:.2} of {:.1} W/m2)",
+        hours_in_words(&hours.hours),
+        hours.share_percent,
+        hours.rmse_percent(),
+        hours.rmse_w_m2,
+        hours.mean_w_m2,
+        hours.reflected_percent(),
+        hours.reflected_w_m2,
+        hours.reflected_mean_w_m2
     )
+}
+
+/// A kind of hours, after "hours with".
+fn hours_in_words(kind: &str) -> String {
+    match kind {
+        "mostly reflected" => "mostly reflected light".into(),
+        other => other.into(),
+    }
 }
 
 /// The summary that a build ends with.

@@ -33,6 +33,10 @@ pub struct Accuracy {
     /// RMSE of groups of the sample by the sky that they see, from little to much.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<GroupError>,
+    /// RMSE in hours when the sun lights what receivers see and not the receivers: `no direct sun`, and `mostly reflected`. Empty in
+    /// archives of earlier builds, and where there are hardly any such hours.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hours: Vec<HoursError>,
     /// RMSE of receivers of the sample by tiles; tiles between two are like the nearest.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileError>,
@@ -55,6 +59,27 @@ pub struct GroupError {
     pub rmse_w_m2: f64,
 }
 
+/// RMSE of the totals of the sample in hours of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct HoursError {
+    /// Which hours. `no direct sun`: the sun lights what a receiver sees, by which it gives it more than 1 % of its total, straight or by mirrors less than 1 %.
+    /// `mostly reflected`: of these hours those in which more than half of its total comes from matt surfaces.
+    pub hours: String,
+    /// Share of all hours of all receivers of the sample.
+    pub share_percent: f64,
+    /// Receivers of the sample that have such hours.
+    pub receivers: u32,
+    /// Mean of their totals in these hours, W/m2.
+    pub mean_w_m2: f64,
+    /// Of the totals, W/m2.
+    pub rmse_w_m2: f64,
+    /// Mean of what matt surfaces reflect in these hours, W/m2.
+    pub reflected_mean_w_m2: f64,
+    /// Of what matt surfaces reflect, W/m2.
+    pub reflected_w_m2: f64,
+}
+
 /// RMSE of the receivers of the sample that lie in one tile, W/m2.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -68,9 +93,147 @@ pub struct TileError {
 }
 
 impl Accuracy {
+    /// RMSE of the totals, W/m2.
+    pub fn rmse_w_m2(&self) -> f64 {
+        self.rmse_percent / 100.0 * self.mean_w_m2
+    }
+
+    /// The RMSE of totals that this states for other hours, W/m2: in each kind of hours the same percentages of what matt surfaces reflect and of
+    /// the other light. `mix` says what hours of each kind, each of which holds the next, make up of them; `mean_w_m2` is the mean of all.
+    pub fn expected_w_m2(&self, mix: &[HoursMix], mean_w_m2: f64) -> f64 {
+        if self.hours.is_empty() {
+            return self.rmse_percent / 100.0 * mean_w_m2;
+        }
+        // All hours, then each kind that is stated, as the archive and as the mix have them.
+        let mut stated = vec![Portion::of(1.0, [self.mean_w_m2, self.rmse_w_m2()], [0.0; 2])];
+        let mut there = vec![Portion::of(1.0, [mean_w_m2, 0.0], [0.0; 2])];
+        for hours in &self.hours {
+            if let Some(mix) = mix.iter().find(|mix| mix.hours == hours.hours) {
+                let matt = [hours.reflected_mean_w_m2, hours.reflected_w_m2];
+                stated.push(Portion::of(hours.share_percent / 100.0, [hours.mean_w_m2, hours.rmse_w_m2], matt));
+                there.push(Portion::of(mix.share, [mix.mean_w_m2, 0.0], [mix.reflected_mean_w_m2, 0.0]));
+            }
+        }
+        let alone = |portions: &[Portion], i: usize| portions[i].without(portions.get(i + 1));
+        let square = |i: usize| alone(&stated, i).square_of(&alone(&there, i));
+        (0..stated.len()).map(square).sum::<f64>().sqrt()
+    }
+
     /// For other tiles.
     #[must_use]
     pub fn without_tiles(self) -> Self {
         Accuracy { tiles: Vec::new(), ..self }
+    }
+}
+
+impl HoursError {
+    /// RMSE of the totals in percent of their mean; 0 in the dark.
+    pub fn rmse_percent(&self) -> f64 {
+        if self.mean_w_m2 > 0.0 { self.rmse_w_m2 / self.mean_w_m2 * 100.0 } else { 0.0 }
+    }
+
+    /// RMSE of what matt surfaces reflect in percent of its mean; 0 in the dark.
+    pub fn reflected_percent(&self) -> f64 {
+        if self.reflected_mean_w_m2 > 0.0 { self.reflected_w_m2 / self.reflected_mean_w_m2 * 100.0 } else { 0.0 }
+    }
+}
+
+/// What hours of a kind make up of some hours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoursMix<'a> {
+    /// The kind, as [`HoursError::hours`].
+    pub hours: &'a str,
+    /// Share of all.
+    pub share: f64,
+    /// Mean of their totals, W/m2.
+    pub mean_w_m2: f64,
+    /// Mean of what matt surfaces reflect in them, W/m2.
+    pub reflected_mean_w_m2: f64,
+}
+
+/// What some hours add to a mean over all.
+#[derive(Clone, Copy, Debug, Default)]
+struct Portion {
+    /// Share of all hours.
+    share: f64,
+    total: Part,
+    /// What matt surfaces reflect; nothing where that is not known.
+    matt: Part,
+}
+
+/// A part of the light.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    /// Share of the hours times mean, W/m2.
+    light: f64,
+    /// Share of the hours times mean square error, (W/m2)^2.
+    square: f64,
+}
+
+impl Part {
+    fn without(self, other: Part) -> Self {
+        Part { light: (self.light - other.light).max(0.0), square: (self.square - other.square).max(0.0) }
+    }
+}
+
+impl Portion {
+    /// Mean and RMSE, W/m2, of the total and of what is reflected.
+    fn of(share: f64, total: [f64; 2], matt: [f64; 2]) -> Self {
+        let part = |[mean, rmse]: [f64; 2]| Part { light: share * mean, square: share * rmse * rmse };
+        Portion { share, total: part(total), matt: part(matt) }
+    }
+
+    /// Without hours of a kind that these hold.
+    fn without(self, inner: Option<&Portion>) -> Self {
+        let inner = inner.copied().unwrap_or_default();
+        Portion {
+            share: (self.share - inner.share).max(0.0),
+            total: self.total.without(inner.total),
+            matt: self.matt.without(inner.matt),
+        }
+    }
+
+    /// The mean square error of other hours that are off by the same percentages, times their share.
+    fn square_of(&self, there: &Portion) -> f64 {
+        let scaled = |part: Part, light: f64| match self.share * part.light > 0.0 && there.share > 0.0 {
+            // (RMSE / mean)^2 as stated, times the mean there, squared.
+            true => part.square * self.share / part.light.powi(2) * light.powi(2) / there.share,
+            false => 0.0,
+        };
+        let other = self.total.without(self.matt);
+        scaled(self.matt, there.matt.light) + scaled(other, there.total.without(there.matt).light)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An archive states 1 % of 200 W/m2, and in the half of its hours without direct sun 1.5 W/m2 of 75, of which 1.2 W/m2 of 60 are reflected. Of
+    /// the same hours 2 W/m2 are expected; of hours without direct sun alone in which 150 W/m2 are reflected and there is no sky 3 W/m2, 2 % as stated;
+    /// one that states nothing of hours expects 1 % of any mean.
+    #[test]
+    fn what_is_stated_holds_for_other_hours() {
+        let stated = Accuracy {
+            rmse_percent: 1.0,
+            mean_w_m2: 200.0,
+            hours: vec![HoursError {
+                hours: "no direct sun".into(),
+                share_percent: 50.0,
+                mean_w_m2: 75.0,
+                rmse_w_m2: 1.5,
+                reflected_mean_w_m2: 60.0,
+                reflected_w_m2: 1.2,
+                ..HoursError::default()
+            }],
+            ..Accuracy::default()
+        };
+        let mix = |share: f64, mean_w_m2: f64, reflected_mean_w_m2: f64| {
+            [HoursMix { hours: "no direct sun", share, mean_w_m2, reflected_mean_w_m2 }]
+        };
+        assert!((stated.expected_w_m2(&mix(0.5, 75.0, 60.0), 200.0) - 2.0).abs() < 1e-12);
+        assert!((stated.expected_w_m2(&mix(1.0, 150.0, 150.0), 150.0) - 3.0).abs() < 1e-12);
+        let bare = Accuracy { hours: Vec::new(), ..stated };
+        assert!((bare.expected_w_m2(&mix(1.0, 150.0, 150.0), 150.0) - 1.5).abs() < 1e-12);
     }
 }

@@ -136,7 +136,7 @@ class BuildReport:
     bytes: int
     """Length of the archive."""
     error_percent: float | None
-    """RMSE of hourly totals that was found on other receivers, in percent of their mean; only where an error was asked for."""
+    """RMSE of hourly totals that was found on a sample of the receivers, in percent of their mean; only where an error was asked for."""
 
 
 def build(
