@@ -10,7 +10,7 @@ use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// What the plan of an atlas says of its parts.
-const PLANNED: [&str; 21] = [
+const PLANNED: [&str; 22] = [
     "receivers",
     "output",
     "materials",

@@ -114,9 +114,8 @@ impl Accuracy {
                 there.push(Portion::of(mix.share, [mix.mean_w_m2, 0.0], [mix.reflected_mean_w_m2, 0.0]));
             }
         }
-        let alone = |portions: &[Portion], i: usize| portions[i].without(portions.get(i + 1));
-        let square = |i: usize| alone(&stated, i).square_of(&alone(&there, i));
-        (0..stated.len()).map(square).sum::<f64>().sqrt()
+        let pairs = alone(&stated).into_iter().zip(alone(&there));
+        pairs.map(|(stated, there)| stated.square_of(&there)).sum::<f64>().sqrt()
     }
 
     /// For other tiles.
@@ -174,6 +173,12 @@ impl Part {
     fn without(self, other: Part) -> Self {
         Part { light: (self.light - other.light).max(0.0), square: (self.square - other.square).max(0.0) }
     }
+}
+
+/// Each portion without the next one, which it holds.
+fn alone(portions: &[Portion]) -> Vec<Portion> {
+    let next = portions.iter().skip(1).map(Some).chain([None]);
+    portions.iter().zip(next).map(|(portion, next)| portion.without(next)).collect()
 }
 
 impl Portion {

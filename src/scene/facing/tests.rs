@@ -157,8 +157,11 @@ fn spoil(faces: &mut Vec<Drawn>, fault: &str, random: &mut Random) {
     }
 }
 
+/// Areas by kind, m2.
+type Areas = BTreeMap<SurfaceKind, f64>;
+
 /// All solids as one city model, each a building 100 m from the next, and their areas by kind.
-fn city(count: usize) -> (String, Vec<(String, BTreeMap<SurfaceKind, f64>)>) {
+fn city(count: usize) -> (String, Vec<(String, Areas)>) {
     let (mut vertices, mut objects, mut right) = (Vec::new(), String::new(), Vec::new());
     for number in 0..count {
         let mut random = Random(mix(number as u64, 11));
@@ -215,14 +218,14 @@ fn city(count: usize) -> (String, Vec<(String, BTreeMap<SurfaceKind, f64>)>) {
 }
 
 /// Areas of a scene file by object and kind, m2, and the warnings.
-fn areas(name: &str, text: &str) -> (BTreeMap<String, BTreeMap<SurfaceKind, f64>>, Vec<String>) {
+fn areas(name: &str, text: &str) -> (BTreeMap<String, Areas>, Vec<String>) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     std::fs::write(&path, text).expect("written");
     let site = Site { parts: vec![Part::plain(&path, None)], ..Site::default() };
     let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
     let surfaces = Surfaces::find(&soup, &scene.materials);
-    let mut found: BTreeMap<String, BTreeMap<SurfaceKind, f64>> = BTreeMap::new();
+    let mut found: BTreeMap<String, Areas> = BTreeMap::new();
     for surface in &surfaces.list {
         let object = surfaces.objects[surface.object].0.clone();
         *found.entry(object).or_default().entry(surface.kind).or_default() += surface.area_m2;

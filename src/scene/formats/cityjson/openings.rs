@@ -23,9 +23,16 @@ struct Panel {
     is_whole: bool,
 }
 
+/// What of a building openings are cut out of, and the outlines of its openings.
+#[derive(Default)]
+struct Facade {
+    panels: Vec<Panel>,
+    openings: Vec<Vec<DVec3>>,
+}
+
 /// Cuts windows and doors out of the walls and roofs of their building; returns how many.
 pub(super) fn cut_openings(geometry: &mut Geometry) -> usize {
-    let mut buildings: BTreeMap<&str, (Vec<Panel>, Vec<Vec<DVec3>>)> = BTreeMap::new();
+    let mut buildings: BTreeMap<&str, Facade> = BTreeMap::new();
     let has_openings = (0..geometry.face_count()).any(|face| is_opening(geometry, face));
     if !has_openings {
         return 0;
@@ -36,18 +43,18 @@ pub(super) fn cut_openings(geometry: &mut Geometry) -> usize {
         let outline = rings.next().unwrap_or_default();
         let building = building_of(geometry, face.object);
         if is_opening(geometry, face.number) {
-            buildings.entry(building).or_default().1.push(outline);
+            buildings.entry(building).or_default().openings.push(outline);
         } else if matches!(kind, Some(SurfaceKind::Wall | SurfaceKind::Roof))
             && let Some(frame) = Frame::of(&outline)
         {
             let normal = frame.right().cross(frame.up());
             let (face, holes) = (face.number, rings.collect());
             let panel = Panel { face, outline, frame, normal, holes, cut: Vec::new(), is_whole: false };
-            buildings.entry(building).or_default().0.push(panel);
+            buildings.entry(building).or_default().panels.push(panel);
         }
     }
     let (mut count, mut cut, mut dropped) = (0, BTreeMap::new(), vec![false; geometry.face_count()]);
-    for (mut panels, openings) in buildings.into_values() {
+    for Facade { mut panels, openings } in buildings.into_values() {
         count += openings.iter().filter(|opening| take_from(&mut panels, opening)).count();
         for panel in panels {
             if let Some(slot) = dropped.get_mut(panel.face) {
@@ -64,7 +71,7 @@ pub(super) fn cut_openings(geometry: &mut Geometry) -> usize {
 }
 
 /// Cuts an opening out of the first panel that holds it.
-fn take_from(panels: &mut [Panel], opening: &Vec<DVec3>) -> bool {
+fn take_from(panels: &mut [Panel], opening: &[DVec3]) -> bool {
     let lies_in =
         |panel: &Panel| opening.iter().all(|p| (*p - panel.frame.origin).dot(panel.normal).abs() <= ROUNDED_M);
     for panel in panels.iter_mut().filter(|panel| !panel.is_whole && lies_in(panel)) {
