@@ -3,7 +3,6 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::geometry::Geometry;
 use crate::reference::Reference;
 
 /// Distances from the Earth's centre of what stands on it, metres: the poles are at 6,356.8 km, the equator at 6,378.1 km.
@@ -59,27 +58,27 @@ impl LocalFrame {
         }
     }
 
+    /// Its origin, with y to true north.
+    pub(crate) fn reference(&self) -> Reference {
+        Reference::Place { latitude_deg: self.latitude_deg, longitude_deg: self.longitude_deg }
+    }
+
     fn local(&self, position: DVec3) -> DVec3 {
         self.turn * (position - self.origin)
     }
 }
 
-/// Turns geocentric coordinates into metres about a place: that of the scene's first such file, else the middle of these. What is not
-/// geocentric stays as it is.
-pub(crate) fn to_local(geometry: &mut Geometry, of_scene: Option<LocalFrame>, file: &str) {
-    if !is_geocentric(&geometry.vertices) {
-        return;
+/// Turns geocentric coordinates into metres about a place, and gives its frame: that of the scene's first such file, else of the middle of
+/// these. What is not geocentric stays as it is.
+pub(crate) fn to_local(vertices: &mut [DVec3], of_scene: Option<LocalFrame>) -> Option<LocalFrame> {
+    if !is_geocentric(vertices) {
+        return None;
     }
-    let (low, high) = crate::mesh::bounds(geometry.vertices.iter().copied());
+    let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let frame = of_scene.unwrap_or_else(|| LocalFrame::at(0.5 * (low + high)));
-    geometry.vertices.iter_mut().for_each(|vertex| *vertex = frame.local(*vertex) + 0.0);
-    let (latitude_deg, longitude_deg) = (frame.latitude_deg, frame.longitude_deg);
-    geometry.reference = Some(Reference::Place { latitude_deg, longitude_deg });
-    geometry.local_frame = Some(frame);
-    geometry.warnings.push(format!(
-        "{file}: its coordinates are geocentric (EPSG:4978); x, y and z are now metres east, north and up of latitude {latitude_deg:.6}, \
-         longitude {longitude_deg:.6}, height 0 of the ellipsoid"
-    ));
+    vertices.iter_mut().for_each(|vertex| *vertex = frame.local(*vertex) + 0.0);
+    Some(frame)
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::coordinate::is_position;
-use crate::formats::has_no_up;
 use crate::input;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
@@ -120,6 +119,13 @@ impl Part {
         };
         p + self.shift() + 0.0
     }
+}
+
+/// Endings of formats whose files do not say which axis points up.
+const NO_UP: [&str; 3] = ["obj", "ply", "stl"];
+
+fn has_no_up(file: &Path) -> bool {
+    NO_UP.contains(&input::ending(file).as_str())
 }
 
 /// `site.toml` as it is written.

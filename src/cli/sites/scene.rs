@@ -183,7 +183,7 @@ fn parse_scale(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
-    /// Three spellings of RD New are 28992; a system in degrees, one that is unknown and a name are refused with what to do.
+    /// Three spellings of RD New are 28992; a system in degrees, one that is unknown and a name are refused with what to do; two axes may be up.
     #[test]
     fn systems() {
         for text in ["28992", "EPSG:28992", " epsg:28992"] {
@@ -191,6 +191,9 @@ mod tests {
         }
         for (text, word) in [("4326", "degrees"), ("EPSG:99999", "not known"), ("RD New", "such as EPSG:28992")] {
             assert!(parse_crs(text).expect_err(text).contains(word), "{text}");
+        }
+        for (text, axis) in [("y", Some(UpAxis::Y)), ("Z", Some(UpAxis::Z)), ("x", None)] {
+            assert_eq!(parse_up(text).ok(), axis, "{text}");
         }
         assert!(parse_latitude("91").is_err() && parse_longitude("-180.5").is_err() && parse_scale("nan").is_err());
     }

@@ -20,15 +20,11 @@ impl BandNotes {
         for item in xml.split("<Item").skip(1) {
             let Some((head, rest)) = item.split_once('>') else { continue };
             let value = rest.split('<').next().unwrap_or_default().trim();
-            if attribute(head, "sample").is_some_and(|sample| sample != "0") {
+            // Without a sample and a role it is a note of the user's own.
+            if attribute(head, "sample") != Some("0") {
                 continue;
             }
-            match attribute(head, "role")
-                .or_else(|| attribute(head, "name"))
-                .unwrap_or_default()
-                .to_lowercase()
-                .as_str()
-            {
+            match attribute(head, "role").unwrap_or_default().to_lowercase().as_str() {
                 "scale" => notes.scale = value.parse().ok(),
                 "offset" => notes.offset = value.parse().ok(),
                 "unittype" => notes.unit = Some(unescaped(value)).filter(|unit| !unit.is_empty()),
@@ -114,7 +110,13 @@ mod tests {
         let notes = BandNotes::of_tag(xml);
         let unit = Some("US survey foot".to_owned());
         assert_eq!(notes, BandNotes { scale: Some(0.1), offset: Some(50.0), unit, nodata: None });
-        for broken in ["", "<Item", "<Item name=\"SCALE\" role=\"scale\">x</Item>", "<Item>"] {
+        for broken in [
+            "",
+            "<Item",
+            "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">x</Item>",
+            "<Item>",
+            "<Item name=\"scale\">7</Item>",
+        ] {
             assert_eq!(BandNotes::of_tag(broken), BandNotes::default(), "{broken}");
         }
     }

@@ -109,21 +109,10 @@ pub fn format_of_name(path: &Path) -> Option<&'static str> {
     ENDINGS.iter().find(|(known, _)| *known == ending).and_then(|(_, format)| format.name())
 }
 
-/// Whether files with the name of this one say nothing of which axis points up.
-pub(super) fn has_no_up(path: &Path) -> bool {
-    let ending = input::ending(path);
-    ENDINGS.iter().any(|(known, format)| *known == ending && format.has_no_up())
-}
-
 impl Format {
     /// Whether it is a format of meshes of any kind, in which no axis is bound to be up.
     fn is_any_mesh(self) -> bool {
         matches!(self, Format::Gltf | Format::Obj | Format::Ply | Format::Stl)
-    }
-
-    /// Whether files say nothing of which axis points up.
-    fn has_no_up(self) -> bool {
-        matches!(self, Format::Obj | Format::Ply | Format::Stl)
     }
 
     /// Whether files are nothing but text, which may be UTF-16.
@@ -176,7 +165,16 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         Format::Stl => stl::parse(&bytes, path),
     }?;
     if format.is_any_mesh() {
-        to_local(&mut geometry, asked.local_frame, &path.display().to_string());
+        geometry.local_frame = to_local(&mut geometry.vertices, asked.local_frame);
+        if let Some(frame) = geometry.local_frame {
+            geometry.reference = Some(frame.reference());
+            geometry.warnings.push(format!(
+                "{}: its coordinates are geocentric (EPSG:4978); x, y and z are now metres east, north and up of {}, height 0 of the \
+                 ellipsoid",
+                path.display(),
+                frame.reference()
+            ));
+        }
     } else if is_geocentric(&geometry.vertices) {
         let hint = "reproject the file to a system in metres with z up, such as the national grid or UTM";
         return Err(Error::input(
