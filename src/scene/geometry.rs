@@ -48,7 +48,7 @@ pub(super) struct Geometry {
     pub warnings: Vec<String>,
     /// Sentences about faces, which begin with a number of them.
     pub doubts: Vec<String>,
-    /// Faces of buildings of which nobody says what they are: their tilt does, once it is known where they look. Numbers, ascending.
+    /// Numbers of faces of buildings without semantics, ascending: their tilt says what they are, once their outside is known.
     pub by_tilt: Vec<usize>,
     /// Faces (or other pieces) that the reader left out, by reason: "with fewer than three corners".
     pub left_out: BTreeMap<String, usize>,

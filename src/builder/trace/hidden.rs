@@ -1,4 +1,4 @@
-//! Which points of a surface lie hidden in solids or below the terrain, where no light is and nobody looks. In: rays from points that see no
+//! Which points of a surface lie hidden in solids or below the terrain, where no light comes to. In: rays from points that see no
 //! sky. Out: a verdict for each point.
 //!
 //! In the air rays meet the outside of things, inside of a solid the other side. A sheet, such as an overhang, has no inside: its other side

@@ -105,7 +105,7 @@ impl Settling<'_> {
                 unclear.push((piece, patch));
             }
         }
-        // Of two walls in a corner or across a street nobody says that they are a solid. Faces beside those of a solid, or that disagree, should be told.
+        // Two walls in a corner or across a street need not be a solid. A warning is due where faces disagree, or lie beside those of a solid.
         let disagree = |patch: &Patch| patch.faces.iter().any(|(_, against)| *against);
         let beside_solid = |piece: &Piece| near.pieces(piece).any(|other| other.is_sound || other.has_any(&told));
         for (_, patch) in unclear.iter().filter(|(piece, patch)| disagree(patch) || beside_solid(piece)) {

@@ -75,7 +75,7 @@ pub(super) fn whole_objects(geometry: &Geometry, welded: &[u32], dropped: &[bool
         let in_parts = || faces.iter().all(|&face| others(object, face).iter().any(|other| is_part_of(*other, object)));
         let stands_before = |other: &u32| {
             !is_part_of(object, *other)
-                && objects.get(other).is_some_and(|theirs| theirs.len() == faces.len())
+                && objects.get(other).is_some_and(|other_faces| other_faces.len() == faces.len())
                 && name(*other) < name(object)
                 && faces.iter().all(|&face| others(object, face).contains(other))
         };
