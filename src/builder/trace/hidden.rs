@@ -9,7 +9,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::kernel::rays::{Hit, Ray, Side, Tracer};
+use super::kernel::rays::{FaceSide, Hit, Ray, Tracer};
 use heliotile_core::hemisphere::{Frame, cosine_direction_of, jitter, mix};
 use heliotile_scene::mesh::Mesh;
 
@@ -26,7 +26,7 @@ pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, t
     let rays: Vec<Ray> = looks.iter().map(|look| look.1).collect();
     let hits = tracer.closest_many(&rays);
     let (mut met, mut others) = (vec![0.0; count], vec![0.0; count]);
-    let is_other = |ray: &Ray, hit: &Hit| (side_met(ray, hit, mesh) == Side::Back) != inside;
+    let is_other = |ray: &Ray, hit: &Hit| (side_met(ray, hit, mesh) == FaceSide::Back) != inside;
     for (&(point, ray), hit) in looks.iter().zip(&hits) {
         let Some(hit) = hit else { continue };
         met[point] += 1.0;
@@ -46,14 +46,14 @@ pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, t
 }
 
 /// The side of a triangle that a ray meets.
-pub fn side_met(ray: &Ray, hit: &Hit, mesh: &Mesh) -> Side {
+pub fn side_met(ray: &Ray, hit: &Hit, mesh: &Mesh) -> FaceSide {
     let along = mesh.normal(hit.triangle as usize).as_vec3().dot(Vec3::from(ray.direction));
-    if along > 0.0 { Side::Back } else { Side::Front }
+    if along > 0.0 { FaceSide::Back } else { FaceSide::Front }
 }
 
 /// Whether a ray meets the inner side of a solid or the underside of terrain: the back of a triangle to which no light comes.
 pub fn meets_inside(ray: &Ray, hit: &Hit, mesh: &Mesh, tracer: &Tracer) -> bool {
-    side_met(ray, hit, mesh) == Side::Back && !is_lit(hit.triangle, Side::Back, mesh, tracer)
+    side_met(ray, hit, mesh) == FaceSide::Back && !is_lit(hit.triangle, FaceSide::Back, mesh, tracer)
 }
 
 /// Paths that are followed from each of the points of a triangle, first and in all.
@@ -64,10 +64,10 @@ const LIT_PATHS: usize = 16;
 const LIT: f64 = 0.25;
 
 /// Whether light comes to a side of a triangle. Remembered by the tracer: it depends on the scene alone.
-fn is_lit(triangle: u32, side: Side, mesh: &Mesh, tracer: &Tracer) -> bool {
+fn is_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer) -> bool {
     tracer.lit_sides().known_or(triangle, side, || {
         let outward = mesh.normal(triangle as usize);
-        let normal = if side == Side::Front { outward } else { -outward };
+        let normal = if side == FaceSide::Front { outward } else { -outward };
         let [a, b, c] = mesh.triangle_points(triangle as usize);
         let middle = (a + b + c) / 3.0;
         // The middle, and half way from there to each corner.

@@ -5,7 +5,7 @@
 //! | --- | --- |
 //! | `crossed` | puts the corners of outlines in order that cross themselves once |
 //! | `twins` | finds faces and objects that stand twice |
-//! | `pieces` | finds what hangs together by its edges, what of it is sound, and which faces turn one way |
+//! | `shells` | finds what hangs together by its edges, what of it is sound, and which faces turn one way |
 //! | `sides` | tells by rays within an object which side of a face is outside |
 //!
 //! # What never happens
@@ -15,7 +15,7 @@
 //! - The order of faces decides nothing.
 
 mod crossed;
-mod pieces;
+mod shells;
 mod sides;
 #[cfg(test)]
 mod tests;
@@ -32,7 +32,7 @@ use crate::semantics::SurfaceKind;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::morton::lexicographic;
 use heliotile_core::text::{counted, with_list};
-use pieces::{Patch, Piece};
+use shells::{Patch, Shell};
 use sides::{Sides, Verdict};
 use twins::Twin;
 
@@ -87,10 +87,10 @@ struct Settling<'g> {
 
 impl Settling<'_> {
     fn object(&mut self, faces: &[usize]) {
-        let pieces = pieces::pieces(self.geometry, &self.welded, faces);
-        let doubtful = pieces.iter().filter(|piece| !piece.is_sound);
+        let shells = shells::shells(self.geometry, &self.welded, faces);
+        let doubtful = shells.iter().filter(|shell| !shell.is_sound);
         let twins: Vec<Vec<Twin>> =
-            doubtful.map(|piece| twins::within(self.geometry, &self.welded, &piece.faces)).collect();
+            doubtful.map(|shell| twins::within(self.geometry, &self.welded, &shell.faces)).collect();
         for twin in twins.iter().flatten() {
             set(&mut self.dropped, twin.face, true);
             // Which of two the file has first is no fault.
@@ -98,17 +98,17 @@ impl Settling<'_> {
                 self.paired.insert(twin.of);
             }
         }
-        let near = Near::of(&pieces);
+        let near = Near::of(&shells);
         let (mut told, mut unclear) = (BTreeSet::new(), Vec::new());
-        for piece in pieces.iter().filter(|piece| !piece.is_sound) {
-            for patch in self.turn(piece, &near, &mut told) {
-                unclear.push((piece, patch));
+        for shell in shells.iter().filter(|shell| !shell.is_sound) {
+            for patch in self.turn(shell, &near, &mut told) {
+                unclear.push((shell, patch));
             }
         }
         // Two walls in a corner or across a street need not be a solid. A warning is due where faces disagree, or lie beside those of a solid.
         let disagree = |patch: &Patch| patch.faces.iter().any(|(_, against)| *against);
-        let beside_solid = |piece: &Piece| near.pieces(piece).any(|other| other.is_sound || other.has_any(&told));
-        for (_, patch) in unclear.iter().filter(|(piece, patch)| disagree(patch) || beside_solid(piece)) {
+        let beside_solid = |shell: &Shell| near.shells(shell).any(|other| other.is_sound || other.has_any(&told));
+        for (_, patch) in unclear.iter().filter(|(shell, patch)| disagree(patch) || beside_solid(shell)) {
             self.changes.unclear.extend(patch.numbers());
         }
         for twin in twins.into_iter().flatten() {
@@ -121,15 +121,15 @@ impl Settling<'_> {
         }
     }
 
-    /// Turns the faces of a piece that look into it, and adds those whose outside is known to `told`; returns patches of which rays tell nothing.
-    fn turn(&mut self, piece: &Piece, near: &Near, told: &mut BTreeSet<usize>) -> Vec<Patch> {
+    /// Turns the faces of a shell that look into it, and adds those whose outside is known to `told`; returns patches of which rays tell nothing.
+    fn turn(&mut self, shell: &Shell, near: &Near, told: &mut BTreeSet<usize>) -> Vec<Patch> {
         let kept = |face: &usize| self.dropped.get(*face) == Some(&false);
-        let faces: Vec<usize> = piece.faces.iter().copied().filter(kept).collect();
+        let faces: Vec<usize> = shell.faces.iter().copied().filter(kept).collect();
         let around: Vec<usize> =
-            near.pieces(piece).flat_map(|other| other.faces.iter().copied()).filter(kept).collect();
+            near.shells(shell).flat_map(|other| other.faces.iter().copied()).filter(kept).collect();
         let sides = Sides::new(self.geometry, &around);
         let mut unclear = Vec::new();
-        for patch in pieces::patches(self.geometry, &self.welded, &faces) {
+        for patch in shells::patches(self.geometry, &self.welded, &faces) {
             let inwards = match sides.verdict(&patch.faces) {
                 Verdict::Outward => false,
                 Verdict::Inward => true,
@@ -182,32 +182,32 @@ fn set(flags: &mut [bool], face: usize, value: bool) {
     }
 }
 
-/// Finds the pieces that rays from a piece may meet.
+/// Finds the shells that rays from a shell may meet.
 struct Near<'p> {
     /// By the least x of their boxes.
-    pieces: Vec<&'p Piece>,
+    shells: Vec<&'p Shell>,
     /// Of the widest one along x, metres.
     width_m: f64,
 }
 
-/// Pieces further apart than this share of the size of one do not belong together.
+/// Shells further apart than this share of the size of one do not belong together.
 const APART: f64 = 0.1;
 
 impl<'p> Near<'p> {
-    fn of(pieces: &'p [Piece]) -> Near<'p> {
-        let mut sorted: Vec<&Piece> = pieces.iter().collect();
+    fn of(shells: &'p [Shell]) -> Near<'p> {
+        let mut sorted: Vec<&Shell> = shells.iter().collect();
         sorted.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
-        let width_m = pieces.iter().map(|piece| piece.high.x - piece.low.x).fold(0.0, f64::max);
-        Near { pieces: sorted, width_m }
+        let width_m = shells.iter().map(|shell| shell.high.x - shell.low.x).fold(0.0, f64::max);
+        Near { shells: sorted, width_m }
     }
 
-    /// The pieces around one, and itself.
-    fn pieces(&self, piece: &Piece) -> impl Iterator<Item = &'p Piece> {
-        let margin = APART * (piece.high - piece.low).length();
-        let (low, high) = (piece.low - margin, piece.high + margin);
-        let first = self.pieces.partition_point(|other| other.low.x < low.x - self.width_m);
-        let last = self.pieces.partition_point(|other| other.low.x <= high.x);
-        let some = self.pieces.get(first..last).unwrap_or_default();
+    /// The shells around one, and itself.
+    fn shells(&self, shell: &Shell) -> impl Iterator<Item = &'p Shell> {
+        let margin = APART * (shell.high - shell.low).length();
+        let (low, high) = (shell.low - margin, shell.high + margin);
+        let first = self.shells.partition_point(|other| other.low.x < low.x - self.width_m);
+        let last = self.shells.partition_point(|other| other.low.x <= high.x);
+        let some = self.shells.get(first..last).unwrap_or_default();
         some.iter().copied().filter(move |other| other.low.cmple(high).all() && other.high.cmpge(low).all())
     }
 }

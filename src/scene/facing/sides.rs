@@ -129,7 +129,7 @@ impl Sides {
             return Verdict::Unclear;
         };
         let (from, normal) = ((*a + *b + *c) / 3.0, face.area.normalize_or_zero());
-        let (mut front, mut back) = (Side::default(), Side::default());
+        let (mut front, mut back) = (SideRays::default(), SideRays::default());
         for direction in (0..LEVEL_RAYS).map(level) {
             let side = if direction.dot(normal) > 0.0 { &mut front } else { &mut back };
             side.level.add(self.meets_odd(face.number, from, direction));
@@ -175,15 +175,15 @@ impl Rays {
 
 /// What rays say of one side of a face.
 #[derive(Clone, Copy, Default)]
-struct Side {
+struct SideRays {
     level: Rays,
     steep: Rays,
 }
 
-impl Side {
+impl SideRays {
     /// Whether it is inside, if rays agree. Steep rays from outside may meet eaves, so that they only tell what is inside.
     fn is_inside(&self) -> Option<bool> {
-        let Side { level, steep } = self;
+        let SideRays { level, steep } = self;
         if level.all == 0.0 {
             None
         } else if level.odd >= AGREED * level.all && steep.odd >= AGREED * steep.all {

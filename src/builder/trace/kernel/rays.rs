@@ -35,7 +35,7 @@ pub struct Hit {
 
 /// A side of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum FaceSide {
     /// From which its corners turn counter-clockwise.
     Front,
     /// The other one.
@@ -54,8 +54,8 @@ impl LitSides {
     }
 
     /// What is known of a side, else what `find` says, which must depend on the scene alone: threads may ask it at the same time.
-    pub fn known_or(&self, triangle: u32, side: Side, find: impl FnOnce() -> bool) -> bool {
-        let (slot, first) = (&self.known[triangle as usize], if side == Side::Front { 0 } else { 2 });
+    pub fn known_or(&self, triangle: u32, side: FaceSide, find: impl FnOnce() -> bool) -> bool {
+        let (slot, first) = (&self.known[triangle as usize], if side == FaceSide::Front { 0 } else { 2 });
         let state = slot.load(Ordering::Relaxed) >> first;
         if state & 1 == 1 {
             return state & 2 == 2;

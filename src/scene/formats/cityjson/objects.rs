@@ -88,6 +88,10 @@ impl<'h> Reader<'_, 'h> {
             if shapes.is_empty() {
                 continue;
             }
+            if self.is_outline(plain(&object.kind), level) {
+                (0..shapes.len()).for_each(|_| self.geometry.leave_out(OUTLINES));
+                continue;
+            }
             let number = self.geometry.objects.id(&id.0);
             let kind = plain(&object.kind);
             let note = ObjectNote {
@@ -111,6 +115,11 @@ impl<'h> Reader<'_, 'h> {
             }
         }
         Ok(())
+    }
+
+    /// Whether geometry of a level is the flat outline of a building, and not asked for.
+    fn is_outline(&self, kind: &str, level: Option<Lod>) -> bool {
+        is_hull(kind) && level.is_some_and(Lod::is_flat) && !self.asked.is_some_and(Lod::is_flat)
     }
 
     /// Refuses more instances than memory may hold before the first is made.
@@ -170,20 +179,6 @@ impl<'h> Reader<'_, 'h> {
             self.levels.extend(offers.iter().filter_map(|offer| offer.lod));
         }
         let asked = self.asked;
-        // Outlines lie on the ground or at some height, and are no walls and no roof that anyone could use.
-        let is_outline = |offer: &Offer| {
-            is_hull(plain(&object.kind))
-                && asked.is_none_or(|asked| !asked.is_flat())
-                && offer.lod.is_some_and(Lod::is_flat)
-        };
-        let flat = offers.iter().filter(|offer| is_outline(offer)).count();
-        if flat > 0 {
-            offers.retain(|offer| !is_outline(offer));
-            (0..flat).for_each(|_| self.geometry.leave_out(OUTLINES));
-        }
-        if offers.is_empty() {
-            return offers;
-        }
         let Some(level) = offers.iter().map(|offer| offer.lod).filter(|level| asked.is_none() || *level <= asked).max()
         else {
             offers

@@ -1,5 +1,5 @@
-//! What hangs together. In: faces of one object. Out: pieces, each of the faces that share edges, and whether a piece is sound; and the patches of a
-//! piece, in which it is known of each face whether it turns as the first one does.
+//! What hangs together. In: faces of one object. Out: shells, each of the faces that share edges, and whether a shell is sound; and the patches of a
+//! shell, in which it is known of each face whether it turns as the first one does.
 
 use std::collections::{BTreeSet, HashSet, VecDeque};
 
@@ -11,7 +11,7 @@ use crate::mesh::bounds;
 use crate::polygon::area_vector_of;
 
 /// Faces of an object that hang together by their edges.
-pub(super) struct Piece {
+pub(super) struct Shell {
     /// Numbers of faces, ascending.
     pub faces: Vec<usize>,
     /// Corners of its box.
@@ -22,14 +22,14 @@ pub(super) struct Piece {
     pub is_sound: bool,
 }
 
-impl Piece {
+impl Shell {
     /// Whether it has one of some faces.
     pub fn has_any(&self, faces: &BTreeSet<usize>) -> bool {
         self.faces.iter().any(|face| faces.contains(face))
     }
 }
 
-/// Faces of a piece that meet two by two at their edges.
+/// Faces of a shell that meet two by two at their edges.
 pub(super) struct Patch {
     /// Faces, and whether each turns against the first one as the file has them.
     pub faces: Vec<(usize, bool)>,
@@ -80,8 +80,8 @@ fn edges_of(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Edge> {
     edges
 }
 
-/// The pieces of an object.
-pub(super) fn pieces(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Piece> {
+/// The shells of an object.
+pub(super) fn shells(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Shell> {
     let edges = edges_of(geometry, welded, faces);
     let mut roots: Vec<usize> = (0..faces.len()).collect();
     let (mut is_balanced, mut is_crowded) = (vec![true; faces.len()], vec![false; faces.len()]);
@@ -98,7 +98,7 @@ pub(super) fn pieces(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Ve
     }
     let mut by_root: Vec<(usize, usize)> = (0..faces.len()).map(|place| (root(&mut roots, place), place)).collect();
     by_root.sort_unstable();
-    let piece = |members: &[(usize, usize)]| {
+    let shell = |members: &[(usize, usize)]| {
         let places = || members.iter().map(|(_, place)| *place);
         let is = |flags: &[bool], place: usize| flags.get(place) == Some(&true);
         let faces: Vec<usize> = places().filter_map(|place| faces.get(place).copied()).collect();
@@ -109,9 +109,9 @@ pub(super) fn pieces(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Ve
             && places().all(|place| is(&is_balanced, place))
             && encloses(geometry, &faces)
             && !(places().any(|place| is(&is_crowded, place)) && has_repeats(geometry, welded, &faces));
-        Piece { faces, low, high, is_sound }
+        Shell { faces, low, high, is_sound }
     };
-    by_root.chunk_by(|a, b| a.0 == b.0).map(piece).collect()
+    by_root.chunk_by(|a, b| a.0 == b.0).map(shell).collect()
 }
 
 /// Less than this share of the volumes below all faces is what rounding leaves of none.
