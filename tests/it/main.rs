@@ -13,6 +13,7 @@ mod cli;
 mod damage;
 mod energyplus;
 mod export;
+mod figures;
 mod gazetteer;
 mod geometry;
 mod ground;

@@ -1,0 +1,193 @@
+//! Figures of README and the book. Each block of output is run again and compared, or names the script that makes it; each table with numbers
+//! names its script or says that its numbers are no results.
+//!
+//! A mark is a comment before a block or table: `<!-- figures: run -->` compares a block with the output of the `sh` block before it, `run COMMAND`
+//! with that of another command, `first COMMAND` runs one before an `sh` block, `file NAME` writes a block into the folder of the page,
+//! `by PATH` names a script, `none, WHY` says why nothing makes it. `HELIOTILE_WRITE_FIGURES=1` writes what commands print now into the
+//! pages. Not compared are times: numbers before `s`, `ms` and `threads`, the line of a build's stages, and columns named `seconds`.
+
+mod output;
+mod page;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use page::{Item, Mark, Page};
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// README and the pages of the book.
+fn pages() -> Vec<Page> {
+    let book = fs::read_dir(root().join("src/book")).expect("the book").map(|entry| entry.expect("an entry").path());
+    let mut paths: Vec<PathBuf> = book.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
+    paths.push(root().join("README.md"));
+    paths.sort();
+    paths.into_iter().map(|path| Page::read(&path)).collect()
+}
+
+/// A folder with the program on the search path and the data of the tests.
+struct Shell {
+    folder: tempfile::TempDir,
+}
+
+impl Shell {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let program = folder.path().join("target/release");
+        fs::create_dir_all(&program).expect("a folder");
+        std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_heliotile"), program.join("heliotile")).expect("a link");
+        // Programs that pages name and the test does not run.
+        for name in ["cargo", "energyplus"] {
+            let other = program.join(name);
+            fs::write(&other, "#!/bin/sh\n").expect("a file");
+            fs::set_permissions(&other, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a program");
+        }
+        for name in ["tests", "tools"] {
+            std::os::unix::fs::symlink(root().join(name), folder.path().join(name)).expect("a link");
+        }
+        Shell { folder }
+    }
+
+    /// What a script prints, errors among it.
+    fn run(&self, script: &str) -> String {
+        let path = std::env::var("PATH").unwrap_or_default();
+        let output = Command::new("bash")
+            .args(["-c", &format!("exec 2>&1\n{script}")])
+            .env("PATH", format!("{}:{path}", self.folder.path().join("target/release").display()))
+            .current_dir(self.folder.path())
+            .output()
+            .expect("a shell");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+}
+
+/// What a page holds, by the word of its marks.
+type Counts = BTreeMap<String, usize>;
+
+/// Runs the commands of a page; returns what does not agree, and the page with what they print now.
+fn check(page: &mut Page, counts: &mut Counts) -> Vec<String> {
+    let (mut wrong, shell) = (Vec::new(), Shell::new());
+    let mut printed = String::new();
+    let items = page.items();
+    for item in &items {
+        if let Item::Block(block) = item
+            && let Some(Mark::File(name)) = &block.mark
+        {
+            fs::write(shell.folder.path().join(name), page.text_of(block) + "\n").expect("a file");
+        }
+    }
+    for (number, item) in items.iter().enumerate() {
+        let Item::Block(block) = item else { continue };
+        if let Some(Mark::Run(command)) = &block.mark {
+            let output = if command.is_empty() { printed.clone() } else { shell.run(command) };
+            *counts.entry("blocks checked".into()).or_default() += 1;
+            let found = output::compare(&page.lines[block.first..block.last], &output);
+            if let Some(why) = found.wrong {
+                wrong.push(format!("{}:{}: {why}", page.name, block.first + 1));
+                // As many lines as before: the places of other blocks stay.
+                page.lines.splice(block.first..block.last, found.now);
+            }
+        }
+        if block.kind == "sh" && is_run(&items[number + 1..]) {
+            block.before.iter().for_each(|command| drop(shell.run(command)));
+            printed = shell.run(&page.text_of(block));
+        }
+    }
+    wrong
+}
+
+/// Whether a block of commands is run: output before the next one is compared.
+fn is_run(after: &[Item]) -> bool {
+    let blocks = after.iter().filter_map(|item| if let Item::Block(block) = item { Some(block) } else { None });
+    blocks.take_while(|block| block.kind != "sh").any(|block| matches!(block.mark, Some(Mark::Run(_))))
+}
+
+/// Every block that is text or a table of commas, and every table that holds digits, has a mark, and each script that one names exists; at least
+/// 20 blocks are compared with what their commands print.
+#[test]
+fn figures_have_a_source() {
+    let (mut missing, mut counts) = (Vec::new(), Counts::new());
+    for page in pages() {
+        for item in page.items() {
+            let (kind, mark, line) = match &item {
+                Item::Block(block) if ["text", "csv"].contains(&block.kind.as_str()) => {
+                    ("blocks", &block.mark, block.first)
+                }
+                Item::Table(table) if table.has_digits => ("tables", &table.mark, table.first + 1),
+                _ => continue,
+            };
+            let place = format!("{}:{line}", page.name);
+            let word = match mark {
+                Some(Mark::Run(_)) => "checked",
+                Some(Mark::File(_)) => "inputs of what is checked",
+                Some(Mark::By(_)) => "made by a script",
+                Some(Mark::None(_)) => "no results",
+                None => "without a mark",
+            };
+            *counts.entry(format!("{kind}: {word}")).or_default() += 1;
+            match mark {
+                Some(Mark::By(script)) if !root().join(script).exists() => {
+                    missing.push(format!("{place}: there is no {script}"));
+                }
+                None => missing.push(format!("{place}: no mark; see tests/it/figures/mod.rs")),
+                _ => {}
+            }
+        }
+    }
+    println!("{counts:#?}");
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+    assert!(counts["blocks: checked"] >= 20, "{counts:?}");
+}
+
+/// What README and the book say that commands print is what they print, block by block, 20 or more; times are not compared.
+#[test]
+fn figures_are_what_commands_print() {
+    let (mut wrong, mut counts) = (Vec::new(), Counts::new());
+    let write = std::env::var_os("HELIOTILE_WRITE_FIGURES").is_some();
+    for mut page in pages() {
+        let here = check(&mut page, &mut counts);
+        if write && !here.is_empty() {
+            fs::write(&page.path, page.lines.join("\n")).expect("a page");
+        }
+        wrong.extend(here);
+    }
+    println!("{counts:#?}");
+    assert!(
+        wrong.is_empty(),
+        "{}\n{} blocks differ; HELIOTILE_WRITE_FIGURES=1 writes what commands print now",
+        wrong.join("\n"),
+        wrong.len()
+    );
+    assert!(counts["blocks checked"] >= 20, "{counts:?}");
+}
+
+/// README's four ranges of errors and CPU times are the smallest and the largest of the four sites in the book's table.
+#[test]
+fn readme_has_the_ranges_of_the_book() {
+    let text = |name: &str| fs::read_to_string(root().join(name)).expect(name);
+    let (readme, book) = (text("README.md"), text("src/book/accuracy.md"));
+    let row = |text: &str, quality: &str, cells: usize| -> Vec<String> {
+        let of_quality =
+            |line: &&str| line.starts_with(&format!("| `{quality}`")) && line.matches('|').count() == cells + 2;
+        let line = text.lines().find(of_quality).unwrap_or_else(|| panic!("no row of {quality}"));
+        line.trim_matches('|').split('|').skip(1).map(|cell| cell.trim().to_string()).collect()
+    };
+    let number =
+        |text: &str| -> f64 { text.split_whitespace().next().and_then(|word| word.parse().ok()).expect("a number") };
+    for quality in ["draft", "standard", "fine", "reference"] {
+        let sites = row(&book, quality, 4);
+        let ranges = row(&readme, quality, 2);
+        for (column, range) in ranges.iter().enumerate() {
+            let of_sites: Vec<f64> =
+                sites.iter().map(|site| number(site.split('/').nth(column).expect("a part"))).collect();
+            let least = of_sites.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = of_sites.iter().copied().fold(0.0, f64::max);
+            let stated: Vec<f64> = range.split(" to ").map(number).collect();
+            assert_eq!(stated, [least, most], "{quality}: {range}");
+        }
+    }
+}
