@@ -33,7 +33,7 @@ use heliotile_core::site::material::Class;
 use heliotile_core::site::morton::lexicographic;
 use heliotile_core::text::{counted, with_list};
 use shells::{Patch, Shell};
-use sides::{Sides, Verdict};
+use sides::{Rule, Sides, Verdict};
 use twins::Twin;
 
 /// Objects named in the first line of a warning.
@@ -88,9 +88,14 @@ struct Settling<'g> {
 impl Settling<'_> {
     fn object(&mut self, faces: &[usize]) {
         let shells = shells::shells(self.geometry, &self.welded, faces);
-        let doubtful = shells.iter().filter(|shell| !shell.is_sound);
-        let twins: Vec<Vec<Twin>> =
-            doubtful.map(|shell| twins::within(self.geometry, &self.welded, &shell.faces)).collect();
+        let near = Near::of(&shells, faces.len());
+        let mut twins: Vec<Vec<Twin>> = Vec::new();
+        for shell in doubtful(&shells) {
+            let mut found = twins::within(self.geometry, &self.welded, &shell.faces);
+            // The walls between houses that touch look apart, and both are needed.
+            found.retain(|twin| !(twin.reversed && near.is_crowded(shell)));
+            twins.push(found);
+        }
         for twin in twins.iter().flatten() {
             set(&mut self.dropped, twin.face, true);
             // Which of two the file has first is no fault.
@@ -98,68 +103,97 @@ impl Settling<'_> {
                 self.paired.insert(twin.of);
             }
         }
-        let near = Near::of(&shells);
-        let (mut told, mut unclear) = (BTreeSet::new(), Vec::new());
-        for shell in shells.iter().filter(|shell| !shell.is_sound) {
-            for patch in self.turn(shell, &near, &mut told) {
-                unclear.push((shell, patch));
-            }
+        for shell in doubtful(&shells) {
+            self.turn(shell, &near);
         }
-        // Two walls in a corner or across a street need not be a solid. A warning is due where faces disagree, or lie beside those of a solid.
-        let disagree = |patch: &Patch| patch.faces.iter().any(|(_, against)| *against);
-        let beside_solid = |shell: &Shell| near.shells(shell).any(|other| other.is_sound || other.has_any(&told));
-        for (_, patch) in unclear.iter().filter(|(shell, patch)| disagree(patch) || beside_solid(shell)) {
-            self.changes.unclear.extend(patch.numbers());
+        for (shell, twins) in doubtful(&shells).zip(twins) {
+            self.settle_twins(&near, shell, twins);
         }
-        for twin in twins.into_iter().flatten() {
-            // Of two that look apart both are needed where both of their sides are outside.
-            if twin.reversed && !told.contains(&twin.of) {
-                set(&mut self.dropped, twin.face, false);
-            } else {
-                self.changes.repeated.push(twin.face);
+    }
+
+    /// Of faces that stand twice the same way round one goes, and of two that look apart one if it is clear that one side is outside and one inside:
+    /// the wall between two houses needs both, and so does a fence.
+    fn settle_twins(&mut self, near: &Near, shell: &Shell, twins: Vec<Twin>) {
+        if twins.is_empty() {
+            return;
+        }
+        let sides = Sides::new(self.geometry, &self.around(near, shell));
+        for twin in twins {
+            match sides.verdict(&[(twin.of, false)], Rule::Most) {
+                verdict if !twin.reversed || matches!(verdict, Verdict::Outward | Verdict::Inward) => {
+                    self.changes.repeated.push(twin.face);
+                }
+                verdict => {
+                    set(&mut self.dropped, twin.face, false);
+                    if verdict == Verdict::Unclear {
+                        self.changes.unclear.push(twin.face);
+                    }
+                }
             }
         }
     }
 
-    /// Turns the faces of a shell that look into it, and adds those whose outside is known to `told`; returns patches of which rays tell nothing.
-    fn turn(&mut self, shell: &Shell, near: &Near, told: &mut BTreeSet<usize>) -> Vec<Patch> {
+    /// Faces that rays from a shell may meet.
+    fn around(&self, near: &Near, shell: &Shell) -> Vec<usize> {
+        let kept = |face: &usize| self.dropped.get(*face) == Some(&false);
+        near.shells(shell).flat_map(|other| other.faces.iter().copied()).filter(kept).collect()
+    }
+
+    /// Turns the faces of a shell that look into it.
+    fn turn(&mut self, shell: &Shell, near: &Near) {
         let kept = |face: &usize| self.dropped.get(*face) == Some(&false);
         let faces: Vec<usize> = shell.faces.iter().copied().filter(kept).collect();
-        let around: Vec<usize> =
-            near.shells(shell).flat_map(|other| other.faces.iter().copied()).filter(kept).collect();
+        let around = self.around(near, shell);
         let sides = Sides::new(self.geometry, &around);
-        let mut unclear = Vec::new();
-        for patch in shells::patches(self.geometry, &self.welded, &faces) {
-            let inwards = match sides.verdict(&patch.faces) {
+        let (agreeing, disagreeing): (Vec<Patch>, Vec<Patch>) =
+            shells::patches(self.geometry, &self.welded, &faces).into_iter().partition(Patch::agrees);
+        for patch in disagreeing {
+            let verdict = if near.is_town { Verdict::Unclear } else { sides.verdict(&patch.faces, Rule::Most) };
+            let inwards = match verdict {
                 Verdict::Outward => false,
                 Verdict::Inward => true,
-                // A closed one that rays do not tell, such as one of solids that overlap.
                 _ if patch.is_closed => patch.volume(self.geometry) < 0.0,
-                Verdict::Inner => {
-                    self.changes.inner.extend(patch.numbers());
-                    continue;
-                }
-                Verdict::Sheet => {
-                    self.turn_roofs(&patch);
-                    continue;
-                }
-                Verdict::Unclear => {
-                    self.turn_roofs(&patch);
-                    unclear.push(patch);
-                    continue;
-                }
+                // What few faces do, against many, is the fault.
+                _ => match patch.share_against(self.geometry) {
+                    share if share < FEW => false,
+                    share if share > 1.0 - FEW => true,
+                    _ => {
+                        self.changes.unclear.extend(patch.numbers());
+                        continue;
+                    }
+                },
             };
-            told.extend(patch.numbers());
             for (face, _) in patch.faces.iter().filter(|(_, against)| *against != inwards) {
                 self.turn_face(*face);
             }
         }
-        unclear
+        // Faces that agree are turned together, and only if rays leave no doubt: most of them are as they should be.
+        let is_closed = agreeing.iter().all(|patch| patch.is_closed);
+        let volume: f64 = agreeing.iter().map(|patch| patch.volume(self.geometry)).sum();
+        let block: Vec<(usize, bool)> = agreeing.iter().flat_map(|patch| patch.faces.iter().copied()).collect();
+        let verdict = match near.is_crowded(shell) {
+            true => Verdict::Sheet,
+            false => sides.verdict(&block, Rule::All),
+        };
+        match verdict {
+            Verdict::Inward => block.iter().for_each(|(face, _)| self.turn_face(*face)),
+            Verdict::Outward => {}
+            _ if is_closed && volume < 0.0 => block.iter().for_each(|(face, _)| self.turn_face(*face)),
+            Verdict::Inner => self.changes.inner.extend(block.iter().map(|(face, _)| *face)),
+            Verdict::Sheet => self.turn_roofs(&block),
+            Verdict::Unclear => {
+                self.turn_roofs(&block);
+                // Rays that lean to the other side: said, not mended.
+                if sides.verdict(&block, Rule::Most) == Verdict::Inward {
+                    self.changes.unclear.extend(block.iter().map(|(face, _)| *face));
+                }
+            }
+        }
     }
 
     /// Turns what the file calls a roof and draws downwards, where nothing else says which side is outside.
-    fn turn_roofs(&mut self, patch: &Patch) {
-        for face in patch.numbers() {
+    fn turn_roofs(&mut self, faces: &[(usize, bool)]) {
+        for face in faces.iter().map(|(face, _)| *face) {
             let is_roof = self.geometry.note_of(face).kind == Some(SurfaceKind::Roof);
             let polygon = self.geometry.polygon(face).filter(|_| is_roof);
             if polygon.is_some_and(|polygon| area_vector_of(&polygon, &self.geometry.vertices).z < 0.0) {
@@ -176,6 +210,13 @@ impl Settling<'_> {
     }
 }
 
+fn doubtful(shells: &[Shell]) -> impl Iterator<Item = &Shell> {
+    shells.iter().filter(|shell| !shell.is_sound)
+}
+
+/// Less than this share of a patch's area is few.
+const FEW: f64 = 0.1;
+
 fn set(flags: &mut [bool], face: usize, value: bool) {
     if let Some(slot) = flags.get_mut(face) {
         *slot = value;
@@ -188,17 +229,30 @@ struct Near<'p> {
     shells: Vec<&'p Shell>,
     /// Of the widest one along x, metres.
     width_m: f64,
+    /// Whether the object is more than a building: rays do not tell the inside of houses that overlap.
+    is_town: bool,
 }
+
+/// An object of more faces than this is more than a building.
+const TOWN: usize = 1000;
+
+/// More shells than this around one are more than a house.
+const CROWDED: usize = 8;
 
 /// Shells further apart than this share of the size of one do not belong together.
 const APART: f64 = 0.1;
 
 impl<'p> Near<'p> {
-    fn of(shells: &'p [Shell]) -> Near<'p> {
+    fn of(shells: &'p [Shell], faces: usize) -> Near<'p> {
         let mut sorted: Vec<&Shell> = shells.iter().collect();
         sorted.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
         let width_m = shells.iter().map(|shell| shell.high.x - shell.low.x).fold(0.0, f64::max);
-        Near { shells: sorted, width_m }
+        Near { shells: sorted, width_m, is_town: faces > TOWN }
+    }
+
+    /// Whether so much stands around a shell that rays do not tell its inside: a town in one object, whose houses overlap.
+    fn is_crowded(&self, shell: &Shell) -> bool {
+        self.is_town || self.shells(shell).nth(CROWDED).is_some()
     }
 
     /// The shells around one, and itself.

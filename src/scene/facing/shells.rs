@@ -1,7 +1,7 @@
 //! What hangs together. In: faces of one object. Out: shells, each of the faces that share edges, and whether a shell is sound; and the patches of a
 //! shell, in which it is known of each face whether it turns as the first one does.
 
-use std::collections::{BTreeSet, HashSet, VecDeque};
+use std::collections::{HashSet, VecDeque};
 
 use glam::DVec3;
 
@@ -22,13 +22,6 @@ pub(super) struct Shell {
     pub is_sound: bool,
 }
 
-impl Shell {
-    /// Whether it has one of some faces.
-    pub fn has_any(&self, faces: &BTreeSet<usize>) -> bool {
-        self.faces.iter().any(|face| faces.contains(face))
-    }
-}
-
 /// Faces of a shell that meet two by two at their edges.
 pub(super) struct Patch {
     /// Faces, and whether each turns against the first one as the file has them.
@@ -38,6 +31,22 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    /// Whether all faces turn one way as the file has them.
+    pub fn agrees(&self) -> bool {
+        self.faces.iter().all(|(_, against)| !against)
+    }
+
+    /// Share of the area of faces that turn against the first one.
+    pub fn share_against(&self, geometry: &Geometry) -> f64 {
+        let (mut against_m2, mut all_m2) = (0.0, 0.0);
+        for (face, against) in &self.faces {
+            let area = geometry.polygon(*face).map(|face| area_vector_of(&face, &geometry.vertices).length());
+            all_m2 += area.unwrap_or_default();
+            against_m2 += if *against { area.unwrap_or_default() } else { 0.0 };
+        }
+        if all_m2 > 0.0 { against_m2 / all_m2 } else { 0.0 }
+    }
+
     /// Numbers of its faces.
     pub fn numbers(&self) -> impl Iterator<Item = usize> {
         self.faces.iter().map(|(face, _)| *face)

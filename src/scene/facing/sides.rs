@@ -34,11 +34,30 @@ const SLOPE: f64 = 0.2;
 const ASIDE: f64 = 0.05;
 /// Largest faces of a patch that are asked.
 const ASKED: usize = 9;
-/// Share of rays of one side that have to agree.
-const AGREED: f64 = 0.6;
-/// Share of a patch's area that has to agree, of what rays tell, and the least share that they have to tell.
+/// How many rays of one side have to agree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    /// Six of ten: where faces disagree, one of two answers is right.
+    Most,
+    /// Nine of ten: where nothing but rays speaks against what the file says.
+    All,
+}
+
+impl Rule {
+    fn share(self) -> f64 {
+        if self == Rule::Most { 0.6 } else { 0.9 }
+    }
+
+    /// Share of the area that rays have to tell.
+    fn told(self) -> f64 {
+        if self == Rule::Most { 0.3 } else { 0.6 }
+    }
+}
+
+/// Share of a patch's area that has to agree, of what rays tell.
 const AGREED_AREA: f64 = 0.8;
-const TOLD_AREA: f64 = 0.3;
+/// Rays start so far off their face, metres: other faces may lie in its plane.
+const OFF_M: f64 = 1e-3;
 /// Tests of a ray and a triangle beyond which a patch is not asked about: some seconds.
 const MOST_TESTS: usize = 300_000_000;
 
@@ -79,7 +98,7 @@ impl Sides {
     }
 
     /// What the largest faces of a patch say; each face with whether it turns against the first one.
-    pub fn verdict(&self, patch: &[(usize, bool)]) -> Verdict {
+    pub fn verdict(&self, patch: &[(usize, bool)], rule: Rule) -> Verdict {
         let place = |face: usize| self.places.binary_search_by_key(&face, |(number, _)| *number).ok();
         let found = patch.iter().filter_map(|(face, against)| {
             let (_, place) = self.places.get(place(*face)?)?;
@@ -99,7 +118,7 @@ impl Sides {
         for (face, against) in asked {
             let area = face.area.length();
             total += area;
-            let slot = match (self.of_face(face), against) {
+            let slot = match (self.of_face(face, rule), against) {
                 (Verdict::Outward, false) | (Verdict::Inward, true) => 0,
                 (Verdict::Inward, false) | (Verdict::Outward, true) => 1,
                 (Verdict::Sheet, _) => 2,
@@ -115,15 +134,15 @@ impl Sides {
         match total {
             0.0 => Verdict::Sheet,
             // A few that rays do not tell, such as the eaves of a house, go with the others.
-            _ if outward >= AGREED_AREA * told && outward > TOLD_AREA * total => Verdict::Outward,
-            _ if inward >= AGREED_AREA * told && inward > TOLD_AREA * total => Verdict::Inward,
+            _ if outward >= AGREED_AREA * told && outward > rule.told() * total => Verdict::Outward,
+            _ if inward >= AGREED_AREA * told && inward > rule.told() * total => Verdict::Inward,
             _ if sheet >= AGREED_AREA * total => Verdict::Sheet,
             _ if inner >= AGREED_AREA * total => Verdict::Inner,
             _ => Verdict::Unclear,
         }
     }
 
-    fn of_face(&self, face: &Faced) -> Verdict {
+    fn of_face(&self, face: &Faced, rule: Rule) -> Verdict {
         let size = |[a, b, c]: &&[DVec3; 3]| (*b - *a).cross(*c - *a).length_squared();
         let Some([a, b, c]) = face.triangles.iter().max_by(|t, u| size(t).total_cmp(&size(u))) else {
             return Verdict::Unclear;
@@ -132,13 +151,13 @@ impl Sides {
         let (mut front, mut back) = (SideRays::default(), SideRays::default());
         for direction in (0..LEVEL_RAYS).map(level) {
             let side = if direction.dot(normal) > 0.0 { &mut front } else { &mut back };
-            side.level.add(self.meets_odd(face.number, from, direction));
+            side.level.add(self.meets_odd(face.number, off(from, normal, direction), direction));
         }
         for direction in (0..STEEP_RAYS).map(steep) {
             let side = if direction.dot(normal) > 0.0 { &mut front } else { &mut back };
-            side.steep.add(self.meets_odd(face.number, from, direction));
+            side.steep.add(self.meets_odd(face.number, off(from, normal, direction), direction));
         }
-        match (front.is_inside(), back.is_inside()) {
+        match (front.is_inside(rule), back.is_inside(rule)) {
             (Some(false), Some(true)) => Verdict::Outward,
             (Some(true), Some(false)) => Verdict::Inward,
             (Some(false), Some(false)) => Verdict::Sheet,
@@ -157,6 +176,11 @@ impl Sides {
         };
         self.faces.iter().filter(|face| face.number != own).map(met).sum::<usize>() % 2 == 1
     }
+}
+
+/// The start of a ray, off its face on the side that it goes to.
+fn off(from: DVec3, normal: DVec3, direction: DVec3) -> DVec3 {
+    from + OFF_M * direction.dot(normal).signum() * normal
 }
 
 /// Rays, and those of them that meet faces an odd number of times.
@@ -182,14 +206,14 @@ struct SideRays {
 
 impl SideRays {
     /// Whether it is inside, if rays agree. Steep rays from outside may meet eaves, so that they only tell what is inside.
-    fn is_inside(&self) -> Option<bool> {
+    fn is_inside(&self, rule: Rule) -> Option<bool> {
         let SideRays { level, steep } = self;
         if level.all == 0.0 {
             None
-        } else if level.odd >= AGREED * level.all && steep.odd >= AGREED * steep.all {
+        } else if level.odd >= rule.share() * level.all && steep.odd >= rule.share() * steep.all {
             Some(true)
         } else {
-            (level.odd <= (1.0 - AGREED) * level.all).then_some(false)
+            (level.odd <= (1.0 - rule.share()) * level.all).then_some(false)
         }
     }
 }
