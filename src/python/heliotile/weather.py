@@ -119,7 +119,7 @@ def _plain(name: Any) -> str:
 
 def _time_of(columns: Mapping[str, np.ndarray]) -> str | None:
     """The column of times, by its name."""
-    plain = {_plain(name): name for name in reversed(columns)}
+    plain = {_plain(name): name for name in reversed(list(columns))}
     return next((plain[name] for name in TIMES if name in plain), None)
 
 
