@@ -34,15 +34,17 @@ pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, t
     }
     let is_hidden =
         |others: &[f64]| -> Vec<bool> { met.iter().zip(others).map(|(met, o)| *o > OTHER_SIDES * met).collect() };
-    // Only points that seem hidden are worth the paths that tell a sheet from a solid.
+    // Only points that seem hidden are worth the paths that tell a sheet from a solid, until enough of what they see is known to be dark.
     let suspected = is_hidden(&others);
+    let mut dark = vec![0.0; count];
     for (&(point, ray), hit) in looks.iter().zip(&hits) {
         let Some(hit) = hit else { continue };
-        if suspected[point] && is_other(&ray, hit) && is_lit(hit.triangle, side_met(&ray, hit, mesh), mesh, tracer) {
-            others[point] -= 1.0;
+        let is_open = suspected[point] && dark[point] <= OTHER_SIDES * met[point];
+        if is_open && is_other(&ray, hit) && !is_lit(hit.triangle, side_met(&ray, hit, mesh), mesh, tracer) {
+            dark[point] += 1.0;
         }
     }
-    is_hidden(&others)
+    is_hidden(&dark)
 }
 
 /// The side of a triangle that a ray meets.
@@ -56,9 +58,11 @@ pub fn meets_inside(ray: &Ray, hit: &Hit, mesh: &Mesh, tracer: &Tracer) -> bool 
     side_met(ray, hit, mesh) == FaceSide::Back && !is_lit(hit.triangle, FaceSide::Back, mesh, tracer)
 }
 
-/// Paths that are followed from each of the points of a triangle, first and in all.
+/// Paths that are followed from each of the points of a triangle, first and in all, and surfaces that the first ones meet at most: most sides
+/// that are asked for are dark, and that is to be found out cheaply.
 const FIRST_PATHS: usize = 4;
 const LIT_PATHS: usize = 16;
+const FIRST_MET: usize = 3;
 /// A side of which at least this share of paths gets to the sky is lit. Below a canopy on a square it is more than half; in a house whose
 /// walls stand a little above rough terrain, or below the rim of terrain, it is a few hundredths.
 const LIT: f64 = 0.25;
@@ -73,13 +77,14 @@ fn is_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer) -> bool {
         // The middle, and half way from there to each corner.
         let points = [middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)];
         let origins = points.map(|point| tracer.grid().lifted(mesh.grid().absolute(point), normal));
-        let reached = |paths: std::ops::Range<usize>| -> usize {
-            let starts = origins.iter().flat_map(|origin| paths.clone().map(move |path| (*origin, path)));
-            follow(starts.collect(), normal, 0x6c69_7473, mesh, tracer, false)
-        };
-        let first = reached(0..FIRST_PATHS);
-        let all = first + reached(FIRST_PATHS..LIT_PATHS);
-        first > 0 && all as f64 >= LIT * (origins.len() * LIT_PATHS) as f64
+        let starts = |paths: usize| origins.iter().flat_map(move |origin| (0..paths).map(move |path| (*origin, path)));
+        let mut from = Start { normal, seed: 0x6c69_7473, most_met: FIRST_MET, until: Until::Sky };
+        if follow(starts(FIRST_PATHS).collect(), &from, mesh, tracer) == 0 {
+            return false;
+        }
+        (from.most_met, from.until) = (MOST_MET, Until::End);
+        let reached = follow(starts(LIT_PATHS).collect(), &from, mesh, tracer);
+        reached as f64 >= LIT * (origins.len() * LIT_PATHS) as f64
     })
 }
 
@@ -90,11 +95,31 @@ const MOST_MET: usize = 8;
 /// Whether light can come to a place: of some paths that turn at random at every surface, one gets to the sky. Through a gap of a hundredth of what
 /// a place sees, one does in more than 99 of 100 cases.
 pub fn is_reached(origin: [f32; 3], normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer) -> bool {
-    follow((0..PATHS).map(|path| (origin, path)).collect(), normal, seed, mesh, tracer, true) > 0
+    let from = Start { normal, seed, most_met: MOST_MET, until: Until::Sky };
+    follow((0..PATHS).map(|path| (origin, path)).collect(), &from, mesh, tracer) > 0
 }
 
-/// Follows paths from surfaces of one normal, each by its origin and number, and counts those that get to the sky; `one`: ends with the first.
-fn follow(starts: Vec<([f32; 3], usize)>, normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer, one: bool) -> usize {
+/// When paths are followed no further.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Until {
+    /// All of them have ended.
+    End,
+    /// One has got to the sky.
+    Sky,
+}
+
+/// How paths begin, and how far they are followed.
+struct Start {
+    normal: DVec3,
+    seed: u64,
+    /// Surfaces that a path meets at most.
+    most_met: usize,
+    until: Until,
+}
+
+/// Follows paths, each by its origin and number, and counts those that get to the sky.
+fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tracer) -> usize {
+    let Start { normal, seed, most_met, until } = *from;
     let turned = |normal: DVec3, path: usize, met: usize| {
         let direction = cosine_direction_of(jitter(mix(seed, path as u64), met as u64));
         Frame::of(normal).to_world(direction).as_vec3().to_array()
@@ -102,7 +127,7 @@ fn follow(starts: Vec<([f32; 3], usize)>, normal: DVec3, seed: u64, mesh: &Mesh,
     let start = |(origin, path)| (path, Ray { origin, direction: turned(normal, path, 0) });
     let mut paths: Vec<(usize, Ray)> = starts.into_iter().map(start).collect();
     let mut reached = 0;
-    for met in 1..=MOST_MET {
+    for met in 1..=most_met {
         let rays: Vec<Ray> = paths.iter().map(|path| path.1).collect();
         let mut next = Vec::with_capacity(paths.len());
         for ((path, ray), hit) in paths.into_iter().zip(tracer.closest_many(&rays)) {
@@ -110,7 +135,7 @@ fn follow(starts: Vec<([f32; 3], usize)>, normal: DVec3, seed: u64, mesh: &Mesh,
             match hit {
                 None if direction.z > 0.0 => {
                     reached += 1;
-                    if one {
+                    if until == Until::Sky {
                         return reached;
                     }
                 }
