@@ -78,7 +78,7 @@ pub mod covering;
 pub mod files;
 pub mod guards;
 mod outputs;
-pub mod recombine;
+pub mod results;
 
 pub mod book;
 
@@ -112,30 +112,20 @@ pub use cli::{NamedValues, by_name};
 pub use commands::nothing_seen;
 
 use std::ffi::OsString;
-use std::process::ExitCode;
 
-/// The program `heliotile`: parses the command line, does what it asks and prints the error, if there is one. 0 fine, 1 found a problem, 2
-/// could not run, 130 stopped by Ctrl-C, 143 by SIGTERM.
-pub fn program() -> ExitCode {
-    ExitCode::from(program_exit_code())
-}
-
-/// The same with the words of another program's, the name first; once in a process.
-pub fn program_of(words: Vec<OsString>) -> u8 {
-    cli::give(words);
-    program_exit_code()
-}
-
-fn program_exit_code() -> u8 {
-    match commands::run(&cli::parse()) {
+/// The program `heliotile`: parses the words of a command line, the program's name first, does what they ask and prints the error, if there is
+/// one. 0 fine, 1 found a problem, 2 could not run, 130 stopped by Ctrl-C, 143 by SIGTERM.
+pub fn program(words: &[OsString]) -> u8 {
+    let (cli, about) = cli::parse(words);
+    match commands::run(&cli, about) {
         Ok(commands::Outcome::Fine) => 0,
         Ok(commands::Outcome::ProblemFound) => 1,
         Err(error @ Error::Stopped { .. }) => {
-            eprintln!("heliotile: {error}; to go on: {}", commands::again());
+            eprintln!("heliotile: {error}; to go on: {}", cli::again(words));
             commands::exit_code()
         }
         Err(error) => {
-            eprintln!("heliotile: {error}");
+            eprintln!("heliotile: {}", cli::worded(error));
             2
         }
     }
@@ -146,7 +136,7 @@ pub mod atlas {
     pub use crate::commands::atlas::listed::{ListedPart, parts};
     pub use crate::commands::atlas::opened::check_square;
     pub use crate::commands::atlas::part::PartState;
-    pub use crate::commands::atlas::sources::{Archives, Sources, archives};
+    pub use crate::commands::atlas::sources::archives;
 }
 
 /// For tests of what the program writes.

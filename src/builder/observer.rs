@@ -15,6 +15,9 @@ pub trait Observer: Sync {
     /// Something that the user should know of; the work goes on.
     fn warn(&self, _text: &str) {}
 
+    /// Something that the user may want to know, and that nothing is wrong with.
+    fn note(&self, _text: &str) {}
+
     /// Whether the work is to stop at the next place where it can go on later.
     fn cancelled(&self) -> bool {
         false

@@ -19,10 +19,10 @@ use clap::{Parser, Subcommand};
 
 pub use self::archives::{DiffArgs, ExtractArgs, InfoArgs, MergeArgs, RepairArgs, StoreArgs, StoreCommand, VerifyArgs};
 pub use self::copy::CopyArgs;
-pub use self::line::{CompletionsArgs, EverywhereArgs, ManArgs, give, parse, words};
+pub use self::line::{CompletionsArgs, EverywhereArgs, ManArgs, again, parse, quoted, worded, worded_text};
 pub use self::results::{
-    BuildingsArgs, EnergyplusArgs, ExportArgs, FactorsArgs, ModuleSize, Physics, PlaceOn, PlacesArgs, PvArgs,
-    QueryArgs, RecombineArgs, ReplayArgs, TableArgs, ViewArgs, YearArgs,
+    BuildingsArgs, EnergyplusArgs, ExportArgs, FactorsArgs, Physics, PlacesArgs, PvArgs, QueryArgs, RecombineArgs,
+    ReplayArgs, SiteArgs, TableArgs, ViewArgs, YearArgs,
 };
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, MaterialsArgs, Metres,

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::atlas::sources::{Sources, holding};
-use super::{Outcome, guard_output, invocation, warn, workspace_beside};
+use super::atlas::sources::{self, holding};
+use super::{Outcome, guard_output, warn, workspace_beside};
 use crate::cli::ExportArgs;
 use crate::files::{hold, open_archive, read_file, read_weather_as, shown};
 use crate::outputs::pictures::exr::exr;
@@ -56,7 +56,7 @@ impl Image {
 }
 
 /// `heliotile export`.
-pub fn run(args: &ExportArgs) -> Result<Outcome> {
+pub fn run(args: &ExportArgs, about: Provenance) -> Result<Outcome> {
     if args.output() != Path::new("-") {
         let inputs: Vec<&Path> =
             [Some(args.archive.as_path()), args.weather.as_deref()].into_iter().flatten().collect();
@@ -64,11 +64,11 @@ pub fn run(args: &ExportArgs) -> Result<Outcome> {
     }
     match &args.receiver {
         None if args.html.is_some() => page(args),
-        None => view_factors(args),
+        None => view_factors(args, about),
         Some(id) => {
             let image = Image::of(args.output())?;
             // Before the archive: a wrong weather file is found at once.
-            let (mut overlay, weather, about) = overlay(args, &image, id)?;
+            let (mut overlay, weather, about) = overlay(args, &image, id, about)?;
             let archive = holding_receiver(args, id)?;
             let site = OpenSite::of(&archive)?;
             overlay.north = site.north();
@@ -164,7 +164,12 @@ fn about(args: &ExportArgs, archive: &Archive, view: &ReceiverView) -> Map<Strin
 }
 
 /// What is drawn over a picture, and what it is made of.
-fn overlay(args: &ExportArgs, image: &Image, receiver: &str) -> Result<(Overlay, Option<Weather>, Provenance)> {
+fn overlay(
+    args: &ExportArgs,
+    image: &Image,
+    receiver: &str,
+    about: Provenance,
+) -> Result<(Overlay, Option<Weather>, Provenance)> {
     if matches!(image, Image::Exr) && args.panel {
         return Err(Error::Unsupported {
             what: "a panel".into(),
@@ -179,7 +184,7 @@ fn overlay(args: &ExportArgs, image: &Image, receiver: &str) -> Result<(Overlay,
             supported: "them in a .png".into(),
         });
     }
-    let mut provenance = invocation::provenance();
+    let mut provenance = about;
     let mut of_file = None;
     let path = match (&args.weather, args.latitude) {
         (Some(file), _) => {
@@ -247,9 +252,9 @@ fn page(args: &ExportArgs) -> Result<Outcome> {
 }
 
 /// View factors of all receivers as CSV.
-fn view_factors(args: &ExportArgs) -> Result<Outcome> {
-    let sources = Sources::open(&args.archive, args.io)?;
-    let about = sources.borrowed().told_in(invocation::provenance(), &args.archive);
+fn view_factors(args: &ExportArgs, about: Provenance) -> Result<Outcome> {
+    let sources = sources::open(&args.archive, args.io)?;
+    let about = sources.borrowed().told_in(about, &args.archive);
     let mut table = ViewFactorTable::create(args.output(), about)?;
     'all: for archive in sources.borrowed().iter() {
         for row in ArchiveReceivers::<()>::new(&OpenSite::of(archive)?) {

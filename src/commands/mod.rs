@@ -9,7 +9,6 @@ pub mod energyplus;
 pub mod export;
 mod horizon;
 pub mod inspect;
-mod invocation;
 mod original;
 mod preflight;
 pub mod pv;
@@ -31,6 +30,7 @@ use std::path::{Path, PathBuf};
 use crate::cli::{Bytes, Cli, ClockArgs, Command, EverywhereArgs, SceneArgs};
 use crate::files::{self, read_weather_as};
 use crate::guards::{guard_archive, guard_output, guard_site, is_archive, same_file};
+use crate::outputs::provenance::Provenance;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::build::Workspace;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -41,7 +41,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_scene::Scene;
 
-pub use console::interrupt::{again, exit_code};
+pub use console::interrupt::exit_code;
 use console::voice::{Volume, remark, say, warn};
 use console::{interrupt, terminal, voice};
 pub use horizon::nothing_seen;
@@ -55,45 +55,45 @@ pub enum Outcome {
     ProblemFound,
 }
 
-/// Runs a command line, once its files are known to be what it takes.
-pub fn run(Cli { command, everywhere }: &Cli) -> Result<Outcome> {
+/// Runs a command, once its files are known to be what it takes; `about` is what files say of how they were made.
+pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
     preflight::check(command)?;
     set_up(everywhere)?;
-    let outcome = run_command(command);
+    let outcome = run_command(command, about);
     if let Some(traffic) = files::traffic().filter(|_| everywhere.verbose) {
         console::voice::aside(&format!("{traffic}\n"));
     }
     outcome
 }
 
-fn run_command(command: &Command) -> Result<Outcome> {
+fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
     match command {
         Command::Build(args) => build::run(args),
         Command::Partition(args) => atlas::partition::run(args),
-        Command::Catalogue(args) => atlas::catalogue::catalogue(args),
+        Command::Catalogue(args) => atlas::catalogue::catalogue(args, about),
         Command::Find(args) => atlas::catalogue::find(args),
         Command::Plan(args) => build::plan(args),
         Command::Receivers(args) => receivers::run(args),
-        Command::Tradeoff(args) => tradeoff::run(args),
-        Command::Query(args) => replay::query(args),
-        Command::Run(args) => run::run(args),
-        Command::Pv(args) => pv::run(args),
+        Command::Tradeoff(args) => tradeoff::run(args, about),
+        Command::Query(args) => replay::query(args, about),
+        Command::Run(args) => run::run(args, about),
+        Command::Pv(args) => pv::run(args, about),
         Command::Energyplus(args) => energyplus::run(args),
-        Command::Replay(args) => replay::replay(args),
-        Command::Factors(args) => replay::factors::run(args),
-        Command::Buildings(args) => replay::buildings::run(args),
-        Command::Places(args) => replay::places::run(args),
+        Command::Replay(args) => replay::replay(args, about),
+        Command::Factors(args) => replay::factors(args, about),
+        Command::Buildings(args) => replay::buildings(args, about),
+        Command::Places(args) => replay::places(args, about),
         Command::Info(args) => inspect::info(args),
         Command::Verify(args) => inspect::verify(args),
         Command::Repair(args) => repair::run(args),
-        Command::Audit(args) => audit::run(args),
+        Command::Audit(args) => audit::run(args, about),
         Command::Store(args) => store::run(args),
         Command::Extract(args) => transfer::extract(args),
         Command::Merge(args) => transfer::merge(args),
         Command::Diff(args) => transfer::diff(args),
         Command::Copy(args) => copy::run(args),
         Command::View(args) => view::run(args),
-        Command::Export(args) => export::run(args),
+        Command::Export(args) => export::run(args, about),
         Command::Study(args) => study::run(args),
         Command::Completions(args) => shells::completions(args),
         Command::Man(args) => shells::man(args),

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::text::with_fields;
+
 /// Result of everything that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -123,6 +125,30 @@ impl Error {
     /// A wrong value of an option or of an argument.
     pub fn argument(argument: impl Into<String>, what: impl Into<String>, hint: impl Into<String>) -> Self {
         Error::Argument { argument: argument.into(), what: what.into(), hint: hint.into() }
+    }
+
+    /// The same error in the words of a user: fields of requests, `{every}` in its texts, get the names that `name` gives them.
+    pub fn in_words(self, name: &dyn Fn(&str) -> String) -> Self {
+        let text = |text: String| with_fields(&text, name);
+        match self {
+            Error::Input { file, line, what, hint } => Error::Input { file, line, what: text(what), hint: text(hint) },
+            Error::Incomplete { partial, what, hint } => {
+                Error::Incomplete { partial, what: text(what), hint: text(hint) }
+            }
+            Error::Argument { argument, what, hint } => {
+                let argument = argument.split(", ").map(name).collect::<Vec<_>>().join(", ");
+                Error::Argument { argument, what: text(what), hint: text(hint) }
+            }
+            Error::Unsupported { what, found, supported } => {
+                Error::Unsupported { what: text(what), found, supported: text(supported) }
+            }
+            Error::Limit { what, value, max } => Error::Limit { what: text(what), value, max },
+            error @ (Error::Stopped { .. }
+            | Error::Io { .. }
+            | Error::Corrupt { .. }
+            | Error::SourceChanged { .. }
+            | Error::Defect { .. }) => error,
+        }
     }
 
     /// What the command that runs offers where an interrupted build lies.

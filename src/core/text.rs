@@ -54,6 +54,31 @@ pub fn separator_hint(header: &str) -> Option<&'static str> {
     }
 }
 
+/// A text that names fields of requests, as in `{every} month`, with the names that a user knows them by.
+pub fn with_fields(text: &str, name: &dyn Fn(&str) -> String) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, behind)) = rest.split_once('{') {
+        out += before;
+        let field = behind.split_once('}').filter(|(field, _)| is_field(field));
+        match field {
+            Some((field, behind)) => {
+                out += &name(field);
+                rest = behind;
+            }
+            None => {
+                out.push('{');
+                rest = behind;
+            }
+        }
+    }
+    out + rest
+}
+
+fn is_field(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,5 +121,13 @@ mod tests {
         for header in ["receiver,x,y", "receiver", "a;b,c"] {
             assert_eq!(separator_hint(header), None, "{header}");
         }
+    }
+
+    /// Fields get the names of a user, 2 of 2; braces around anything else stay.
+    #[test]
+    fn fields_in_texts() {
+        let option = |field: &str| format!("--{}", field.replace('_', "-"));
+        assert_eq!(with_fields("give {min_area} 0, or {every} month", &option), "give --min-area 0, or --every month");
+        assert_eq!(with_fields("found {\"a\": 1} and {", &option), "found {\"a\": 1} and {");
     }
 }

@@ -4,15 +4,20 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 
-use crate::cli::{Cli, words};
+use super::invocation::provenance;
+use crate::cli::Cli;
+use crate::outputs::provenance::Provenance;
 
-/// Parses the command line; ends the program where it asks for help or is wrong.
-pub fn parse() -> Cli {
-    let words = words();
-    Cli::try_parse_from(&words).unwrap_or_else(|mut error| {
-        if let Some(hint) = command_first(&error, &words) {
+/// Parses words of a command line, the program's name first; ends the program where they ask for help or are wrong.
+pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
+    let parsed = Cli::command().try_get_matches_from(words).and_then(|matches| {
+        let cli = Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut Cli::command()))?;
+        Ok((cli, provenance(&matches)))
+    });
+    parsed.unwrap_or_else(|mut error| {
+        if let Some(hint) = command_first(&error, words) {
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
         }
         error.exit()
@@ -53,6 +58,7 @@ fn command_first(error: &Error, words: &[OsString]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::Parser;
 
     fn hint(line: &str) -> Option<String> {
         let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();

@@ -1,11 +1,15 @@
 //! The command line itself.
 
 mod everywhere;
+mod invocation;
 mod misplaced;
+mod shell_words;
 mod shells;
-mod words;
+mod wording;
 
 pub use everywhere::EverywhereArgs;
+pub use invocation::again;
 pub use misplaced::parse;
+pub use shell_words::quoted;
 pub use shells::{CompletionsArgs, ManArgs};
-pub use words::{give, words};
+pub use wording::{worded, worded_text};

@@ -3,31 +3,42 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::SiteArgs;
 use crate::cli::WeatherArgs;
-use crate::cli::values::{Bytes, choice, parse_memory};
-use heliotile_core::archive::Access;
+use crate::cli::values::{NamedValues, choice};
+use crate::results::{BuildingsRequest, Every, LightChoice, PlaceOn, PlacesRequest, ReceiverChoice, ReplayRequest};
+use heliotile_core::replay::components::{Component, ComponentList};
 
 /// An archive and the year that it is asked for.
 #[derive(Args, Debug)]
 pub struct YearArgs {
-    /// Archive to read, or the folder of an atlas: a path or an address
-    pub archive: PathBuf,
+    #[command(flatten)]
+    pub site: SiteArgs,
     /// Weather file of a year: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
-    /// Take y for north: suns are not turned to the true north that the archive's place tells of
-    #[arg(long)]
-    pub grid_north: bool,
-    /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
-    pub memory: Bytes,
-    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
-    #[arg(long, value_parser = choice::<Access>())]
-    pub io: Option<Access>,
     #[command(flatten)]
     pub about_weather: WeatherArgs,
+}
+
+impl YearArgs {
+    /// Totals over the weather file.
+    pub fn request(&self) -> ReplayRequest {
+        let columns = Some(ComponentList::of(Component::Total));
+        ReplayRequest {
+            light: LightChoice { columns, ..LightChoice::default() },
+            about_weather: self.about_weather.options(false),
+            every: Every::Total,
+            ..ReplayRequest::of(&self.weather)
+        }
+    }
+
+    /// All receivers.
+    pub fn choice(&self) -> ReceiverChoice {
+        ReceiverChoice { selection: None, grid_north: self.site.grid_north }
+    }
 }
 
 #[derive(Args, Debug)]
@@ -48,6 +59,18 @@ pub struct BuildingsArgs {
     pub min_area: f64,
 }
 
+impl BuildingsArgs {
+    /// What is asked for.
+    pub fn request(&self) -> BuildingsRequest {
+        BuildingsRequest {
+            output: self.output.clone(),
+            faces: self.faces.clone(),
+            threshold_kwh_m2: self.threshold,
+            least_m2: self.min_area,
+        }
+    }
+}
+
 #[derive(Args, Debug)]
 pub struct PlacesArgs {
     #[command(flatten)]
@@ -62,19 +85,32 @@ pub struct PlacesArgs {
     #[arg(long, value_name = "WxH", default_value = "1.1x1.8")]
     pub module: ModuleSize,
     /// Surfaces to look on
-    #[arg(long, value_enum, default_value = "roofs")]
+    #[arg(long, value_parser = choice::<PlaceOn>(), default_value = "roofs")]
     pub on: PlaceOn,
     /// Height of places above their surface, metres
     #[arg(long, value_name = "M", default_value_t = 0.1, value_parser = parse_amount, allow_hyphen_values = true)]
     pub clearance: f64,
 }
 
-/// Surfaces that modules go on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PlaceOn {
-    Roofs,
-    Facades,
-    Both,
+impl PlacesArgs {
+    /// What is asked for.
+    pub fn request(&self) -> PlacesRequest {
+        PlacesRequest {
+            output: self.output.clone(),
+            best: self.best as usize,
+            module_m: self.module.0,
+            on: self.on,
+            clearance_m: self.clearance,
+        }
+    }
+}
+
+impl NamedValues for PlaceOn {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("roofs", "Surfaces that look up", PlaceOn::Roofs),
+        ("facades", "Surfaces that look to the side", PlaceOn::Facades),
+        ("both", "Both of them", PlaceOn::Both),
+    ];
 }
 
 /// Width and height of a module, metres.

@@ -7,9 +7,9 @@ mod pv;
 mod recombine;
 mod view;
 
-pub use buildings::{BuildingsArgs, ModuleSize, PlaceOn, PlacesArgs, YearArgs};
+pub use buildings::{BuildingsArgs, PlacesArgs, YearArgs};
 pub use energyplus::{EnergyplusArgs, Physics};
 pub use export::ExportArgs;
 pub use pv::PvArgs;
-pub use recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, TableArgs};
+pub use recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, SiteArgs, TableArgs};
 pub use view::ViewArgs;

@@ -9,22 +9,39 @@ use crate::cli::WeatherArgs;
 use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;
+use crate::results::{FileRequest, LightChoice, QueryRequest, ReceiverChoice, ReplayRequest};
 use heliotile_core::archive::Access;
-use heliotile_core::error::Error;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::reflectances::{ConstantOrFile, Snow};
+use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 
+/// An archive or an atlas, and how it is read.
+#[derive(Args, Debug)]
+pub struct SiteArgs {
+    /// Archive to read, or the folder of an atlas: a path or an address
+    pub archive: PathBuf,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
+    #[arg(long, value_parser = choice::<Access>())]
+    pub io: Option<Access>,
+    /// Take y for north: suns are not turned to the true north that the archive's place tells of
+    #[arg(long)]
+    pub grid_north: bool,
+}
+
 /// Which receivers of which archive, and the table that is made of them.
 #[derive(Args, Debug)]
 pub struct TableArgs {
-    /// Archive to read, or the folder of an atlas: a path or an address
-    pub archive: PathBuf,
+    #[command(flatten)]
+    pub site: SiteArgs,
     /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
     /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output; of `query` and `replay` also maps: .glb, .fgb,
     /// .geojson, .vtu, .pvd (hours for ParaView), .parquet with --geo
@@ -35,15 +52,24 @@ pub struct TableArgs {
     /// What rows are about
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,
-    /// Memory to work in, such as 512MiB or 2GiB
-    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
-    pub memory: Bytes,
-    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
-    #[arg(long, value_parser = choice::<Access>())]
-    pub io: Option<Access>,
-    /// Take y for north: suns are not turned to the true north that the archive's place tells of
-    #[arg(long)]
-    pub grid_north: bool,
+}
+
+impl TableArgs {
+    /// The receivers that are asked for.
+    pub fn choice(&self) -> ReceiverChoice {
+        ReceiverChoice { selection: self.of.selection(), grid_north: self.site.grid_north }
+    }
+
+    /// The table alone.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { by: self.by, ..FileRequest::of(&self.output) }
+    }
+
+    /// Files that are read: the archive, the list of receivers, and others.
+    pub fn inputs<'a>(&'a self, others: &[&'a Path]) -> Vec<&'a Path> {
+        let own = [Some(self.site.archive.as_path()), self.of.receivers.as_deref()];
+        own.into_iter().flatten().chain(others.iter().copied()).collect()
+    }
 }
 
 /// What query and replay have in common.
@@ -93,12 +119,24 @@ pub struct RecombineArgs {
 
 impl RecombineArgs {
     /// The light that counts.
-    pub fn light(&self) -> Result<LightPaths, Error> {
-        let hint = "name `bounces` among --paths, or leave --bounces out";
-        self.paths.with_depth(self.bounces).map_err(|what| Error::argument("--bounces", what, hint))
+    fn light(&self) -> Result<LightChoice> {
+        let hint = "name `bounces` among the paths, or leave it out";
+        let paths = self.paths.with_depth(self.bounces).map_err(|what| Error::argument("bounces", what, hint))?;
+        let changes = Changes {
+            constant: self.reflectance.clone(),
+            scheduled: self.schedule.clone(),
+            transmittance: self.transmittance.clone(),
+            snow: None,
+        };
+        Ok(LightChoice { columns: self.columns.clone(), sky: self.sky, patches: self.patches, paths, changes })
     }
 
-    /// The files that reflectances and transmittances follow.
+    /// Where results go.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
+    }
+
+    /// Files that reflectances and transmittances follow.
     pub fn schedules(&self) -> impl Iterator<Item = &Path> {
         let transmittances = self.transmittance.iter().filter_map(|(_, follow)| match follow {
             ConstantOrFile::File(file) => Some(file.as_path()),
@@ -117,6 +155,13 @@ pub struct QueryArgs {
     pub conditions: PathBuf,
 }
 
+impl QueryArgs {
+    /// What is asked for.
+    pub fn request(&self) -> Result<QueryRequest> {
+        Ok(QueryRequest { light: self.common.light()?, conditions: self.conditions.clone() })
+    }
+}
+
 #[derive(Args, Debug)]
 pub struct FactorsArgs {
     #[command(flatten)]
@@ -127,6 +172,13 @@ pub struct FactorsArgs {
     /// Degrees of altitude from sun to sun, from 0.5 to 90: a divisor of 90
     #[arg(long, value_name = "DEGREES", default_value_t = 5.0)]
     pub altitude_step: f64,
+}
+
+impl FactorsArgs {
+    /// Steps of azimuth and altitude.
+    pub fn steps_deg(&self) -> (f64, f64) {
+        (self.azimuth_step, self.altitude_step)
+    }
 }
 
 #[derive(Args, Debug)]
@@ -179,8 +231,32 @@ pub struct ReplayArgs {
     pub about_weather: WeatherArgs,
 }
 
+impl ReplayArgs {
+    /// What is asked for.
+    pub fn request(&self) -> Result<ReplayRequest> {
+        let mut light = self.common.light()?;
+        light.changes.snow = self.snow.map(|snow| (snow, self.snow_reflectance));
+        Ok(ReplayRequest {
+            light,
+            about_weather: self.about_weather.options(false),
+            span: (self.from, self.to),
+            year: self.year,
+            steps: self.steps.map(usize::from),
+            every: self.every,
+            stamp: self.stamp,
+            temperatures: self.temperature.clone(),
+            ..ReplayRequest::of(&self.weather)
+        })
+    }
+
+    /// Where results go.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { model: self.model.clone(), honeybee: self.honeybee.clone(), ..self.common.files() }
+    }
+}
+
 /// Group, material or class, and what it gets: `NAME=VALUE`.
-fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<(String, T), String> {
+fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> std::result::Result<(String, T), String> {
     // A name may hold an equals sign, a number does not.
     match text.rsplit_once('=') {
         Some((name, value)) if !name.is_empty() => {
@@ -191,14 +267,14 @@ fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<(String
     }
 }
 
-fn parse_reflectance(text: &str) -> Result<(String, f64), String> {
+fn parse_reflectance(text: &str) -> std::result::Result<(String, f64), String> {
     match parse_named(text)? {
         (name, value) if (0.0..=1.0).contains(&value) => Ok((name, value)),
         (_, value) => Err(format!("a reflectance is from 0 to 1, not {value}")),
     }
 }
 
-fn parse_share(text: &str) -> Result<f64, String> {
+fn parse_share(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("give a number from 0 to 1".into()),

@@ -8,20 +8,21 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-use super::about;
+use super::about::built;
 use super::listed::{ListedPart, parts};
 use super::opened::Atlas;
 use super::page::{PARTS, list};
 use super::part::PartState;
 use super::thumbnails::Thumbnails;
 use crate::cli::{CatalogueArgs, FindArgs};
-use crate::commands::replay::mapped::crs_of;
 use crate::commands::{Outcome, remark, say, warn};
 use crate::files::{open_archive, shown};
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::{write_file, write_texts};
 use crate::outputs::stac::{COLLECTION, StacAsset, StacCollection, StacItem, THUMBNAIL, VIEWER, collection};
 use crate::outputs::tables::quoted;
 use crate::outputs::viewer_page::ViewerPage;
+use crate::results::crs_of;
 use heliotile_core::archive::{Access, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
@@ -30,19 +31,19 @@ use heliotile_core::text::counted;
 pub(super) const ITEM: &str = "item.json";
 
 /// `heliotile catalogue`.
-pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
+pub fn catalogue(args: &CatalogueArgs, about: Provenance) -> Result<Outcome> {
     let opened = Atlas::open(&args.atlas)?;
     let atlas = args.atlas.as_path();
     let whole = std::path::absolute(atlas).map_err(Error::io(atlas, "find"))?;
     let name = whole.file_name().map_or("atlas".into(), |name| name.to_string_lossy().into_owned());
     let listed = opened.parts(None)?;
-    let built: Vec<(&ListedPart, &PathBuf)> = listed.iter().filter_map(|part| Some((part, part.archive()?))).collect();
-    let Some((_, first)) = built.first() else { return about::built(&opened).map(|_| Outcome::Fine) };
+    let done: Vec<(&ListedPart, &PathBuf)> = listed.iter().filter_map(|part| Some((part, part.archive()?))).collect();
+    let Some((_, first)) = done.first() else { return built(&opened).map(|_| Outcome::Fine) };
     let crs = crs_of(&open_archive(first, Access::Read)?);
     if !crs.has_degrees() {
         warn("nobody says where the atlas lies on Earth: items have no footprint (partition it with --crs)");
     }
-    let pictures = Thumbnails::of(&built.iter().map(|(_, path)| path.as_path()).collect::<Vec<_>>())?;
+    let pictures = Thumbnails::of(&done.iter().map(|(_, path)| path.as_path()).collect::<Vec<_>>(), about)?;
     if pictures.without() > 0 {
         let parts = counted(pictures.without() as u64, "part");
         warn(&format!(
@@ -57,8 +58,8 @@ pub fn catalogue(args: &CatalogueArgs) -> Result<Outcome> {
         }
         Ok(found)
     };
-    let items: Vec<(StacItem, String)> = built.par_iter().enumerate().map(item).collect::<Result<_>>()?;
-    for ((item, _), (_, path)) in items.iter().zip(&built) {
+    let items: Vec<(StacItem, String)> = done.par_iter().enumerate().map(item).collect::<Result<_>>()?;
+    for ((item, _), (_, path)) in items.iter().zip(&done) {
         let folder = path.parent().unwrap_or(atlas);
         write_texts(folder, &[(ITEM, text(&item.json(&crs)))])?;
     }

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::part::PartState;
 use super::plan::{AtlasPlan, FILE, PlannedPart};
-use crate::commands::console::shell_words::quoted;
+use crate::cli::quoted;
 use crate::files::{AnyFolder, find_archive, is_address, shown};
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::archive::format::Entry;

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::commands::invocation;
-use crate::commands::replay::mapped::surroundings;
 use crate::files::open_archive;
+use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::group_patches::polygons;
 use crate::outputs::shapes::picture::thumbnail::ThumbnailFrame;
 use crate::outputs::shapes::row::{MapPolygon, MapRow};
+use crate::results::surroundings;
 use heliotile_builder::transfer::{ArchiveReceivers, Shown};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
@@ -23,15 +23,17 @@ pub struct Thumbnails<'a> {
     parts: Vec<(&'a Path, Option<ThumbnailFrame>)>,
     /// None if no archive has any.
     all: Option<ThumbnailFrame>,
+    /// The command that they are made by.
+    about: Provenance,
 }
 
 impl<'a> Thumbnails<'a> {
     /// Looks how large the sums are, and where.
-    pub fn of(paths: &[&'a Path]) -> Result<Self> {
+    pub fn of(paths: &[&'a Path], about: Provenance) -> Result<Self> {
         let frame = |path: &&'a Path| Ok((*path, frame(&open_archive(path, Access::Read)?)?));
         let parts: Vec<_> = paths.par_iter().map(frame).collect::<Result<_>>()?;
         let all = parts.iter().filter_map(|(_, frame)| *frame).reduce(|all, frame| all.union(&frame));
-        Ok(Thumbnails { parts, all })
+        Ok(Thumbnails { parts, all, about })
     }
 
     /// The value of the brightest colour of all of them, kWh/m2.
@@ -49,7 +51,7 @@ impl<'a> Thumbnails<'a> {
         let (Some((path, Some(frame))), Some(all)) = (self.parts.get(number), self.all) else { return Ok(None) };
         let archive = open_archive(path, Access::Read)?;
         let site = OpenSite::of(&archive)?;
-        let about = invocation::provenance().with_archive(path, &archive);
+        let about = self.about.clone().with_archive(path, &archive);
         let around = surroundings(&archive, &site);
         frame.in_colours_of(&all).png(around.as_ref(), &about, |draw| each(&site, draw)).map(Some)
     }
@@ -60,7 +62,7 @@ impl<'a> Thumbnails<'a> {
             let paths = self.parts.iter().filter(|(_, frame)| frame.is_some()).map(|(path, _)| path);
             paths.into_iter().try_for_each(|path| each(&OpenSite::of(&open_archive(path, Access::Read)?)?, draw))
         };
-        self.all.map(|all| all.png(None, &invocation::provenance(), draw)).transpose()
+        self.all.map(|all| all.png(None, &self.about, draw)).transpose()
     }
 }
 

@@ -6,9 +6,10 @@ mod report;
 use std::time::Duration;
 
 use super::terminal::Terminal;
-use super::{Outcome, invocation, original, read_suns, remark, say, temporary_files, warn};
+use super::{Outcome, original, read_suns, remark, say, temporary_files, warn};
 use crate::cli::AuditArgs;
 use crate::files::{open_archive, read_conditions};
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::write_texts;
 use heliotile_builder::accuracy::CONDITIONS;
 use heliotile_builder::build::PreparedScene;
@@ -26,7 +27,7 @@ const HOURS: usize = 8;
 const FEW: usize = 64;
 
 /// `heliotile audit`.
-pub fn run(args: &AuditArgs) -> Result<Outcome> {
+pub fn run(args: &AuditArgs, about: Provenance) -> Result<Outcome> {
     let archive = open_archive(&args.archive, Access::Read)?;
     let site = original::site_of(&args.archive, &args.scene)?;
     let scene = original::scene_of(&archive, &site, args.scene.first())?;
@@ -68,7 +69,7 @@ pub fn run(args: &AuditArgs) -> Result<Outcome> {
     say(&report.text())?;
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
-        write_texts(folder, &report.files(&invocation::provenance().with("weather", &name))?)?;
+        write_texts(folder, &report.files(&about.with("weather", &name))?)?;
         say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;
     }
     Ok(match report.verdict() {

@@ -8,11 +8,8 @@ use std::time::Duration;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use super::shell_words::quoted;
 use super::voice::aside;
-use crate::cli::words;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::without_secrets;
 
 /// What signals set.
 struct Signals {
@@ -87,10 +84,4 @@ pub fn exit_code() -> u8 {
         signal => signal as i32,
     };
     (ENDED_BY_SIGNAL + signal) as u8
-}
-
-/// How work that was stopped goes on: the command line again, without what would throw away what is kept.
-pub fn again() -> String {
-    let words = words().into_iter().map(|word| word.to_string_lossy().into_owned());
-    words.filter(|word| word != "--fresh").map(|word| quoted(&without_secrets(&word))).collect::<Vec<_>>().join(" ")
 }

@@ -1,8 +1,7 @@
-//! What a person at the console meets besides results: sentences ([`voice`]), commands to paste ([`shell_words`]), bars or lines of
+//! What a person at the console meets besides results: sentences ([`voice`]), bars or lines of
 //! progress ([`terminal`]), and Ctrl-C ([`interrupt`]).
 
 pub mod interrupt;
 mod progress_lines;
-pub mod shell_words;
 pub mod terminal;
 pub mod voice;

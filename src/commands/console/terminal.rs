@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::interrupt;
 use super::progress_lines::{FIRST_LINE, ProgressLines};
-use super::voice::{aside, is_quiet, warn};
+use super::voice::{aside, is_quiet, note, warn};
 use heliotile_builder::observer::Observer;
 
 /// The observer of every command.
@@ -75,6 +75,10 @@ impl Observer for Terminal {
 
     fn warn(&self, text: &str) {
         warn(text);
+    }
+
+    fn note(&self, text: &str) {
+        note(text);
     }
 
     fn cancelled(&self) -> bool {

@@ -6,6 +6,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicU8, Ordering};
 
+use crate::cli::worded_text;
 use heliotile_core::error::{Error, Result};
 
 /// How much is said.
@@ -53,13 +54,13 @@ pub fn remark_aside(text: &str) {
 
 /// Says what a user may want to know and what nothing is wrong with, beside a table.
 pub fn note(text: &str) {
-    remark_aside(&format!("note: {text}\n"));
+    remark_aside(&format!("note: {}\n", worded_text(text)));
 }
 
 /// Prints a warning of a command that goes on: its first line, and the list behind that if it is wanted.
 pub fn warn(text: &str) {
     let verbose = VOLUME.load(Ordering::Relaxed) == Volume::Verbose as u8;
-    aside(&format!("warning: {}\n", shortened(text, verbose)));
+    aside(&format!("warning: {}\n", worded_text(&shortened(text, verbose))));
 }
 
 /// Writes to standard error; one that is closed must not end the work.

@@ -14,7 +14,9 @@ use super::receivers::cover_site;
 use super::traced::{KEEP_OR_REPLACE, TraceRequest, WaysOut, up_to_date};
 use super::{Outcome, guard_archive, guard_output, interrupt, remark, temporary_files, warn};
 use crate::cli::{CoverArgs, EnergyplusArgs, Metres, Physics, name_of};
+use crate::commands::terminal::Terminal;
 use crate::covering::Covered;
+use crate::files::read_file;
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::Document;
 use crate::outputs::energyplus::injection::{self, Changed, Injection};
@@ -22,6 +24,7 @@ use crate::outputs::energyplus::named_files::{NamedFiles, make_absolute};
 use crate::outputs::energyplus::report::Report;
 use crate::outputs::energyplus::sun_tables::{GroundRange, ReflectedSky, SurfaceLight, TableRequest, surface_lights};
 use crate::outputs::sink::write_texts;
+use crate::results::Resources;
 use around::Around;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Lying;
@@ -286,7 +289,7 @@ fn lights(
     archive: &Archive,
     covered: &Covered,
 ) -> Result<Vec<SurfaceLight>> {
-    let storage = temporary_files();
+    let (storage, terminal) = (temporary_files(), Terminal::default());
     let paths = match args.physics {
         Physics::EnergyPlus => LightPaths::FIRST,
         Physics::Full => LightPaths::ALL,
@@ -297,8 +300,12 @@ fn lights(
         paths,
         sky,
         ground,
-        memory: MemoryBudget::new(args.memory.0),
-        storage: &storage,
+        resources: Resources {
+            memory: MemoryBudget::new(args.memory.0),
+            storage: &storage,
+            files: &read_file,
+            observer: &terminal,
+        },
     };
     let whole_m2 = areas(covered);
     let mut lights = surface_lights(archive, &asked)?;

@@ -12,8 +12,10 @@ use super::{
 };
 use crate::cli::{EnergyplusArgs, Physics};
 use crate::commands::receivers::cover_site;
+use crate::commands::terminal::Terminal;
 use crate::commands::{Outcome, remark, temporary_files, warn};
 use crate::covering::Covered;
+use crate::files::read_file;
 use crate::files::read_weather;
 use crate::outputs::energyplus::checks;
 use crate::outputs::energyplus::document::{Document, ModelObject};
@@ -27,6 +29,7 @@ use crate::outputs::energyplus::series::objects::{self, Reader, Table};
 use crate::outputs::energyplus::series::steps::Steps;
 use crate::outputs::energyplus::series::values::StepLight;
 use crate::outputs::sink::Sink;
+use crate::results::Resources;
 use heliotile_builder::settings::{Effect, EffectChoice, Effects};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
@@ -189,7 +192,7 @@ fn lit(
     ground: &[f64],
     [full, alone]: [(&Archive, &Covered); 2],
 ) -> Result<Vec<Lit>> {
-    let storage = temporary_files();
+    let (storage, terminal) = (temporary_files(), Terminal::default());
     let whole_m2 = [full.1, alone.1].map(areas);
     let (paths, reflected_sky) = match args.physics {
         Physics::EnergyPlus => (LightPaths::FIRST, SkyModel::Uniform),
@@ -203,8 +206,12 @@ fn lit(
         sums: DIRECT,
         ground: None,
         whole_m2: &whole_m2[number],
-        memory: MemoryBudget::new(args.memory.0),
-        storage: &storage,
+        resources: Resources {
+            memory: MemoryBudget::new(args.memory.0),
+            storage: &storage,
+            files: &read_file,
+            observer: &terminal,
+        },
     };
     let reflected = SeriesRequest { sky: reflected_sky, sums: REFLECTED, ground: Some(ground), ..asked(0) };
     let mut found: BTreeMap<String, Lit> = BTreeMap::new();

@@ -210,7 +210,7 @@ impl<'a> Files<'a> {
     }
 
     fn read_table(&mut self, args: &'a TableArgs) {
-        self.read(&args.archive, Wanted::Archive);
+        self.read(&args.site.archive, Wanted::Archive);
         self.read_if(&args.of.receivers, Wanted::Other);
     }
 
@@ -227,7 +227,7 @@ impl<'a> Files<'a> {
     }
 
     fn year(&mut self, args: &'a YearArgs) {
-        self.read(&args.archive, Wanted::Archive);
+        self.read(&args.site.archive, Wanted::Archive);
         self.read(&args.weather, Wanted::Weather);
     }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::modules::{GEOMETRY, MATERIALS};
 use super::spots::Spots;
 use crate::cli::PvArgs;
-use crate::commands::console::shell_words::quoted;
+use crate::cli::quoted;
 use crate::commands::run::made_from::MadeFrom;
 use crate::commands::{guard_archive, guard_site};
 use crate::outputs::pv::horizon;

@@ -5,69 +5,53 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::cli::PvArgs;
-use crate::commands::{temporary_files, warn};
+use crate::commands::temporary_files;
+use crate::commands::terminal::Terminal;
 use crate::files::read_file;
-use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::pv::hourly::SideHours;
 use crate::outputs::pv::sums::{MonthlySums, PARTS};
 use crate::outputs::tables::row_labels::RowLabels;
+use crate::results::{
+    Archives, Every, LightChoice, Provenance, ReceiverSet, ReplayRequest, Resources, Series, Tile, TileStream,
+};
+use heliotile_builder::observer::Silent;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
+use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::MemoryBudget;
-use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::reflectances::{Changeable, Changes};
-use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::replay::values::TileValues;
-use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::conditions::{Condition, Stamp};
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::series::Weather;
-use heliotile_core::weather::span::Span;
-use heliotile_core::weather::time::bins::Bins;
-use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
-/// Weather, and how it is told.
+/// Weather, and the rows that results have.
 pub struct Light<'a> {
     weather: &'a Weather,
-    dated: DatedRows,
-    sky: SkyModel,
-    clock: ClockReading,
+    request: ReplayRequest,
+    dated: &'a DatedRows,
     memory: MemoryBudget,
-    stamps: Vec<Stamp>,
-    /// By the number of steps.
-    kept: RefCell<Option<(usize, Rc<Vec<Condition>>)>>,
+    /// Hours by the number of positions of the sun in each: those of the last number, since the sun costs more than the light.
+    kept: RefCell<Option<(usize, Rc<Series<'a>>)>>,
+}
+
+/// The replay that arguments ask for.
+fn request_of(args: &PvArgs) -> ReplayRequest {
+    let light = LightChoice { sky: args.sky, ..LightChoice::default() };
+    ReplayRequest { light, year: args.year, stamp: args.stamp, ..ReplayRequest::of(&args.weather) }
+}
+
+/// The rows of weather that count; warns of days that a year does not have.
+pub fn rows_of(args: &PvArgs, weather: &Weather) -> Result<DatedRows> {
+    // What is to be said of years is a note in the end.
+    ReplayRequest { every: Every::Total, ..request_of(args) }.dated(weather, &Terminal::default())
 }
 
 impl<'a> Light<'a> {
-    /// Of a command line; warns of days that a year does not have.
-    pub fn new(args: &PvArgs, weather: &'a Weather) -> Result<Self> {
-        let intervals: Vec<_> = weather.rows.iter().map(|row| row.interval).collect();
-        let whole = Span::new(None, None)?;
-        let dated = match args.year {
-            Some(year) => DatedRows::in_year(&intervals, &args.weather, &whole, year)?,
-            None => DatedRows::of_file(&intervals, &args.weather, &whole)?,
-        };
-        dated.warnings.iter().for_each(|w| warn(w));
-        let chosen = dated.dates.iter().zip(&intervals).zip(&dated.chosen).filter(|(_, chosen)| **chosen);
-        let stamp = |((date, interval), _): ((&_, &heliotile_core::weather::time::sun::Interval), _)| Stamp {
-            date: *date,
-            start_min: interval.start_min,
-            hours: weather.interval_hours,
-        };
-        let stamps = chosen.map(stamp).collect();
-        let clock = ClockReading { offset: UtcOffset::of_hours(weather.site.zone_hours), at: args.stamp };
-        Ok(Light {
-            weather,
-            sky: args.sky,
-            clock,
-            memory: MemoryBudget::new(args.memory.0),
-            stamps,
-            dated,
-            kept: RefCell::default(),
-        })
+    /// Of the rows of weather that count.
+    pub fn new(args: &PvArgs, weather: &'a Weather, dated: &'a DatedRows) -> Self {
+        let memory = MemoryBudget::new(args.memory.0);
+        Light { weather, request: request_of(args), dated, memory, kept: RefCell::default() }
     }
 
     /// Positions of the sun in an interval.
@@ -77,7 +61,7 @@ impl<'a> Light<'a> {
 
     /// Which moment of its interval a row is labelled with.
     pub fn stamp(&self) -> StampedAt {
-        self.clock.at
+        self.request.stamp
     }
 
     pub fn interval_minutes(&self) -> f64 {
@@ -91,26 +75,25 @@ impl<'a> Light<'a> {
         typical.then(|| text.to_owned()).into_iter().collect()
     }
 
-    fn periods(&self, every: Every) -> Periods {
-        Periods::new(every, self.dated.years, &self.stamps, self.clock)
+    /// Labels of the months.
+    pub fn month_labels(&self, archive: &Archive) -> Result<Vec<String>> {
+        Ok(self.hours(archive)?.by(Every::Month).labels.text)
     }
 
-    pub fn month_labels(&self) -> Vec<String> {
-        self.periods(Every::Month).labels.text
-    }
-
-    pub fn hour_labels(&self) -> RowLabels {
-        self.periods(Every::Hour).labels
+    /// Labels of the hours.
+    pub fn hour_labels(&self, archive: &Archive) -> Result<RowLabels> {
+        Ok(self.hours(archive)?.labels.clone())
     }
 
     /// Sums of every receiver by month and component, kWh/m2.
     pub fn monthly(&self, archive: &Archive) -> Result<HashMap<String, MonthlySums>> {
-        let bins = self.periods(Every::Month).bins();
         let mut found = HashMap::new();
-        self.replayed(archive, &bins, ComponentSet::ALL, |id, values, row| {
-            let month =
-                |label: usize| PARTS.map(|part| values.row(part, row).get(label).copied().map_or(0.0, f64::from));
-            found.insert(id.to_owned(), MonthlySums((0..bins.count).map(month).collect()));
+        self.replayed(archive, Every::Month, ComponentSet::ALL, |tile| {
+            for (row, id) in tile.ids.iter().enumerate() {
+                let value = |part, label: usize| tile.values.row(part, row).get(label).copied().map_or(0.0, f64::from);
+                let month = |label: usize| PARTS.map(|part| value(part, label));
+                found.insert(id.clone(), MonthlySums((0..tile.values.labels()).map(month).collect()));
+            }
             Ok(())
         })?;
         Ok(found)
@@ -118,11 +101,12 @@ impl<'a> Light<'a> {
 
     /// Totals of every receiver over all hours, kWh/m2.
     pub fn totals(&self, archive: &Archive) -> Result<HashMap<String, f64>> {
-        let bins = self.periods(Every::Total).bins();
         let mut found = HashMap::new();
-        self.replayed(archive, &bins, ComponentSet::of(&[Component::Total]), |id, values, row| {
-            let total = values.row(Component::Total, row).first().copied().map_or(0.0, f64::from);
-            found.insert(id.to_owned(), total);
+        self.replayed(archive, Every::Total, ComponentSet::of(&[Component::Total]), |tile| {
+            for (row, id) in tile.ids.iter().enumerate() {
+                let total = tile.values.row(Component::Total, row).first().copied().map_or(0.0, f64::from);
+                found.insert(id.clone(), total);
+            }
             Ok(())
         })?;
         Ok(found)
@@ -130,58 +114,43 @@ impl<'a> Light<'a> {
 
     /// Hours of every receiver, one after the other.
     pub fn hourly(&self, archive: &Archive, mut each: impl FnMut(&str, SideHours) -> Result<()>) -> Result<()> {
-        let bins = Bins::each(self.stamps.len());
-        self.replayed(archive, &bins, ComponentSet::ALL, |id, values, row| {
-            each(id, SideHours::of(|component| values.row(component, row)))
+        self.replayed(archive, Every::Hour, ComponentSet::ALL, |tile| {
+            let mut rows = tile.ids.iter().enumerate();
+            rows.try_for_each(|(row, id)| each(id, SideHours::of(|component| tile.values.row(component, row))))
         })
     }
 
-    /// Suns and skies of the rows that count; those of the last number of steps are kept, since the sun costs more than the light.
-    fn conditions(&self, steps: usize) -> Rc<Vec<Condition>> {
+    /// Suns and skies of the rows that count.
+    fn hours(&self, archive: &Archive) -> Result<Rc<Series<'a>>> {
+        let steps = self.steps(archive);
         let mut kept = self.kept.borrow_mut();
-        if let Some((_, conditions)) = kept.as_ref().filter(|(of, _)| *of == steps) {
-            return Rc::clone(conditions);
+        if let Some((_, series)) = kept.as_ref().filter(|(of, _)| *of == steps) {
+            return Ok(Rc::clone(series));
         }
-        let all = self.weather.conditions(steps).into_iter().zip(&self.dated.chosen);
-        let conditions = Rc::new(all.filter_map(|(condition, chosen)| chosen.then_some(condition)).collect());
-        *kept = Some((steps, Rc::clone(&conditions)));
-        conditions
+        let (storage, rows) = (temporary_files(), (self.weather, self.dated));
+        let series =
+            self.request.series(Archives::one(archive), rows, Provenance::default(), &self.resources(&storage))?;
+        let series = Rc::new(series);
+        *kept = Some((steps, Rc::clone(&series)));
+        Ok(series)
     }
 
-    /// Replays an archive and hands over every receiver.
+    fn resources<'r>(&self, storage: &'r dyn ScratchSpace) -> Resources<'r> {
+        Resources { memory: self.memory, storage, files: &read_file, observer: &Silent }
+    }
+
+    /// Replays an archive and hands over every tile.
     fn replayed(
         &self,
         archive: &Archive,
-        bins: &Bins,
+        every: Every,
         components: ComponentSet,
-        mut each: impl FnMut(&str, &TileValues, usize) -> Result<()>,
+        mut each: impl FnMut(&Tile) -> Result<()>,
     ) -> Result<()> {
-        let site = OpenSite::of(archive)?;
-        let chosen = &self.dated.chosen;
-        let conditions = self.conditions(self.steps(archive));
-        // What the model states of its ground, by month; nothing else is asked for.
-        let changeable = Changeable::of(&site, archive.manifest());
-        let (mut schedules, _) = Changes::default().over(&changeable, &self.weather.rows, &read_file)?;
-        for schedule in &mut schedules {
-            let mut chosen = chosen.iter();
-            schedule.values.retain(|_| chosen.next() == Some(&true));
-        }
-        let storage = temporary_files();
-        let settings = ReplaySettings {
-            sky: self.sky,
-            patches: archive.manifest().settings.patches(),
-            components,
-            memory: self.memory,
-            storage: &storage,
-            ..ReplaySettings::default()
-        };
-        let replay = Replay::scheduled(&site, &conditions, settings, bins, &schedules)?;
-        for tile in replay.results(0..replay.tiles()) {
-            let (ids, values) = tile?;
-            for (row, id) in ids.iter().enumerate() {
-                each(id, &values, row)?;
-            }
-        }
-        Ok(())
+        let (series, receivers, storage) =
+            (self.hours(archive)?.by(every), ReceiverSet::all_of(archive)?, temporary_files());
+        let (light, resources) = (&self.request.light, self.resources(&storage));
+        let stream = TileStream { receivers: &receivers, light, series: &series, resources };
+        stream.each(components, |tile| each(tile).map(|()| true))
     }
 }

@@ -16,9 +16,10 @@ use super::build::about_error_weather;
 use super::console::voice::note;
 use super::horizon::nothing_seen;
 use super::traced::{TraceRequest, WaysOut, up_to_date};
-use super::{Outcome, interrupt, invocation, remark, say, say_report, warn};
+use super::{Outcome, interrupt, remark, say, say_report, warn};
 use crate::cli::PvArgs;
 use crate::files::read_weather_as;
+use crate::outputs::provenance::Provenance;
 use folder::PvFolder;
 use heliotile_builder::build::PreparedScene;
 use heliotile_builder::settings::EffectChoice;
@@ -44,7 +45,7 @@ enum Wanted {
 }
 
 /// `heliotile pv`.
-pub fn run(args: &PvArgs) -> Result<Outcome> {
+pub fn run(args: &PvArgs, about: Provenance) -> Result<Outcome> {
     let mut site = args.scene.site()?;
     let files = PvFolder::of(args);
     files.guard(&site, args)?;
@@ -57,7 +58,8 @@ pub fn run(args: &PvArgs) -> Result<Outcome> {
     files.check_weather(&weather, args)?;
     let (scene, soup) = loaded.map_or_else(|| load(&site, &wanted), Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| warn(apart));
-    let light = Light::new(args, &weather)?;
+    let dated = light::rows_of(args, &weather)?;
+    let light = Light::new(args, &weather, &dated);
     let north = North::of(scene.place.as_ref());
 
     let prepared = PreparedScene::new(&scene)?;
@@ -115,7 +117,7 @@ pub fn run(args: &PvArgs) -> Result<Outcome> {
     interrupt::stop_if_requested("after site.helio was complete")?;
     files.claim(&archive, &weather, args, &spots)?;
 
-    let about = invocation::provenance()
+    let about = about
         .with_archive(&files.archive, &archive)
         .with_weather(&args.weather, &weather)
         .with_option("steps", light.steps(&archive))

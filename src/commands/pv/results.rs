@@ -27,16 +27,16 @@ use heliotile_scene::Scene;
 const HORIZON_DIRECTIONS: usize = 360;
 
 /// What results are made of.
-pub struct Results<'a> {
+pub struct Results<'a, 'l> {
     pub args: &'a PvArgs,
     pub files: &'a PvFolder,
-    pub light: &'a Light<'a>,
+    pub light: &'a Light<'l>,
     pub archive: &'a Archive,
     pub spots: &'a Spots,
     pub about: &'a Provenance,
 }
 
-impl Results<'_> {
+impl Results<'_, '_> {
     /// Writes sums, hours and horizons; gives the sums. `scene` is the one without modules.
     pub fn write(&self, scene: &Scene, siting: &Siting, north: North) -> Result<Vec<SideSums>> {
         let (files, about) = (self.files, self.about);
@@ -49,7 +49,7 @@ impl Results<'_> {
             horizon::write_table(&files.horizon_table, &horizons, about)?;
         }
         write_points(&files.points, &sides, about)?;
-        write_months(&files.months, &sides, &self.light.month_labels(), about)?;
+        write_months(&files.months, &sides, &self.light.month_labels(self.archive)?, about)?;
         if !self.args.no_hourly {
             self.write_hours()?;
         }
@@ -121,7 +121,7 @@ impl Results<'_> {
     /// Hours of every point and module. Kept in memory are modules of which some receivers are still to come: their tiles are neighbours.
     fn write_hours(&self) -> Result<()> {
         let light = self.light;
-        let labels = light.hour_labels();
+        let labels = light.hour_labels(self.archive)?;
         let about =
             self.about.clone().with("stamp", light.stamp().name()).with("interval_minutes", light.interval_minutes());
         let columns: &[&str] = if self.args.points.is_some() { &ONE_SIDE } else { &TWO_SIDES };

@@ -69,13 +69,13 @@ pub fn run(args: &PvArgs, light: &Light, prepared: &PreparedScene, spots: &Spots
 }
 
 /// How fans are traced.
-struct Fans<'a> {
+struct Fans<'a, 'l> {
     settings: &'a BuildSettings,
     folder: &'a Path,
-    light: &'a Light<'a>,
+    light: &'a Light<'l>,
 }
 
-impl Fans<'_> {
+impl Fans<'_, '_> {
     fn search(&self, prepared: &PreparedScene, spots: &[Spot], limits: &TurnLimits) -> Result<Vec<PointSearch>> {
         let rings = limits.rings(COARSE_DEG);
         let turns: Vec<Turn> = rings.iter().flat_map(Ring::turns).collect();

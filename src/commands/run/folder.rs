@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::made_from::MadeFrom;
 use super::maps;
+use crate::cli::quoted;
 use crate::cli::{RunArgs, RunMap, name_of};
-use crate::commands::console::shell_words::quoted;
 use crate::commands::{guard_archive, guard_site, warn};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::layout::By;

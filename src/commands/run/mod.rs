@@ -4,46 +4,26 @@
 mod folder;
 pub(in crate::commands) mod made_from;
 mod maps;
-mod periods;
-
-use std::collections::HashMap;
-use std::path::Path;
+mod results;
 
 use super::build::{WeighedUnder, about_error_weather};
 use super::horizon::nothing_seen;
 use super::receivers::cover_site;
-use super::terminal::Terminal;
 use super::traced::{TraceRequest, WaysOut, up_to_date};
-use super::{Outcome, interrupt, invocation, load_scene, remark, say, temporary_files, warn};
+use super::{Outcome, interrupt, load_scene, remark, say, warn};
 use crate::cli::{RunArgs, RunMap};
-use crate::covering::Covered;
 use crate::files::{hold, read_file, read_weather_as};
-use crate::outputs::annual::{AnnualRow, Patch, write_ply, write_table};
-use crate::outputs::kinds_and_sides::by_kind_and_side;
-use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
-use crate::outputs::sink::Sink;
 use crate::outputs::viewer_page::ViewerPage;
 use folder::Files;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::observer::Stage;
 use heliotile_builder::settings::EffectChoice;
-use heliotile_builder::transfer::ArchiveReceivers;
-use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
-use heliotile_core::memory::MemoryBudget;
-use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::Component;
-use heliotile_core::replay::reflectances::{Changeable, Changes};
-use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::site::north::North;
 use heliotile_core::weather::distance::far_apart;
-use heliotile_core::weather::series::Weather;
-use heliotile_core::weather::time::years::Years;
-use heliotile_scene::covering::cover::Piece;
+use results::RunResults;
 
 /// `heliotile run`.
-pub fn run(args: &RunArgs) -> Result<Outcome> {
+pub fn run(args: &RunArgs, about: Provenance) -> Result<Outcome> {
     let site = args.scene.site()?;
     let files = Files::of(args, &site);
     files.guard(&site, args)?;
@@ -86,69 +66,20 @@ pub fn run(args: &RunArgs) -> Result<Outcome> {
     nothing_seen(&archive)?.iter().for_each(|lost| warn(lost));
     interrupt::stop_if_requested("after site.helio was complete")?;
     files.claim(&archive, &weather, args)?;
-    let settings = &archive.manifest().settings;
-    let steps = weather.steps_of(settings.steps());
-    let rows = annual(&archive, &weather, steps, MemoryBudget::new(args.memory.0))?;
-    let about = invocation::provenance()
-        .with_archive(&files.archive, &archive)
-        .with_weather(&args.weather, &weather)
-        .with_option("steps", steps)
-        .with_option("patches", settings.patches());
-    let north = North::of(archive.manifest().place.as_ref());
-    write_table(Sink::file(&files.table)?, &rows, north, &about)?;
-    write_map(&files.map, &rows, covered.as_ref(), &about)?;
-    maps::write(args, &files, &archive, &rows, &about)?;
-    periods::write(args, &files, city_model, &archive, &weather)?;
+    let results = RunResults {
+        args,
+        files: &files,
+        city_model,
+        covered: covered.as_ref(),
+        archive: &archive,
+        weather: &weather,
+        about,
+    };
+    let table = results.write()?;
     write_page(&files, args)?;
-    say(&format!(
-        "\nIrradiation through {}, kWh/m2 (means by area):\n{}",
-        args.weather.display(),
-        by_kind_and_side(&rows, north)
-    ))?;
+    say(&format!("\nIrradiation through {}, kWh/m2 (means by area):\n{}", args.weather.display(), table))?;
     remark(&files.summary(args, covered.is_some()))?;
     Ok(Outcome::Fine)
-}
-
-/// Sums over the weather file of all receivers, in the archive's order, with so many positions of the sun in each interval.
-fn annual(archive: &Archive, weather: &Weather, steps: usize, memory: MemoryBudget) -> Result<Vec<AnnualRow>> {
-    let site = OpenSite::of(archive)?;
-    let conditions = weather.conditions(steps);
-    let years = Years::of(weather.rows.iter().map(|row| row.interval.date));
-    let stamps: Vec<_> = conditions.iter().filter_map(|condition| condition.stamp).collect();
-    let bins = Periods::new(Every::Total, years, &stamps, ClockReading::default()).bins();
-    let (patches, storage) = (archive.manifest().settings.patches(), temporary_files());
-    let settings = ReplaySettings { patches, memory, storage: &storage, ..ReplaySettings::default() };
-    let changeable = Changeable::of(&site, archive.manifest());
-    // What the model states of its ground, by month; nothing else is asked for.
-    let (schedules, _) = Changes::default().over(&changeable, &weather.rows, &read_file)?;
-    let replay = Replay::scheduled(&site, &conditions, settings, &bins, &schedules)?;
-    let terminal = Terminal::default();
-    let progress = Stage::begin(&terminal, "receivers", Some(archive.manifest().receivers.count));
-    let mut rows = Vec::new();
-    let mut receivers = ArchiveReceivers::<()>::new(&site);
-    for result in replay.results(0..replay.tiles()) {
-        let values = result?.1;
-        for (i, row) in receivers.by_ref().take(values.receivers()).enumerate() {
-            let sum = |component: Component| values.row(component, i).first().copied().unwrap_or_default();
-            rows.push(AnnualRow { receiver: row?.receiver, kwh_m2: Component::ALL.map(sum) });
-        }
-        progress.advance(values.receivers() as u64);
-    }
-    drop(progress);
-    Ok(rows)
-}
-
-fn write_map(path: &Path, rows: &[AnnualRow], covered: Option<&Covered>, about: &Provenance) -> Result<()> {
-    let pieces = pieces_by_name(covered);
-    let patches: Vec<Patch> = rows
-        .iter()
-        .map(|row| Patch {
-            triangles: pieces.get(&row.receiver.id).map_or(&[][..], |piece| &piece.triangles),
-            middle: row.receiver.position,
-            total_kwh_m2: row.total(),
-        })
-        .collect();
-    write_ply(Sink::file(path)?, &patches, about)
 }
 
 /// The page that shows the archive under this weather; a large one it reads from beside it.
@@ -159,9 +90,4 @@ fn write_page(files: &Files, args: &RunArgs) -> Result<()> {
     let page = page.with_option("clock", args.about_weather.json());
     let page = if page.holds_archive() { page } else { page.with_option("archive", "../site.helio") };
     page.write(&files.page)
-}
-
-fn pieces_by_name(covered: Option<&Covered>) -> HashMap<String, &Piece> {
-    let rows = covered.into_iter().flat_map(Covered::free);
-    rows.map(|(name, piece, ..)| (name, piece)).collect()
 }

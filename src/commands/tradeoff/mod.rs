@@ -6,8 +6,9 @@ mod report;
 mod sources;
 
 use super::terminal::Terminal;
-use super::{Outcome, invocation, load_scene, read_receivers, read_suns, say, workspace, workspace_beside};
+use super::{Outcome, load_scene, read_receivers, read_suns, say, workspace, workspace_beside};
 use crate::cli::TradeoffArgs;
+use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::write_texts;
 use heliotile_builder::accuracy::trial::Bench;
 use heliotile_builder::accuracy::{CONDITIONS, sample};
@@ -18,7 +19,7 @@ use heliotile_core::site::receiver::Receiver;
 use ladder::LadderTable;
 
 /// `heliotile tradeoff`.
-pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
+pub fn run(args: &TradeoffArgs, about: Provenance) -> Result<Outcome> {
     let scene = load_scene(&args.scene)?;
     let suns = read_suns(args.weather.as_deref(), Some(&args.about_weather), &scene)?;
     let (conditions, folder) = (suns.some(CONDITIONS), &args.output);
@@ -55,8 +56,8 @@ pub fn run(args: &TradeoffArgs) -> Result<Outcome> {
         weather: suns.name(),
     };
     let about = match args.weather {
-        Some(_) => invocation::provenance().with("weather", suns.name()),
-        None => invocation::provenance(),
+        Some(_) => about.with("weather", suns.name()),
+        None => about,
     };
     write_texts(folder, &report::files(&site, &ladder, sources.as_deref(), &about)?)?;
     say(&format!("{}: read it with a browser\n", folder.join(report::PAGE).display()))?;

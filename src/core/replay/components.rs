@@ -99,6 +99,17 @@ impl ComponentSet {
         ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u16))
     }
 
+    /// The components that are listed in one of both sets.
+    #[must_use]
+    pub fn union(self, other: ComponentSet) -> Self {
+        ComponentSet(self.0 | other.0)
+    }
+
+    /// The components that are listed, in the order of their numbers.
+    pub fn iter(self) -> impl Iterator<Item = Component> {
+        Component::ALL.into_iter().chain(Component::FURTHER).filter(move |component| self.contains(*component))
+    }
+
     /// Whether a component is listed in the set.
     pub fn contains(self, component: Component) -> bool {
         self.0 & 1 << component as u16 != 0
@@ -131,6 +142,11 @@ impl ComponentList {
     /// The six components and their total, in the order of their numbers.
     pub fn all() -> Self {
         ComponentList(Component::ALL.to_vec())
+    }
+
+    /// One column.
+    pub fn of(component: Component) -> Self {
+        ComponentList(vec![component])
     }
 
     /// The columns, in the order that they are asked for.

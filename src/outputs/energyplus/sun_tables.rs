@@ -3,22 +3,17 @@
 
 use std::collections::BTreeMap;
 
-use heliotile_builder::transfer::ArchiveReceivers;
+use crate::results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::light::paths::LightPaths;
-use heliotile_core::light::scratch::ScratchSpace;
-use heliotile_core::light::states::Schedule;
-use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::factors::SunGrid;
-use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::time::bins::Bins;
 
 /// W/m2 of DNI that tables of the sun stand for, and of DHI for the sky.
 pub const NOMINAL_W_M2: f64 = 1000.0;
@@ -90,16 +85,14 @@ pub struct TableRequest<'a> {
     pub paths: LightPaths,
     pub sky: ReflectedSky,
     pub ground: GroundRange,
-    pub memory: MemoryBudget,
-    pub storage: &'a dyn ScratchSpace,
+    pub resources: Resources<'a>,
 }
 
 /// What all surfaces get, by name without regard to case, sorted so.
 pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<SurfaceLight>> {
     let site = OpenSite::of(archive)?;
-    let ground = site.grounds();
     // Without reflections or ground nothing depends on it.
-    let changes = site.settings().diffuse && !ground.is_empty();
+    let changes = site.settings().diffuse && !site.grounds().is_empty();
     let GroundRange { low, high } = asked.ground;
     let states = if changes { vec![low, high, 0.5 * (low + high)] } else { vec![0.0] };
     let mut one = suns(asked.grid);
@@ -108,15 +101,14 @@ pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<Sur
     one.push(Condition::new(String::new(), &[], zenith, 0.0, NOMINAL_W_M2));
     one.extend(asked.sky.low().map(|low| low.condition));
     let conditions: Vec<Condition> = states.iter().flat_map(|_| one.clone()).collect();
-    let values = states.iter().flat_map(|value| std::iter::repeat_n(*value, one.len())).collect();
-    let schedules = if changes { vec![Schedule { materials: ground, values }] } else { Vec::new() };
+    let values: Vec<f64> = states.iter().flat_map(|value| std::iter::repeat_n(*value, one.len())).collect();
     let diffuse = [Component::SunDiffuse, Component::SkyDiffuse, Component::SkySpecular];
-    let means = surface_means(archive, &site, &conditions, &schedules, &diffuse, asked)?;
+    let means = surface_means(archive, conditions, changes.then_some(&values), &diffuse, asked)?;
     let mut lights: Vec<SurfaceLight> = means.into_iter().map(|means| finish(means, one.len(), asked)).collect();
     if site.orientations().is_empty() {
         return Ok(lights);
     }
-    let mirrored = surface_means(archive, &site, &suns(SunGrid::FINE), &[], &[Component::SunSpecular], asked)?;
+    let mirrored = surface_means(archive, suns(SunGrid::FINE), None, &[Component::SunSpecular], asked)?;
     // Both are sorted by the same names.
     for (light, means) in lights.iter_mut().zip(mirrored) {
         light.mirrored = round_the_circle(means.values, SunGrid::FINE);
@@ -124,43 +116,37 @@ pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<Sur
     Ok(lights)
 }
 
-/// Components of light under conditions, added up, as means over surfaces by name.
+/// Components of light under conditions, added up, as means over surfaces by name; `ground` is the ground's reflectance under each.
 fn surface_means(
     archive: &Archive,
-    site: &OpenSite,
-    conditions: &[Condition],
-    schedules: &[Schedule],
+    conditions: Vec<Condition>,
+    ground: Option<&[f64]>,
     components: &[Component],
     asked: &TableRequest,
 ) -> Result<Vec<Means>> {
-    let settings = ReplaySettings {
-        sky: asked.sky.model(),
-        paths: asked.paths,
-        patches: archive.manifest().settings.patches(),
-        components: ComponentSet::of(components),
-        memory: asked.memory,
-        storage: asked.storage,
-    };
-    let replay = Replay::scheduled(site, conditions, settings, &Bins::each(conditions.len()), schedules)?;
+    let count = conditions.len();
+    let (receivers, series) = (ReceiverSet::all_of(archive)?, Series::over_ground(conditions, ground));
+    let light = LightChoice { sky: asked.sky.model(), paths: asked.paths, ..LightChoice::default() };
+    let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, Means> = BTreeMap::new();
-    let mut receivers = ArchiveReceivers::<()>::new(site);
-    for result in replay.results(0..replay.tiles()) {
-        let values = result?.1;
-        for (row, receiver) in receivers.by_ref().take(values.receivers()).enumerate() {
-            let receiver = receiver?.receiver;
+    let mut rows = receivers.receivers();
+    stream.each(ComponentSet::of(components), |tile| {
+        for (row, receiver) in rows.by_ref().take(tile.ids.len()).enumerate() {
+            let receiver = receiver?;
             let part = receiver.part;
             let sum = found
                 .entry(part.face.to_lowercase())
-                .or_insert_with(|| Means { light: SurfaceLight::dark(part), values: vec![0.0; conditions.len()] });
+                .or_insert_with(|| Means { light: SurfaceLight::dark(part), values: vec![0.0; count] });
             let area_m2 = receiver.area.unwrap_or(1.0);
             sum.light.receivers += 1;
             sum.light.area_m2 += area_m2;
             for component in components {
-                let row = values.row(*component, row);
+                let row = tile.values.row(*component, row);
                 sum.values.iter_mut().zip(row).for_each(|(sum, value)| *sum += area_m2 * f64::from(*value));
             }
         }
-    }
+        Ok(true)
+    })?;
     let mean = |mut means: Means| {
         let area_m2 = if means.light.area_m2 > 0.0 { means.light.area_m2 } else { 1.0 };
         means.values.iter_mut().for_each(|value| *value /= area_m2);

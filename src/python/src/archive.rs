@@ -8,7 +8,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::asked::{Asked, Forcing, LightArgs, ReplayArgs, Source};
+use crate::asked::{Filled, Forcing, LightArgs, ReplayArgs, Source};
 use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
@@ -16,13 +16,12 @@ use crate::results::{Frame, Gathered, Recombined};
 use crate::table::columns_of;
 use crate::work;
 
-use heliotile::atlas::{Sources, archives, check_square};
-use heliotile::files::open_archive;
-use heliotile::recombine::{Chosen, ChosenPart, FactorRows, Streamed};
+use heliotile::atlas::{archives, check_square};
+use heliotile::files::{open_archive, read_file};
+use heliotile::results::{FactorRows, PartReceivers, ReceiverChoice, ReceiverSet, Resources, Sources, TileStream};
 use heliotile::{Access, Archive, Bounds, DVec2, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
 use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::format;
-use heliotile_core::memory::Use;
 use heliotile_core::replay::factors::FACTORS;
 
 /// An archive, or parts of an atlas, and which way is north. Many threads may read it at once.
@@ -56,11 +55,6 @@ pub enum Of {
 }
 
 impl Wanted {
-    /// One byte for each receiver of the archives.
-    fn kept(&self, sites: &[OpenSite], memory: MemoryBudget) -> Result<Vec<bool>> {
-        self.selection()?.resolve(sites, &std::env::temp_dir(), memory.length(Use::ReceiverList))
-    }
-
     fn selection(&self) -> Result<Selection> {
         let of = match self {
             Wanted::Ids(ids) if ids.is_empty() => {
@@ -91,18 +85,12 @@ pub fn bounds_of(numbers: Vec<f64>) -> Result<Bounds> {
     Bounds::of(&numbers).map_err(|found| Error::argument("receivers", found, HINT))
 }
 
-/// The site of an archive, with the north that is asked for.
-pub fn site_of(archive: &Archive, grid_north: bool) -> Result<OpenSite<'_>> {
-    let site = OpenSite::of(archive)?;
-    Ok(if grid_north { site.with_y_for_north() } else { site })
-}
-
 #[pymethods]
 impl ArchiveHandle {
     /// Opens an archive; `access` is `map` or `pread`.
     #[staticmethod]
     fn open(py: Python<'_>, place: PathBuf, access: &str, grid_north: bool) -> PyResult<Self> {
-        let access: Access = by_name("access", access).map_err(|error| raised(py, &error))?;
+        let access: Access = by_name("access", access).map_err(|error| raised(py, error))?;
         let archive = work::run(py, None, |_| open_archive(&place, access))?;
         Ok(ArchiveHandle { sources: Arc::new(archive.into()), place, grid_north })
     }
@@ -133,7 +121,7 @@ impl ArchiveHandle {
     fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: u64) -> PyResult<Vec<Option<Vec<String>>>> {
         work::run(py, None, |_| {
             let chosen = self.choose(Some(receivers), MemoryBudget::new(memory))?;
-            let ids = |part: &ChosenPart| {
+            let ids = |part: &PartReceivers| {
                 let all = part.count() == part.site.receivers();
                 (!all).then(|| part.rows::<()>().map(|row| Ok(row?.receiver.id)).collect()).transpose()
             };
@@ -229,20 +217,18 @@ impl ArchiveHandle {
 
     /// A replay that computes tiles as they are asked for, and keeps as many of them as fit into `cache` bytes.
     fn lazy(&self, py: Python<'_>, light: LightArgs, args: ReplayArgs, cache: usize) -> PyResult<LazyReplay> {
-        let memory = light.memory();
-        let asked = Asked::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, &error))?;
+        let asked = Filled::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, error))?;
         work::run(py, None, |watch| {
             let storage = TempFiles::new(std::env::temp_dir());
             let archives = self.sources.borrowed();
             if archives.only().is_none() {
                 return Err(Error::argument("archive", "is several", "open the archives of an atlas one by one"));
             }
-            asked.with_series(archives, &storage, watch, |series, recombination| {
-                let receivers = self.count() as usize;
-                let about = (archives, self.place.as_path());
-                let frame = Frame::new(receivers, (series, recombination), asked.columns.clone(), about);
-                let source = (&self.sources, self.grid_north);
-                LazyReplay::new(source, (series, recombination), frame, (cache, memory), watch)
+            asked.with_series(archives, &storage, watch, |series, resources| {
+                let receivers = self.choose(None, asked.memory)?;
+                let stream = TileStream { receivers: &receivers, light: asked.light(), series, resources };
+                let frame = Frame::new(&stream, self.count() as usize, (archives, self.place.as_path()));
+                LazyReplay::new(&self.sources, &stream, self.grid_north, frame, cache)
             })
         })
     }
@@ -258,12 +244,17 @@ impl ArchiveHandle {
         memory: u64,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<FactorColumns> {
-        let by = by_name("by", by).map_err(|error| raised(py, &error))?;
+        let by = by_name("by", by).map_err(|error| raised(py, error))?;
         let memory = MemoryBudget::new(memory);
         let (names, grid, columns) = work::run(py, progress.as_ref(), |watch| {
             let chosen = self.choose(receivers, memory)?;
             let storage = TempFiles::new(std::env::temp_dir());
-            let rows = FactorRows::new(&chosen, steps, by, (memory, &storage))?;
+            let rows = FactorRows::new(
+                &chosen,
+                steps,
+                by,
+                &Resources { memory, storage: &storage, files: &read_file, observer: watch },
+            )?;
             let grid = *rows.grid();
             let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); FACTORS.len()]);
             rows.each(watch, |name, factors| {
@@ -296,11 +287,10 @@ impl ArchiveHandle {
     }
 
     /// Those receivers that are wanted, of all archives.
-    fn choose(&self, receivers: Option<Wanted>, memory: MemoryBudget) -> Result<Chosen<'_>> {
-        let archives = self.sources.borrowed();
-        let sites = archives.iter().map(|archive| site_of(archive, self.grid_north)).collect::<Result<Vec<_>>>()?;
-        let kept = receivers.map(|wanted| wanted.kept(&sites, memory)).transpose()?;
-        Ok(Chosen::new(archives.iter().zip(sites), kept))
+    fn choose(&self, receivers: Option<Wanted>, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
+        let selection = receivers.map(|wanted| wanted.selection()).transpose()?;
+        let choice = ReceiverChoice { selection, grid_north: self.grid_north };
+        choice.of(self.sources.borrowed(), &std::env::temp_dir(), memory)
     }
 
     fn recombine(
@@ -311,24 +301,19 @@ impl ArchiveHandle {
         receivers: Option<Wanted>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
-        let memory = light.memory();
-        let asked = Asked::new(light, forcing).map_err(|error| raised(py, &error))?;
+        let asked = Filled::new(light, forcing).map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
             let archives = self.sources.borrowed();
-            let chosen = self.choose(receivers, memory)?;
+            let receivers = self.choose(receivers, asked.memory)?;
             let storage = TempFiles::new(std::env::temp_dir());
-            asked.with_series(archives, &storage, watch, |series, recombination| {
-                let names = chosen.names()?;
-                let about = (archives, self.place.as_path());
-                let frame = Frame::new(names.len(), (series, recombination), asked.columns.clone(), about);
-                let streamed = Streamed { chosen: &chosen, components: asked.columns.set() };
-                let start = || Gathered::new(&frame);
-                let gathered = streamed.each_tile(recombination, series, watch, start, |gathered, _, values| {
-                    gathered.add(&frame, values);
-                    work::count_tiles(1);
-                    Ok(true)
-                })?;
-                Ok(gathered.finish(frame, names))
+            asked.with_series(archives, &storage, watch, |series, resources| {
+                let names = receivers.names()?;
+                let stream = TileStream { receivers: &receivers, light: asked.light(), series, resources };
+                let frame = Frame::new(&stream, names.len(), (archives, self.place.as_path()));
+                let mut gathered = Gathered::new(&frame);
+                stream.feed(&mut [&mut gathered])?;
+                let columns = gathered.columns();
+                Ok(Recombined::new(frame, names, columns))
             })
         })
     }

@@ -29,8 +29,8 @@ pub fn shown(place: &str) -> String {
     heliotile::files::shown(Path::new(place)).to_string_lossy().into_owned()
 }
 
-/// Runs the program with these words, its name first; once in a process. Its exit code.
+/// Runs the program with these words, its name first. Its exit code.
 #[pyfunction]
 pub fn program(py: Python<'_>, words: Vec<String>) -> u8 {
-    py.detach(|| heliotile::program_of(words.into_iter().map(Into::into).collect()))
+    py.detach(|| heliotile::program(&words.into_iter().map(Into::into).collect::<Vec<_>>()))
 }

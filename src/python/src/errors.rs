@@ -5,8 +5,8 @@ use pyo3::prelude::*;
 use heliotile::Error;
 
 /// The exception of an error.
-pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
-    exception(py, error).unwrap_or_else(|failed| failed)
+pub fn raised(py: Python<'_>, error: Error) -> PyErr {
+    exception(py, &error.in_words(&str::to_owned)).unwrap_or_else(|failed| failed)
 }
 
 fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {

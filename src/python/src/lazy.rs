@@ -8,13 +8,11 @@ use pyo3::exceptions::{PyIndexError, PyKeyError};
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
-use crate::archive::site_of;
 use crate::memory::Block;
 use crate::results::{Frame, FrameHandle, no_column};
 use crate::work;
-use heliotile::atlas::Sources;
-use heliotile::recombine::{Recombination, Series, replay_of};
-use heliotile::{ComponentSet, Error, MemoryBudget, Observer, Replay, Result};
+use heliotile::results::{Sources, TileStream, replay_of};
+use heliotile::{ComponentSet, Error, Observer, OpenSite, Replay, Result};
 use heliotile_core::archive::format;
 
 self_cell!(
@@ -46,12 +44,13 @@ pub struct LazyReplay {
 impl LazyReplay {
     /// Of all receivers of an archive, the first of what is open; `cache` bytes of tiles are kept.
     pub fn new(
-        (sources, grid_north): (&Arc<Sources>, bool),
-        (series, asked): (&Series, &Recombination),
+        sources: &Arc<Sources>,
+        stream: &TileStream,
+        grid_north: bool,
         frame: Frame,
-        (cache, memory): (usize, MemoryBudget),
-        observer: &dyn Observer,
+        cache: usize,
     ) -> Result<Self> {
+        let TileStream { light, series, ref resources, .. } = *stream;
         let mut starts = vec![0];
         let mut count = 0;
         for entry in sources.borrowed().first().entries_of(format::RECEIVERS) {
@@ -61,11 +60,12 @@ impl LazyReplay {
         let components = ComponentSet::of(frame.components());
         let held = Held::try_new(Arc::clone(sources), |sources| {
             let archive = sources.borrowed().first();
-            let site = site_of(archive, grid_north)?;
-            replay_of((archive, &site), asked, series, components, observer)
+            let site = OpenSite::of(archive)?;
+            let site = if grid_north { site.with_y_for_north() } else { site };
+            replay_of((archive, &site), light, series, components, resources)
         })?;
         let tile_bytes = 4 * 64 * frame.labels.len().max(1) * frame.components().len().max(1);
-        let half = usize::try_from(memory.total() / 2).unwrap_or(usize::MAX);
+        let half = usize::try_from(resources.memory.total() / 2).unwrap_or(usize::MAX);
         Ok(LazyReplay {
             held,
             frame: Arc::new(frame),

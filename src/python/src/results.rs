@@ -15,9 +15,11 @@ use pyo3::types::PyCapsule;
 
 use crate::errors::raised;
 use crate::memory::Block;
-use heliotile::atlas::Archives;
-use heliotile::recombine::{ArrowRows, By, Layout, ONE_SIDE, Provenance, Recombination, RowLabels, Series, SideHours};
-use heliotile::{Component, ComponentList, Error, Result, TileValues};
+use crate::work;
+use heliotile::results::{
+    Archives, ArrowRows, By, Layout, ONE_SIDE, Provenance, RowLabels, SideHours, Tile, TileSink, TileStream,
+};
+use heliotile::{Component, ComponentSet, Error, Result};
 
 /// Rows that a record batch has at least, if there are so many.
 const BATCH_ROWS: usize = 1 << 20;
@@ -31,17 +33,11 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Of a series on some receivers of what is open at a place.
-    pub fn new(
-        receivers: usize,
-        (series, asked): (&Series, &Recombination),
-        components: ComponentList,
-        (archives, place): (Archives, &Path),
-    ) -> Self {
-        let about = archives.told_in(series.provenance.clone(), place);
-        let about = about.with_option("patches", asked.patches_of(archives.first()));
-        let layout = Layout { labels: series.kind, by: By::Receiver, components, facts: Vec::new() };
-        Frame { receivers, labels: series.labels.clone(), layout, about }
+    /// Of a stream of so many receivers of what is open at a place.
+    pub fn new(stream: &TileStream, receivers: usize, (archives, place): (Archives, &Path)) -> Self {
+        let (about, components) = (stream.about(archives, place), stream.light.columns());
+        let layout = Layout { labels: stream.series.kind, by: By::Receiver, components, facts: Vec::new() };
+        Frame { receivers, labels: stream.series.labels.clone(), layout, about }
     }
 
     pub fn components(&self) -> &[Component] {
@@ -67,15 +63,32 @@ pub struct Recombined {
 }
 
 /// Results that tiles are put into one after the other.
-pub struct Gathered {
+pub struct Gathered<'a> {
+    frame: &'a Frame,
     columns: Vec<Vec<f32>>,
 }
 
-impl Gathered {
-    /// Room for all of them; an error if there is none.
-    pub fn new(frame: &Frame) -> Result<Self> {
-        let len = frame.receivers * frame.labels.len();
-        let columns = frame.components().iter().map(|_| {
+impl<'a> Gathered<'a> {
+    /// Without results.
+    pub fn new(frame: &'a Frame) -> Self {
+        Gathered { frame, columns: Vec::new() }
+    }
+
+    /// The columns.
+    pub fn columns(self) -> Vec<Buffer> {
+        self.columns.into_iter().map(Buffer::from_vec).collect()
+    }
+}
+
+impl TileSink for Gathered<'_> {
+    fn components(&self) -> ComponentSet {
+        ComponentSet::of(self.frame.components())
+    }
+
+    /// Makes room for all of them; an error if there is none.
+    fn start(&mut self) -> Result<()> {
+        let len = self.frame.receivers * self.frame.labels.len();
+        let columns = self.frame.components().iter().map(|_| {
             let mut column = Vec::new();
             column.try_reserve_exact(len).map_err(|_| Error::Limit {
                 what:
@@ -86,18 +99,23 @@ impl Gathered {
             })?;
             Ok(column)
         });
-        Ok(Gathered { columns: columns.collect::<Result<_>>()? })
+        self.columns = columns.collect::<Result<_>>()?;
+        Ok(())
     }
 
-    /// Appends the receivers of a tile.
-    pub fn add(&mut self, frame: &Frame, values: &TileValues) {
-        for (column, component) in self.columns.iter_mut().zip(frame.components()) {
-            column.extend_from_slice(values.component(*component));
+    fn take(&mut self, tile: &Tile) -> Result<bool> {
+        for (column, component) in self.columns.iter_mut().zip(self.frame.components()) {
+            column.extend_from_slice(tile.values.component(*component));
         }
+        work::count_tiles(1);
+        Ok(true)
     }
+}
 
-    pub fn finish(self, frame: Frame, names: Vec<String>) -> Recombined {
-        Recombined { frame: Arc::new(frame), names, columns: self.columns.into_iter().map(Buffer::from_vec).collect() }
+impl Recombined {
+    /// Columns of receivers by their names.
+    pub fn new(frame: Frame, names: Vec<String>, columns: Vec<Buffer>) -> Self {
+        Recombined { frame: Arc::new(frame), names, columns }
     }
 }
 
@@ -131,7 +149,7 @@ impl Recombined {
         let six = &Component::ALL[..6];
         if let Some(missing) = six.iter().find(|component| !frame.components().contains(component)) {
             let what = format!("`{}` is not among them, and pvlib's columns are made of all six", missing.name());
-            return Err(raised(py, &Error::argument("columns", what, "leave columns out")));
+            return Err(raised(py, Error::argument("columns", what, "leave columns out")));
         }
         let hours = SideHours::of(|component| {
             let place = frame.components().iter().position(|known| *known == component);
@@ -153,7 +171,7 @@ impl Recombined {
         let _ = requested_schema;
         let frame = &self.frame;
         let rows = ArrowRows::new(&frame.layout, &frame.labels, &self.names, &frame.about);
-        let rows = rows.map_err(|error| raised(py, &error))?;
+        let rows = rows.map_err(|error| raised(py, error))?;
         let columns = self.columns.iter().map(|column| ScalarBuffer::from(column.clone())).collect();
         let batches = Batches { rows, columns, frame: Arc::clone(frame), next: 0 };
         PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(batches)), c"arrow_array_stream")

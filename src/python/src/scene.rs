@@ -191,7 +191,7 @@ impl SceneHandle {
         args: CoverArgs,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(usize, String)> {
-        let request = args.request().map_err(|error| raised(py, &error))?;
+        let request = args.request().map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
             check_name(&output)?;
             guard_site(&output, &self.site, &[])?;
@@ -211,7 +211,7 @@ impl SceneHandle {
         args: BuildArgs,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Built> {
-        let settings = args.settings().map_err(|error| raised(py, &error))?;
+        let settings = args.settings().map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
             let folder = folder_of(&args.output);
             let given = Given::of(&receivers)?;

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 
 use crate::errors::raised;
 use heliotile::{Observer, Result};
+use heliotile_core::text::with_fields;
 
 /// How often signals and progress are looked at.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -81,7 +82,11 @@ impl Observer for Watch {
     }
 
     fn warn(&self, text: &str) {
-        locked(&self.told).warnings.push(text.to_owned());
+        locked(&self.told).warnings.push(with_fields(text, &str::to_owned));
+    }
+
+    fn note(&self, text: &str) {
+        self.warn(text);
     }
 
     fn cancelled(&self) -> bool {
@@ -154,7 +159,7 @@ pub fn run<T: Send>(
         return Err(error);
     }
     let done = done.map_err(|_| PyRuntimeError::new_err("this is a fault of heliotile: please report it"))?;
-    let done = done.map_err(|error| raised(py, &error))?;
+    let done = done.map_err(|error| raised(py, error))?;
     warn(py, &std::mem::take(&mut locked(&watch.told).warnings))?;
     Ok(done)
 }

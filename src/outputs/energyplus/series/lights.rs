@@ -3,18 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::steps::Steps;
-use heliotile_builder::transfer::ArchiveReceivers;
+use crate::results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::light::paths::LightPaths;
-use heliotile_core::light::scratch::ScratchSpace;
-use heliotile_core::light::states::Schedule;
-use heliotile_core::memory::MemoryBudget;
-use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::time::bins::Bins;
 
 /// Reflected light, whatever it meets.
 pub const REFLECTED: &[&[Component]] =
@@ -34,8 +28,7 @@ pub struct SeriesRequest<'a> {
     pub ground: Option<&'a [f64]>,
     /// Areas of surfaces with their hidden parts, by name in small letters, m2.
     pub whole_m2: &'a BTreeMap<String, f64>,
-    pub memory: MemoryBudget,
-    pub storage: &'a dyn ScratchSpace,
+    pub resources: Resources<'a>,
 }
 
 /// What a surface gets.
@@ -54,28 +47,16 @@ pub struct SurfaceSeries {
 
 /// Means over all surfaces, by name in small letters; hidden parts of them get nothing.
 pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeMap<String, SurfaceSeries>> {
-    let site = OpenSite::of(archive)?;
     let count = asked.steps.conditions.len();
-    let grounds = site.grounds();
-    let schedules: Vec<Schedule> = (asked.ground.iter())
-        .filter(|_| site.settings().diffuse && !grounds.is_empty())
-        .map(|values| Schedule { materials: grounds.clone(), values: values.to_vec() })
-        .collect();
     let components: Vec<Component> = asked.sums.iter().copied().flatten().copied().collect();
-    let settings = ReplaySettings {
-        sky: asked.sky,
-        paths: asked.paths,
-        patches: archive.manifest().settings.patches(),
-        components: ComponentSet::of(&components),
-        memory: asked.memory,
-        storage: asked.storage,
-    };
-    let replay = Replay::scheduled(&site, &asked.steps.conditions, settings, &Bins::each(count), &schedules)?;
+    let receivers = ReceiverSet::all_of(archive)?;
+    let series = Series::over_ground(asked.steps.conditions.clone(), asked.ground);
+    let light = LightChoice { sky: asked.sky, paths: asked.paths, ..LightChoice::default() };
+    let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, SurfaceSeries> = BTreeMap::new();
-    let mut receivers = ArchiveReceivers::<()>::new(&site);
-    for result in replay.results(0..replay.tiles()) {
-        let values = result?.1;
-        for (row, receiver) in receivers.by_ref().take(values.receivers()).enumerate() {
+    let mut rows = receivers.rows::<()>();
+    stream.each(ComponentSet::of(&components), |tile| {
+        for (row, receiver) in rows.by_ref().take(tile.ids.len()).enumerate() {
             let receiver = receiver?;
             let (views, receiver) = (receiver.views, receiver.receiver);
             let area_m2 = receiver.area.unwrap_or(1.0);
@@ -89,12 +70,13 @@ pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeM
             mean.sky_view += area_m2 * f64::from(views[0]);
             for (sum, components) in mean.sums.iter_mut().zip(asked.sums) {
                 for component in *components {
-                    let row = values.row(*component, row);
+                    let row = tile.values.row(*component, row);
                     sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += area_m2 * f64::from(*value));
                 }
             }
         }
-    }
+        Ok(true)
+    })?;
     for (name, mean) in &mut found {
         let whole_m2 = asked.whole_m2.get(name).copied().unwrap_or_default().max(mean.area_m2);
         let share = if whole_m2 > 0.0 { 1.0 / whole_m2 } else { 0.0 };

@@ -1,11 +1,10 @@
-//! Pictures of results: `--plot`. In: names of files, a series, means over its receivers. Out: which picture each file is, and charts; maps are
-//! drawn where maps are ([`super::mapped`]).
+//! Pictures of results. In: names of files, a stream. Out: which picture each file is, and charts of the mean over its receivers; maps are drawn
+//! where maps are ([`super::map`]).
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::RecombineArgs;
-use crate::commands::guard_output;
+use crate::guards::guard_output;
 use crate::outputs::area_means::AreaMeans;
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::bars::{Bars, Stack};
@@ -14,10 +13,11 @@ use crate::outputs::pictures::colours::{COMPONENTS, label};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
-use crate::recombine::Series;
+use crate::results::Series;
+use crate::results::stream::{Tile, TileSink, TileStream};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::weather::dated::DatedRows;
-use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::site::receiver::Receiver;
 
 /// Longer series have a column of hours for each month, shorter ones for each day.
 const MOST_DAYS: usize = 62;
@@ -44,9 +44,9 @@ impl Plot {
             (Some("png"), _) => Ok(Plot::Map),
             (Some("svg"), Some(Every::Hour)) => Ok(Plot::Hours),
             (Some("svg"), Some(Every::Total)) => Err(Error::argument(
-                "--plot",
-                format!("`{}` is a chart through time, and --every total has one sum", path.display()),
-                "give --every month (bars) or hour (hours of the day by month), or a name that ends with .png for a map",
+                "plot",
+                format!("`{}` is a chart through time, and {{every}} total has one sum", path.display()),
+                "give {every} month (bars) or hour (hours of the day by month), or a name that ends with .png for a map",
             )),
             (Some("svg"), _) => Ok(Plot::Bars),
             _ => Err(Error::Unsupported {
@@ -57,7 +57,7 @@ impl Plot {
         }
     }
 
-    /// Those of a command line; an error where one cannot be drawn of a series.
+    /// The pictures of some files; an error where one cannot be drawn of a series.
     pub fn all<'p>(paths: &'p [PathBuf], series: &Series) -> Result<Vec<(&'p Path, Plot)>> {
         let count = series.labels.len();
         let plot = |path: &'p PathBuf| {
@@ -65,14 +65,14 @@ impl Plot {
             match plot {
                 Plot::Map if count != 1 && series.every != Some(Every::Month) => {
                     let hint = match series.every {
-                        None => "give --conditions with one line, or a name that ends with .svg for bars",
-                        Some(_) => "give --every month or total, or a name that ends with .svg for a chart",
+                        None => "give {conditions} with one line, or a name that ends with .svg for bars",
+                        Some(_) => "give {every} month or total, or a name that ends with .svg for a chart",
                     };
                     let what = format!("`{}` is a map, which shows one value a place, not {count}", path.display());
-                    Err(Error::argument("--plot", what, hint))
+                    Err(Error::argument("plot", what, hint))
                 }
                 Plot::Bars if count > MOST_BARS => {
-                    let what = "bars of a chart (take fewer with --from and --to, or a longer --every)";
+                    let what = "bars of a chart (take fewer with {from} and {to}, or a longer {every})";
                     Err(Error::Limit { what: what.into(), value: count as u64, max: MOST_BARS as u64 })
                 }
                 _ => Ok((path.as_path(), plot)),
@@ -83,59 +83,63 @@ impl Plot {
 }
 
 /// Refuses pictures of unknown endings, and such that would replace an input or one another.
-pub fn guard(args: &RecombineArgs, forcing: &[&Path], every: Option<Every>) -> Result<()> {
-    let archive = args.table.archive.as_path();
-    for (i, path) in args.plot.iter().enumerate() {
+pub fn check(plots: &[PathBuf], inputs: &[&Path], every: Option<Every>) -> Result<()> {
+    for (i, path) in plots.iter().enumerate() {
         Plot::of(path, every)?;
-        let inputs: Vec<&Path> = [archive].into_iter().chain(forcing.iter().copied()).collect();
-        guard_output(path, &[&inputs[..], args.table.of.receivers.as_deref().as_slice()].concat())?;
+        guard_output(path, inputs)?;
         // A table has other endings.
-        if args.plot.iter().take(i).any(|other| other == path) {
+        if plots.iter().take(i).any(|other| other == path) {
             let what = format!("`{}` is written twice", path.display());
-            return Err(Error::argument("--plot", what, "give each output a name of its own"));
+            return Err(Error::argument("plot", what, "give each output a name of its own"));
         }
     }
     Ok(())
 }
 
-/// What a replay is of, in words: a weather file, and the days that are taken of it.
-pub fn called(weather: &Path, dated: &DatedRows) -> String {
-    let mut days = dated.dates.iter().zip(&dated.chosen).filter_map(|(date, chosen)| chosen.then_some(date));
-    let day = |date: &Date| match dated.years.matter() {
-        true => format!("{:04}-{:02}-{:02}", date.year, date.month, date.day),
-        false => format!("{:02}-{:02}", date.month, date.day),
-    };
-    let name = name_of(weather);
-    let (first, last) = (days.next(), days.next_back());
-    match (first.map(day), last.or(first).map(day)) {
-        (Some(first), Some(last)) if first != last => format!("{name}, {first} to {last}"),
-        (Some(only), _) => format!("{name}, {only}"),
-        _ => name,
+/// A chart of the mean by area over the receivers of a stream.
+pub struct AreaChart<'a> {
+    path: &'a Path,
+    plot: Plot,
+    series: &'a Series<'a>,
+    layout: Layout,
+    means: AreaMeans,
+    receivers: Box<dyn Iterator<Item = Result<Receiver>> + 'a>,
+}
+
+impl<'a> AreaChart<'a> {
+    /// A chart in an SVG file: bars of days, months, years or conditions, hours of the day by month of hours.
+    pub fn new(path: &'a Path, stream: &TileStream<'a>, layout: Layout) -> Result<Self> {
+        let plot = Plot::of(path, stream.series.every)?;
+        let means = AreaMeans::new(layout.components(), stream.series.labels.len());
+        let receivers = Box::new(stream.receivers.receivers());
+        Ok(AreaChart { path, plot, series: stream.series, layout, means, receivers })
+    }
+
+    /// Writes the chart; `called` says what is shown.
+    pub fn finish(self, called: &str, about: &Provenance) -> Result<()> {
+        let AreaChart { path, plot, series, layout, means, .. } = self;
+        let called = format!("{called}; {}", means.called());
+        let svg = match plot {
+            Plot::Hours => carpet(&means, series, &layout, called).svg()?,
+            Plot::Bars | Plot::Map => bars(&means, series, &layout, called).svg()?,
+        };
+        let mut sink = Sink::file(path)?;
+        sink.write_all(about.in_svg(&svg).as_bytes()).map_err(Error::io(path, "write to"))?;
+        sink.finish().map(drop)
     }
 }
 
-/// Name of a file, in words.
-pub fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
+impl TileSink for AreaChart<'_> {
+    fn components(&self) -> ComponentSet {
+        self.layout.components.set()
+    }
 
-/// Writes a chart; a map is none.
-pub fn write_chart(
-    (path, plot): (&Path, Plot),
-    means: &AreaMeans,
-    series: &Series,
-    layout: &Layout,
-    (called, about): (&str, &Provenance),
-) -> Result<()> {
-    let called = format!("{called}; {}", means.called());
-    let svg = match plot {
-        Plot::Map => return Ok(()),
-        Plot::Bars => bars(means, series, layout, called).svg()?,
-        Plot::Hours => carpet(means, series, layout, called).svg()?,
-    };
-    let mut sink = Sink::file(path)?;
-    sink.write_all(about.in_svg(&svg).as_bytes()).map_err(Error::io(path, "write to"))?;
-    sink.finish().map(drop)
+    fn take(&mut self, tile: &Tile) -> Result<bool> {
+        for (row, receiver) in self.receivers.by_ref().take(tile.ids.len()).enumerate() {
+            self.means.add(&receiver?, tile.values, row);
+        }
+        Ok(true)
+    }
 }
 
 fn bars(means: &AreaMeans, series: &Series, layout: &Layout, called: String) -> Bars {

@@ -1,34 +1,66 @@
 //! Which receivers results are made of: of an archive, or of parts of an atlas one after the other. In: a choice. Out: the tiles to compute,
 //! and which rows of them count.
 
-use heliotile_builder::transfer::{ArchiveReceivers, LayeredReceiver, Layers, Shown};
+use std::path::Path;
+
+use super::archives::Archives;
+use heliotile_builder::transfer::{ArchiveReceivers, Bounds, LayeredReceiver, Layers, Selection, Shown};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
+use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::reflectances::Changeable;
 use heliotile_core::replay::run::TileResult;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
-/// A choice of receivers.
-pub struct Chosen<'a> {
-    parts: Vec<ChosenPart<'a>>,
+/// Which receivers are asked for.
+#[derive(Clone, Debug, Default)]
+pub struct ReceiverChoice {
+    /// Some of them; none: all.
+    pub selection: Option<Selection>,
+    /// Whether y is taken for north, whatever the place of the archive says.
+    pub grid_north: bool,
+}
+
+impl ReceiverChoice {
+    /// The box that receivers are chosen by, if they are: no part of an atlas beyond it is needed.
+    pub fn within(&self) -> Option<Bounds> {
+        if let Some(Selection::Bounds(bounds)) = self.selection { Some(bounds) } else { None }
+    }
+
+    /// The receivers of some archives that are asked for; `folder` takes what does not fit into memory.
+    pub fn of<'a>(&self, archives: Archives<'a>, folder: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'a>> {
+        let site = |archive: &'a Archive| {
+            let site = OpenSite::of(archive)?;
+            Ok(if self.grid_north { site.with_y_for_north() } else { site })
+        };
+        let sites: Vec<OpenSite> = archives.iter().map(site).collect::<Result<_>>()?;
+        let kept = self.selection.as_ref();
+        let kept = kept.map(|some| some.resolve(&sites, folder, memory.length(Use::ReceiverList))).transpose()?;
+        Ok(ReceiverSet::new(archives.iter().zip(sites), kept))
+    }
+}
+
+/// Receivers of an archive or of several.
+pub struct ReceiverSet<'a> {
+    parts: Vec<PartReceivers<'a>>,
 }
 
 /// What is chosen of an archive.
-pub struct ChosenPart<'a> {
+pub struct PartReceivers<'a> {
     /// The archive,
     pub archive: &'a Archive,
     /// and the same, opened.
     pub site: OpenSite<'a>,
     /// `[receiver]` of the archive; `None`: all.
     kept: Option<Vec<bool>>,
-    tiles: Vec<ChosenTile>,
+    tiles: Vec<TileReceivers>,
 }
 
 /// A tile with receivers to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChosenTile {
+pub struct TileReceivers {
     /// Its number in the archive.
     pub number: u32,
     /// Place of its first receiver in the archive, and the number of its receivers.
@@ -36,24 +68,24 @@ pub struct ChosenTile {
     count: usize,
 }
 
-impl<'a> Chosen<'a> {
+impl<'a> ReceiverSet<'a> {
     /// Those receivers of some archives for which `kept`, in their order, is true; all of them without it.
     pub fn new(archives: impl Iterator<Item = (&'a Archive, OpenSite<'a>)>, kept: Option<Vec<bool>>) -> Self {
         let mut kept = kept.map(Vec::into_iter);
         let part = |(archive, site): (&'a Archive, OpenSite<'a>)| {
             let own = kept.as_mut().map(|kept| kept.by_ref().take(site.receivers() as usize).collect());
-            ChosenPart::new(archive, site, own)
+            PartReceivers::new(archive, site, own)
         };
-        Chosen { parts: archives.map(part).collect() }
+        ReceiverSet { parts: archives.map(part).collect() }
     }
 
-    /// Those of one archive.
-    pub fn of(archive: &'a Archive, site: &OpenSite<'a>, kept: Option<Vec<bool>>) -> Self {
-        Chosen::new(std::iter::once((archive, site.clone())), kept)
+    /// All receivers of an archive.
+    pub fn all_of(archive: &'a Archive) -> Result<Self> {
+        Ok(ReceiverSet::new(std::iter::once((archive, OpenSite::of(archive)?)), None))
     }
 
     /// What is chosen of each archive.
-    pub fn parts(&self) -> &[ChosenPart<'a>] {
+    pub fn parts(&self) -> &[PartReceivers<'a>] {
         &self.parts
     }
 
@@ -64,12 +96,12 @@ impl<'a> Chosen<'a> {
 
     /// Number of chosen receivers.
     pub fn count(&self) -> u64 {
-        self.parts.iter().map(ChosenPart::count).sum()
+        self.parts.iter().map(PartReceivers::count).sum()
     }
 
     /// The chosen receivers, in the order of results, with some of their layers.
     pub fn rows<L: Layers + 'a>(&'a self) -> impl Iterator<Item = Result<LayeredReceiver<L>>> + 'a {
-        self.parts.iter().flat_map(ChosenPart::rows::<L>)
+        self.parts.iter().flat_map(PartReceivers::rows::<L>)
     }
 
     /// The chosen receivers, in the order of results.
@@ -88,7 +120,7 @@ impl<'a> Chosen<'a> {
     }
 }
 
-impl<'a> ChosenPart<'a> {
+impl<'a> PartReceivers<'a> {
     fn new(archive: &'a Archive, site: OpenSite<'a>, kept: Option<Vec<bool>>) -> Self {
         let mut tiles = Vec::new();
         let mut first = 0;
@@ -96,11 +128,11 @@ impl<'a> ChosenPart<'a> {
             let count = entry.items as usize;
             let here = kept.as_ref().map(|kept| kept.get(first..first + count).unwrap_or_default());
             if here.is_none_or(|here| here.contains(&true)) {
-                tiles.push(ChosenTile { number: entry.tile, first, count });
+                tiles.push(TileReceivers { number: entry.tile, first, count });
             }
             first += count;
         }
-        ChosenPart { archive, site, kept, tiles }
+        PartReceivers { archive, site, kept, tiles }
     }
 
     /// What of its light may be changed.
@@ -109,7 +141,7 @@ impl<'a> ChosenPart<'a> {
     }
 
     /// Tiles that hold a chosen receiver, in order.
-    pub fn tiles(&self) -> &[ChosenTile] {
+    pub fn tiles(&self) -> &[TileReceivers] {
         &self.tiles
     }
 
@@ -130,7 +162,7 @@ impl<'a> ChosenPart<'a> {
     }
 
     /// The results of a tile that are asked for.
-    pub fn results(&self, tile: ChosenTile, (ids, values): TileResult) -> TileResult {
+    pub fn results(&self, tile: TileReceivers, (ids, values): TileResult) -> TileResult {
         let Some(kept) = &self.kept else { return (ids, values) };
         let kept = kept.get(tile.first..tile.first + tile.count).unwrap_or_default();
         if kept.iter().all(|kept| *kept) {

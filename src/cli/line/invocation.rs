@@ -1,26 +1,29 @@
 //! What was asked, for files that say how they were made. In: the command line. Out: [`Provenance`]: the command without what changes no
 //! values, and every option with the value that it had.
 
+use std::ffi::OsString;
+
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory};
 use serde_json::{Map, Number, Value};
 
-use super::console::shell_words::quoted;
-use crate::cli::{Cli, words};
+use super::shell_words::quoted;
+use crate::cli::Cli;
 use crate::outputs::provenance::Provenance;
 use heliotile_core::text::without_secrets;
 
 /// Options that change where results go and how long they take, never their values.
 const NEUTRAL: [&str; 9] = ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map"];
 
-/// Of the command line of this process. Paths stand as they were typed.
-pub fn provenance() -> Provenance {
-    let cli = Cli::command();
-    match cli.clone().try_get_matches_from(words()) {
-        Ok(matches) => of(&cli, &matches),
-        // Not reached: the program has parsed the same words before.
-        Err(_) => Provenance::new(String::new(), Map::new()),
-    }
+/// What files say of how they were made, from the matches of a command line. Paths stand as they were typed.
+pub fn provenance(matches: &ArgMatches) -> Provenance {
+    of(&Cli::command(), matches)
+}
+
+/// How work that was stopped goes on: the command line again, without what would throw away what is kept.
+pub fn again(words: &[OsString]) -> String {
+    let words = words.iter().map(|word| word.to_string_lossy()).filter(|word| word != "--fresh");
+    words.map(|word| quoted(&without_secrets(&word))).collect::<Vec<_>>().join(" ")
 }
 
 fn of(cli: &Command, matches: &ArgMatches) -> Provenance {

@@ -1,19 +1,19 @@
 //! Factors of receivers or groups. In: archives, a grid of suns. Out: name after name, five factors for each sun.
 
-use super::Chosen;
+use super::receivers::ReceiverSet;
+use super::stream::Resources;
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::tables::layout::By;
 use heliotile_builder::observer::Observer;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::scratch::ScratchSpace;
-use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::memory::Use;
 use heliotile_core::replay::factors::{PARTS, SunGrid};
 use heliotile_core::replay::run::ReplaySettings;
 use heliotile_core::replay::values::TileValues;
 
 /// Factors of receivers, ready to be computed.
 pub struct FactorRows<'a> {
-    chosen: &'a Chosen<'a>,
+    receivers: &'a ReceiverSet<'a>,
     grid: SunGrid,
     settings: ReplaySettings<'a>,
     means: Option<GroupMeans>,
@@ -22,23 +22,24 @@ pub struct FactorRows<'a> {
 impl<'a> FactorRows<'a> {
     /// Of receivers, or of what they are parts of; steps in degrees. An error: steps that divide no circle, groups that do not fit.
     pub fn new(
-        chosen: &'a Chosen<'a>,
+        receivers: &'a ReceiverSet<'a>,
         steps_deg: (f64, f64),
         by: By,
-        (memory, storage): (MemoryBudget, &'a dyn ScratchSpace),
+        resources: &Resources<'a>,
     ) -> Result<Self> {
         let hint = "give divisors of 360 and 90, such as 10 and 5";
         let grid = SunGrid::new(steps_deg.0, steps_deg.1)
-            .map_err(|what| Error::argument("--azimuth-step, --altitude-step", what, hint))?;
+            .map_err(|what| Error::argument("azimuth_step, altitude_step", what, hint))?;
+        let Resources { memory, storage, .. } = *resources;
         let settings = ReplaySettings { memory, storage, ..ReplaySettings::default() };
-        let means = match (by, chosen.parts()) {
+        let means = match (by, receivers.parts()) {
             (By::Receiver, _) | (_, []) => None,
             (by, [first, ..]) => {
-                let groups = Groups::new(chosen.receivers(), by, first.archive.path())?;
+                let groups = Groups::new(receivers.receivers(), by, first.archive.path())?;
                 Some(GroupMeans::new(groups, &PARTS, grid.labels(), memory.share(Use::SurfaceSums))?)
             }
         };
-        Ok(FactorRows { chosen, grid, settings, means })
+        Ok(FactorRows { receivers, grid, settings, means })
     }
 
     /// The suns.
@@ -61,16 +62,16 @@ impl<'a> FactorRows<'a> {
             }
             Ok(true)
         };
-        let progress = self.chosen.progress(observer);
-        for part in self.chosen.parts().iter().filter(|part| !part.tiles().is_empty()) {
+        let progress = self.receivers.progress(observer);
+        for part in self.receivers.parts().iter().filter(|part| !part.tiles().is_empty()) {
             let patches = part.archive.manifest().settings.patches();
             let replay = self.grid.replay(&part.site, ReplaySettings { patches, ..self.settings })?;
-            let goes_on = part.each_tile(&replay, (observer, &progress), |names, values| match &mut means {
+            let goes_on = part.each_tile(&replay, observer, &progress, |tile| match &mut means {
                 Some(means) => {
-                    means.add(values);
+                    means.add(tile.values);
                     Ok(true)
                 }
-                None => tell(names, values),
+                None => tell(tile.ids, tile.values),
             })?;
             if !goes_on {
                 return Ok(());

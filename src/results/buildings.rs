@@ -1,0 +1,103 @@
+//! What a solar cadastre says of buildings and roof faces. In: a stream of a year's sums. Out: tables of buildings and of roof faces.
+
+use std::path::{Path, PathBuf};
+
+use super::archives::Archives;
+use super::stream::TileStream;
+use crate::files::shown;
+use crate::guards::guard_output;
+use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
+use crate::outputs::tables::csvw;
+use crate::outputs::tables::records::Records;
+use heliotile_builder::transfer::Shown;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::text::counted;
+
+/// More hours than a year has; of fewer the reader of the weather says so.
+const MORE_THAN_A_YEAR_H: f64 = 8800.0;
+
+/// A solar cadastre.
+#[derive(Clone, Debug)]
+pub struct BuildingsRequest {
+    /// Table of buildings; `-`: standard output.
+    pub output: PathBuf,
+    /// Table of roof faces.
+    pub faces: Option<PathBuf>,
+    /// What a place on a roof gets at least that counts as usable, kWh/m2 in the year.
+    pub threshold_kwh_m2: f64,
+    /// What a region of such places that touch has at least that counts as usable, m2.
+    pub least_m2: f64,
+}
+
+/// What a cadastre holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuildingsSummary {
+    /// Number of buildings.
+    pub buildings: u64,
+    /// Number of roof faces.
+    pub faces: u64,
+}
+
+impl BuildingsRequest {
+    /// Refuses tables of unknown endings, and such that would replace one of the inputs or one another.
+    pub fn check(&self, inputs: &[&Path]) -> Result<()> {
+        let outputs = || [Some(self.output.as_path()), self.faces.as_deref()].into_iter().flatten();
+        for output in outputs() {
+            check_table(output, inputs)?;
+        }
+        if self.faces.as_deref() == Some(self.output.as_path()) {
+            let what = "is the table of buildings too";
+            return Err(Error::input(&self.output, None, what, "give the table of faces a name of its own"));
+        }
+        Ok(())
+    }
+
+    /// Writes the tables from sums of a year; `place` is that of the archive or of the atlas.
+    pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<BuildingsSummary> {
+        let (series, observer) = (stream.series, stream.resources.observer);
+        let hours: f64 =
+            series.conditions.iter().filter_map(|condition| condition.stamp).map(|stamp| stamp.hours).sum();
+        if hours > MORE_THAN_A_YEAR_H {
+            observer.warn(&format!(
+                "{}: sums are over its {hours} hours, and {{threshold}} {} is compared with them: cadastres tell of a year",
+                series.source.display(),
+                self.threshold_kwh_m2
+            ));
+        }
+        let set = stream.receivers;
+        let usable = Usable { threshold_kwh_m2: self.threshold_kwh_m2, least_m2: self.least_m2 };
+        let mut cadastre = Cadastre::new(set.receivers(), usable, set.north(), place)?;
+        let mut receivers = set.rows::<Shown>();
+        stream.each(ComponentSet::of(&[Component::Total]), |tile| {
+            for (row, shown) in receivers.by_ref().take(tile.ids.len()).enumerate() {
+                let shown = shown?;
+                let sum = tile.values.row(Component::Total, row).first().copied().unwrap_or_default();
+                cadastre.add(&shown.receiver, shown.layers.patch, shown.views[0].into(), sum.into());
+            }
+            Ok(true)
+        })?;
+        if cadastre.vague() > 0 {
+            observer.warn(&format!(
+                "{} of {}: nobody says how their receivers touch, each counts as one region (receivers that cover a scene have patches)",
+                counted(cadastre.vague() as u64, "roof face"),
+                shown(place).display()
+            ));
+        }
+        let about = stream.about(archives, place);
+        if let Some(faces) = &self.faces {
+            face_rows(&cadastre).write(faces, &about)?;
+        }
+        building_rows(&cadastre).write(&self.output, &about)?;
+        Ok(BuildingsSummary { buildings: cadastre.names.len() as u64, faces: cadastre.faces.len() as u64 })
+    }
+}
+
+/// Refuses a table of an unknown ending, and one that would replace an input.
+pub fn check_table(output: &Path, inputs: &[&Path]) -> Result<()> {
+    if output != Path::new("-") {
+        guard_output(output, inputs)?;
+        guard_output(&csvw::beside(output), inputs)?;
+    }
+    Records::check(output)
+}

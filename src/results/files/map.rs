@@ -1,0 +1,117 @@
+//! Results as a map. In: a stream, groups of its receivers. Out: a map that waits for values; nothing is computed before it is known that it can
+//! be drawn.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::outputs::groups::Groups;
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::shapes::MapCrs;
+use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
+use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::row_labels::RowLabels;
+use crate::results::stream::TileStream;
+use heliotile_builder::observer::Observer;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::Use;
+use heliotile_core::opened::OpenSite;
+
+/// GeoJSON with more polygons is slow wherever it is read.
+const MANY_POLYGONS: u64 = 10_000;
+
+/// What a map shows, and where it goes.
+pub struct MapSink<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Its format.
+    pub format: MapFormat,
+    /// Its columns.
+    pub layout: &'a Layout,
+    /// Labels of the values of a place.
+    pub labels: &'a RowLabels,
+    /// What a label stands for; none in a query.
+    pub every: Option<Every>,
+    /// What the values are of, in words.
+    pub called: String,
+    /// What they were made from.
+    pub about: Provenance,
+}
+
+impl<'a> MapSink<'a> {
+    /// Starts the map of groups, or of receivers where there are none; receivers that cannot be drawn are an error. `place` is that of the
+    /// archive or of the atlas.
+    pub fn start(self, stream: &TileStream<'a>, groups: Option<&Groups>, place: &Path) -> Result<MapWriter<'a>> {
+        let (receivers, memory) = (stream.receivers, stream.resources.memory);
+        let [first, others @ ..] = receivers.parts() else {
+            return Err(Error::argument("receivers", "there is nothing to draw", "choose some receivers"));
+        };
+        // Parts of an atlas show their neighbours, too.
+        let shows = self.format.shows_surroundings() && others.is_empty();
+        let folder = std::env::temp_dir();
+        let request = MapRequest {
+            path: self.path,
+            format: self.format,
+            layout: self.layout,
+            labels: self.labels,
+            every: self.every,
+            crs: crs_of(first.archive),
+            north: receivers.north(),
+            called: self.called,
+            around: shows.then(|| surroundings(first.archive, &first.site)).flatten(),
+            about: self.about,
+            folder: folder.clone(),
+            storage: stream.resources.storage,
+            memory_bytes: memory.length(Use::MapRows),
+        };
+        request.columns()?;
+        let shapes = match groups {
+            Some(groups) => {
+                let mut patches = PatchSorter::new(&folder, memory.length(Use::MapPatches));
+                for (number, receiver) in receivers.shown().enumerate() {
+                    patches.push(groups.place_of(number), receiver?)?;
+                }
+                PlaceShapes::Groups(Box::new(patches.finish(place)?))
+            }
+            None => {
+                if !self.format.shows_points() {
+                    Shapeless::refuse(receivers.shown(), place)?;
+                }
+                PlaceShapes::Receivers(Box::new(receivers.shown()))
+            }
+        };
+        MapWriter::create(request, shapes)
+    }
+}
+
+/// The system of an archive's coordinates.
+pub fn crs_of(archive: &Archive) -> MapCrs {
+    let manifest = archive.manifest();
+    let [low, high] = manifest.scene.bounds_m.map(DVec3::from);
+    MapCrs::of(manifest.place.as_ref(), 0.5 * (low + high))
+}
+
+/// The triangles that an archive shows, if it shows any.
+pub fn surroundings<'a>(archive: &Archive, site: &OpenSite<'a>) -> Option<Surroundings<'a>> {
+    let chunks = archive.entries_of(format::SCENE).len() as u32;
+    let origin = DVec3::from(archive.manifest().scene.origin_m);
+    (chunks > 0).then(|| Surroundings { site: site.clone(), chunks, origin })
+}
+
+/// Warns of a GeoJSON file that is too large for what reads such files.
+pub fn say_large(path: &Path, stats: &MapStats, observer: &dyn Observer) {
+    let MapStats { facts, bytes } = stats;
+    let is_geojson = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("geojson"));
+    if is_geojson && facts.polygons > MANY_POLYGONS {
+        observer.warn(&format!(
+            "{} has {} polygons and {} MB, which browsers and text readers take long for: .fgb (QGIS) and .parquet with {{geo}} (geopandas) \
+             hold the same in less",
+            path.display(),
+            facts.polygons,
+            bytes.div_ceil(1_000_000)
+        ));
+    }
+}

@@ -1,0 +1,88 @@
+//! Files that results of a query or a replay are written to. In: names of files, a stream of tiles. Out: tables, maps, charts, a city model, a
+//! folder of Honeybee; all of them in one pass over the tiles.
+
+mod charts;
+mod city_model;
+mod honeybee;
+mod map;
+mod results;
+
+use std::path::{Path, PathBuf};
+
+use super::archives::Archives;
+use super::stream::TileStream;
+use crate::guards::guard_output;
+use crate::outputs::city_model::is_city_model;
+use crate::outputs::periods::Every;
+use crate::outputs::results::ResultFormat;
+use crate::outputs::tables::layout::By;
+use crate::outputs::tables::writer::files_of;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::ComponentList;
+
+pub use charts::AreaChart;
+pub use city_model::CityModelSink;
+pub use map::{MapSink, crs_of, surroundings};
+pub use results::{ResultRows, ResultSink};
+
+/// Where results go.
+#[derive(Clone, Debug)]
+pub struct FileRequest {
+    /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, and nothing if there are plots.
+    pub output: PathBuf,
+    /// What rows are about.
+    pub by: By,
+    /// Whether Parquet is written as a map.
+    pub geo: bool,
+    /// Pictures: maps (.png) and charts (.svg).
+    pub plots: Vec<PathBuf>,
+    /// City model that the receivers were put on; the output is the same with sums.
+    pub model: Option<PathBuf>,
+    /// Folder of Honeybee's results, in place of the output.
+    pub honeybee: Option<PathBuf>,
+}
+
+impl FileRequest {
+    /// A table or a map of receivers.
+    pub fn of(output: &Path) -> Self {
+        let (output, by) = (output.to_owned(), By::Receiver);
+        FileRequest { output, by, geo: false, plots: Vec::new(), model: None, honeybee: None }
+    }
+
+    /// Refuses files that cannot hold such results, and files that would replace one of the inputs, before anything is read.
+    pub fn check(&self, columns: Option<&ComponentList>, every: Option<Every>, inputs: &[&Path]) -> Result<()> {
+        let inputs: Vec<&Path> = inputs.iter().copied().chain(self.model.as_deref()).collect();
+        if self.output != Path::new("-") {
+            files_of(&self.output).iter().try_for_each(|file| guard_output(file, &inputs))?;
+        }
+        charts::check(&self.plots, &inputs, every)?;
+        match (&self.model, &self.honeybee) {
+            (Some(model), _) => city_model::check(self, every, model),
+            (_, Some(folder)) => honeybee::check(columns, every, folder),
+            _ if is_city_model(&self.output) => {
+                let hint = "give the city model that the receivers were put on: {model} INPUT.city.json";
+                Err(Error::argument("output", "a city model is written from another one", hint))
+            }
+            _ => ResultFormat::of(&self.output, self.geo).map(drop),
+        }
+    }
+
+    /// Writes the results of a stream; `place` is that of the archive or of the atlas. What was done, where that is worth a sentence.
+    pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<Option<String>> {
+        let about = stream.about(archives, place);
+        match (&self.model, &self.honeybee) {
+            (Some(model), _) => {
+                let mut sink = CityModelSink::new(stream, model, &self.output, place)?;
+                stream.feed(&mut [&mut sink])?;
+                sink.finish(&about, stream.resources.observer).map(Some)
+            }
+            (_, Some(folder)) => honeybee::write(stream, self.by, folder, about).map(Some),
+            _ => results::write(self, stream, &about, place).map(|()| None),
+        }
+    }
+}
+
+/// Name of a file, in words.
+pub fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,174 @@
+//! Results of a stream as tables and maps of receivers or of groups of them. In: a stream, what rows are about. Out: files, in one pass over the
+//! tiles.
+
+use std::path::{Path, PathBuf};
+
+use super::charts::{AreaChart, Plot};
+use super::map::{MapSink, say_large};
+use super::{FileRequest, name_of};
+use crate::outputs::groups::{GroupMeans, Groups};
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::results::{ResultFormat, ResultWriter};
+use crate::outputs::shapes::writer::MapFormat;
+use crate::outputs::tables::layout::{By, Layout};
+use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::table::Places;
+use crate::outputs::tables::writer::TableWriter;
+use crate::results::stream::{Tile, TileSink, TileStream};
+use heliotile_builder::observer::Observer;
+use heliotile_core::error::Result;
+use heliotile_core::memory::Use;
+use heliotile_core::replay::components::ComponentSet;
+
+/// The rows of a file: which columns they have, and how many of them each place has.
+pub struct ResultRows {
+    layout: Layout,
+    labels: RowLabels,
+    every: Option<Every>,
+}
+
+/// Files of the same rows, being written.
+pub struct ResultSink<'a> {
+    rows: &'a ResultRows,
+    means: Option<GroupMeans>,
+    /// A table that begins with the first tile.
+    table: Option<TableStart<'a>>,
+    writers: Vec<(PathBuf, ResultWriter<'a>)>,
+}
+
+/// A table that is to be written.
+struct TableStart<'a> {
+    path: PathBuf,
+    names: Box<dyn Fn() -> Result<Vec<String>> + 'a>,
+    count: u64,
+    about: Provenance,
+}
+
+impl ResultRows {
+    /// Rows of a stream about receivers or groups of them, and these groups; `place` is that of the archive or of the atlas.
+    pub fn new(stream: &TileStream, by: By, place: &Path) -> Result<(Self, Option<Groups>)> {
+        let series = stream.series;
+        let mut layout = Layout { labels: series.kind, by, components: stream.light.columns(), facts: Vec::new() };
+        let groups = match by {
+            By::Receiver => None,
+            by => {
+                let receivers = stream.receivers;
+                let groups = Groups::new(receivers.receivers(), by, place)?.facing(receivers.north());
+                layout.facts = groups.facts(by, &layout.components);
+                Some(groups)
+            }
+        };
+        Ok((ResultRows { layout, labels: series.labels.clone(), every: series.every }, groups))
+    }
+
+    /// The columns.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+}
+
+impl<'a> ResultSink<'a> {
+    /// A sink of rows that no file takes yet.
+    pub fn new(rows: &'a ResultRows, groups: Option<Groups>, stream: &TileStream) -> Result<Self> {
+        let memory = stream.resources.memory.share(Use::SurfaceSums);
+        let (components, labels) = (rows.layout.components(), rows.labels.len());
+        let means = groups.map(|groups| GroupMeans::new(groups, components, labels, memory)).transpose()?;
+        Ok(ResultSink { rows, means, table: None, writers: Vec::new() })
+    }
+
+    /// Also writes a table, which begins once the replay is known to work.
+    pub fn with_table(mut self, path: &Path, stream: &TileStream<'a>, about: &Provenance) -> Self {
+        let (receivers, groups) = (stream.receivers, self.means.as_ref().map(|means| means.groups().names().to_vec()));
+        let count = groups.as_ref().map_or(receivers.count(), |groups| groups.len() as u64);
+        let names = move || groups.as_ref().map_or_else(|| receivers.names(), |groups| Ok(groups.clone()));
+        let (path, about) = (path.to_owned(), about.clone());
+        self.table = Some(TableStart { path, names: Box::new(names), count, about });
+        self
+    }
+
+    /// Also writes a map.
+    pub fn with_map(
+        mut self,
+        (path, format): (&'a Path, MapFormat),
+        stream: &TileStream<'a>,
+        (called, about): (&str, &Provenance),
+        place: &Path,
+    ) -> Result<Self> {
+        let ResultRows { layout, labels, every } = self.rows;
+        let (called, about) = (called.to_owned(), about.clone());
+        let map = MapSink { path, format, layout, labels, every: *every, called, about };
+        let map = map.start(stream, self.means.as_ref().map(GroupMeans::groups), place)?;
+        self.writers.push((path.to_owned(), ResultWriter::Map(Box::new(map))));
+        Ok(self)
+    }
+
+    /// Completes the files.
+    pub fn finish(mut self, observer: &dyn Observer) -> Result<()> {
+        let groups = self.means.take();
+        for (names, values, extents) in groups.iter().flat_map(GroupMeans::tiles) {
+            self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(&names, &values, extents))?;
+        }
+        for (path, writer) in self.writers {
+            if let Some(stats) = writer.finish()? {
+                say_large(&path, &stats, observer);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl TileSink for ResultSink<'_> {
+    fn components(&self) -> ComponentSet {
+        self.rows.layout.components.set()
+    }
+
+    fn start(&mut self) -> Result<()> {
+        if let Some(TableStart { path, names, count, about }) = self.table.take() {
+            let places = Places { count, names: &*names };
+            let table = TableWriter::create(&path, &self.rows.layout, &self.rows.labels, &places, &about)?;
+            self.writers.insert(0, (path, ResultWriter::Table(table)));
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, tile: &Tile) -> Result<bool> {
+        match &mut self.means {
+            Some(means) => means.add(tile.values),
+            None => self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(tile.ids, tile.values, &[]))?,
+        }
+        Ok(!self.writers.iter().any(|(_, to)| to.is_closed()))
+    }
+}
+
+/// Writes the files of a request; `place` is that of the archive or of the atlas.
+pub fn write(request: &FileRequest, stream: &TileStream, about: &Provenance, place: &Path) -> Result<()> {
+    let output = request.output.as_path();
+    let plots = Plot::all(&request.plots, stream.series)?;
+    let called = format!("{} under {}", name_of(place), stream.series.called);
+    let (rows, groups) = ResultRows::new(stream, request.by, place)?;
+    let mut sink = ResultSink::new(&rows, groups, stream)?;
+    match ResultFormat::of(output, request.geo)? {
+        ResultFormat::Map(format) => {
+            sink = sink.with_map((output, format), stream, (&called, about), place)?;
+        }
+        // With pictures, the standard output is not asked for by saying nothing.
+        ResultFormat::Table(_) if plots.is_empty() || output != Path::new("-") => {
+            sink = sink.with_table(output, stream, about);
+        }
+        ResultFormat::Table(_) => {}
+    }
+    for (path, _) in plots.iter().filter(|(_, plot)| *plot == Plot::Map) {
+        sink = sink.with_map((path, MapFormat::Png), stream, (&called, about), place)?;
+    }
+    let charts = plots.iter().filter(|(_, plot)| *plot != Plot::Map);
+    let charts = charts.map(|(path, _)| AreaChart::new(path, stream, rows.layout.clone()));
+    let mut charts = charts.collect::<Result<Vec<_>>>()?;
+    let charted = charts.iter_mut().map(|chart| chart as &mut dyn TileSink);
+    let mut sinks: Vec<&mut dyn TileSink> = vec![&mut sink];
+    sinks.extend(charted);
+    stream.feed(&mut sinks)?;
+    drop(sinks);
+    sink.finish(stream.resources.observer)?;
+    charts.into_iter().try_for_each(|chart| chart.finish(&called, about))
+}

@@ -1,0 +1,144 @@
+//! The best places of modules on roofs and facades. In: a stream of a year's sums. Out: a table of points that a study of modules takes.
+
+use std::path::{Path, PathBuf};
+
+use super::archives::Archives;
+use super::buildings::check_table;
+use super::stream::TileStream;
+use crate::outputs::buildings::{Envelope, building_of, face_of};
+use crate::outputs::pv::places::{PlaceCandidate, best_places};
+use crate::outputs::tables::records::{Cell, Records};
+use heliotile_builder::transfer::Shown;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::site::north::North;
+use heliotile_core::text::counted;
+use heliotile_core::units::tilt_and_azimuth;
+
+const COLUMNS: [&str; 12] = [
+    "point",
+    "x",
+    "y",
+    "z",
+    "tilt",
+    "azimuth",
+    "total_kwh_m2",
+    "module_kwh",
+    "sky_view",
+    "receiver",
+    "surface",
+    "building",
+];
+
+/// Surfaces that modules go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaceOn {
+    /// Surfaces that look up.
+    Roofs,
+    /// Surfaces that look to the side.
+    Facades,
+    /// Both of them.
+    Both,
+}
+
+/// The best places of modules.
+#[derive(Clone, Debug)]
+pub struct PlacesRequest {
+    /// Table of places; `-`: standard output.
+    pub output: PathBuf,
+    /// How many places, the best first.
+    pub best: usize,
+    /// Width and height of a module, metres: the width is level, the height goes up the surface.
+    pub module_m: [f64; 2],
+    /// Surfaces to look on.
+    pub on: PlaceOn,
+    /// Height of places above their surface, metres.
+    pub clearance_m: f64,
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlacesSummary {
+    /// Places in the table.
+    pub places: u64,
+    /// Receivers that they were chosen from.
+    pub receivers: u64,
+}
+
+impl PlacesRequest {
+    /// Refuses a table of an unknown ending, and one that would replace one of the inputs.
+    pub fn check(&self, inputs: &[&Path]) -> Result<()> {
+        check_table(&self.output, inputs)
+    }
+
+    /// Writes the table from sums of a year; `place` is that of the archive or of the atlas.
+    pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<PlacesSummary> {
+        let candidates = self.candidates(stream)?;
+        if candidates.is_empty() {
+            let what = "holds no receiver with a patch on the surfaces that are asked for";
+            let hint = "build it with receivers that cover a scene, or ask for others with {on}";
+            return Err(Error::input(place, None, what, hint));
+        }
+        let best = best_places(&candidates, self.module_m, self.best);
+        if best.len() < self.best {
+            stream.resources.observer.warn(&format!(
+                "{} of {} x {} m found, where {} were asked for: middles are places of receivers, which may be too far apart ({{spacing}})",
+                counted(best.len() as u64, "place"),
+                self.module_m[0],
+                self.module_m[1],
+                self.best
+            ));
+        }
+        let (places, north) = (best.iter().map(|&i| &candidates[i]), stream.receivers.north());
+        let rows = (1..).zip(places).map(|(number, place)| self.row(number, place, north)).collect();
+        let about = stream.about(archives, place);
+        Records { columns: COLUMNS.map(str::to_owned).into(), rows }.write(&self.output, &about)?;
+        Ok(PlacesSummary { places: best.len() as u64, receivers: candidates.len() as u64 })
+    }
+
+    /// Receivers with patches on the surfaces that are asked for, and their sums.
+    fn candidates(&self, stream: &TileStream) -> Result<Vec<PlaceCandidate>> {
+        let mut receivers = stream.receivers.rows::<Shown>();
+        let mut candidates = Vec::new();
+        stream.each(ComponentSet::of(&[Component::Total]), |tile| {
+            for (row, shown) in receivers.by_ref().take(tile.ids.len()).enumerate() {
+                let shown = shown?;
+                let receiver = &shown.receiver;
+                let is_asked = match Envelope::of(receiver) {
+                    Envelope::Roof => self.on != PlaceOn::Facades,
+                    Envelope::Facade => self.on != PlaceOn::Roofs,
+                    Envelope::Neither => false,
+                };
+                if is_asked && !shown.layers.patch.is_empty() {
+                    let sum = tile.values.row(Component::Total, row).first().copied().unwrap_or_default();
+                    candidates.push(PlaceCandidate {
+                        position: receiver.position,
+                        normal: receiver.normal,
+                        kwh_m2: sum.into(),
+                        sky_view: shown.views[0].into(),
+                        receiver: receiver.id.clone(),
+                        face: face_of(receiver).to_owned(),
+                        building: building_of(receiver).unwrap_or_default().to_owned(),
+                        patch: shown.layers.patch,
+                    });
+                }
+            }
+            Ok(true)
+        })?;
+        Ok(candidates)
+    }
+
+    fn row(&self, number: u64, place: &PlaceCandidate, north: North) -> Vec<Cell> {
+        let [width, height] = self.module_m;
+        let at = place.position + place.normal * self.clearance_m;
+        let (tilt, azimuth) = tilt_and_azimuth(north.to_true(place.normal));
+        let sums = [place.kwh_m2, place.kwh_m2 * width * height, place.sky_view];
+        let numbers = [at.x, at.y, at.z, tilt, azimuth].into_iter().chain(sums);
+        let texts = [&place.receiver, &place.face, &place.building];
+        [Cell::Text(format!("best{number}"))]
+            .into_iter()
+            .chain(numbers.map(|number| Cell::Number(Some(number))))
+            .chain(texts.map(|text| Cell::Text(text.clone())))
+            .collect()
+    }
+}

@@ -1,0 +1,218 @@
+//! What is asked of archives: irradiance under conditions ([`QueryRequest`]) or through weather ([`ReplayRequest`]). In: the choices of a user,
+//! whichever way they come. Out: the same as one value, checked once, and the series of conditions that results are made of.
+
+use std::path::{Path, PathBuf};
+
+use super::archives::Archives;
+use super::doubts::{dated_rows, left_out, mean_ground, no_longwave};
+use super::series::Series;
+use super::stream::Resources;
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use heliotile_builder::observer::Observer;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::paths::LightPaths;
+use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::conditions::parse_conditions;
+use heliotile_core::weather::dated::DatedRows;
+use heliotile_core::weather::distance::far_apart;
+use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather_as};
+use heliotile_core::weather::options::{StampedAt, WeatherOptions};
+use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::span::{Moment, Span};
+use heliotile_core::weather::temperatures::Temperature;
+
+/// Which light counts, and what it is changed by.
+#[derive(Clone, Debug)]
+pub struct LightChoice {
+    /// Columns, in the order of results; none: those that the results usually have.
+    pub columns: Option<ComponentList>,
+    /// How the sky's radiance is spread.
+    pub sky: SkyModel,
+    /// Number of sky patches; none: what the archive was built for.
+    pub patches: Option<usize>,
+    /// Light paths that count.
+    pub paths: LightPaths,
+    /// Reflectances and transmittances in place of those of the archive.
+    pub changes: Changes,
+}
+
+impl Default for LightChoice {
+    fn default() -> Self {
+        let (sky, paths, changes) = (SkyModel::default(), LightPaths::ALL, Changes::default());
+        LightChoice { columns: None, sky, patches: None, paths, changes }
+    }
+}
+
+impl LightChoice {
+    /// The columns: the six components and their total, if none are chosen.
+    pub fn columns(&self) -> ComponentList {
+        self.columns.clone().unwrap_or_else(ComponentList::all)
+    }
+
+    /// Files that reflectances and transmittances follow.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let transmittances = self.changes.transmittance.iter().filter_map(|(_, follow)| match follow {
+            ConstantOrFile::File(file) => Some(file.as_path()),
+            ConstantOrFile::Value(_) => None,
+        });
+        self.changes.scheduled.iter().map(|(_, file)| file.as_path()).chain(transmittances)
+    }
+
+    fn is_longwave(&self) -> bool {
+        self.columns.as_ref().is_some_and(|columns| columns.set().contains(Component::Longwave))
+    }
+}
+
+/// Irradiance under the suns and skies of a table.
+#[derive(Clone, Debug)]
+pub struct QueryRequest {
+    /// Light that counts.
+    pub light: LightChoice,
+    /// Table of conditions.
+    pub conditions: PathBuf,
+}
+
+/// Irradiance through a weather file.
+#[derive(Clone, Debug)]
+pub struct ReplayRequest {
+    /// Light that counts.
+    pub light: LightChoice,
+    /// Weather file.
+    pub weather: PathBuf,
+    /// What is known of the file that it does not state; whether its air is read follows from the columns.
+    pub about_weather: WeatherOptions,
+    /// First and last moment that count; none: those of the file.
+    pub span: (Option<Moment>, Option<Moment>),
+    /// The year that all rows are put into; none: those of the file.
+    pub year: Option<i32>,
+    /// Positions of the sun in an interval; none: those that the archive was built for.
+    pub steps: Option<usize>,
+    /// What a row of results stands for.
+    pub every: Every,
+    /// Which moment of its interval a row of means is labelled with.
+    pub stamp: StampedAt,
+    /// Temperatures of what longwave radiation comes from.
+    pub temperatures: Vec<Temperature>,
+}
+
+/// Largest number of sun positions in an interval.
+pub const MOST_STEPS: usize = 60;
+
+impl QueryRequest {
+    /// Refuses what conditions cannot answer, before any file is read.
+    pub fn check(&self) -> Result<()> {
+        self.light.columns.as_ref().map_or(Ok(()), no_longwave)
+    }
+
+    /// The conditions of the table; tells what is odd about them and the archives.
+    pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series<'static>> {
+        let file = parse_conditions(&self.conditions, &(resources.files)(&self.conditions)?)?;
+        let tell = |text: &String| resources.observer.warn(text);
+        file.warnings.iter().for_each(tell);
+        mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
+        left_out(archives.first(), None).iter().for_each(tell);
+        let name = self.conditions.file_name().unwrap_or(self.conditions.as_os_str()).to_string_lossy();
+        let called = match file.conditions.as_slice() {
+            [only] => format!("{name}: {}", only.label),
+            _ => name.to_string(),
+        };
+        let changes = self.light.changes.clone();
+        Ok(Series::of_conditions(file.conditions, changes, about.with("conditions", name)).called(called))
+    }
+}
+
+impl ReplayRequest {
+    /// A replay of a weather file of which nothing else is said: a row for each of its intervals.
+    pub fn of(weather: &Path) -> Self {
+        ReplayRequest {
+            light: LightChoice::default(),
+            weather: weather.to_owned(),
+            about_weather: WeatherOptions::default(),
+            span: (None, None),
+            year: None,
+            steps: None,
+            every: Every::Hour,
+            stamp: StampedAt::Start,
+            temperatures: Vec::new(),
+        }
+    }
+
+    /// Refuses choices that exclude each other, before any file is read.
+    pub fn check(&self) -> Result<()> {
+        if self.steps.is_some_and(|steps| !(1..=MOST_STEPS).contains(&steps)) {
+            let what = format!("is not from 1 to {MOST_STEPS}");
+            return Err(Error::argument("steps", what, "leave it out for those of the archive"));
+        }
+        if !self.light.is_longwave() && !self.temperatures.is_empty() {
+            let hint = "ask for it with {columns} total,longwave, or leave it out";
+            return Err(Error::argument("temperature", "no column depends on it", hint));
+        }
+        Ok(())
+    }
+
+    /// Files that it reads besides archives.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let temperatures = self.temperatures.iter().filter_map(Temperature::file);
+        [self.weather.as_path()].into_iter().chain(self.light.files()).chain(temperatures)
+    }
+
+    /// Reads the weather; `place` is that of the scene, asked for where the file states none. Tells what is odd about the file.
+    pub fn read_weather(&self, resources: &Resources, place: ScenePlace) -> Result<Weather> {
+        let options = WeatherOptions { with_air: self.light.is_longwave(), ..self.about_weather };
+        let weather = parse_weather_as(&self.weather, &(resources.files)(&self.weather)?, &options, place)?;
+        weather.report.warnings.iter().for_each(|text| resources.observer.warn(text));
+        Ok(weather)
+    }
+
+    /// The rows that count, with the dates of results; tells what is odd about these.
+    pub fn dated(&self, weather: &Weather, observer: &dyn Observer) -> Result<DatedRows> {
+        let span = Span::new(self.span.0, self.span.1)?;
+        let (dated, years) = dated_rows((weather, &self.weather), &span, self.year, self.every)?;
+        dated.warnings.iter().for_each(|text| observer.warn(text));
+        years.iter().for_each(|text| observer.note(text));
+        Ok(dated)
+    }
+
+    /// Tells why this weather may not fit archives: it is of elsewhere, or lights what they leave out.
+    pub fn tell_misfits(&self, archives: Archives, weather: &Weather, observer: &dyn Observer) {
+        let apart = archives.manifest().place.and_then(|place| far_apart(&place, weather));
+        let left_out = left_out(archives.first(), Some(&self.weather));
+        apart.iter().chain(&left_out).for_each(|text| observer.warn(text));
+    }
+
+    /// The rows of weather that count as conditions, with labels and what they change.
+    pub fn series<'w>(
+        &self,
+        archives: Archives,
+        (weather, dated): (&'w Weather, &'w DatedRows),
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<Series<'w>> {
+        let series = Series::of_weather(archives.first(), (weather, dated), self, about, resources)?;
+        Ok(series.called(called(&self.weather, dated)))
+    }
+
+    /// Temperatures of what longwave radiation comes from, if it is asked for.
+    pub(super) fn longwave(&self) -> Option<&[Temperature]> {
+        self.light.is_longwave().then_some(&self.temperatures)
+    }
+}
+
+/// A weather file and the days that are taken of it, in words.
+fn called(weather: &Path, dated: &DatedRows) -> String {
+    let mut days = dated.dates.iter().zip(&dated.chosen).filter_map(|(date, chosen)| chosen.then_some(date));
+    let day = |date: &heliotile_core::weather::time::calendar::Date| match dated.years.matter() {
+        true => format!("{:04}-{:02}-{:02}", date.year, date.month, date.day),
+        false => format!("{:02}-{:02}", date.month, date.day),
+    };
+    let name = weather.file_name().unwrap_or(weather.as_os_str()).to_string_lossy().into_owned();
+    let (first, last) = (days.next(), days.next_back());
+    match (first.map(day), last.or(first).map(day)) {
+        (Some(first), Some(last)) if first != last => format!("{name}, {first} to {last}"),
+        (Some(only), _) => format!("{name}, {only}"),
+        _ => name,
+    }
+}

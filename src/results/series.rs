@@ -1,0 +1,255 @@
+//! What results are made of, in order. In: conditions, or chosen rows of a weather file. Out: conditions with their labels, the bins that they
+//! add up in, what they change, and the same over longer periods.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::request::ReplayRequest;
+use super::stream::Resources;
+use crate::outputs::periods::{ClockReading, Every, Periods};
+use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::layout::Labels;
+use crate::outputs::tables::row_labels::RowLabels;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::Result;
+use heliotile_core::light::states::Schedule;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::reflectances::{Changeable, Changes};
+use heliotile_core::replay::values::TileValues;
+use heliotile_core::weather::conditions::{Condition, Stamp};
+use heliotile_core::weather::dated::DatedRows;
+use heliotile_core::weather::options::StampedAt;
+use heliotile_core::weather::row::WeatherRow;
+use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::temperatures::emissions;
+use heliotile_core::weather::time::bins::Bins;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
+use heliotile_core::weather::time::years::Years;
+
+/// Conditions, and what they are called.
+#[derive(Clone)]
+pub struct Series<'a> {
+    /// Suns and skies.
+    pub conditions: Arc<Vec<Condition>>,
+    /// What labels are, and with them the unit.
+    pub kind: Labels,
+    /// What a row stands for; none in a query.
+    pub every: Option<Every>,
+    /// Labels of the rows of a receiver.
+    pub labels: RowLabels,
+    /// Which label a condition adds to.
+    pub bins: Bins,
+    /// What these are, in words, for pictures.
+    pub called: String,
+    /// The file that they come from, for messages.
+    pub source: PathBuf,
+    reflectances: Reflectances<'a>,
+    clock: Option<Clock>,
+    /// What is known of the inputs, but for how rows are labelled.
+    provenance: Provenance,
+}
+
+/// Reflectances and transmittances over the conditions.
+#[derive(Clone)]
+enum Reflectances<'a> {
+    /// Those of conditions without dates.
+    Undated(Changes),
+    /// Those over the chosen rows of weather.
+    Dated(Changes, &'a [WeatherRow], &'a [bool]),
+    /// One value a condition, of all ground.
+    Ground(&'a [f64]),
+}
+
+/// How dates of conditions become labels.
+#[derive(Clone)]
+struct Clock {
+    stamps: Vec<Stamp>,
+    years: Years,
+    reading: ClockReading,
+    interval_hours: f64,
+}
+
+impl Clock {
+    fn periods(&self, every: Every) -> Periods {
+        Periods::new(every, self.years, &self.stamps, self.reading)
+    }
+}
+
+impl<'a> Series<'a> {
+    /// Conditions of a table.
+    pub fn of_conditions(conditions: Vec<Condition>, changes: Changes, provenance: Provenance) -> Self {
+        let labels = RowLabels::words(conditions.iter().map(|condition| condition.label.clone()).collect());
+        Series {
+            bins: Bins::each(labels.len()),
+            conditions: Arc::new(conditions),
+            kind: Labels::Conditions,
+            every: None,
+            labels,
+            called: String::new(),
+            source: PathBuf::new(),
+            reflectances: Reflectances::Undated(changes),
+            clock: None,
+            provenance,
+        }
+    }
+
+    /// Conditions under which all ground reflects a share of its own; none: what the archive states.
+    pub fn over_ground(conditions: Vec<Condition>, ground: Option<&'a [f64]>) -> Self {
+        let series = Series::of_conditions(conditions, Changes::default(), Provenance::default());
+        match ground {
+            Some(ground) => Series { reflectances: Reflectances::Ground(ground), ..series },
+            None => series,
+        }
+    }
+
+    /// The chosen rows of weather that was read already, with its air if longwave is asked for.
+    pub(super) fn of_weather(
+        archive: &Archive,
+        (weather, dated): (&'a Weather, &'a DatedRows),
+        request: &ReplayRequest,
+        provenance: Provenance,
+        resources: &Resources,
+    ) -> Result<Self> {
+        let chosen = &dated.chosen;
+        let steps = request.steps.unwrap_or_else(|| weather.steps_of(archive.manifest().settings.steps()));
+        let all = weather.conditions(steps).into_iter().zip(chosen);
+        let mut conditions: Vec<Condition> =
+            all.filter_map(|(condition, chosen)| chosen.then_some(condition)).collect();
+        if let Some(temperatures) = request.longwave() {
+            let emissions = emissions(weather, &request.weather, chosen, temperatures, resources.files)?;
+            conditions.iter_mut().zip(emissions).for_each(|(condition, emission)| condition.emission = Some(emission));
+        }
+        let dates = dated.dates.iter().zip(chosen).filter_map(|(date, chosen)| chosen.then_some(*date));
+        let stamps =
+            conditions.iter().zip(dates).filter_map(|(condition, date)| Some(Stamp { date, ..condition.stamp? }));
+        let clock = Clock {
+            stamps: stamps.collect(),
+            years: dated.years,
+            reading: ClockReading { offset: UtcOffset::of_hours(weather.site.zone_hours), at: request.stamp },
+            interval_hours: weather.interval_hours,
+        };
+        let series = Series {
+            bins: Bins::each(conditions.len()),
+            conditions: Arc::new(conditions),
+            kind: Labels::Times,
+            every: Some(Every::Hour),
+            labels: RowLabels::words(Vec::new()),
+            called: String::new(),
+            source: request.weather.clone(),
+            reflectances: Reflectances::Dated(request.light.changes.clone(), &weather.rows, chosen),
+            clock: Some(clock),
+            provenance: provenance.with_weather(&request.weather, weather).with_option("steps", steps),
+        };
+        Ok(series.by(request.every))
+    }
+
+    /// The same with what it is in words.
+    pub fn called(self, called: String) -> Self {
+        Series { called, ..self }
+    }
+
+    /// The same conditions in rows of other periods; a query has none.
+    #[must_use]
+    pub fn by(&self, every: Every) -> Self {
+        let Some(clock) = &self.clock else { return self.clone() };
+        let periods = clock.periods(every);
+        let (kind, bins) = match every {
+            Every::Hour => (Labels::Times, Bins::each(self.conditions.len())),
+            _ => (Labels::Sums, periods.bins()),
+        };
+        Series { kind, bins, labels: periods.labels, every: Some(every), ..self.clone() }
+    }
+
+    /// How rows of this series add up to those of the same conditions in longer periods; none where periods are the same.
+    pub(super) fn coarsening(&self, longer: &Series) -> Option<Coarsening> {
+        if longer.every == self.every {
+            return None;
+        }
+        let mut of_label = vec![(0, 0.0); self.labels.len()];
+        for (fine, coarse) in self.bins.of_condition.iter().zip(&longer.bins.of_condition) {
+            // Means over an interval become energy, sums stay sums.
+            let weight = if self.every == Some(Every::Hour) { coarse.1 } else { 1.0 };
+            if let Some(to) = of_label.get_mut(fine.0) {
+                *to = (coarse.0, weight);
+            }
+        }
+        Some(Coarsening { labels: longer.labels.len(), of_label })
+    }
+
+    /// What is known of the inputs, and how rows are labelled.
+    pub fn provenance(&self) -> Provenance {
+        let Some(clock) = &self.clock else { return self.provenance.clone() };
+        match self.every {
+            Some(Every::Hour) => {
+                let about = self.provenance.clone().with("stamp", clock.reading.at.name());
+                about.with("interval_minutes", 60.0 * clock.interval_hours)
+            }
+            _ => self.provenance.clone().with("stamp", StampedAt::Start.name()),
+        }
+    }
+
+    /// Schedules of reflectances and transmittances over the conditions. What an archive does not know is passed over where `elsewhere`
+    /// says that another one of the same results knows it.
+    pub(super) fn schedules(
+        &self,
+        (archive, site): (&Archive, &OpenSite),
+        elsewhere: &dyn Fn(&str) -> bool,
+        resources: &Resources,
+    ) -> Result<Vec<Schedule>> {
+        let changeable = Changeable::of(site, archive.manifest());
+        let files = resources.files;
+        let known = |changes: &Changes| changes.only(|name| changeable.knows(name) || !elsewhere(name));
+        match &self.reflectances {
+            Reflectances::Ground(values) => {
+                let materials = site.grounds();
+                let counts = site.settings().diffuse && !materials.is_empty();
+                Ok(counts.then(|| Schedule { materials, values: values.to_vec() }).into_iter().collect())
+            }
+            Reflectances::Undated(changes) | Reflectances::Dated(changes, ..)
+                if changes.is_empty() && changeable.ground.is_none() =>
+            {
+                Ok(Vec::new())
+            }
+            Reflectances::Undated(changes) => known(changes).undated(&changeable, self.conditions.len(), files),
+            Reflectances::Dated(changes, rows, chosen) => {
+                let (mut schedules, warnings) = known(changes).over(&changeable, rows, files)?;
+                warnings.iter().for_each(|text| resources.observer.warn(text));
+                for schedule in &mut schedules {
+                    let mut chosen = chosen.iter();
+                    schedule.values.retain(|_| chosen.next() == Some(&true));
+                }
+                Ok(schedules)
+            }
+        }
+    }
+}
+
+/// How rows of short periods add up to those of longer ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coarsening {
+    labels: usize,
+    /// `[short]`: the long period that it lies in, and what its value counts there.
+    of_label: Vec<(usize, f64)>,
+}
+
+impl Coarsening {
+    /// Values over the longer periods; sums are f64.
+    pub fn of(&self, values: &TileValues, components: ComponentSet) -> TileValues {
+        let mut coarse = TileValues::new(values.receivers(), self.labels);
+        let mut sums = vec![0.0_f64; self.labels];
+        for component in components.iter() {
+            let rows = coarse.component_mut(component).chunks_mut(self.labels.max(1));
+            for (receiver, to) in rows.enumerate() {
+                sums.fill(0.0);
+                for ((label, weight), value) in self.of_label.iter().zip(values.row(component, receiver)) {
+                    if let Some(sum) = sums.get_mut(*label) {
+                        *sum += weight * f64::from(*value);
+                    }
+                }
+                to.iter_mut().zip(&sums).for_each(|(to, sum)| *to = *sum as f32);
+            }
+        }
+        coarse
+    }
+}

@@ -1,0 +1,249 @@
+//! Tiles of results. In: receivers, a series of conditions, the light that counts. Out: the tiles of a replay, one after the other, to whatever
+//! takes them. No other place of the program sets up a replay.
+
+use std::path::Path;
+
+use super::archives::Archives;
+use super::receivers::{PartReceivers, ReceiverSet};
+use super::request::LightChoice;
+use super::series::{Coarsening, Series};
+use crate::outputs::provenance::Provenance;
+use heliotile_builder::observer::{Observer, Stage};
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::scratch::ScratchSpace;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::replay::values::TileValues;
+use heliotile_core::weather::formats::schedule_csv::ReadFile;
+
+/// Tiles of the next part that are fetched while one is computed.
+const AHEAD: usize = 64;
+
+/// What a computation may use, and whom it tells.
+#[derive(Clone, Copy)]
+pub struct Resources<'a> {
+    /// Bytes to work in.
+    pub memory: MemoryBudget,
+    /// Room for what does not fit into memory.
+    pub storage: &'a dyn ScratchSpace,
+    /// How the bytes of files are read.
+    pub files: ReadFile<'a>,
+    /// Whom warnings and progress are told, and who may stop the work.
+    pub observer: &'a dyn Observer,
+}
+
+impl LightChoice {
+    /// The number of sky patches on an archive.
+    pub fn patches_of(&self, archive: &Archive) -> usize {
+        self.patches.unwrap_or_else(|| archive.manifest().settings.patches())
+    }
+}
+
+/// A replay of some receivers under a series, ready to be computed tile by tile.
+#[derive(Clone, Copy)]
+pub struct TileStream<'a> {
+    /// Which receivers, of which archives.
+    pub receivers: &'a ReceiverSet<'a>,
+    /// Which light counts.
+    pub light: &'a LightChoice,
+    /// Suns and skies.
+    pub series: &'a Series<'a>,
+    /// What the computation may use.
+    pub resources: Resources<'a>,
+}
+
+/// Results of neighbouring receivers.
+pub struct Tile<'t> {
+    /// Names of the receivers.
+    pub ids: &'t [String],
+    /// Their irradiance, for each label of the series.
+    pub values: &'t TileValues,
+}
+
+/// What takes tiles.
+pub trait TileSink {
+    /// The components that it takes.
+    fn components(&self) -> ComponentSet;
+
+    /// Called before the first tile, once the replay is known to work.
+    fn start(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Takes the next tile; false if no further one is wanted.
+    fn take(&mut self, tile: &Tile) -> Result<bool>;
+}
+
+/// A function as a sink.
+pub struct TileFn<F> {
+    /// The components that it takes.
+    pub components: ComponentSet,
+    /// Takes a tile; false if no further one is wanted.
+    pub take: F,
+}
+
+impl<F: FnMut(&Tile) -> Result<bool>> TileSink for TileFn<F> {
+    fn components(&self) -> ComponentSet {
+        self.components
+    }
+
+    fn take(&mut self, tile: &Tile) -> Result<bool> {
+        (self.take)(tile)
+    }
+}
+
+/// A sink of longer periods than those of the series.
+pub struct CoarseSink<'s> {
+    sink: &'s mut dyn TileSink,
+    /// None where periods are the same.
+    coarsening: Option<Coarsening>,
+}
+
+impl<'s> CoarseSink<'s> {
+    /// A sink of `longer` periods than those of a series, or of the same.
+    pub fn of(sink: &'s mut dyn TileSink, series: &Series, longer: &Series) -> Self {
+        CoarseSink { sink, coarsening: series.coarsening(longer) }
+    }
+}
+
+impl TileSink for CoarseSink<'_> {
+    fn components(&self) -> ComponentSet {
+        self.sink.components()
+    }
+
+    fn start(&mut self) -> Result<()> {
+        self.sink.start()
+    }
+
+    fn take(&mut self, tile: &Tile) -> Result<bool> {
+        let Some(coarsening) = &self.coarsening else { return self.sink.take(tile) };
+        let values = coarsening.of(tile.values, self.sink.components());
+        self.sink.take(&Tile { ids: tile.ids, values: &values })
+    }
+}
+
+impl<'a> TileStream<'a> {
+    /// The same receivers and light under another series, such as that of longer periods.
+    #[must_use]
+    pub fn with_series<'b>(&self, series: &'b Series<'b>) -> TileStream<'b>
+    where
+        'a: 'b,
+    {
+        TileStream { series, ..*self }
+    }
+
+    /// What results were made from; `place` is that of the archive or of the atlas.
+    pub fn about(&self, archives: Archives, place: &Path) -> Provenance {
+        let about = archives.told_in(self.series.provenance(), place);
+        about.with_option("patches", self.light.patches_of(archives.first()))
+    }
+
+    /// Computes all tiles and hands each to all sinks, until none wants more. An error, too: an observer who wants the work to stop.
+    pub fn feed(&self, sinks: &mut [&mut dyn TileSink]) -> Result<()> {
+        let (parts, observer) = (self.receivers.parts(), self.resources.observer);
+        let components = sinks.iter().fold(ComponentSet::of(&[]), |all, sink| all.union(sink.components()));
+        let elsewhere = |name: &str| parts.len() > 1 && parts.iter().any(|part| part.changeable().knows(name));
+        let (mut started, mut progress) = (false, None);
+        for (number, part) in parts.iter().enumerate() {
+            // Of an atlas many parts may hold nothing of what is asked for; sinks start after one replay is known to work.
+            if part.tiles().is_empty() && (number + 1 < parts.len() || started) {
+                continue;
+            }
+            let place = (part.archive, &part.site);
+            let replay = replay_beside(place, &elsewhere, self.light, self.series, components, &self.resources)?;
+            if !std::mem::replace(&mut started, true) {
+                sinks.iter_mut().try_for_each(|sink| sink.start())?;
+            }
+            let next = parts.get(number + 1..).and_then(|rest| rest.iter().find(|part| !part.tiles().is_empty()));
+            if let Some(next) = next {
+                let first: Vec<u32> = next.tiles().iter().take(AHEAD).map(|tile| tile.number).collect();
+                replay.expect_of(&next.site, &first);
+            }
+            let progress = progress.get_or_insert_with(|| self.receivers.progress(observer));
+            let goes_on = part.each_tile(&replay, observer, progress, |tile| {
+                let mut wants_more = false;
+                for sink in sinks.iter_mut() {
+                    wants_more |= sink.take(tile)?;
+                }
+                Ok(wants_more)
+            })?;
+            if !goes_on {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Computes all tiles of some components for a function, until it gives false.
+    pub fn each(&self, components: ComponentSet, take: impl FnMut(&Tile) -> Result<bool>) -> Result<()> {
+        self.feed(&mut [&mut TileFn { components, take }])
+    }
+}
+
+/// The replay of a series on an archive, for those who ask for tiles by number.
+pub fn replay_of<'a>(
+    place: (&'a Archive, &OpenSite<'a>),
+    light: &LightChoice,
+    series: &Series,
+    components: ComponentSet,
+    resources: &Resources,
+) -> Result<Replay<'a>> {
+    replay_beside(place, &|_| false, light, series, components, resources)
+}
+
+/// The replay of one of several archives; `elsewhere` tells whether one of them knows a name.
+fn replay_beside<'a>(
+    (archive, site): (&'a Archive, &OpenSite<'a>),
+    elsewhere: &dyn Fn(&str) -> bool,
+    light: &LightChoice,
+    series: &Series,
+    components: ComponentSet,
+    resources: &Resources,
+) -> Result<Replay<'a>> {
+    let settings = ReplaySettings {
+        sky: light.sky,
+        patches: light.patches_of(archive),
+        paths: light.paths,
+        components,
+        memory: resources.memory,
+        storage: resources.storage,
+    };
+    let schedules = series.schedules((archive, site), elsewhere, resources)?;
+    Replay::scheduled(site, &series.conditions, settings, &series.bins, &schedules)
+}
+
+impl ReceiverSet<'_> {
+    /// Tells an observer of receivers.
+    pub fn progress<'o>(&self, observer: &'o dyn Observer) -> Stage<'o> {
+        Stage::begin(observer, "receivers", Some(self.count()))
+    }
+}
+
+impl PartReceivers<'_> {
+    /// Hands on the chosen results of a replay tile by tile until `each` gives false: whether it never did. An observer who wants the work to
+    /// stop is an error.
+    pub fn each_tile(
+        &self,
+        replay: &Replay,
+        observer: &dyn Observer,
+        progress: &Stage,
+        mut each: impl FnMut(&Tile) -> Result<bool>,
+    ) -> Result<bool> {
+        let results = replay.results(self.tiles().iter().map(|tile| tile.number));
+        for (tile, result) in self.tiles().iter().zip(results) {
+            let (ids, values) = self.results(*tile, result?);
+            let goes_on = each(&Tile { ids: &ids, values: &values })?;
+            progress.advance(ids.len() as u64);
+            if !goes_on {
+                return Ok(false);
+            }
+            if observer.cancelled() {
+                return Err(Error::Stopped { what: "before all receivers were replayed".into() });
+            }
+        }
+        Ok(true)
+    }
+}
