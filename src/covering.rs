@@ -8,7 +8,6 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
-use crate::outputs::sink::Sink;
 use heliotile_builder::observer::{Observer, Stage};
 use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::canopy::Canopies;
@@ -359,18 +358,18 @@ pub fn check_name(path: &Path) -> Result<()> {
 
 /// Writes the table of the receivers that get light.
 pub fn save(path: &Path, covered: &Covered, offset_m: f64) -> Result<()> {
-    write(Sink::file(path)?, covered, covered.free(), offset_m, false)
+    write(path, covered, covered.free(), offset_m, false)
 }
 
 /// Writes a table of receivers, with a reason where they are buried.
 pub(crate) fn write<'a>(
-    sink: Sink,
+    path: &Path,
     covered: &Covered,
     rows: impl Iterator<Item = CoveredRow<'a>>,
     offset_m: f64,
     with_reason: bool,
 ) -> Result<()> {
-    let mut table = ReceiverTable::create(sink, with_reason)?;
+    let mut table = ReceiverTable::create(path, with_reason)?;
     for (name, piece, surface, lying) in rows {
         let position = piece.position + piece.normal * offset_m;
         table.write(&ReceiverRow {

@@ -67,7 +67,7 @@ pub enum Command {
     Query(QueryArgs),
     /// Irradiance of every receiver through a weather file
     Replay(ReplayArgs),
-    /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors, as .csv or .parquet
+    /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors
     Factors(FactorsArgs),
     /// What a solar cadastre says of buildings and roof faces: usable area, sums by orientation, regions in one piece
     Buildings(BuildingsArgs),

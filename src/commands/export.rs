@@ -1,4 +1,4 @@
-//! Layers that people can look at: archive -> maps of a receiver -> EXR or PNG; view factors -> CSV.
+//! Layers that people can look at: archive -> maps of a receiver -> EXR or PNG; view factors -> a table.
 
 use std::io::Write;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::outputs::pictures::fisheye::{Overlay, fisheye};
 use crate::outputs::pictures::panel::{PanelSun, panel};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
-use crate::outputs::tables::writer::files_of;
+use crate::outputs::tables::format::files_of;
 use crate::outputs::view_factors::ViewFactorTable;
 use crate::outputs::viewer_page::ViewerPage;
 use heliotile_builder::spill::TempFiles;
@@ -251,11 +251,12 @@ fn page(args: &ExportArgs) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// View factors of all receivers as CSV.
+/// View factors of all receivers as a table.
 fn view_factors(args: &ExportArgs, about: Provenance) -> Result<Outcome> {
     let sources = sources::open(&args.archive, args.io)?;
     let about = sources.borrowed().told_in(about, &args.archive);
-    let mut table = ViewFactorTable::create(args.output(), about)?;
+    let count = sources.borrowed().iter().map(|archive| archive.manifest().receivers.count).sum();
+    let mut table = ViewFactorTable::create(args.output(), count, &about)?;
     'all: for archive in sources.borrowed().iter() {
         for row in ArchiveReceivers::<()>::new(&OpenSite::of(archive)?) {
             let row = row?;

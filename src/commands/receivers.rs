@@ -8,7 +8,6 @@ use super::voice::remark_aside;
 use super::{Outcome, guard_site, remark, warn};
 use crate::cli::{CoverArgs, ReceiversArgs};
 use crate::covering::{CoverRequest, Covered, cover_scene, summary, write};
-use crate::outputs::sink::Sink;
 use heliotile_builder::trace::placement::Lying;
 use heliotile_core::error::Result;
 use heliotile_scene::Scene;
@@ -26,11 +25,11 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
         guard_site(buried, &site, &[Some(&args.output)])?;
     }
     let (scene, covered) = cover_site(&site, &args.cover)?;
-    let (sink, offset_m) = (if to_file { Sink::file(&args.output)? } else { Sink::stdout() }, args.cover.offset.0);
-    write(sink, &covered, covered.free(), offset_m, false)?;
+    let offset_m = args.cover.offset.0;
+    write(&args.output, &covered, covered.free(), offset_m, false)?;
     if let Some(path) = &args.buried {
         let buried = covered.all().filter(|row| row.3 != Lying::Free);
-        write(Sink::file(path)?, &covered, buried, offset_m, true)?;
+        write(path, &covered, buried, offset_m, true)?;
     }
     let text = summary(&covered, &scene);
     // Standard output may be the table.

@@ -90,14 +90,13 @@ pub fn factors(args: &FactorsArgs, about: Provenance) -> Result<Outcome> {
     let table = &args.table;
     let files = table.files();
     files.check(None, None, &table.inputs(&[]))?;
-    FactorTable::check(&files.output)?;
     let opened = Opened::open(&table.site, &table.choice())?;
     opened.say_north();
     let receivers = opened.receivers(&table.choice(), &files.output)?;
     let (storage, terminal) = (temporary_files(), Terminal::default());
     let rows = FactorRows::new(&receivers, args.steps_deg(), table.by, &resources(&table.site, &storage, &terminal))?;
     let about = opened.archives().told_in(about, opened.place());
-    let mut to = FactorTable::create(&files.output, table.by.name(), rows.grid(), &about)?;
+    let mut to = FactorTable::create(&files.output, table.by.name(), rows.grid(), rows.count(), &about)?;
     rows.each(&terminal, |name, factors| {
         to.write(name, factors)?;
         Ok(!to.is_closed())

@@ -2,16 +2,18 @@
 //! table with places, and a PLY file whose faces have the sums as a property and as colours.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use glam::DVec3;
 
 use super::pictures::colours::inferno;
 use super::provenance::Provenance;
+use super::receivers::columns_of_receivers;
 use super::sink::Sink;
-use super::tables::csvw::{self, CsvColumn};
+use super::tables::column::Column;
+use super::tables::rows::{Cell, RowWriter};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::Component;
-use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::replay::components::{Component, SUM_SUFFIX};
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::units::tilt_and_azimuth;
@@ -31,32 +33,25 @@ impl AnnualRow {
 
 /// Writes `receiver,x,y,z,nx,ny,nz,area,surface`, what the receiver stands for, its tilt and azimuth (from true north), and the sums;
 /// and beside them what they are.
-pub fn write_table(sink: Sink, rows: &[AnnualRow], north: North, provenance: &Provenance) -> Result<()> {
-    let path = sink.path().to_owned();
-    let mut csv = ::csv::Writer::from_writer(sink);
-    let failed = |error: ::csv::Error| Error::io(&path, "write to")(io::Error::from(error));
-    let places = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface"].into_iter();
-    let places: Vec<String> =
-        places.chain(ModelPart::COLUMNS).chain(["tilt_deg", "azimuth_deg"]).map(str::to_owned).collect();
-    let sums = Component::ALL.map(|component| format!("{}_kwh_m2", component.name()));
-    csv.write_record(places.iter().chain(&sums)).map_err(failed)?;
-    let columns: Vec<CsvColumn> = places.iter().chain(&sums).map(|name| CsvColumn::named(name)).collect();
-    csvw::write(&path, &columns, provenance)?;
+pub fn write_table(path: &Path, rows: &[AnnualRow], north: North, provenance: &Provenance) -> Result<()> {
+    let columns = columns_of_receivers()
+        .into_iter()
+        .chain(["tilt_deg", "azimuth_deg"].map(|name| Column::number(name, 2)))
+        .chain(Component::ALL.map(|component| Column::number(format!("{}{SUM_SUFFIX}", component.name()), 3)));
+    let mut table = RowWriter::create(path, columns.collect(), rows.len() as u64, Some(provenance))?;
     for row in rows {
         let Receiver { id, position: p, normal: n, area, surface, part, .. } = &row.receiver;
         let (tilt, azimuth) = tilt_and_azimuth(north.to_true(*n));
-        let mut cells = vec![id.clone()];
-        cells.extend([p.x, p.y, p.z].map(|metres| format!("{metres:.4}")));
-        cells.extend([n.x, n.y, n.z].map(|share| format!("{share:.6}")));
-        cells.push(area.map_or(String::new(), |area| format!("{area:.4}")));
-        cells.push(surface.clone().unwrap_or_default());
-        cells.extend(part.texts().map(str::to_owned));
-        cells.extend([tilt, azimuth].map(|degrees| format!("{degrees:.2}")));
-        cells.extend(row.kwh_m2.map(|sum| format!("{sum:.3}")));
-        csv.write_record(&cells).map_err(failed)?;
+        let mut cells = vec![Cell::from(id)];
+        cells.extend([p.x, p.y, p.z, n.x, n.y, n.z].map(Cell::from));
+        cells.push((*area).into());
+        cells.push(surface.as_deref().unwrap_or_default().into());
+        cells.extend(part.texts().map(Cell::from));
+        cells.extend([tilt, azimuth].map(Cell::from));
+        cells.extend(row.kwh_m2.map(|sum| Cell::from(f64::from(sum))));
+        table.row(cells)?;
     }
-    let sink = csv.into_inner().map_err(|error| Error::io(&path, "write to")(error.into_error()))?;
-    sink.finish().map(|_| ())
+    table.finish().map(drop)
 }
 
 /// A piece of surface, or only its middle, and the light that falls on it.

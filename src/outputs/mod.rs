@@ -1,4 +1,4 @@
-//! Outputs: one row model for all results, as CSV, Parquet, Arrow or arrays of NumPy; the layers of a receiver as pictures; curves.
+//! Outputs: one model of rows for all tables, as CSV, Parquet, Arrow or arrays of NumPy; the layers of a receiver as pictures; curves.
 //!
 //! In: receivers, labels (conditions, hours or periods) and f32 values of each pair, one a column; maps of a receiver. Out: a file,
 //! complete or not there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy
@@ -19,6 +19,7 @@ pub mod pictures;
 pub mod provenance;
 pub mod pv;
 pub mod receivers;
+pub mod result_table;
 pub mod results;
 pub mod shapes;
 pub mod sink;

@@ -1,13 +1,13 @@
 //! Receivers as the table that builds read. In: points on surfaces. Out: `receiver,x,y,z,nx,ny,nz,area,surface`, what they stand for in
 //! their model, their patch and, for those that are left out, a reason.
 
-use std::io;
+use std::path::Path;
 
-use ::csv::Writer;
 use glam::DVec3;
 
-use super::sink::Sink;
-use heliotile_core::error::{Error, Result};
+use super::tables::column::Column;
+use super::tables::rows::{Cell, RowWriter};
+use heliotile_core::error::Result;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_scene::covering::receivers::PATCH;
@@ -27,43 +27,55 @@ pub struct ReceiverRow<'a> {
     pub reason: Option<&'a str>,
 }
 
+/// Decimals of places and areas, and of normals.
+const DECIMALS: usize = 4;
+const NORMAL_DECIMALS: usize = 6;
+
+/// `receiver,x,y,z,nx,ny,nz,area,surface` and what a receiver stands for in its model.
+pub fn columns_of_receivers() -> Vec<Column> {
+    let mut columns = vec![Column::text("receiver")];
+    columns.extend(["x", "y", "z"].map(|name| Column::number(name, DECIMALS)));
+    columns.extend(["nx", "ny", "nz"].map(|name| Column::number(name, NORMAL_DECIMALS)));
+    columns.extend([Column::number("area", DECIMALS), Column::text("surface")]);
+    columns.extend(ModelPart::COLUMNS.map(Column::text));
+    columns
+}
+
 /// A table that is being written.
 pub struct ReceiverTable {
-    csv: Writer<Sink>,
+    table: RowWriter,
     with_reason: bool,
 }
 
 impl ReceiverTable {
-    pub fn create(sink: Sink, with_reason: bool) -> Result<Self> {
-        let mut table = ReceiverTable { csv: Writer::from_writer(sink), with_reason };
-        let header = ["receiver", "x", "y", "z", "nx", "ny", "nz", "area", "surface"];
-        table.record(
-            header.into_iter().chain(ModelPart::COLUMNS).chain([PATCH]).chain(with_reason.then_some("reason")),
-        )?;
-        Ok(table)
+    /// Starts a table; `-` is the standard output. Nothing stands beside it: it is an input, which has no provenance.
+    pub fn create(path: &Path, with_reason: bool) -> Result<Self> {
+        let mut columns = columns_of_receivers();
+        columns.push(Column::text(PATCH));
+        columns.extend(with_reason.then(|| Column::text("reason")));
+        // CSV, which is all that is read again, does not ask how many there are.
+        Ok(ReceiverTable { table: RowWriter::create(path, columns, 0, None)?, with_reason })
     }
 
+    /// Appends a receiver.
     pub fn write(&mut self, row: &ReceiverRow) -> Result<()> {
-        let (p, n) = (row.position, row.normal);
-        // + 0.0 turns -0.0 into 0.0.
-        let numbers = [p.x, p.y, p.z].map(|metres| format!("{:.4}", (metres * 1e4).round() / 1e4 + 0.0));
-        let normal = [n.x, n.y, n.z].map(|share| format!("{:.6}", (share * 1e6).round() / 1e6 + 0.0));
-        let area = format!("{:.4}", row.area_m2.max(1e-4));
-        let cells = [row.name].into_iter().chain(numbers.iter().map(String::as_str));
-        let cells =
-            cells.chain(normal.iter().map(String::as_str)).chain([area.as_str(), row.surface]).chain(row.part.texts());
-        let patch = row.patch.to_string();
-        self.record(cells.chain([patch.as_str()]).chain(row.reason.filter(|_| self.with_reason)))
+        let mut cells = vec![Cell::from(row.name)];
+        cells.extend(row.position.to_array().map(|metres| Cell::from(rounded(metres, 1e4))));
+        cells.extend(row.normal.to_array().map(|share| Cell::from(rounded(share, 1e6))));
+        cells.extend([Cell::from(row.area_m2.max(1e-4)), row.surface.into()]);
+        cells.extend(row.part.texts().map(Cell::from));
+        cells.push(Cell::Text(row.patch.to_string()));
+        cells.extend(row.reason.filter(|_| self.with_reason).map(Cell::from));
+        self.table.row(cells)
     }
 
+    /// Completes the table; only now does its file appear.
     pub fn finish(self) -> Result<()> {
-        let path = self.csv.get_ref().path().to_owned();
-        let sink = self.csv.into_inner().map_err(|error| Error::io(&path, "write to")(error.into_error()))?;
-        sink.finish().map(|_| ())
+        self.table.finish().map(drop)
     }
+}
 
-    fn record<C: AsRef<[u8]>>(&mut self, cells: impl Iterator<Item = C>) -> Result<()> {
-        let path = self.csv.get_ref().path().to_owned();
-        self.csv.write_record(cells).map_err(|error| Error::io(&path, "write to")(io::Error::from(error)))
-    }
+/// A number rounded to parts of one, never -0.
+fn rounded(number: f64, parts: f64) -> f64 {
+    (number * parts).round() / parts + 0.0
 }

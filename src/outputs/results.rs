@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use crate::outputs::groups::Extent;
+use crate::outputs::result_table::ResultTable;
 use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
-use crate::outputs::tables::writer::{Format, TableWriter};
+use crate::outputs::tables::format::Format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::values::TileValues;
 
@@ -47,7 +48,7 @@ impl ResultFormat {
 
 /// Results being written.
 pub enum ResultWriter<'a> {
-    Table(TableWriter),
+    Table(ResultTable),
     Map(Box<MapWriter<'a>>),
 }
 

@@ -7,8 +7,7 @@ use super::stream::TileStream;
 use crate::files::shown;
 use crate::guards::guard_output;
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
-use crate::outputs::tables::csvw;
-use crate::outputs::tables::records::Records;
+use crate::outputs::tables::format::{Format, files_of};
 use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -96,8 +95,7 @@ impl BuildingsRequest {
 /// Refuses a table of an unknown ending, and one that would replace an input.
 pub fn check_table(output: &Path, inputs: &[&Path]) -> Result<()> {
     if output != Path::new("-") {
-        guard_output(output, inputs)?;
-        guard_output(&csvw::beside(output), inputs)?;
+        files_of(output).iter().try_for_each(|file| guard_output(file, inputs))?;
     }
-    Records::check(output)
+    Format::of(output).map(drop)
 }

@@ -47,6 +47,11 @@ impl<'a> FactorRows<'a> {
         &self.grid
     }
 
+    /// Number of receivers or groups.
+    pub fn count(&self) -> u64 {
+        self.means.as_ref().map_or(self.receivers.count(), |means| means.groups().names().len() as u64)
+    }
+
     /// Hands on names and their factors, sun by sun, until `each` gives false.
     pub fn each(
         self,

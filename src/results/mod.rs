@@ -37,6 +37,6 @@ pub use stream::{CoarseSink, Resources, Tile, TileFn, TileSink, TileStream, repl
 pub use crate::outputs::periods::Every;
 pub use crate::outputs::provenance::Provenance;
 pub use crate::outputs::pv::hourly::{ONE_SIDE, SideHours};
-pub use crate::outputs::tables::arrow::{ArrowRows, schema};
+pub use crate::outputs::tables::ArrowRows;
 pub use crate::outputs::tables::layout::{By, Fact, Labels, Layout};
 pub use crate::outputs::tables::row_labels::{Instants, Precision, RowLabels};

@@ -7,7 +7,8 @@ use super::buildings::check_table;
 use super::stream::TileStream;
 use crate::outputs::buildings::{Envelope, building_of, face_of};
 use crate::outputs::pv::places::{PlaceCandidate, best_places};
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::column::Column;
+use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -15,20 +16,13 @@ use heliotile_core::site::north::North;
 use heliotile_core::text::counted;
 use heliotile_core::units::tilt_and_azimuth;
 
-const COLUMNS: [&str; 12] = [
-    "point",
-    "x",
-    "y",
-    "z",
-    "tilt",
-    "azimuth",
-    "total_kwh_m2",
-    "module_kwh",
-    "sky_view",
-    "receiver",
-    "surface",
-    "building",
-];
+/// Columns of the table.
+fn columns() -> Vec<Column> {
+    let numbers = ["x", "y", "z", "tilt", "azimuth", "total_kwh_m2", "module_kwh", "sky_view"];
+    let numbers = numbers.map(|name| Column::number(name, 3));
+    let names = ["receiver", "surface", "building"].map(Column::text);
+    std::iter::once(Column::text("point")).chain(numbers).chain(names).collect()
+}
 
 /// Surfaces that modules go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +86,7 @@ impl PlacesRequest {
         let (places, north) = (best.iter().map(|&i| &candidates[i]), stream.receivers.north());
         let rows = (1..).zip(places).map(|(number, place)| self.row(number, place, north)).collect();
         let about = stream.about(archives, place);
-        Records { columns: COLUMNS.map(str::to_owned).into(), rows }.write(&self.output, &about)?;
+        Records { columns: columns(), rows }.write(&self.output, &about)?;
         Ok(PlacesSummary { places: best.len() as u64, receivers: candidates.len() as u64 })
     }
 
@@ -137,8 +131,8 @@ impl PlacesRequest {
         let texts = [&place.receiver, &place.face, &place.building];
         [Cell::Text(format!("best{number}"))]
             .into_iter()
-            .chain(numbers.map(|number| Cell::Number(Some(number))))
-            .chain(texts.map(|text| Cell::Text(text.clone())))
+            .chain(numbers.map(Cell::from))
+            .chain(texts.map(Cell::from))
             .collect()
     }
 }

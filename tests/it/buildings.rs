@@ -161,7 +161,7 @@ fn refusals() {
         ("--threshold NaN", &["--threshold", "a number of 0 or more"]),
         ("--threshold many", &["--threshold", "a number of 0 or more"]),
         ("--min-area -3", &["--min-area", "a number of 0 or more"]),
-        ("-o b.npy", &["b.npy", ".csv and .parquet"]),
+        ("-o b.xlsx", &["b.xlsx", ".parquet, .arrow"]),
         ("-o b.csv --faces b.csv", &["b.csv: is the table of buildings too"]),
     ] {
         folder.refused(&buildings(rest), parts);

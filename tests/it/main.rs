@@ -46,6 +46,7 @@ mod site;
 mod store;
 mod study;
 mod sums;
+mod tables;
 mod terrain;
 mod tidy;
 mod tilted;

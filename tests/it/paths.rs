@@ -173,7 +173,7 @@ fn factors_add_up() {
     assert!(largest < 2e-3 && most > 50.0, "{largest} of {most}");
 }
 
-/// `factors` writes 703 rows for each of 3 surfaces with the five names of EnergyPlus, twice the same; a step of 7 degrees and .npy are
+/// `factors` writes 703 rows for each of 3 surfaces with the five names of EnergyPlus, twice the same; a step of 7 degrees and .xlsx are
 /// refused with exit code 2; `query --schedule` with a value for each of 2 conditions gives what --reflectance gives for each alone.
 #[test]
 fn on_the_command_line() {
@@ -206,7 +206,7 @@ fn on_the_command_line() {
         )
     );
     assert_eq!(run(&["factors", "s.helio", "--by", "surface"]).1, table);
-    for args in [["--azimuth-step", "7"], ["-o", "f.npy"]] {
+    for args in [["--azimuth-step", "7"], ["-o", "f.xlsx"]] {
         assert_eq!(run(&["factors", "s.helio", args[0], args[1]]).0, Some(2));
     }
     fs::write(

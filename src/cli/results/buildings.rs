@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::SiteArgs;
 use crate::cli::WeatherArgs;
-use crate::cli::values::{NamedValues, choice};
+use crate::cli::values::{NamedValues, choice, table_help};
 use crate::results::{BuildingsRequest, Every, LightChoice, PlaceOn, PlacesRequest, ReceiverChoice, ReplayRequest};
 use heliotile_core::replay::components::{Component, ComponentList};
 
@@ -45,10 +45,9 @@ impl YearArgs {
 pub struct BuildingsArgs {
     #[command(flatten)]
     pub year: YearArgs,
-    /// Table of buildings to write: .csv, .parquet, or - for CSV on standard output
-    #[arg(long, short, default_value = "-")]
+    #[arg(long, short, default_value = "-", help = table_help("Table of buildings to write"))]
     pub output: PathBuf,
-    /// Also write a table of roof faces: .csv or .parquet
+    /// Also write a table of roof faces, with an ending as that of --output
     #[arg(long, value_name = "FILE")]
     pub faces: Option<PathBuf>,
     /// What a place on a roof gets at least that counts as usable, kWh/m2 in the year
@@ -75,8 +74,7 @@ impl BuildingsArgs {
 pub struct PlacesArgs {
     #[command(flatten)]
     pub year: YearArgs,
-    /// Table of places to write, which `pv --points` takes: .csv, .parquet, or - for CSV on standard output
-    #[arg(long, short, default_value = "-")]
+    #[arg(long, short, default_value = "-", help = table_help("Table of places to write, which `pv --points` takes as CSV"))]
     pub output: PathBuf,
     /// How many places, the best first
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]

@@ -7,7 +7,7 @@ use clap::{ArgGroup, Args};
 use glam::DVec3;
 
 use crate::cli::sites::{parse_latitude, parse_time_zone};
-use crate::cli::values::{Bytes, choice, parse_depth, parse_memory};
+use crate::cli::values::{Bytes, choice, parse_depth, parse_memory, table_help};
 use heliotile_core::archive::Access;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
@@ -38,9 +38,7 @@ of skylit surfaces, and their sum, on one logarithmic scale; what each gives in 
 pub struct ExportArgs {
     /// Archive to read, or the atlas: a path or an address
     pub archive: PathBuf,
-    /// File to write: .exr or .png for a receiver; .csv (with .csv-metadata.json beside it), or - for
-    /// standard output, for view factors
-    #[arg(long, short, required_unless_present = "html")]
+    #[arg(long, short, required_unless_present = "html", help = table_help("File to write: .exr or .png for a receiver; for view factors"))]
     pub output: Option<PathBuf>,
     /// Export the layers of this receiver
     #[arg(long, short, value_name = "ID")]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
 
-use crate::cli::values::{Bytes, choice, parse_memory};
+use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
 use crate::cli::{AccuracyArgs, ClockArgs, SceneArgs};
 use heliotile_core::orientation::fan::TurnLimits;
 use heliotile_core::sky::model::SkyModel;
@@ -45,8 +45,8 @@ pub struct PvArgs {
     /// cie:15
     #[arg(long, default_value = "perez")]
     pub sky: SkyModel,
-    /// Format of the hours
-    #[arg(long, value_parser = ["csv", "parquet"], default_value = "csv")]
+    /// Ending of the table of hours, which chooses its format
+    #[arg(long, value_parser = table_endings(), default_value = "csv")]
     pub format: String,
     /// Write no hours, sums only
     #[arg(long, conflicts_with = "format")]

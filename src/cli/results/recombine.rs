@@ -6,8 +6,9 @@ use std::str::FromStr;
 use clap::Args;
 
 use crate::cli::WeatherArgs;
-use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory};
+use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory, table_help};
 use crate::outputs::periods::Every;
+use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
 use crate::results::{FileRequest, LightChoice, QueryRequest, ReceiverChoice, ReplayRequest};
 use heliotile_core::archive::Access;
@@ -20,6 +21,12 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
+
+/// Help of --output.
+fn output_help() -> String {
+    let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
+    format!("{}; of `query` and `replay` also maps: {maps}, .parquet with --geo", table_help("Table to write"))
+}
 
 /// An archive or an atlas, and how it is read.
 #[derive(Args, Debug)]
@@ -42,10 +49,7 @@ pub struct SiteArgs {
 pub struct TableArgs {
     #[command(flatten)]
     pub site: SiteArgs,
-    /// Table to write: .csv (with .csv-metadata.json beside it, which says what its columns are), .parquet, .arrow, .feather (compressed
-    /// Arrow), .npy (with .axes.json beside it), .npz, or - for CSV on standard output; of `query` and `replay` also maps: .glb, .fgb,
-    /// .geojson, .vtu, .pvd (hours for ParaView), .parquet with --geo
-    #[arg(long, short, default_value = "-")]
+    #[arg(long, short, default_value = "-", help = output_help())]
     pub output: PathBuf,
     #[command(flatten)]
     pub of: SelectionArgs,

@@ -3,14 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
 
-use crate::cli::values::{Bytes, NamedValues, choice, parse_memory};
+use crate::cli::values::{Bytes, NamedValues, choice, parse_memory, table_endings};
 use crate::cli::{AccuracyArgs, ClockArgs, CoverArgs, Percent, SceneArgs, parse_negligible};
 use crate::outputs::periods::Every;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::By;
-use crate::outputs::tables::writer::Format;
 use heliotile_core::weather::options::StampedAt;
 
 /// A map beside `annual.ply`.
@@ -30,11 +28,6 @@ impl NamedValues for RunMap {
         ("vtu", "For ParaView and PyVista", RunMap::Map(MapFormat::Vtu)),
         ("cityjson", "The CityJSON of the scene with attributes: annual.city.json", RunMap::CityModel),
     ];
-}
-
-/// Endings of tables that `replay` writes.
-fn endings() -> PossibleValuesParser {
-    PossibleValuesParser::new(Format::ENDINGS.map(|(ending, _)| ending))
 }
 
 #[derive(Args, Debug)]
@@ -74,7 +67,7 @@ pub struct RunArgs {
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999), requires = "every")]
     pub year: Option<i32>,
     /// Ending of these tables, which chooses their format
-    #[arg(long, value_parser = endings(), default_value = "csv", requires = "every")]
+    #[arg(long, value_parser = table_endings(), default_value = "csv", requires = "every")]
     pub format: String,
     /// Write the annual sums as a further map beside annual.ply, annual.glb and so on, or into the city model of the scene; may be repeated, or
     /// several with commas

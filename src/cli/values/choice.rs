@@ -7,6 +7,7 @@ use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::weather::options::{DateOrder, StampedAt};
 
 use crate::outputs::periods::Every;
+use crate::outputs::tables::format::Format;
 use crate::outputs::tables::layout::By;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -38,6 +39,16 @@ pub fn by_name<T: NamedValues>(argument: &str, name: &str) -> Result<T, Error> {
 /// Name of a value on the command line.
 pub fn name_of<T: NamedValues + PartialEq>(value: &T) -> &'static str {
     T::VALUES.iter().find(|(.., other)| other == value).map_or("", |(name, ..)| name)
+}
+
+/// Takes the ending of a table, which chooses its format.
+pub fn table_endings() -> PossibleValuesParser {
+    PossibleValuesParser::new(Format::ENDINGS.map(|(ending, ..)| ending))
+}
+
+/// Help of an option that names a table to write: what the table is, and the endings of its name.
+pub fn table_help(table: &str) -> String {
+    format!("{table}: {}", Format::described())
 }
 
 impl NamedValues for Access {

@@ -4,6 +4,6 @@ mod choice;
 mod chosen;
 mod numbers;
 
-pub use choice::{NamedValues, by_name, choice, name_of};
+pub use choice::{NamedValues, by_name, choice, name_of, table_endings, table_help};
 pub use chosen::SelectionArgs;
 pub use numbers::{Bytes, parse_bounds, parse_depth, parse_memory};

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::outputs::page::{escaped, page};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
-use crate::outputs::tables::csvw::{self, CsvColumn};
+use crate::outputs::tables::{column::Column, csvw};
 use heliotile_builder::accuracy::estimate::percent;
 use heliotile_builder::judge::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
 use heliotile_builder::judge::groups::by_sky_view;
@@ -217,8 +217,8 @@ impl<'a> AuditReport<'a> {
         let table = self.csv();
         let header = table.lines().next().unwrap_or_default().split(',');
         let column = |name: &str| match name {
-            "receiver" | "condition" => CsvColumn::text(name),
-            _ => CsvColumn::number(name),
+            "receiver" | "condition" => Column::text(name),
+            _ => Column::number(name, 4),
         };
         let columns = csvw::text(TABLE, &header.map(column).collect::<Vec<_>>(), about);
         let title = format!("Audit of {}", self.archive.display());

@@ -11,7 +11,7 @@ use crate::files::{is_address, require_file, shown};
 use crate::guards::check_archive_name;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::results::ResultFormat;
-use crate::outputs::tables::writer::Format;
+use crate::outputs::tables::format::Format;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::temperatures::Temperature;
@@ -130,12 +130,12 @@ impl<'a> Files<'a> {
             Command::Factors(args) => self.table(&args.table),
             Command::Buildings(args) => {
                 self.year(&args.year);
-                self.write(&args.output, Written::File);
-                self.write_if(&args.faces, Written::File);
+                self.write(&args.output, Written::Table);
+                self.write_if(&args.faces, Written::Table);
             }
             Command::Places(args) => {
                 self.year(&args.year);
-                self.write(&args.output, Written::File);
+                self.write(&args.output, Written::Table);
             }
             Command::Info(args) => {
                 args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
@@ -180,7 +180,8 @@ impl<'a> Files<'a> {
             Command::Export(args) => {
                 self.read(&args.archive, Wanted::Archive);
                 self.read_if(&args.weather, Wanted::Weather);
-                self.write(args.output(), Written::File);
+                let written = if args.view_factors { Written::Table } else { Written::File };
+                self.write(args.output(), written);
             }
             Command::Study(args) => match &args.command {
                 StudyCommand::Wall(args) => self.write(&args.output, Written::Folder),

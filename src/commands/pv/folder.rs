@@ -10,7 +10,7 @@ use crate::cli::quoted;
 use crate::commands::run::made_from::MadeFrom;
 use crate::commands::{guard_archive, guard_site};
 use crate::outputs::pv::horizon;
-use crate::outputs::tables::writer::files_of;
+use crate::outputs::tables::format::files_of;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::weather::series::Weather;

@@ -125,7 +125,8 @@ impl Results<'_, '_> {
         let about =
             self.about.clone().with("stamp", light.stamp().name()).with("interval_minutes", light.interval_minutes());
         let columns: &[&str] = if self.args.points.is_some() { &ONE_SIDE } else { &TWO_SIDES };
-        let mut table = HourlyTable::create(&self.files.hours, columns, &labels, &about)?;
+        let points = self.spots.list.len() as u64;
+        let mut table = HourlyTable::create(&self.files.hours, columns, &labels, points, &about)?;
         let bifaciality = self.args.bifaciality as f32;
         let mut open: HashMap<usize, (usize, Vec<SideHours>)> = HashMap::new();
         light.hourly(self.archive, |id, hours| {

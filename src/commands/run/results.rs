@@ -151,7 +151,7 @@ impl RunResults<'_> {
             return Ok(String::new());
         }
         maps.finish(&terminal)?;
-        write_table(Sink::file(&files.table)?, &sums.rows, receivers.north(), &about)?;
+        write_table(&files.table, &sums.rows, receivers.north(), &about)?;
         self.write_ply(&sums.rows, &about)?;
         Ok(by_kind_and_side(&sums.rows, receivers.north()))
     }

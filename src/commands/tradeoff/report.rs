@@ -7,7 +7,7 @@ use super::sources::Point;
 use crate::outputs::page::{escaped, page};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
-use crate::outputs::tables::csvw::{self, CsvColumn};
+use crate::outputs::tables::{column::Column, csvw};
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 
@@ -60,8 +60,8 @@ pub fn files(
 fn columns(name: &str, table: &str, about: &Provenance) -> String {
     let header = table.lines().next().unwrap_or_default().split(',');
     let column = |name: &str| match name {
-        "rung" | "setting" | "against" | "frontier" => CsvColumn::text(name),
-        _ => CsvColumn::number(name),
+        "rung" | "setting" | "against" | "frontier" => Column::text(name),
+        _ => Column::number(name, 4),
     };
     csvw::text(name, &header.map(column).collect::<Vec<_>>(), about)
 }

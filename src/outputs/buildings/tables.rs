@@ -4,19 +4,19 @@ use std::collections::BTreeMap;
 
 use super::cadastre::{Cadastre, SIDES};
 use super::face::{Lit, RoofFace};
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::column::Column;
+use crate::outputs::tables::rows::{Cell, Records};
 
 /// A row a building, by name.
 pub fn building_rows(cadastre: &Cadastre) -> Records {
-    let mut columns: Vec<String> =
-        ["building", "roof_faces", "roof_area_m2", "roof_kwh", "roof_kwh_m2"].map(str::to_owned).into();
-    columns.extend(
-        ["above_threshold_m2", "usable_area_m2", "usable_kwh", "usable_kwh_m2", "share_of_best"].map(str::to_owned),
-    );
-    columns.extend(SIDES.map(|side| format!("roof_{side}_kwh")));
-    columns.extend(["facade_area_m2", "facade_kwh", "facade_kwh_m2"].map(str::to_owned));
-    columns.extend(SIDES.iter().skip(1).map(|side| format!("facade_{side}_kwh")));
-    columns.extend(["best_face", "best_region_m2", "best_region_kwh_m2"].map(str::to_owned));
+    let mut columns = vec![Column::text("building"), Column::count("roof_faces")];
+    columns.extend(numbers(["roof_area_m2", "roof_kwh", "roof_kwh_m2", "above_threshold_m2", "usable_area_m2"]));
+    columns.extend(numbers(["usable_kwh", "usable_kwh_m2", "share_of_best"]));
+    columns.extend(numbers(SIDES.map(|side| format!("roof_{side}_kwh"))));
+    columns.extend(numbers(["facade_area_m2", "facade_kwh", "facade_kwh_m2"]));
+    columns.extend(numbers(SIDES.iter().skip(1).map(|side| format!("facade_{side}_kwh"))));
+    columns.push(Column::text("best_face"));
+    columns.extend(numbers(["best_region_m2", "best_region_kwh_m2"]));
     let mut of_building: BTreeMap<u32, Vec<&RoofFace>> = BTreeMap::new();
     cadastre.faces.iter().for_each(|face| of_building.entry(face.building).or_default().push(face));
     let rows = (0..).zip(cadastre.names.iter().zip(&cadastre.buildings)).map(|(number, (name, sums))| {
@@ -48,25 +48,11 @@ pub fn building_rows(cadastre: &Cadastre) -> Records {
 
 /// A row a roof face, by building and name.
 pub fn face_rows(cadastre: &Cadastre) -> Records {
-    let columns = [
-        "building",
-        "face",
-        "receivers",
-        "area_m2",
-        "tilt_deg",
-        "azimuth_deg",
-        "total_kwh_m2",
-        "total_kwh",
-        "share_of_best",
-        "sky_view",
-        "above_threshold_m2",
-        "usable_area_m2",
-        "usable_kwh",
-        "regions",
-        "largest_region_m2",
-        "best_region_m2",
-        "best_region_kwh_m2",
-    ];
+    let mut columns = vec![Column::text("building"), Column::text("face"), Column::count("receivers")];
+    columns.extend(numbers(["area_m2", "tilt_deg", "azimuth_deg", "total_kwh_m2", "total_kwh", "share_of_best"]));
+    columns.extend(numbers(["sky_view", "above_threshold_m2", "usable_area_m2", "usable_kwh"]));
+    columns.push(Column::count("regions"));
+    columns.extend(numbers(["largest_region_m2", "best_region_m2", "best_region_kwh_m2"]));
     let mut faces: Vec<&RoofFace> = cadastre.faces.iter().collect();
     faces.sort_by(|a, b| (a.building, &a.name).cmp(&(b.building, &b.name)));
     let row = |face: &RoofFace| {
@@ -93,7 +79,12 @@ pub fn face_rows(cadastre: &Cadastre) -> Records {
             Cell::Number(face.best.kwh_m2()),
         ]
     };
-    Records { columns: columns.map(str::to_owned).into(), rows: faces.into_iter().map(row).collect() }
+    Records { columns, rows: faces.into_iter().map(row).collect() }
+}
+
+/// Columns of numbers, with three decimals in CSV.
+fn numbers(names: impl IntoIterator<Item = impl Into<String>>) -> impl Iterator<Item = Column> {
+    names.into_iter().map(|name| Column::number(name, 3))
 }
 
 /// Mean beside the brightest receiver of all roofs.

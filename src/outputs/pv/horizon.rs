@@ -3,9 +3,10 @@
 
 use std::path::Path;
 
-use super::write_csv;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::write_texts;
+use crate::outputs::tables::column::{Column, Digits};
+use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_core::error::Result;
 
 /// A horizon and its point.
@@ -30,13 +31,15 @@ pub fn write_lists(folder: &Path, horizons: &[PointHorizon]) -> Result<()> {
 
 /// Writes `point,horizon_azimuth,horizon_elevation`, degrees.
 pub fn write_table(path: &Path, horizons: &[PointHorizon], about: &Provenance) -> Result<()> {
-    let rows =
-        horizons.iter().flat_map(|horizon| {
-            let step = 360.0 / horizon.altitudes_deg.len() as f64;
-            horizon.altitudes_deg.iter().enumerate().map(move |(i, height)| {
-                vec![horizon.point.clone(), format!("{}", step * i as f64), format!("{height:.3}")]
-            })
-        });
-    let units = [("horizon_azimuth", "deg"), ("horizon_elevation", "deg")];
-    write_csv(path, &["point", "horizon_azimuth", "horizon_elevation"], &units, rows, about)
+    let azimuth = Column::number_as("horizon_azimuth", Digits::Fewest).with_unit("deg");
+    let columns = vec![Column::text("point"), azimuth, Column::number("horizon_elevation", 3).with_unit("deg")];
+    let rows = horizons.iter().flat_map(rows_of).collect();
+    Records { columns, rows }.write(path, about).map(drop)
+}
+
+/// The rows of a point.
+fn rows_of(horizon: &PointHorizon) -> Vec<Vec<Cell>> {
+    let step = 360.0 / horizon.altitudes_deg.len() as f64;
+    let row = |(i, height): (usize, &f64)| vec![Cell::from(&horizon.point), (step * i as f64).into(), (*height).into()];
+    horizon.altitudes_deg.iter().enumerate().map(row).collect()
 }

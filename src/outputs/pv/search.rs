@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::write_csv;
 use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::column::Column;
+use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_core::error::Result;
 use heliotile_core::orientation::best::TurnValue;
 use heliotile_core::orientation::fan::Ring;
@@ -44,61 +45,66 @@ impl PointSearch {
     }
 }
 
+/// Decimals of sums, losses and turns that were tried, and of turns that were found.
+const DECIMALS: usize = 3;
+const TURN_DECIMALS: usize = 2;
+
 /// Writes every turn that was tried.
 pub fn write_all(path: &Path, points: &[PointSearch], about: &Provenance) -> Result<()> {
-    let names = ["point", "kind", "tilt_deg", "azimuth_deg", "total_kwh_m2", "loss_percent"];
+    let numbers =
+        ["tilt_deg", "azimuth_deg", "total_kwh_m2", "loss_percent"].map(|name| Column::number(name, DECIMALS));
+    let columns = ["point", "kind"].map(Column::text).into_iter().chain(numbers).collect();
     let rows = points.iter().flat_map(|search| {
         search.rows().map(move |(kind, found)| {
-            let mut cells = vec![search.point.clone(), kind.to_owned()];
-            cells.extend([found.turn.tilt_deg, found.turn.azimuth_deg].map(|degrees| format!("{degrees:.3}")));
-            cells.extend([found.value, search.loss_percent(&found)].map(|value| format!("{value:.3}")));
-            cells
+            let numbers = [found.turn.tilt_deg, found.turn.azimuth_deg, found.value, search.loss_percent(&found)];
+            [Cell::from(&search.point), kind.into()].into_iter().chain(numbers.map(Cell::from)).collect()
         })
     });
-    write_csv(path, &names, &[], rows, about)
+    let rows = rows.collect();
+    Records { columns, rows }.write(path, about).map(drop)
 }
 
 /// Writes the best turn of each point, what others lose, and what is best on an open plain.
 pub fn write_best(path: &Path, points: &[PointSearch], about: &Provenance) -> Result<()> {
-    let names = [
-        "point",
-        "tilt_deg",
-        "azimuth_deg",
-        "total_kwh_m2",
-        "scatter_percent",
-        "flat_kwh_m2",
-        "flat_loss_percent",
-        "given_tilt_deg",
-        "given_azimuth_deg",
-        "given_kwh_m2",
-        "given_loss_percent",
-        "open_tilt_deg",
-        "open_azimuth_deg",
-        "open_kwh_m2",
+    let turn = |name: &str| Column::number(name, TURN_DECIMALS);
+    let sum = |name: &str| Column::number(name, DECIMALS);
+    let columns = vec![
+        Column::text("point"),
+        turn("tilt_deg"),
+        turn("azimuth_deg"),
+        sum("total_kwh_m2"),
+        sum("scatter_percent"),
+        sum("flat_kwh_m2"),
+        sum("flat_loss_percent"),
+        turn("given_tilt_deg"),
+        turn("given_azimuth_deg"),
+        sum("given_kwh_m2"),
+        sum("given_loss_percent"),
+        turn("open_tilt_deg"),
+        turn("open_azimuth_deg"),
+        sum("open_kwh_m2"),
     ];
-    let row = |search: &PointSearch| {
-        let turn =
-            |found: &TurnValue| [found.turn.tilt_deg, found.turn.azimuth_deg].map(|degrees| format!("{degrees:.2}"));
-        let sum = |found: &TurnValue| format!("{:.3}", found.value);
-        let loss = |found: &TurnValue| format!("{:.3}", search.loss_percent(found));
-        let mut cells = vec![search.point.clone()];
-        cells.extend(turn(&search.best));
-        cells.extend([
-            sum(&search.best),
-            format!("{:.3}", search.scatter_percent),
-            sum(&search.flat),
-            loss(&search.flat),
-        ]);
-        match &search.given {
-            Some(given) => {
-                cells.extend(turn(given));
-                cells.extend([sum(given), loss(given)]);
-            }
-            None => cells.extend([const { String::new() }; 4]),
-        }
-        cells.extend(turn(&search.open_best));
-        cells.push(sum(&search.open_best));
-        cells
-    };
-    write_csv(path, &names, &[], points.iter().map(row), about)
+    let rows = points.iter().map(best_row).collect();
+    Records { columns, rows }.write(path, about).map(drop)
+}
+
+/// The row of a point.
+fn best_row(search: &PointSearch) -> Vec<Cell> {
+    let (best, flat, open, given) = (&search.best, &search.flat, &search.open_best, search.given.as_ref());
+    vec![
+        Cell::from(&search.point),
+        best.turn.tilt_deg.into(),
+        best.turn.azimuth_deg.into(),
+        best.value.into(),
+        search.scatter_percent.into(),
+        flat.value.into(),
+        search.loss_percent(flat).into(),
+        given.map(|given| given.turn.tilt_deg).into(),
+        given.map(|given| given.turn.azimuth_deg).into(),
+        given.map(|given| given.value).into(),
+        given.map(|given| search.loss_percent(given)).into(),
+        open.turn.tilt_deg.into(),
+        open.turn.azimuth_deg.into(),
+        open.value.into(),
+    ]
 }

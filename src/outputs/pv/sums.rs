@@ -4,11 +4,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::write_csv;
 use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::column::Column;
+use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_core::error::Result;
 use heliotile_core::orientation::fan::Turn;
-use heliotile_core::replay::components::Component;
+use heliotile_core::replay::components::{Component, SUM_SUFFIX};
 
 /// The components that add up to a total, which is the last.
 pub const PARTS: [Component; 6] = {
@@ -68,57 +69,61 @@ pub struct SideSums {
 impl SideSums {
     /// What is lost to all that stands around, percent of what an open plain would give; less than nothing where more is reflected.
     pub fn loss_percent(&self) -> Option<f64> {
-        let open = self.open.total();
-        (open > 0.0).then(|| 100.0 * (1.0 - self.months.total() / open))
+        loss_percent(self.months.total(), self.open.total())
     }
 }
 
 /// Writes `points.csv`: sums over all that was replayed.
 pub fn write_points(path: &Path, sides: &[SideSums], about: &Provenance) -> Result<()> {
     let is_bifacial = sides.iter().any(|side| side.bifacial_gain_percent.is_some());
-    let parts = PARTS.map(|part| format!("{}_kwh_m2", part.name()));
-    let mut names = vec!["point", "side", "x", "y", "z", "tilt_deg", "azimuth_deg"];
-    names.extend(parts.iter().map(String::as_str));
-    names.extend(["total_kwh_m2", "open_kwh_m2", "shading_loss_percent", "sky_view", "horizon"]);
-    if is_bifacial {
-        names.push("bifacial_gain_percent");
-    }
-    let row = |side: &SideSums| {
-        let mut cells = vec![side.point.clone(), side.side.to_owned()];
-        cells.extend(side.position.to_array().map(|metres| format!("{metres:.4}")));
-        cells.extend([side.turn.tilt_deg, side.turn.azimuth_deg].map(|degrees| format!("{degrees:.2}")));
-        cells.extend(side.months.parts().map(kwh));
-        cells.extend([side.months.total(), side.open.total()].map(kwh));
-        cells.push(side.loss_percent().map_or_else(String::new, |loss| format!("{loss:.3}")));
-        cells.push(format!("{:.5}", side.sky_view));
-        cells.push(side.horizon.clone());
-        if is_bifacial {
-            cells.push(side.bifacial_gain_percent.map_or_else(String::new, |gain| format!("{gain:.3}")));
-        }
+    let mut columns = vec![Column::text("point"), Column::text("side")];
+    columns.extend(["x", "y", "z"].map(|name| Column::number(name, 4)));
+    columns.extend(["tilt_deg", "azimuth_deg"].map(|name| Column::number(name, 2)));
+    columns.extend(columns_of_sums());
+    columns.extend([Column::number("sky_view", 5), Column::text("horizon")]);
+    columns.extend(is_bifacial.then(|| Column::number("bifacial_gain_percent", DECIMALS)));
+    let rows = sides.iter().map(|side| {
+        let mut cells = vec![Cell::from(&side.point), side.side.into()];
+        cells.extend(side.position.to_array().map(Cell::from));
+        cells.extend([side.turn.tilt_deg, side.turn.azimuth_deg].map(Cell::from));
+        cells.extend(side.months.parts().map(Cell::from));
+        cells.extend([side.months.total(), side.open.total()].map(Cell::from));
+        cells.extend([side.loss_percent().into(), side.sky_view.into(), Cell::from(&side.horizon)]);
+        cells.extend(is_bifacial.then(|| side.bifacial_gain_percent.into()));
         cells
-    };
-    write_csv(path, &names, &[], sides.iter().map(row), about)
+    });
+    let rows = rows.collect();
+    Records { columns, rows }.write(path, about).map(drop)
 }
 
 /// Writes `months.csv`: `labels` names the months.
 pub fn write_months(path: &Path, sides: &[SideSums], labels: &[String], about: &Provenance) -> Result<()> {
-    let parts = PARTS.map(|part| format!("{}_kwh_m2", part.name()));
-    let mut names = vec!["point", "side", "month"];
-    names.extend(parts.iter().map(String::as_str));
-    names.extend(["total_kwh_m2", "open_kwh_m2", "shading_loss_percent"]);
+    let mut columns = vec![Column::text("point"), Column::text("side"), Column::text("month")];
+    columns.extend(columns_of_sums());
     let rows = sides.iter().flat_map(|side| {
         labels.iter().zip(side.months.0.iter().zip(&side.open.0)).map(move |(label, (month, open))| {
-            let mut cells = vec![side.point.clone(), side.side.to_owned(), label.clone()];
-            cells.extend(month.map(kwh));
+            let mut cells = vec![Cell::from(&side.point), side.side.into(), label.into()];
+            cells.extend(month.map(Cell::from));
             let (sum, open) = (total(month), total(open));
-            cells.extend([kwh(sum), kwh(open)]);
-            cells.push(if open > 0.0 { format!("{:.3}", 100.0 * (1.0 - sum / open)) } else { String::new() });
+            cells.extend([Cell::from(sum), open.into(), loss_percent(sum, open).into()]);
             cells
         })
     });
-    write_csv(path, &names, &[], rows, about)
+    let rows = rows.collect();
+    Records { columns, rows }.write(path, about).map(drop)
 }
 
-fn kwh(sum: f64) -> String {
-    format!("{sum:.3}")
+/// Decimals of sums and percentages in CSV.
+const DECIMALS: usize = 3;
+
+/// Sums by part, their total, that of an open plain, and what is lost beside it.
+fn columns_of_sums() -> impl Iterator<Item = Column> {
+    let parts = PARTS.map(|part| format!("{}{SUM_SUFFIX}", part.name()));
+    let others = ["total_kwh_m2", "open_kwh_m2", "shading_loss_percent"].map(str::to_owned);
+    parts.into_iter().chain(others).map(|name| Column::number(name, DECIMALS))
+}
+
+/// What is lost of what an open plain would give, percent.
+fn loss_percent(sum: f64, open: f64) -> Option<f64> {
+    (open > 0.0).then(|| 100.0 * (1.0 - sum / open))
 }

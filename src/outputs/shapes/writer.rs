@@ -150,7 +150,7 @@ impl<'a> MapWriter<'a> {
         Ok(MapWriter { request, shapes, columns, rows, series })
     }
 
-    /// Appends the places of a tile, as [`crate::outputs::tables::writer::TableWriter::write_tile`] does.
+    /// Appends the places of a tile, as [`crate::outputs::result_table::ResultTable::write_tile`] does.
     pub fn write_tile(&mut self, names: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
         for (i, name) in names.iter().enumerate() {
             let (common, extent, polygons) = match &mut self.shapes {
@@ -161,7 +161,7 @@ impl<'a> MapWriter<'a> {
                 PlaceShapes::Receivers(receivers) => {
                     let Some(receiver) = receivers.next().transpose()?.filter(|receiver| receiver.id == *name) else {
                         let what = format!("values of {name} come where another receiver's belong");
-                        return Err(Error::input(self.request.path, None, what, "this is a defect, report it"));
+                        return Err(Error::defect(self.request.path, "map", "rows", what));
                     };
                     let polygons = polygons(&receiver).unwrap_or_else(|| vec![MapPolygon::point(receiver.position)]);
                     let normal = self.request.north.to_true(receiver.normal);

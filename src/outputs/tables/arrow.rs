@@ -1,16 +1,16 @@
-//! Tables as Arrow IPC files: one record batch a tile, times as timestamps with their zone, other labels and receivers as dictionaries,
-//! values as f32, the unit in the metadata of each field, provenance in that of the schema. `.arrow` is plain, so that it can be mapped;
+//! Tables as Arrow IPC files: one record batch a batch, times as timestamps with their zone, categories as dictionaries, values as their columns
+//! say, the unit in the metadata of each field, provenance in that of the schema. `.arrow` is plain, so that it can be mapped;
 //! `.feather` is compressed.
 //!
-//! A file holds one dictionary a column, so all names must be known before the first row.
+//! A file holds one dictionary a column, so all categories must be known before the first row.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use arrow_array::types::Int32Type;
 use arrow_array::{
-    Array, ArrayRef, DictionaryArray, Float32Array, RecordBatch, StringArray, TimestampMicrosecondArray,
-    new_empty_array,
+    Array, ArrayRef, DictionaryArray, Float32Array, Float64Array, RecordBatch, StringArray, TimestampMicrosecondArray,
+    UInt64Array,
 };
 use arrow_ipc::CompressionType;
 use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
@@ -18,56 +18,62 @@ use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema, TimeUnit};
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
-use crate::outputs::tables::layout::Layout;
-use crate::outputs::tables::row_labels::RowLabels;
-use crate::outputs::tables::table::Table;
-use crate::outputs::tables::tile_columns::TileColumns;
+use crate::outputs::tables::batch::{Batch, Values};
+use crate::outputs::tables::column::{Along, Column, Kind, StepValues, TableColumns};
+use crate::outputs::tables::format::{FormatWriter, TableRequest};
+use crate::outputs::tables::writer::{failed, rows_defect};
 use heliotile_core::error::{Error, Result};
+
+type ArrowResult<T> = std::result::Result<T, ArrowError>;
 
 /// Of zstd: higher levels take longer for little on floats.
 const LEVEL: i32 = 1;
 
-/// Columns of a table: times, or a dictionary of strings; a dictionary of strings; values with their unit. And provenance.
-pub fn schema(layout: &Layout, labels: &RowLabels, provenance: &Provenance) -> Schema {
-    let names = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
-    let label = match &labels.instants {
-        Some(instants) => DataType::Timestamp(TimeUnit::Microsecond, Some(instants.zone().into())),
-        None => names.clone(),
-    };
-    let first = [Field::new(layout.label(), label, false), Field::new(layout.place(), names, false)];
-    let value = |(name, unit): (String, &str)| {
-        let unit = [("unit".to_string(), unit.to_string())];
-        Field::new(name, DataType::Float32, false).with_metadata(Metadata::from(unit))
-    };
-    let values = layout.values().into_iter().zip(layout.units()).map(value);
-    let fields: Vec<Field> = first.into_iter().chain(values).collect();
+/// The schema of a table: its columns with their units, and provenance.
+pub(super) fn schema(columns: &TableColumns, provenance: &Provenance) -> Schema {
+    let fields: Vec<Field> = columns.all().iter().map(field).collect();
     Schema::new_with_metadata(fields, provenance.entries().into_iter().collect::<Metadata>())
 }
 
-/// Record batches of results: the first column says the label, the second the receiver.
+fn field(column: &Column) -> Field {
+    let kind = match (column.instants(), column.kind) {
+        (Some(instants), _) => DataType::Timestamp(TimeUnit::Microsecond, Some(instants.zone().into())),
+        (None, Kind::Text) => DataType::Utf8,
+        (None, Kind::Category) => DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8)),
+        (None, Kind::Count) => DataType::UInt64,
+        (None, Kind::Number(_)) => DataType::Float64,
+        (None, Kind::Float(_)) => DataType::Float32,
+    };
+    let unit = column.unit.map(|unit| ("unit".to_owned(), unit.to_owned()));
+    let may_be_missing = matches!(column.kind, Kind::Number(_));
+    Field::new(&column.name, kind, may_be_missing).with_metadata(unit.into_iter().collect::<Metadata>())
+}
+
+/// Record batches of a table.
 pub struct ArrowRows {
     schema: Arc<Schema>,
-    labels: RowLabels,
+    columns: Arc<TableColumns>,
+    /// Of places that are categories.
     names: Arc<StringArray>,
-    /// The labels, again and again, for as many receivers as any batch had.
-    label_column: ArrayRef,
+    /// `[column]` along steps: its values again and again, for as many places as any batch had; none of other columns.
+    of_steps: Vec<Option<ArrayRef>>,
 }
 
 impl ArrowRows {
-    /// Of all names of the second column, in order. An error: more labels or names than a dictionary has numbers.
-    pub fn new(layout: &Layout, labels: &RowLabels, names: &[String], provenance: &Provenance) -> Result<Self> {
+    /// Of all names of places in order, if they are categories. An error: more labels or names than a dictionary has numbers.
+    pub fn new(columns: Arc<TableColumns>, names: &[String], provenance: &Provenance) -> Result<Self> {
         for (what, count) in
-            [("rows of a receiver in an Arrow file", labels.len()), ("names in an Arrow file", names.len())]
+            [("rows of a place in an Arrow file", columns.rows_of_place()), ("names in an Arrow file", names.len())]
         {
             if i32::try_from(count).is_err() {
                 return Err(Error::Limit { what: what.into(), value: count as u64, max: i32::MAX as u64 });
             }
         }
         Ok(ArrowRows {
-            schema: Arc::new(schema(layout, labels, provenance)),
-            labels: labels.clone(),
+            schema: Arc::new(schema(&columns, provenance)),
             names: Arc::new(StringArray::from_iter_values(names)),
-            label_column: new_empty_array(&DataType::Int32),
+            of_steps: columns.all().iter().map(|_| None).collect(),
+            columns,
         })
     }
 
@@ -76,102 +82,162 @@ impl ArrowRows {
         &self.schema
     }
 
-    /// The labels of some receivers.
-    fn label_column(&self, count: usize) -> std::result::Result<ArrayRef, ArrowError> {
-        Ok(match &self.labels.instants {
-            Some(instants) => {
-                let times = TimestampMicrosecondArray::from(instants.utc_us().repeat(count));
-                Arc::new(times.with_timezone(instants.zone()))
-            }
-            None => {
-                let keys: Vec<i32> = (0..count).flat_map(|_| 0..self.labels.len() as i32).collect();
-                let words = Arc::new(StringArray::from_iter_values(&self.labels.text));
-                Arc::new(DictionaryArray::<Int32Type>::try_new(keys.into(), words)?)
-            }
-        })
-    }
-
-    /// The rows of `count` names from number `first` on: `columns` are the values, `[name][label]`.
+    /// The rows of `count` places from number `first` on; `values` are the columns that are neither along steps nor categories of places.
     pub fn batch(
         &mut self,
         first: usize,
         count: usize,
-        columns: impl Iterator<Item = Float32Array>,
-    ) -> std::result::Result<RecordBatch, ArrowError> {
-        let (labels, rows) = (self.labels.len(), count * self.labels.len());
-        if self.label_column.len() < rows {
-            self.label_column = self.label_column(count)?;
+        mut values: impl Iterator<Item = ArrayRef>,
+    ) -> ArrowResult<RecordBatch> {
+        let rows = count * self.columns.rows_of_place();
+        let columns = Arc::clone(&self.columns);
+        let mut all = Vec::with_capacity(columns.all().len());
+        for (i, column) in columns.all().iter().enumerate() {
+            all.push(match (&column.along, column.kind) {
+                (Along::Steps(of_steps), _) => self.steps(i, column, of_steps, count)?.slice(0, rows),
+                (Along::Places, Kind::Category) => self.categories(first, count)?,
+                _ => values.next().ok_or_else(|| ArrowError::SchemaError("a column has no values".into()))?,
+            });
         }
-        let first = first as i32;
-        let places = (first..first + count as i32).flat_map(|place| std::iter::repeat_n(place, labels));
-        let names = DictionaryArray::<Int32Type>::try_new(places.collect::<Vec<_>>().into(), self.names.clone())?;
-        let mut all: Vec<ArrayRef> = vec![self.label_column.slice(0, rows), Arc::new(names)];
-        all.extend(columns.map(|column| Arc::new(column) as ArrayRef));
-        RecordBatch::try_new(self.schema.clone(), all)
+        RecordBatch::try_new(Arc::clone(&self.schema), all)
     }
+
+    /// The values of a column along steps, for `count` places or more.
+    fn steps(&mut self, i: usize, column: &Column, values: &StepValues, count: usize) -> ArrowResult<ArrayRef> {
+        let rows = count * self.columns.rows_of_place();
+        match self.of_steps.get(i) {
+            Some(Some(known)) if known.len() >= rows => Ok(Arc::clone(known)),
+            _ => {
+                let array = repeated(column, values, count)?;
+                if let Some(known) = self.of_steps.get_mut(i) {
+                    *known = Some(Arc::clone(&array));
+                }
+                Ok(array)
+            }
+        }
+    }
+
+    /// Names of places, each in all of its rows.
+    fn categories(&self, first: usize, count: usize) -> ArrowResult<ArrayRef> {
+        let first = first as i32;
+        let steps = self.columns.rows_of_place();
+        let places = (first..first + count as i32).flat_map(|place| std::iter::repeat_n(place, steps));
+        let keys = places.collect::<Vec<_>>().into();
+        Ok(Arc::new(DictionaryArray::<Int32Type>::try_new(keys, self.names.clone())?))
+    }
+}
+
+/// The values of a column along steps, for `count` places.
+fn repeated(column: &Column, values: &StepValues, count: usize) -> ArrowResult<ArrayRef> {
+    Ok(match (values, column.instants(), column.kind) {
+        (_, Some(instants), _) => {
+            let times = TimestampMicrosecondArray::from(instants.utc_us().repeat(count));
+            Arc::new(times.with_timezone(instants.zone()))
+        }
+        (StepValues::Labels(labels), None, Kind::Category) => {
+            let keys: Vec<i32> = (0..count).flat_map(|_| 0..labels.len() as i32).collect();
+            let words = Arc::new(StringArray::from_iter_values(&labels.text));
+            Arc::new(DictionaryArray::<Int32Type>::try_new(keys.into(), words)?)
+        }
+        (StepValues::Labels(labels), None, _) => {
+            Arc::new(StringArray::from_iter_values((0..count).flat_map(|_| &labels.text)))
+        }
+        (StepValues::Numbers(numbers), None, _) => {
+            let floats: Vec<f32> = numbers.iter().map(|number| *number as f32).collect();
+            Arc::new(Float32Array::from(floats.repeat(count)))
+        }
+    })
+}
+
+/// How bytes of a file stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    Plain,
+    Zstd,
 }
 
 /// An Arrow file being written.
 pub struct ArrowTable {
     writer: FileWriter<Sink>,
     rows: ArrowRows,
-    /// Names that were written.
+    /// Places that were written.
     done: usize,
     path: PathBuf,
 }
 
 impl ArrowTable {
-    pub fn new(
-        sink: Sink,
-        layout: &Layout,
-        labels: &RowLabels,
-        names: &[String],
-        provenance: &Provenance,
-        packed: bool,
-    ) -> Result<Self> {
+    pub fn new(sink: Sink, request: &TableRequest, packing: Packing) -> Result<Self> {
         let path = sink.path().to_path_buf();
-        let rows = ArrowRows::new(layout, labels, names, provenance)?;
-        let start = || {
-            let mut options = IpcWriteOptions::default();
-            if packed {
-                options = options
-                    .try_with_compression(Some(CompressionType::ZSTD))?
-                    .try_with_compression_level(Some(LEVEL))?;
-            }
-            FileWriter::try_new_with_options(sink, rows.schema(), options)
+        let is_category = |column: &Column| column.along == Along::Places && column.kind == Kind::Category;
+        let names = match request.columns.all().iter().any(is_category) {
+            true => (request.places.names)()?,
+            false => Vec::new(),
         };
-        Ok(ArrowTable { writer: start().map_err(|e| failed(&path, e))?, rows, done: 0, path })
+        let about = request.about.cloned().unwrap_or_default();
+        let rows = ArrowRows::new(Arc::clone(&request.columns), &names, &about)?;
+        let writer = start(sink, rows.schema(), packing).map_err(|error| failed(&path, error))?;
+        Ok(ArrowTable { writer, rows, done: 0, path })
+    }
+
+    /// Whether the next places are those that were announced.
+    fn knows(&self, names: &[String]) -> bool {
+        self.done + names.len() <= self.rows.names.len()
+            && names.iter().enumerate().all(|(i, name)| self.rows.names.value(self.done + i) == name)
     }
 }
 
-impl Table for ArrowTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
-        let known = self.done + receivers.len() <= self.rows.names.len()
-            && receivers.iter().enumerate().all(|(i, name)| self.rows.names.value(self.done + i) == name);
-        if !known {
-            return Err(Error::input(
-                &self.path,
-                None,
-                "rows of names that were not announced",
-                "this is a defect, report it",
-            ));
+/// Begins a file.
+fn start(sink: Sink, schema: &Schema, packing: Packing) -> ArrowResult<FileWriter<Sink>> {
+    let options = match packing {
+        Packing::Plain => IpcWriteOptions::default(),
+        Packing::Zstd => IpcWriteOptions::default()
+            .try_with_compression(Some(CompressionType::ZSTD))?
+            .try_with_compression_level(Some(LEVEL))?,
+    };
+    FileWriter::try_new_with_options(sink, schema, options)
+}
+
+impl FormatWriter for ArrowTable {
+    fn write(&mut self, batch: &Batch) -> Result<()> {
+        let columns = Arc::clone(&self.rows.columns);
+        let mut arrays = Vec::with_capacity(batch.values.len());
+        for (column, values) in columns.in_batches().zip(&batch.values) {
+            match (&column.along, column.kind) {
+                (Along::Places, Kind::Category) if self.knows(values.texts()) => {}
+                (Along::Places, Kind::Category) => {
+                    return Err(rows_defect(&self.path, "names came that were not announced".into()));
+                }
+                (Along::Places, _) => {
+                    let steps = columns.rows_of_place();
+                    let rows = values.texts().iter().flat_map(|name| std::iter::repeat_n(name, steps));
+                    arrays.push(Arc::new(StringArray::from_iter_values(rows)) as ArrayRef);
+                }
+                (_, kind) => arrays.push(array_of(kind, values)),
+            }
         }
-        let columns = (0..values.count()).map(|number| Float32Array::from(values.column(number).to_vec()));
-        let batch = self.rows.batch(self.done, receivers.len(), columns).map_err(|e| failed(&self.path, e))?;
-        self.done += receivers.len();
-        self.writer.write(&batch).map_err(|e| failed(&self.path, e))
+        let batch = match self.rows.batch(self.done, batch.places, arrays.into_iter()) {
+            Ok(rows) => {
+                self.done += batch.places;
+                rows
+            }
+            Err(error) => return Err(failed(&self.path, error)),
+        };
+        self.writer.write(&batch).map_err(|error| failed(&self.path, error))
     }
 
     fn finish(mut self: Box<Self>) -> Result<u64> {
         // Writes the footer.
-        self.writer.finish().map_err(|e| failed(&self.path, e))?;
-        self.writer.into_inner().map_err(|e| failed(&self.path, e))?.finish()
+        self.writer.finish().map_err(|error| failed(&self.path, error))?;
+        self.writer.into_inner().map_err(|error| failed(&self.path, error))?.finish()
     }
 }
 
-fn failed(path: &std::path::Path, error: ArrowError) -> Error {
-    match error {
-        ArrowError::IoError(_, source) => Error::io(path, "write")(source),
-        other => Error::io(path, "write")(std::io::Error::other(other)),
+/// Values of rows.
+fn array_of(kind: Kind, values: &Values) -> ArrayRef {
+    match (kind, values) {
+        (Kind::Number(_), Values::Numbers(numbers)) => Arc::new(Float64Array::from_iter(numbers.iter().copied())),
+        (_, Values::Texts(texts)) => Arc::new(StringArray::from_iter_values(texts.iter())),
+        (_, Values::Counts(counts)) => Arc::new(UInt64Array::from(counts.clone())),
+        (_, values) => Arc::new(Float32Array::from(values.floats().into_owned())),
     }
 }

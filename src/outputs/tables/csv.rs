@@ -1,85 +1,176 @@
-//! Tables as CSV (RFC 4180, LF line ends). W/m2 with three decimals, kWh/m2 with six significant digits, exact zeros as `0`. What the
-//! columns are stands beside a file (see [`crate::outputs::tables::csvw`]), not beside the standard output.
+//! Tables as CSV (RFC 4180, LF line ends), the one place where cells are quoted. What the columns are stands beside a file (see
+//! [`crate::outputs::tables::csvw`]), not beside the standard output.
+//!
+//! Rows are formatted in parallel, some places at a time; what all places have in common is formatted once.
 
 use std::io::Write;
+use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
-use crate::outputs::tables::csvw::{self, CsvColumn};
-use crate::outputs::tables::layout::{Labels, Layout};
-use crate::outputs::tables::row_labels::RowLabels;
-use crate::outputs::tables::table::Table;
-use crate::outputs::tables::tile_columns::TileColumns;
-use heliotile_core::error::{Error, Result};
+use crate::outputs::tables::batch::{Batch, Values};
+use crate::outputs::tables::column::{Along, Column, Digits, Kind, StepValues, TableColumns};
+use crate::outputs::tables::csvw;
+use crate::outputs::tables::format::{FormatWriter, TableRequest};
+use crate::outputs::tables::writer::failed;
+use heliotile_core::error::Result;
 
-/// Receivers formatted before a write: bounds the memory of a tile's text to a few 10 MB.
-const RECEIVERS_AT_ONCE: usize = 16;
+/// Rows of a task, unless a single place has more of them, and tasks between two writes: this bounds the memory of text to a few 10 MB.
+const ROWS_OF_TASK: usize = 1024;
+const TASKS_AT_ONCE: usize = 16;
 
 /// A CSV table being written.
 pub struct CsvTable {
     sink: Sink,
-    /// Quoted where needed.
-    labels: Vec<String>,
-    /// So many columns are components, those behind them facts of groups.
-    components: usize,
-    number: fn(&mut Vec<u8>, f32),
-    columns: Vec<CsvColumn>,
-    provenance: Provenance,
+    columns: Arc<TableColumns>,
+    /// `[column][step]`: cells of columns along steps, ready; nothing of others.
+    of_steps: Vec<Vec<String>>,
+    /// `[task]`: texts, whose memory is taken again.
+    texts: Vec<Vec<u8>>,
+    about: Option<Provenance>,
+}
+
+/// A column of a batch, or some that are written alike.
+enum BatchColumn<'a> {
+    /// `[step]`, the same for all places.
+    Steps(&'a [String]),
+    /// `[place]`
+    Names(&'a [String]),
+    /// `[column][place][step]`, columns beside each other.
+    Floats(Vec<&'a [f32]>, Digits),
+    Rows(&'a Values<'a>, Digits),
+}
+
+/// The cells of a place in a column, or in some that are written alike.
+enum PlaceCells<'a> {
+    /// `[step]`, ready.
+    Steps(&'a [String]),
+    /// The same in all rows, ready.
+    Name(String),
+    /// `[column][step]`, and how a number is written.
+    Floats(Vec<&'a [f32]>, fn(&mut Vec<u8>, f64)),
+    /// The first of its rows among those of the column.
+    Rows(&'a Values<'a>, usize, Digits),
 }
 
 impl CsvTable {
-    pub fn new(mut sink: Sink, layout: &Layout, labels: &RowLabels, provenance: &Provenance) -> Result<Self> {
-        let header = layout.names().join(",") + "\n";
-        if let Err(error) = sink.write_all(header.as_bytes()) {
-            return Err(Error::io(sink.path(), "write to")(error));
-        }
-        Ok(CsvTable {
-            sink,
-            labels: labels.text.iter().map(|l| quoted(l)).collect(),
-            components: layout.components().len(),
-            number: match layout.labels {
-                Labels::Sums => six_digits,
-                Labels::Conditions | Labels::Times => three_decimals,
-            },
-            columns: CsvColumn::of_results(layout, labels),
-            provenance: provenance.clone(),
-        })
+    pub fn new(mut sink: Sink, request: &TableRequest) -> Result<Self> {
+        let columns = Arc::clone(&request.columns);
+        let names: Vec<&str> = columns.all().iter().map(|column| column.name.as_str()).collect();
+        let header = names.join(",") + "\n";
+        sink.write_all(header.as_bytes()).map_err(|error| failed(sink.path(), error))?;
+        let of_steps = columns.all().iter().map(cells_of_steps).collect();
+        let texts = vec![Vec::new(); TASKS_AT_ONCE];
+        Ok(CsvTable { sink, columns, of_steps, texts, about: request.about.cloned() })
     }
 
-    fn rows_of(&self, name: &str, receiver: usize, values: &TileColumns) -> Vec<u8> {
-        let columns = values.rows(receiver);
-        let mut text = Vec::with_capacity(self.labels.len() * (name.len() + 64));
-        for (i, label) in self.labels.iter().enumerate() {
-            text.extend_from_slice(label.as_bytes());
-            text.push(b',');
-            text.extend_from_slice(name.as_bytes());
-            for (place, column) in columns.iter().enumerate() {
-                text.push(b',');
-                let number = if place < self.components { self.number } else { six_digits };
-                number(&mut text, column.get(i).copied().unwrap_or(0.0));
+    /// What the columns of a batch hold.
+    fn columns_of<'a>(&'a self, batch: &'a Batch) -> Vec<BatchColumn<'a>> {
+        let mut values = batch.values.iter();
+        let mut columns = Vec::with_capacity(self.columns.all().len());
+        for (column, of_steps) in self.columns.all().iter().zip(&self.of_steps) {
+            if column.is_of_steps() {
+                columns.push(BatchColumn::Steps(of_steps));
+                continue;
             }
-            text.push(b'\n');
+            let Some(values) = values.next() else { continue };
+            match (columns.last_mut(), BatchColumn::of(column, values)) {
+                (Some(BatchColumn::Floats(all, before)), BatchColumn::Floats(one, digits)) if *before == digits => {
+                    all.extend(one);
+                }
+                (_, other) => columns.push(other),
+            }
         }
-        text
+        columns
+    }
+
+    /// Writes some places into memory.
+    fn put(&self, text: &mut Vec<u8>, columns: &[BatchColumn], places: &Range<usize>) {
+        let steps = self.columns.rows_of_place();
+        for place in places.clone() {
+            let columns: Vec<PlaceCells> = columns.iter().map(|column| column.at(place, steps)).collect();
+            for step in 0..steps {
+                columns.iter().for_each(|cells| cells.push(text, step));
+                // In place of the last comma.
+                text.pop();
+                text.push(b'\n');
+            }
+        }
     }
 }
 
-impl Table for CsvTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
-        for (chunk, names) in receivers.chunks(RECEIVERS_AT_ONCE).enumerate() {
-            let texts: Vec<Vec<u8>> = names
-                .par_iter()
-                .enumerate()
-                .map(|(i, name)| self.rows_of(&quoted(name), chunk * RECEIVERS_AT_ONCE + i, values))
-                .collect();
-            for text in texts {
-                if let Err(error) = self.sink.write_all(&text) {
-                    return Err(Error::io(self.sink.path(), "write to")(error));
+impl<'a> BatchColumn<'a> {
+    /// Of a column that is not along steps.
+    fn of(column: &Column, values: &'a Values) -> Self {
+        match (values, digits_of(column.kind)) {
+            (Values::Texts(names), _) if column.along == Along::Places => BatchColumn::Names(names),
+            (Values::Floats(floats), digits @ (Digits::Thousandths | Digits::Six)) => {
+                BatchColumn::Floats(vec![floats], digits)
+            }
+            (values, digits) => BatchColumn::Rows(values, digits),
+        }
+    }
+
+    /// Its cells at a place.
+    fn at(&self, place: usize, steps: usize) -> PlaceCells<'a> {
+        let first = place * steps;
+        match self {
+            BatchColumn::Steps(cells) => PlaceCells::Steps(cells),
+            BatchColumn::Names(names) => {
+                PlaceCells::Name(names.get(place).map(|name| quoted(name)).unwrap_or_default())
+            }
+            BatchColumn::Floats(columns, digits) => {
+                let write = if *digits == Digits::Six { six_digits } else { three_decimals };
+                let of_place = |floats: &&'a [f32]| floats.get(first..first + steps).unwrap_or_default();
+                PlaceCells::Floats(columns.iter().map(of_place).collect(), write)
+            }
+            BatchColumn::Rows(values, digits) => PlaceCells::Rows(values, first, *digits),
+        }
+    }
+}
+
+impl PlaceCells<'_> {
+    /// Writes the cells of a step, each with a comma behind it.
+    fn push(&self, text: &mut Vec<u8>, step: usize) {
+        match self {
+            PlaceCells::Steps(cells) => push_text(text, cells.get(step)),
+            PlaceCells::Name(name) => text.extend_from_slice(name.as_bytes()),
+            PlaceCells::Floats(columns, write) => {
+                for (i, floats) in columns.iter().enumerate() {
+                    if i > 0 {
+                        text.push(b',');
+                    }
+                    write(text, f64::from(floats.get(step).copied().unwrap_or_default()));
                 }
             }
+            PlaceCells::Rows(values, first, digits) => push_value(text, values, first + step, *digits),
         }
+        text.push(b',');
+    }
+}
+
+impl FormatWriter for CsvTable {
+    fn write(&mut self, batch: &Batch) -> Result<()> {
+        let places_of_task = (ROWS_OF_TASK / self.columns.rows_of_place().max(1)).max(1);
+        let tasks: Vec<Range<usize>> = (0..batch.places)
+            .step_by(places_of_task)
+            .map(|first| first..(first + places_of_task).min(batch.places))
+            .collect();
+        let mut texts = std::mem::take(&mut self.texts);
+        for tasks in tasks.chunks(TASKS_AT_ONCE) {
+            let columns = self.columns_of(batch);
+            tasks.par_iter().zip(&mut texts).for_each(|(places, text)| {
+                text.clear();
+                self.put(text, &columns, places);
+            });
+            for text in texts.iter().take(tasks.len()) {
+                self.sink.write_all(text).map_err(|error| failed(self.sink.path(), error))?;
+            }
+        }
+        self.texts = texts;
         Ok(())
     }
 
@@ -89,11 +180,64 @@ impl Table for CsvTable {
 
     fn finish(self: Box<Self>) -> Result<u64> {
         // The table last: where it is, so is what is said of it.
-        let beside = match self.sink.file_path() {
-            Some(path) => csvw::write(path, &self.columns, &self.provenance)?,
-            None => 0,
+        let beside = match (self.sink.file_path(), &self.about) {
+            (Some(path), Some(about)) => csvw::write(path, self.columns.all(), about)?,
+            _ => 0,
         };
         Ok(beside + self.sink.finish()?)
+    }
+}
+
+/// Cells of a column along steps; nothing of others.
+fn cells_of_steps(column: &Column) -> Vec<String> {
+    match &column.along {
+        Along::Steps(StepValues::Labels(labels)) => labels.text.iter().map(|label| quoted(label)).collect(),
+        Along::Steps(StepValues::Numbers(numbers)) => {
+            let cell = |number: &f64| {
+                let mut text = Vec::new();
+                push_number(&mut text, *number, digits_of(column.kind));
+                String::from_utf8_lossy(&text).into_owned()
+            };
+            numbers.iter().map(cell).collect()
+        }
+        Along::Rows | Along::Places => Vec::new(),
+    }
+}
+
+/// Digits of the numbers of a kind.
+fn digits_of(kind: Kind) -> Digits {
+    match kind {
+        Kind::Number(digits) | Kind::Float(digits) => digits,
+        Kind::Text | Kind::Category | Kind::Count => Digits::Fewest,
+    }
+}
+
+fn push_text(text: &mut Vec<u8>, cell: Option<&String>) {
+    text.extend_from_slice(cell.map_or(&[][..], |cell| cell.as_bytes()));
+}
+
+/// The cell of a row.
+fn push_value(text: &mut Vec<u8>, values: &Values, row: usize, digits: Digits) {
+    match values {
+        Values::Floats(floats) => {
+            floats.get(row).iter().for_each(|value| push_number(text, f64::from(**value), digits));
+        }
+        Values::Numbers(numbers) => {
+            numbers.get(row).copied().flatten().iter().for_each(|value| push_number(text, *value, digits));
+        }
+        // Writing into memory cannot fail.
+        Values::Counts(counts) => drop(counts.get(row).map(|count| write!(text, "{count}"))),
+        Values::Texts(texts) => push_text(text, texts.get(row).map(|cell| quoted(cell)).as_ref()),
+    }
+}
+
+fn push_number(text: &mut Vec<u8>, value: f64, digits: Digits) {
+    match digits {
+        Digits::Thousandths => three_decimals(text, value),
+        Digits::Six => six_digits(text, value),
+        // Writing into memory cannot fail.
+        Digits::Decimals(count) => drop(write!(text, "{value:.count$}")),
+        Digits::Fewest => drop(write!(text, "{value}")),
     }
 }
 
@@ -103,12 +247,12 @@ pub fn quoted(cell: &str) -> String {
 }
 
 /// Fixed three decimals.
-fn three_decimals(text: &mut Vec<u8>, value: f32) {
+fn three_decimals(text: &mut Vec<u8>, value: f64) {
     if value == 0.0 {
         text.push(b'0');
         return;
     }
-    let thousandths = (f64::from(value) * 1000.0).round();
+    let thousandths = (value * 1000.0).round();
     // Beyond 2^53 thousandths, or not a number: rare, so the slow way.
     if thousandths.is_nan() || thousandths.abs() >= 9e15 {
         // Writing into memory cannot fail.
@@ -137,12 +281,12 @@ fn three_decimals(text: &mut Vec<u8>, value: f32) {
 }
 
 /// Six significant digits, in plain notation down to 1e-9.
-fn six_digits(text: &mut Vec<u8>, value: f32) {
+fn six_digits(text: &mut Vec<u8>, value: f64) {
     if value == 0.0 {
         text.push(b'0');
         return;
     }
-    let magnitude = f64::from(value).abs().log10().floor();
+    let magnitude = value.abs().log10().floor();
     let decimals = (5.0 - magnitude).clamp(0.0, 14.0) as usize;
     let _ = write!(text, "{value:.decimals$}");
 }
@@ -151,9 +295,9 @@ fn six_digits(text: &mut Vec<u8>, value: f32) {
 mod tests {
     use super::*;
 
-    fn written(number: fn(&mut Vec<u8>, f32), value: f32) -> String {
+    fn written(number: fn(&mut Vec<u8>, f64), value: f32) -> String {
         let mut text = Vec::new();
-        number(&mut text, value);
+        number(&mut text, f64::from(value));
         String::from_utf8(text).expect("ASCII")
     }
 

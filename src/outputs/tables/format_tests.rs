@@ -14,10 +14,10 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::RowAccessor;
 
 use crate::outputs::provenance;
+use crate::outputs::result_table::ResultTable;
+use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::{Precision, RowLabels};
-use crate::outputs::tables::table::Places;
-use crate::outputs::tables::writer::TableWriter;
 use crate::outputs::tables::writer::tests::{create, names, tile, value};
 use heliotile_core::replay::components::Component;
 use heliotile_core::weather::time::calendar::Date;
@@ -37,7 +37,7 @@ fn written_hours(folder: &tempfile::TempDir, name: &str, zone_hours: f64) -> Pat
     let receivers = names("r", 2);
     let places = Places { count: 2, names: &|| Ok(receivers.clone()) };
     let about = provenance::tests::example();
-    let mut writer = TableWriter::create(&path, &layout, &hours(24, zone_hours), &places, &about).expect("created");
+    let mut writer = ResultTable::create(&path, &layout, &hours(24, zone_hours), &places, &about).expect("created");
     writer.write_tile(&receivers, &tile(0, 2, 24), &[]).expect("written");
     assert_eq!(writer.finish().expect("finished").rows, 48);
     path
@@ -269,7 +269,7 @@ fn npz_round_trip() {
             create(&folder.path().join(name), &layout(), &names("l", 48), &names("r", 3)).expect("created");
         writer.write_tile(&names("r", 2), &tile(0, 2, 48), &[]).expect("written");
         let text = writer.finish().expect_err("too few").to_string();
-        assert!(text.contains("2 receivers came, 3 were announced"), "{text}");
+        assert!(text.contains("2 places came, 3 were announced"), "{text}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }

@@ -1,5 +1,7 @@
 //! The columns of a table: a label, a receiver, and the components that are asked for, with their unit.
 
+use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
+use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::replay::components::{Component, ComponentList, SUM_SUFFIX};
 
 /// What the labels of a table are, and with them the unit.
@@ -80,6 +82,21 @@ impl Layout {
     /// Name of the second column.
     pub fn place(&self) -> &'static str {
         self.by.name()
+    }
+
+    /// The columns of a table whose rows have these labels.
+    pub fn columns(&self, labels: &RowLabels) -> TableColumns {
+        let of_components = match self.labels {
+            Labels::Sums => Digits::Six,
+            Labels::Conditions | Labels::Times => Digits::Thousandths,
+        };
+        let label = Column::of_steps(self.label(), Kind::Category, labels);
+        let place = Column::of_places(self.place(), Kind::Category);
+        let values = self.values().into_iter().zip(self.units()).enumerate().map(|(i, (name, unit))| {
+            let digits = if i < self.components().len() { of_components } else { Digits::Six };
+            Column::float(name, digits).with_unit(unit)
+        });
+        TableColumns::new([label, place].into_iter().chain(values).collect())
     }
 
     /// The value columns but for facts of groups.

@@ -1,20 +1,28 @@
-//! Tables of results, one row model for all formats: CSV, Parquet, Arrow, arrays of NumPy.
+//! Tables of the program, all of them: one model of columns and rows, one writer a format.
+//!
+//! In: columns ([`column`]), then batches of their values ([`batch`]), or rows one by one ([`rows`]). Out: a file in the format that its name
+//! ends with ([`format`]), complete or not there at all, or CSV on the standard output. Never: what the values mean.
+//!
+//! A further format is a file with a [`format::FormatWriter`] and its lines in `format.rs`; every table can then be written in it.
 
-pub mod arrow;
+mod arrow;
+pub mod batch;
+pub mod column;
 mod csv;
 pub mod csvw;
+pub mod format;
 #[cfg(test)]
 mod format_tests;
 pub mod layout;
 mod npy;
 mod npz;
+mod numpy;
 mod parquet;
-pub mod records;
 pub mod row_labels;
-pub mod table;
-pub mod tile_columns;
+pub mod rows;
 pub mod writer;
 mod zone_name;
 
+pub use arrow::ArrowRows;
 pub use csv::quoted;
-pub use npy::header as npy_header;
+pub use numpy::header as npy_header;

@@ -1,5 +1,6 @@
-//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the arrays `values` (see [`crate::outputs::tables::npy`]), names of
-//! its three axes (`receiver` or `surface`, `time` or `condition`, `column`) and the lone strings `unit` (one for each column where they differ) and `provenance` (JSON).
+//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the array `values` (see [`crate::outputs::tables::numpy`]), an
+//! array for each column of text and of steps, and `column`, the names of the last axis. The lone strings `unit` (one for each column where
+//! they differ) and `provenance` (JSON) are beside them.
 //!
 //! NumPy's times have no zone. Those of `time` are readings of the local clock, so that days are days; `utc_offset`, a lone
 //! time difference, is how far that clock is ahead of UTC.
@@ -12,78 +13,63 @@ use zip::{CompressionMethod, ZipWriter};
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
-use crate::outputs::tables::layout::Layout;
-use crate::outputs::tables::npy::{array_bytes, header, incomplete};
-use crate::outputs::tables::row_labels::RowLabels;
-use crate::outputs::tables::table::Table;
-use crate::outputs::tables::tile_columns::TileColumns;
-use heliotile_core::error::{Error, Result};
+use crate::outputs::tables::batch::Batch;
+use crate::outputs::tables::column::{Along, Column, StepValues};
+use crate::outputs::tables::format::{FormatWriter, TableRequest};
+use crate::outputs::tables::numpy::{COLUMN_AXIS, NumpyArray, Units, header};
+use crate::outputs::tables::writer::failed;
+use heliotile_core::error::Result;
 
 /// An archive of arrays being written.
 pub struct NpzTable {
     zip: ZipWriter<StreamWriter<Sink>>,
-    layout: Layout,
-    labels: RowLabels,
-    provenance: Provenance,
-    /// Of the receivers so far: they are written last.
-    names: Vec<String>,
-    announced: u64,
+    array: NumpyArray,
+    /// `[column]`: texts of the places or rows so far, which are written last.
+    texts: Vec<Vec<String>>,
+    about: Provenance,
     path: PathBuf,
 }
 
 impl NpzTable {
-    pub fn new(
-        sink: Sink,
-        layout: &Layout,
-        labels: &RowLabels,
-        provenance: &Provenance,
-        announced: u64,
-    ) -> Result<Self> {
+    pub fn new(sink: Sink, request: &TableRequest) -> Result<Self> {
         let path = sink.path().to_path_buf();
         let mut zip = ZipWriter::new_stream(sink);
-        let shape = [announced, labels.len() as u64, layout.values().len() as u64];
-        let values = header("<f4", &shape);
-        start(&mut zip, "values").and_then(|()| zip.write_all(&values)).map_err(Error::io(&path, "write to"))?;
-        let (layout, labels, provenance) = (layout.clone(), labels.clone(), provenance.clone());
-        Ok(NpzTable { zip, layout, labels, provenance, names: Vec::new(), announced, path })
+        let array = NumpyArray::new(&request.columns, request.places.count);
+        let head = array.header();
+        start(&mut zip, "values").and_then(|()| zip.write_all(&head)).map_err(|error| failed(&path, error))?;
+        let texts = vec![Vec::new(); array.texts().count()];
+        Ok(NpzTable { zip, array, texts, about: request.about.cloned().unwrap_or_default(), path })
+    }
+
+    /// Writes all arrays behind the values.
+    fn end(&mut self) -> io::Result<()> {
+        let zip = &mut self.zip;
+        let texts: Vec<(&Column, &Vec<String>)> = self.array.texts().zip(&self.texts).collect();
+        let (names, further) = texts.split_at(texts.len().min(1));
+        names.iter().try_for_each(|(column, all)| strings(zip, &column.name, all))?;
+        self.array.steps().try_for_each(|column| steps(zip, column))?;
+        strings(zip, COLUMN_AXIS, &self.array.values())?;
+        match self.array.units() {
+            Units::One(unit) => string(zip, "unit", &unit)?,
+            Units::Each(units) => strings(zip, "unit", &units)?,
+        }
+        string(zip, "provenance", &self.about.json().to_string())?;
+        further.iter().try_for_each(|(column, all)| strings(zip, &column.name, all))
     }
 }
 
-impl Table for NpzTable {
-    fn write_tile(&mut self, receivers: &[String], values: &TileColumns) -> Result<()> {
-        self.names.extend_from_slice(receivers);
-        let bytes = array_bytes(values);
-        self.zip.write_all(&bytes).map_err(Error::io(&self.path, "write to"))
+impl FormatWriter for NpzTable {
+    fn write(&mut self, batch: &Batch) -> Result<()> {
+        let texts = batch.values.iter().map(|values| values.texts()).filter(|texts| !texts.is_empty());
+        self.texts.iter_mut().zip(texts).for_each(|(all, texts)| all.extend_from_slice(texts));
+        let bytes = self.array.bytes(batch);
+        self.zip.write_all(&bytes).map_err(|error| failed(&self.path, error))
     }
 
     fn finish(mut self: Box<Self>) -> Result<u64> {
-        if self.names.len() as u64 != self.announced {
-            return Err(incomplete(&self.path, self.names.len() as u64, self.announced));
-        }
-        let (place, label) = (self.layout.place(), self.layout.label());
-        let mut end = || {
-            let zip = &mut self.zip;
-            strings(zip, place, &self.names, &[self.names.len() as u64])?;
-            match &self.labels.instants {
-                Some(instants) => {
-                    let local = instants.local_s();
-                    integers(zip, label, "<M8[s]", &local, &[local.len() as u64])?;
-                    integers(zip, "utc_offset", "<m8[m]", &[instants.offset.minutes().into()], &[])?;
-                }
-                None => strings(zip, label, &self.labels.text, &[self.labels.len() as u64])?,
-            }
-            strings(zip, "column", &self.layout.values(), &[self.layout.values().len() as u64])?;
-            match self.layout.facts.is_empty() {
-                true => strings(zip, "unit", &[self.layout.unit().to_string()], &[])?,
-                false => {
-                    let units: Vec<String> = self.layout.units().into_iter().map(str::to_owned).collect();
-                    strings(zip, "unit", &units, &[units.len() as u64])?;
-                }
-            }
-            strings(zip, "provenance", &[self.provenance.json().to_string()], &[])
-        };
-        end().map_err(Error::io(&self.path, "write to"))?;
-        let sink = self.zip.finish().map_err(|e| Error::io(&self.path, "write to")(e.into()))?;
+        self.array.check(&self.path)?;
+        self.end().map_err(|error| failed(&self.path, error))?;
+        let sink = self.zip.finish().map_err(|error| failed(&self.path, io::Error::from(error)))?;
         sink.into_inner().finish()
     }
 }
@@ -94,26 +80,63 @@ fn start(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str) -> io::Result<()> 
     Ok(zip.start_file(format!("{name}.npy"), options)?)
 }
 
-/// An array of 8 bytes a value, of a type such as NumPy's times; a lone value without a shape.
-fn integers(
+/// What tells the steps in a column.
+fn steps(zip: &mut ZipWriter<StreamWriter<Sink>>, column: &Column) -> io::Result<()> {
+    match (&column.along, column.instants()) {
+        (_, Some(instants)) => {
+            let local = instants.local_s();
+            array(
+                zip,
+                &column.name,
+                &header("<M8[s]", &[local.len() as u64]),
+                local.into_iter().map(i64::to_le_bytes),
+            )?;
+            let minutes = i64::from(instants.offset.minutes());
+            array(zip, "utc_offset", &header("<m8[m]", &[]), [minutes.to_le_bytes()].into_iter())
+        }
+        (Along::Steps(StepValues::Labels(labels)), None) => strings(zip, &column.name, &labels.text),
+        (Along::Steps(StepValues::Numbers(numbers)), None) => {
+            let head = header("<f8", &[numbers.len() as u64]);
+            array(zip, &column.name, &head, numbers.iter().map(|number| number.to_le_bytes()))
+        }
+        (Along::Rows | Along::Places, None) => Ok(()),
+    }
+}
+
+/// An array of 8 bytes a value.
+fn array(
     zip: &mut ZipWriter<StreamWriter<Sink>>,
     name: &str,
-    kind: &str,
-    all: &[i64],
+    head: &[u8],
+    values: impl Iterator<Item = [u8; 8]>,
+) -> io::Result<()> {
+    start(zip, name)?;
+    zip.write_all(head)?;
+    zip.write_all(&values.flatten().collect::<Vec<u8>>())
+}
+
+/// A lone string, without a shape.
+fn string(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str, text: &str) -> io::Result<()> {
+    letters(zip, name, &[text], &[])
+}
+
+/// An array of strings.
+fn strings(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str, all: &[String]) -> io::Result<()> {
+    letters(zip, name, all, &[all.len() as u64])
+}
+
+/// Strings in UTF-32 of the length of the longest, zeros behind.
+fn letters(
+    zip: &mut ZipWriter<StreamWriter<Sink>>,
+    name: &str,
+    all: &[impl AsRef<str>],
     shape: &[u64],
 ) -> io::Result<()> {
     start(zip, name)?;
-    zip.write_all(&header(kind, shape))?;
-    zip.write_all(&all.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())
-}
-
-/// An array of strings, a lone one without a shape: UTF-32 of the length of the longest, zeros behind.
-fn strings(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str, all: &[String], shape: &[u64]) -> io::Result<()> {
-    start(zip, name)?;
-    let width = all.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+    let width = all.iter().map(|text| text.as_ref().chars().count()).max().unwrap_or(0).max(1);
     zip.write_all(&header(&format!("<U{width}"), shape))?;
     for text in all {
-        let letters = text.chars().map(u32::from).chain(std::iter::repeat(0)).take(width);
+        let letters = text.as_ref().chars().map(u32::from).chain(std::iter::repeat(0)).take(width);
         zip.write_all(&letters.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?;
     }
     Ok(())

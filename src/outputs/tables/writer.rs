@@ -1,22 +1,13 @@
-//! A table in a format by the ending of its name. In: tiles of values. Out: a file, whole or not there.
+//! A table in the format that its name ends with. In: columns, then batches of rows. Out: a file, complete or not there.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::outputs::groups::Extent;
 use crate::outputs::provenance::Provenance;
-use crate::outputs::sink::Sink;
-use crate::outputs::tables::arrow::ArrowTable;
-use crate::outputs::tables::csv::CsvTable;
-use crate::outputs::tables::csvw;
-use crate::outputs::tables::layout::Layout;
-use crate::outputs::tables::npy::NpyTable;
-use crate::outputs::tables::npz::NpzTable;
-use crate::outputs::tables::parquet::ParquetTable;
-use crate::outputs::tables::row_labels::RowLabels;
-use crate::outputs::tables::table::{Places, Table};
-use crate::outputs::tables::tile_columns::TileColumns;
+use crate::outputs::tables::batch::Batch;
+use crate::outputs::tables::column::TableColumns;
+use crate::outputs::tables::format::{Format, FormatWriter, Places, TableRequest};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::values::TileValues;
 
 /// What was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,133 +16,75 @@ pub struct Stats {
     pub bytes: u64,
 }
 
-/// The file format of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    Csv,
-    Parquet,
-    /// Arrow IPC, plain.
-    Arrow,
-    /// Arrow IPC, compressed.
-    Feather,
-    Npy,
-    Npz,
-}
-
-impl Format {
-    /// Endings of names.
-    pub const ENDINGS: [(&'static str, Format); 6] = [
-        ("csv", Format::Csv),
-        ("parquet", Format::Parquet),
-        ("arrow", Format::Arrow),
-        ("feather", Format::Feather),
-        ("npy", Format::Npy),
-        ("npz", Format::Npz),
-    ];
-
-    /// `-` is CSV on the standard output, otherwise the ending of the name says it.
-    pub fn of(path: &Path) -> Result<Self> {
-        Format::known(path).ok_or_else(|| Error::Unsupported {
-            what: "ending of the output file".into(),
-            found: format!("`{}`", path.display()),
-            supported: Format::listed(),
-        })
-    }
-
-    /// The same, if there is one.
-    pub fn known(path: &Path) -> Option<Self> {
-        if path == Path::new("-") {
-            return Some(Format::Csv);
-        }
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        Format::ENDINGS.iter().find(|(name, _)| *name == ending).map(|(_, format)| *format)
-    }
-
-    /// All endings in words.
-    pub fn listed() -> String {
-        let all: Vec<String> = Format::ENDINGS.iter().map(|(ending, _)| format!(".{ending}")).collect();
-        let text = all.join(", ");
-        let text = text.rsplit_once(", ").map_or(text.clone(), |(most, last)| format!("{most} and {last}"));
-        format!("{text} (or - for CSV on the standard output)")
-    }
-}
-
-/// The files that a table of this name consists of.
-pub fn files_of(path: &Path) -> Vec<PathBuf> {
-    let beside = match Format::of(path) {
-        Ok(Format::Npy) => Some(NpyTable::axes_of(path)),
-        Ok(Format::Csv) if path != Path::new("-") => Some(csvw::beside(path)),
-        _ => None,
-    };
-    [Some(path.to_path_buf()), beside].into_iter().flatten().collect()
-}
-
 /// A table being written.
 pub struct TableWriter {
-    table: Box<dyn Table>,
+    to: Box<dyn FormatWriter>,
     path: PathBuf,
-    layout: Layout,
-    labels: usize,
+    columns: Arc<TableColumns>,
     rows: u64,
 }
 
 impl TableWriter {
-    /// Starts a table in the format that the name says.
-    pub fn create(
-        path: &Path,
-        layout: &Layout,
-        labels: &RowLabels,
-        places: &Places,
-        about: &Provenance,
-    ) -> Result<Self> {
-        let sink = || if path == Path::new("-") { Ok(Sink::stdout()) } else { Sink::file(path) };
-        let format = Format::of(path)?;
-        let table: Box<dyn Table> = match format {
-            Format::Csv => Box::new(CsvTable::new(sink()?, layout, labels, about)?),
-            Format::Parquet => Box::new(ParquetTable::new(sink()?, layout, labels, about)?),
-            Format::Arrow | Format::Feather => {
-                let names = (places.names)()?;
-                Box::new(ArrowTable::new(sink()?, layout, labels, &names, about, format == Format::Feather)?)
-            }
-            Format::Npy => Box::new(NpyTable::new(path, layout, labels, about, places.count)?),
-            Format::Npz => Box::new(NpzTable::new(sink()?, layout, labels, about, places.count)?),
-        };
-        Ok(TableWriter { table, path: path.to_path_buf(), layout: layout.clone(), labels: labels.len(), rows: 0 })
+    /// Starts a table in the format that the name says; `-` is CSV on the standard output. CSV without `about` has no file beside it.
+    pub fn create(path: &Path, columns: TableColumns, places: Places, about: Option<&Provenance>) -> Result<Self> {
+        let columns = Arc::new(columns);
+        let to = Format::of(path)?.start(&TableRequest { path, columns: Arc::clone(&columns), places, about })?;
+        Ok(TableWriter { to, path: path.to_path_buf(), columns, rows: 0 })
     }
 
-    /// Appends the rows of a tile; a shape other than receivers x labels is an error, nothing is written then.
-    /// `extents` are those of groups, as many as rows have names; none for receivers.
-    pub fn write_tile(&mut self, receivers: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
-        if values.receivers() != receivers.len() || values.labels() != self.labels {
-            let what = format!(
-                "rows of {} receivers x {} labels do not fit {} x {}",
-                values.receivers(),
-                values.labels(),
-                receivers.len(),
-                self.labels
-            );
-            return Err(Error::input(&self.path, None, what, "this is a defect, report it"));
+    /// Appends rows. An error: values that do not fit the columns, of which nothing is written.
+    pub fn write(&mut self, batch: &Batch) -> Result<()> {
+        if let Some(misfit) = batch.misfit(&self.columns) {
+            return Err(self.defect(misfit));
         }
-        if receivers.is_empty() || self.labels == 0 || self.is_closed() {
+        let rows = batch.places * self.columns.rows_of_place();
+        if rows == 0 || self.is_closed() {
             return Ok(());
         }
-        self.table.write_tile(receivers, &TileColumns::of(values, &self.layout, extents))?;
-        self.rows += (receivers.len() * self.labels) as u64;
+        self.to.write(batch)?;
+        self.rows += rows as u64;
         Ok(())
+    }
+
+    /// What the table consists of.
+    pub fn columns(&self) -> &TableColumns {
+        &self.columns
     }
 
     /// Whether nobody reads any more: the caller may stop.
     pub fn is_closed(&self) -> bool {
-        self.table.is_closed()
+        self.to.is_closed()
     }
 
     /// Completes the table; only now does its file appear.
     pub fn finish(self) -> Result<Stats> {
-        let bytes = self.table.finish()?;
+        let bytes = self.to.finish()?;
         Ok(Stats { rows: self.rows, bytes })
+    }
+
+    /// The error of rows that no caller should hand over.
+    pub fn defect(&self, what: String) -> Error {
+        rows_defect(&self.path, what)
     }
 }
 
+/// The error of rows that do not fit the table at `path`.
+pub(super) fn rows_defect(path: &Path, what: String) -> Error {
+    Error::defect(path, "table", "rows", what)
+}
+
+/// The error of a file that cannot be written, whatever library found out. What the system said is told without the library's words.
+pub(super) fn failed(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Error {
+    let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(&error);
+    while let Some(found) = cause {
+        if let Some(code) = found.downcast_ref::<std::io::Error>().and_then(std::io::Error::raw_os_error) {
+            return Error::io(path, "write to")(std::io::Error::from_raw_os_error(code));
+        }
+        cause = found.source();
+    }
+    Error::io(path, "write to")(std::io::Error::other(error))
+}
+
 #[cfg(test)]
-#[path = "table_tests.rs"]
+#[path = "writer_tests.rs"]
 pub(crate) mod tests;

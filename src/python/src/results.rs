@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::{Float32Array, RecordBatch, RecordBatchReader};
+use arrow_array::{ArrayRef, Float32Array, RecordBatch, RecordBatchReader};
 use arrow_buffer::{Buffer, ScalarBuffer};
 use arrow_schema::{ArrowError, SchemaRef};
 use pyo3::exceptions::{PyIndexError, PyKeyError};
@@ -170,7 +170,7 @@ impl Recombined {
         // Those who ask get what there is, as the protocol allows.
         let _ = requested_schema;
         let frame = &self.frame;
-        let rows = ArrowRows::new(&frame.layout, &frame.labels, &self.names, &frame.about);
+        let rows = ArrowRows::new(Arc::new(frame.layout.columns(&frame.labels)), &self.names, &frame.about);
         let rows = rows.map_err(|error| raised(py, error))?;
         let columns = self.columns.iter().map(|column| ScalarBuffer::from(column.clone())).collect();
         let batches = Batches { rows, columns, frame: Arc::clone(frame), next: 0 };
@@ -203,7 +203,9 @@ impl Iterator for Batches {
         }
         let count = (BATCH_ROWS / labels).max(1).min(left);
         self.next += count;
-        let of = |column: &ScalarBuffer<f32>| Float32Array::new(column.slice(first * labels, count * labels), None);
+        let of = |column: &ScalarBuffer<f32>| -> ArrayRef {
+            Arc::new(Float32Array::new(column.slice(first * labels, count * labels), None))
+        };
         Some(self.rows.batch(first, count, self.columns.iter().map(of)))
     }
 }

@@ -15,8 +15,8 @@ use crate::guards::guard_output;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::periods::Every;
 use crate::outputs::results::ResultFormat;
+use crate::outputs::tables::format::files_of;
 use crate::outputs::tables::layout::By;
-use crate::outputs::tables::writer::files_of;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
 

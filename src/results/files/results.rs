@@ -9,12 +9,12 @@ use super::{FileRequest, name_of};
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
+use crate::outputs::result_table::ResultTable;
 use crate::outputs::results::{ResultFormat, ResultWriter};
 use crate::outputs::shapes::writer::MapFormat;
+use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
-use crate::outputs::tables::table::Places;
-use crate::outputs::tables::writer::TableWriter;
 use crate::results::stream::{Tile, TileSink, TileStream};
 use heliotile_builder::observer::Observer;
 use heliotile_core::error::Result;
@@ -126,7 +126,7 @@ impl TileSink for ResultSink<'_> {
     fn start(&mut self) -> Result<()> {
         if let Some(TableStart { path, names, count, about }) = self.table.take() {
             let places = Places { count, names: &*names };
-            let table = TableWriter::create(&path, &self.rows.layout, &self.rows.labels, &places, &about)?;
+            let table = ResultTable::create(&path, &self.rows.layout, &self.rows.labels, &places, &about)?;
             self.writers.insert(0, (path, ResultWriter::Table(table)));
         }
         Ok(())

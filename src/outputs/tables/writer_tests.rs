@@ -2,11 +2,13 @@
 
 use super::*;
 use crate::outputs::provenance;
-use crate::outputs::tables::layout::{By, Labels};
-use crate::outputs::tables::row_labels::Precision;
+use crate::outputs::result_table::ResultTable;
+use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::row_labels::{Precision, RowLabels};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
 use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::replay::values::TileValues;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
@@ -20,10 +22,10 @@ pub(in crate::outputs) fn create(
     layout: &Layout,
     labels: &[String],
     receivers: &[String],
-) -> Result<TableWriter> {
+) -> Result<ResultTable> {
     let places = Places { count: receivers.len() as u64, names: &|| Ok(receivers.to_vec()) };
     let labels = RowLabels::words(labels.to_vec());
-    TableWriter::create(path, layout, &labels, &places, &provenance::tests::example())
+    ResultTable::create(path, layout, &labels, &places, &provenance::tests::example())
 }
 
 pub(in crate::outputs) fn names(prefix: &str, count: usize) -> Vec<String> {
@@ -165,7 +167,7 @@ fn year_of_rows() {
         let start = std::time::Instant::now();
         let places = Places { count: count as u64, names: &|| Ok(receivers.clone()) };
         let about = provenance::tests::example();
-        let mut writer = TableWriter::create(&path, &all(Labels::Times), &labels, &places, &about).expect("created");
+        let mut writer = ResultTable::create(&path, &all(Labels::Times), &labels, &places, &about).expect("created");
         for (tile, names) in tiles.iter().zip(receivers.chunks(64)) {
             writer.write_tile(names, tile, &[]).expect("written");
         }

@@ -1,0 +1,250 @@
+//! Columns of a table. In: names, kinds of values. Out: what every format writes before the first row.
+//!
+//! Rows come place by place: receivers, groups, points or whatever a row is about. Where the table has steps, such as hours or positions of
+//! the sun, each place has a row for each of them, and the columns that tell the steps are the same for all places.
+
+use crate::outputs::tables::row_labels::{Instants, RowLabels};
+
+/// A column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    pub name: String,
+    pub unit: Option<&'static str>,
+    pub kind: Kind,
+    pub along: Along,
+}
+
+/// What the values of a column are, and how they stand in files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Text,
+    /// Text that comes again and again. All of it is known before the first row: some formats keep it as a dictionary.
+    Category,
+    Count,
+    /// 64 bits; a cell may be empty.
+    Number(Digits),
+    /// 32 bits; no cell is empty.
+    Float(Digits),
+}
+
+/// Digits of a number in formats of text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Digits {
+    /// So many decimals.
+    Decimals(usize),
+    /// Three decimals; zero is `0`.
+    Thousandths,
+    /// Six significant digits in plain notation down to 1e-9; zero is `0`.
+    Six,
+    /// As few as tell the number from all others.
+    Fewest,
+}
+
+/// What the values of a column change with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Along {
+    /// Each row has a value of its own.
+    Rows,
+    /// Each place has one text, which stands in all of its rows.
+    Places,
+    /// Each step has one, the same for all places: it is known before the first row.
+    Steps(StepValues),
+}
+
+/// The values of a column along the steps.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepValues {
+    /// Times, or text.
+    Labels(RowLabels),
+    Numbers(Vec<f64>),
+}
+
+impl Column {
+    fn new(name: impl Into<String>, unit: Option<&'static str>, kind: Kind) -> Self {
+        Column { name: name.into(), unit, kind, along: Along::Rows }
+    }
+
+    /// A text of each row.
+    pub fn text(name: impl Into<String>) -> Self {
+        Column::new(name, None, Kind::Text)
+    }
+
+    /// A whole number of each row, with the unit that its name says.
+    pub fn count(name: impl Into<String>) -> Self {
+        Column::counted(name.into(), Kind::Count)
+    }
+
+    /// A number of each row, which may be missing, with the unit that its name says.
+    pub fn number(name: impl Into<String>, decimals: usize) -> Self {
+        Column::number_as(name, Digits::Decimals(decimals))
+    }
+
+    /// The same with other digits.
+    pub fn number_as(name: impl Into<String>, digits: Digits) -> Self {
+        Column::counted(name.into(), Kind::Number(digits))
+    }
+
+    /// A number of 32 bits of each row, with the unit that its name says.
+    pub fn float(name: impl Into<String>, digits: Digits) -> Self {
+        Column::counted(name.into(), Kind::Float(digits))
+    }
+
+    fn counted(name: String, kind: Kind) -> Self {
+        let unit = unit_of(&name);
+        Column::new(name, unit, kind)
+    }
+
+    /// Names of places; `kind` is text or categories.
+    pub fn of_places(name: impl Into<String>, kind: Kind) -> Self {
+        Column { along: Along::Places, ..Column::new(name, None, kind) }
+    }
+
+    /// Labels of steps; `kind`, text or categories, holds for those that are no times.
+    pub fn of_steps(name: impl Into<String>, kind: Kind, labels: &RowLabels) -> Self {
+        Column { along: Along::Steps(StepValues::Labels(labels.clone())), ..Column::new(name, None, kind) }
+    }
+
+    /// Numbers of 32 bits that tell the steps, with the unit that the name says.
+    pub fn number_of_steps(name: impl Into<String>, numbers: Vec<f64>) -> Self {
+        let column = Column::counted(name.into(), Kind::Float(Digits::Fewest));
+        Column { along: Along::Steps(StepValues::Numbers(numbers)), ..column }
+    }
+
+    /// The same column with a unit that its name does not say.
+    pub fn with_unit(self, unit: &'static str) -> Self {
+        Column { unit: Some(unit), ..self }
+    }
+
+    /// Labels of steps.
+    pub fn labels(&self) -> Option<&RowLabels> {
+        match &self.along {
+            Along::Steps(StepValues::Labels(labels)) => Some(labels),
+            _ => None,
+        }
+    }
+
+    /// Labels of steps as instants, if they are times.
+    pub fn instants(&self) -> Option<&Instants> {
+        self.labels().and_then(|labels| labels.instants.as_ref())
+    }
+
+    /// Whether the values come with the steps.
+    pub fn is_of_steps(&self) -> bool {
+        matches!(self.along, Along::Steps(_))
+    }
+
+    /// Whether the values are texts, not times.
+    pub fn is_text(&self) -> bool {
+        matches!(self.kind, Kind::Text | Kind::Category) && self.instants().is_none()
+    }
+
+    /// Whether each row has a number of its own.
+    pub fn is_value(&self) -> bool {
+        self.along == Along::Rows && !self.is_text()
+    }
+}
+
+/// The columns of a table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TableColumns {
+    all: Vec<Column>,
+    steps: Option<usize>,
+}
+
+impl TableColumns {
+    /// Columns in the order of the file. Those along steps have as many values as the first of them.
+    pub fn new(all: Vec<Column>) -> Self {
+        let steps = all.iter().find_map(|column| match &column.along {
+            Along::Steps(StepValues::Labels(labels)) => Some(labels.len()),
+            Along::Steps(StepValues::Numbers(numbers)) => Some(numbers.len()),
+            Along::Rows | Along::Places => None,
+        });
+        TableColumns { all, steps }
+    }
+
+    /// The columns in order.
+    pub fn all(&self) -> &[Column] {
+        &self.all
+    }
+
+    /// Rows of a place.
+    pub fn rows_of_place(&self) -> usize {
+        self.steps.unwrap_or(1)
+    }
+
+    /// Whether places have steps, be it a single one.
+    pub fn has_steps(&self) -> bool {
+        self.steps.is_some()
+    }
+
+    /// Columns whose values come in batches: all but those along steps.
+    pub fn in_batches(&self) -> impl Iterator<Item = &Column> + '_ {
+        self.all.iter().filter(|column| !column.is_of_steps())
+    }
+
+    /// The column that names the places: the first one of text along places or rows.
+    pub fn of_places(&self) -> Option<&Column> {
+        self.in_batches().find(|column| column.is_text())
+    }
+}
+
+/// Units by the ending of a column's name, or by the whole of it; longer endings first.
+const UNITS: [(&str, &str); 13] = [
+    ("_kwh_m2", "kWh/m2"),
+    ("_kwh", "kWh"),
+    ("_w_m2", "W/m2"),
+    ("_mwh", "MWh"),
+    ("_percent", "%"),
+    ("_cpu_s", "s"),
+    ("_deg", "deg"),
+    ("_m2", "m2"),
+    ("_m", "m"),
+    ("_view", "1"),
+    ("area", "m2"),
+    ("bytes", "byte"),
+    ("receivers", "1"),
+];
+
+/// Places in metres, and normals.
+const PLACES: [(&str, &str); 6] = [("x", "m"), ("y", "m"), ("z", "m"), ("nx", "1"), ("ny", "1"), ("nz", "1")];
+
+/// The unit that a column's name says.
+fn unit_of(name: &str) -> Option<&'static str> {
+    let place = PLACES.iter().find(|(place, _)| *place == name);
+    place.or_else(|| UNITS.iter().find(|(ending, _)| name.ends_with(ending))).map(|(_, unit)| *unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten names of columns get their units.
+    #[test]
+    fn units_by_name() {
+        for (name, unit) in [
+            ("total_kwh_m2", Some("kWh/m2")),
+            ("dni_w_m2", Some("W/m2")),
+            ("error_percent", Some("%")),
+            ("area", Some("m2")),
+            ("x", Some("m")),
+            ("nz", Some("1")),
+            ("sky_view", Some("1")),
+            ("distance_m", Some("m")),
+            ("receiver", None),
+            ("index", None),
+        ] {
+            assert_eq!(Column::number(name, 3).unit, unit, "{name}");
+        }
+    }
+
+    /// A table of 3 positions of the sun has 3 rows a place and one column in its batches that names them; one without steps has 1 row.
+    #[test]
+    fn steps() {
+        let suns = Column::number_of_steps("sun_altitude_deg", vec![0.0, 45.0, 90.0]);
+        let columns = TableColumns::new(vec![Column::of_places("receiver", Kind::Text), suns]);
+        assert_eq!((columns.rows_of_place(), columns.has_steps(), columns.in_batches().count()), (3, true, 1));
+        let columns = TableColumns::new(vec![Column::number("x", 3), Column::text("face")]);
+        assert_eq!((columns.rows_of_place(), columns.has_steps()), (1, false));
+        assert_eq!(columns.of_places().map(|column| column.name.as_str()), Some("face"));
+    }
+}

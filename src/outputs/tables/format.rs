@@ -1,0 +1,150 @@
+//! Formats of tables, and the ending of a name for each: this list is the only one. In: a name. Out: its format, and a writer of it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::outputs::provenance::Provenance;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::arrow::{ArrowTable, Packing};
+use crate::outputs::tables::batch::Batch;
+use crate::outputs::tables::column::TableColumns;
+use crate::outputs::tables::csv::CsvTable;
+use crate::outputs::tables::csvw;
+use crate::outputs::tables::npy::NpyTable;
+use crate::outputs::tables::npz::NpzTable;
+use crate::outputs::tables::parquet::ParquetTable;
+use heliotile_core::error::{Error, Result};
+
+/// What each format does.
+pub trait FormatWriter {
+    /// Appends rows that fit the columns; there is at least one.
+    fn write(&mut self, batch: &Batch) -> Result<()>;
+
+    /// Whether nobody reads any more.
+    fn is_closed(&self) -> bool {
+        false
+    }
+
+    /// Completes the table and gives its size in bytes.
+    fn finish(self: Box<Self>) -> Result<u64>;
+}
+
+/// What is known of a table before its first row.
+pub struct TableRequest<'a> {
+    /// `-` is CSV on the standard output.
+    pub path: &'a Path,
+    pub columns: Arc<TableColumns>,
+    pub places: Places<'a>,
+    /// What it was made of. CSV without it has no file beside it.
+    pub about: Option<&'a Provenance>,
+}
+
+/// Places that rows will come for.
+#[derive(Clone, Copy)]
+pub struct Places<'a> {
+    /// Only some formats need it: those whose files begin with their size.
+    pub count: u64,
+    /// Their names in order. Only some formats ask, of tables whose places are categories.
+    pub names: &'a dyn Fn() -> Result<Vec<String>>,
+}
+
+impl Places<'_> {
+    /// So many places, which are no categories.
+    pub fn counted(count: u64) -> Self {
+        Places { count, names: &no_names }
+    }
+}
+
+fn no_names() -> Result<Vec<String>> {
+    Ok(Vec::new())
+}
+
+/// The file format of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    Csv,
+    Parquet,
+    /// Arrow IPC, plain.
+    Arrow,
+    /// Arrow IPC, compressed.
+    Feather,
+    Npy,
+    Npz,
+}
+
+impl Format {
+    /// Endings of names, and what a user should know of each.
+    pub const ENDINGS: [(&'static str, &'static str, Format); 6] = [
+        ("csv", "with .csv-metadata.json beside it, which says what its columns are", Format::Csv),
+        ("parquet", "", Format::Parquet),
+        ("arrow", "", Format::Arrow),
+        ("feather", "compressed Arrow", Format::Feather),
+        ("npy", "with .axes.json beside it", Format::Npy),
+        ("npz", "", Format::Npz),
+    ];
+
+    /// The format of a name: `-` is CSV on the standard output, otherwise the ending says it. An error: another ending.
+    pub fn of(path: &Path) -> Result<Self> {
+        Format::known(path).ok_or_else(|| Error::Unsupported {
+            what: "ending of the output file".into(),
+            found: format!("`{}`", path.display()),
+            supported: Format::listed(),
+        })
+    }
+
+    /// The format of a name, if its ending is one of a table.
+    pub fn known(path: &Path) -> Option<Self> {
+        if path == Path::new("-") {
+            return Some(Format::Csv);
+        }
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        Format::ENDINGS.iter().find(|(name, ..)| *name == ending).map(|(.., format)| *format)
+    }
+
+    /// All endings in words.
+    pub fn listed() -> String {
+        let all: Vec<String> = Format::ENDINGS.iter().map(|(ending, ..)| format!(".{ending}")).collect();
+        let text = all.join(", ");
+        let text = text.rsplit_once(", ").map_or(text.clone(), |(most, last)| format!("{most} and {last}"));
+        format!("{text} (or - for CSV on the standard output)")
+    }
+
+    /// All endings with what a user should know of each, for help texts.
+    pub fn described() -> String {
+        let one = |(ending, remark, _): &(&str, &str, Format)| match *remark {
+            "" => format!(".{ending}"),
+            remark => format!(".{ending} ({remark})"),
+        };
+        let all: Vec<String> = Format::ENDINGS.iter().map(one).collect();
+        format!("{}, or - for CSV on standard output", all.join(", "))
+    }
+
+    /// The file beside a table that says what is in it, if the format has one.
+    fn beside(self, path: &Path) -> Option<PathBuf> {
+        match self {
+            Format::Npy => Some(NpyTable::axes_of(path)),
+            Format::Csv if path != Path::new("-") => Some(csvw::beside(path)),
+            Format::Csv | Format::Parquet | Format::Arrow | Format::Feather | Format::Npz => None,
+        }
+    }
+
+    /// Starts a table.
+    pub fn start(self, request: &TableRequest) -> Result<Box<dyn FormatWriter>> {
+        let path = request.path;
+        let sink = if path == Path::new("-") { Sink::stdout() } else { Sink::file(path)? };
+        Ok(match self {
+            Format::Csv => Box::new(CsvTable::new(sink, request)?),
+            Format::Parquet => Box::new(ParquetTable::new(sink, request)?),
+            Format::Arrow => Box::new(ArrowTable::new(sink, request, Packing::Plain)?),
+            Format::Feather => Box::new(ArrowTable::new(sink, request, Packing::Zstd)?),
+            Format::Npy => Box::new(NpyTable::new(sink, request)?),
+            Format::Npz => Box::new(NpzTable::new(sink, request)?),
+        })
+    }
+}
+
+/// The files that a table of this name consists of.
+pub fn files_of(path: &Path) -> Vec<PathBuf> {
+    let beside = Format::known(path).and_then(|format| format.beside(path));
+    [Some(path.to_path_buf()), beside].into_iter().flatten().collect()
+}

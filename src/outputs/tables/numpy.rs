@@ -1,0 +1,196 @@
+//! Tables as NumPy has them: the numbers of all rows in one array, `[place][step][column]` or, of tables without steps, `[place][column]`, C
+//! order; what the places of its axes mean stands beside it. In: columns, batches. Out: shapes, bytes.
+//!
+//! Numbers have 32 bits if all of their columns do, otherwise 64, in which counts are exact up to 2^53. An empty cell is NaN.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::batch::{Batch, Values};
+use super::column::{Column, Kind, TableColumns};
+use super::writer::rows_defect;
+use heliotile_core::error::Error;
+
+/// Values begin at a multiple of this, as NumPy writes them, so that they can be mapped.
+const ALIGNMENT: usize = 64;
+
+/// What the axis of columns is called.
+pub(super) const COLUMN_AXIS: &str = "column";
+
+/// What the axis of steps is called where several columns tell them, and that of places without a name.
+const STEP_AXIS: &str = "step";
+const PLACE_AXIS: &str = "row";
+
+/// What stands before the values of an array; `kind` as NumPy's `dtype.str`.
+///
+/// Format: NumPy enhancement proposal 1 (Kern 2007), version 1.0: magic, length of the header, a Python dictionary, values.
+pub fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
+    let sizes = match shape {
+        [one] => format!("{one},"),
+        more => more.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),
+    };
+    let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sizes}), }}");
+    // Ten bytes before the text, a line end behind it.
+    let length = (10 + text.len() + 1).next_multiple_of(ALIGNMENT);
+    text.extend(std::iter::repeat_n(' ', length - 11 - text.len()));
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend(((length - 10) as u16).to_le_bytes());
+    bytes.extend(text.bytes());
+    bytes.push(b'\n');
+    bytes
+}
+
+/// Units of the value columns.
+pub(super) enum Units {
+    /// All have this one.
+    One(String),
+    /// Each has its own; nothing where there is none.
+    Each(Vec<String>),
+}
+
+/// A table as an array.
+pub(super) struct NumpyArray {
+    columns: Arc<TableColumns>,
+    /// Places that will come, and those that came.
+    announced: u64,
+    done: u64,
+    has_floats_only: bool,
+}
+
+impl NumpyArray {
+    pub fn new(columns: &Arc<TableColumns>, announced: u64) -> Self {
+        let values = columns.all().iter().filter(|column| column.is_value());
+        let has_floats_only = values.clone().all(|column| matches!(column.kind, Kind::Float(_)));
+        NumpyArray { columns: Arc::clone(columns), announced, done: 0, has_floats_only }
+    }
+
+    /// Columns of texts along places or rows.
+    pub fn texts(&self) -> impl Iterator<Item = &Column> {
+        self.columns.in_batches().filter(|column| column.is_text())
+    }
+
+    /// Columns along steps.
+    pub fn steps(&self) -> impl Iterator<Item = &Column> {
+        self.columns.all().iter().filter(|column| column.is_of_steps())
+    }
+
+    /// Names of the columns of numbers.
+    pub fn values(&self) -> Vec<String> {
+        self.value_columns().map(|column| column.name.clone()).collect()
+    }
+
+    fn value_columns(&self) -> impl Iterator<Item = &Column> {
+        self.columns.all().iter().filter(|column| column.is_value())
+    }
+
+    /// Names of the axes.
+    pub fn axes(&self) -> Vec<&str> {
+        let place = self.columns.of_places().map_or(PLACE_AXIS, |column| column.name.as_str());
+        let mut steps = self.steps().map(|column| column.name.as_str());
+        let step = match (steps.next(), steps.next()) {
+            (Some(_), Some(_)) => Some(STEP_AXIS),
+            (one, _) => one,
+        };
+        [Some(place), step, Some(COLUMN_AXIS)].into_iter().flatten().collect()
+    }
+
+    /// Units of the value columns.
+    pub fn units(&self) -> Units {
+        let all: Vec<String> = self.value_columns().map(|column| column.unit.unwrap_or_default().to_owned()).collect();
+        match all.as_slice() {
+            [first, rest @ ..] if rest.iter().all(|unit| unit == first) => Units::One(first.clone()),
+            _ => Units::Each(all),
+        }
+    }
+
+    /// What stands before the values.
+    pub fn header(&self) -> Vec<u8> {
+        let steps = self.columns.has_steps().then(|| self.columns.rows_of_place() as u64);
+        let columns = self.value_columns().count() as u64;
+        let shape: Vec<u64> = [Some(self.announced), steps, Some(columns)].into_iter().flatten().collect();
+        header(if self.has_floats_only { "<f4" } else { "<f8" }, &shape)
+    }
+
+    /// The values of a batch as they stand in the array.
+    pub fn bytes(&mut self, batch: &Batch) -> Vec<u8> {
+        self.done += batch.places as u64;
+        let pairs = self.columns.in_batches().zip(&batch.values).filter(|(column, _)| column.is_value());
+        let columns: Vec<&Values> = pairs.map(|(_, values)| values).collect();
+        let width = if self.has_floats_only { size_of::<f32>() } else { size_of::<f64>() };
+        let steps = self.columns.rows_of_place();
+        let row = columns.len() * width;
+        let mut bytes = vec![0; batch.places * steps * row];
+        bytes.par_chunks_mut((steps * row).max(1)).enumerate().for_each(|(place, out)| {
+            for (i, values) in columns.iter().enumerate() {
+                for (step, row) in out.chunks_exact_mut(row).enumerate() {
+                    let at = place * steps + step;
+                    if let Some(cell) = row.get_mut(i * width..(i + 1) * width) {
+                        put(cell, values, at);
+                    }
+                }
+            }
+        });
+        bytes
+    }
+
+    /// The error of a table that got fewer or more places than its shape says, if it did.
+    pub fn check(&self, path: &Path) -> Result<(), Error> {
+        if self.done == self.announced {
+            return Ok(());
+        }
+        Err(rows_defect(path, format!("{} places came, {} were announced", self.done, self.announced)))
+    }
+}
+
+/// Writes a number into a cell of 4 or 8 bytes.
+fn put(cell: &mut [u8], values: &Values, at: usize) {
+    if let (Values::Floats(floats), 4) = (values, cell.len()) {
+        cell.copy_from_slice(&floats.get(at).copied().unwrap_or_default().to_le_bytes());
+        return;
+    }
+    let number = match values {
+        Values::Floats(floats) => floats.get(at).map(|value| f64::from(*value)),
+        Values::Numbers(numbers) => numbers.get(at).copied().flatten(),
+        Values::Counts(counts) => counts.get(at).map(|count| *count as f64),
+        Values::Texts(_) => None,
+    }
+    .unwrap_or(f64::NAN);
+    match cell.len() {
+        4 => cell.copy_from_slice(&(number as f32).to_le_bytes()),
+        _ => cell.copy_from_slice(&number.to_le_bytes()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A header is what NumPy 2.4 writes for the same array: 128 bytes, of which 118 follow the length.
+    #[test]
+    fn header_is_numpys() {
+        let bytes = header("<f4", &[3, 2, 7]);
+        let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 7), }";
+        assert_eq!((bytes.len(), &bytes[..10]), (128, &b"\x93NUMPY\x01\x00\x76\x00"[..]));
+        assert!(bytes[10..].starts_with(text.as_bytes()) && bytes.ends_with(b" \n"));
+        assert_eq!(header("<U9", &[1]).len() % 64, 0);
+    }
+
+    /// A record of a count and a missing number is a row of 64 bits, 2 and NaN; its text is its axis.
+    #[test]
+    fn records_have_64_bits() {
+        let columns = vec![Column::text("face"), Column::count("regions"), Column::number("area_m2", 3)];
+        let mut array = NumpyArray::new(&Arc::new(TableColumns::new(columns)), 1);
+        let values =
+            vec![Values::Texts(vec!["a".to_owned()].into()), Values::Counts(vec![2]), Values::Numbers(vec![None])];
+        let bytes = array.bytes(&Batch { places: 1, values });
+        assert_eq!((bytes.len(), &bytes[..8]), (16, &2.0_f64.to_le_bytes()[..]));
+        assert_eq!(array.axes(), ["face", "column"]);
+        assert!(f64::from_le_bytes(bytes[8..].try_into().expect("8 bytes")).is_nan());
+        assert!(
+            String::from_utf8_lossy(&array.header())
+                .contains("'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), }")
+        );
+    }
+}
