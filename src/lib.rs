@@ -75,6 +75,7 @@
 mod cli;
 mod commands;
 pub mod covering;
+mod energyplus;
 pub mod files;
 pub mod guards;
 mod outputs;

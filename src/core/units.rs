@@ -1,5 +1,7 @@
 //! Units and the world frame: x east, y north, z up, metres; irradiance in W/m2, angles inside the library in radians.
 
+use std::str::FromStr;
+
 use glam::DVec3;
 
 /// Half the apparent diameter of the sun's disc (0.533 deg, mean over the year), in radians.
@@ -25,6 +27,34 @@ pub fn tilt_and_azimuth(normal: DVec3) -> (f64, f64) {
     // Rounding of a tiny negative angle gives 360.
     let azimuth = if level < 1e-9 { 0.0 } else { azimuth.rem_euclid(360.0) % 360.0 };
     (level.atan2(normal.z).to_degrees(), azimuth)
+}
+
+/// A number of bytes: `2GiB`, `512MiB`, `800MB`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bytes(
+    /// The number.
+    pub u64,
+);
+
+impl FromStr for Bytes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+        let hint = "give a number and MiB, GiB, MB or GB, as in 512MiB";
+        let unit = match &text[digits.len()..] {
+            "GiB" | "G" => 1 << 30,
+            "MiB" | "M" => 1 << 20,
+            "GB" => 1_000_000_000,
+            "MB" => 1_000_000,
+            "" => return Err(format!("there is no unit: {hint}")),
+            other => return Err(format!("`{other}` is not a unit: {hint}")),
+        };
+        let number = digits.trim().parse::<f64>().ok().filter(|number| *number >= 0.0);
+        let number = number.ok_or_else(|| format!("`{digits}` is not a number of bytes: {hint}"))?;
+        // `as` saturates.
+        Ok(Bytes((number * unit as f64) as u64))
+    }
 }
 
 #[cfg(test)]

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::archives::{Copied, hold as hold_any, is_address, shown};
-use crate::cli::Bytes;
 use heliotile_builder::observer::{Observer, Stage};
 use heliotile_core::archive::{ReadAt, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
+use heliotile_core::units::Bytes;
 use heliotile_remote::download::download;
 use heliotile_remote::failure::Failure;
 use heliotile_remote::listing;

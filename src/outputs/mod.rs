@@ -8,7 +8,6 @@ pub mod annual;
 pub mod area_means;
 pub mod buildings;
 pub mod city_model;
-pub mod energyplus;
 pub mod factors;
 pub mod groups;
 pub mod honeybee;

@@ -6,4 +6,5 @@ mod numbers;
 
 pub use choice::{NamedValues, by_name, choice, name_of, table_endings, table_help};
 pub use chosen::SelectionArgs;
-pub use numbers::{Bytes, parse_bounds, parse_depth, parse_memory};
+pub use heliotile_core::units::Bytes;
+pub use numbers::{parse_bounds, parse_depth, parse_memory};

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::super::{remark, warn};
 use crate::cli::EnergyplusArgs;
-use crate::outputs::energyplus::neighbours::{Neighbours, Spot, convergence_deg};
+use crate::energyplus::neighbours::{Neighbours, Spot, convergence_deg};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::counted;

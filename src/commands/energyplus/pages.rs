@@ -2,9 +2,9 @@
 
 use super::{Targets, physics_name};
 use crate::cli::{EnergyplusArgs, Physics};
-use crate::outputs::energyplus::injection::Changed;
-use crate::outputs::energyplus::report::{Block, Report};
-use crate::outputs::energyplus::sun_tables::{GroundRange, SurfaceLight};
+use crate::energyplus::injection::Changed;
+use crate::energyplus::report::{Block, Report};
+use crate::energyplus::sun_tables::{GroundRange, SurfaceLight};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::replay::factors::SunGrid;
 

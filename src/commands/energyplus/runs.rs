@@ -8,12 +8,12 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::commands::remark;
-use crate::outputs::energyplus::comparison::{RUNS, VARIABLES, compare};
-use crate::outputs::energyplus::document::Document;
-use crate::outputs::energyplus::eso::{HourlySeries, read_eso};
-use crate::outputs::energyplus::injection::{DISTRIBUTION, WITH_OWN};
-use crate::outputs::energyplus::new_object::NewObject;
-use crate::outputs::energyplus::report::Block;
+use crate::energyplus::comparison::{RUNS, VARIABLES, compare};
+use crate::energyplus::document::Document;
+use crate::energyplus::eso::{HourlySeries, read_eso};
+use crate::energyplus::injection::{DISTRIBUTION, WITH_OWN};
+use crate::energyplus::new_object::NewObject;
+use crate::energyplus::report::Block;
 use heliotile_core::error::{Error, Result};
 
 /// The program of a folder, or of the search path.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::outputs::energyplus::document::{Document, ModelObject};
+use crate::energyplus::document::{Document, ModelObject};
 
 /// Shades that belong to no zone.
 const SURROUNDINGS: [&str; 4] =
