@@ -3,6 +3,7 @@
 //!
 //! Numbers have 32 bits if all of their columns do, otherwise 64, in which counts are exact up to 2^53. An empty cell is NaN.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -117,22 +118,14 @@ impl NumpyArray {
     pub fn bytes(&mut self, batch: &Batch) -> Vec<u8> {
         self.done += batch.places as u64;
         let pairs = self.columns.in_batches().zip(&batch.values).filter(|(column, _)| column.is_value());
-        let columns: Vec<&Values> = pairs.map(|(_, values)| values).collect();
-        let width = if self.has_floats_only { size_of::<f32>() } else { size_of::<f64>() };
+        let values = pairs.map(|(_, values)| values);
         let steps = self.columns.rows_of_place();
-        let row = columns.len() * width;
-        let mut bytes = vec![0; batch.places * steps * row];
-        bytes.par_chunks_mut((steps * row).max(1)).enumerate().for_each(|(place, out)| {
-            for (i, values) in columns.iter().enumerate() {
-                for (step, row) in out.chunks_exact_mut(row).enumerate() {
-                    let at = place * steps + step;
-                    if let Some(cell) = row.get_mut(i * width..(i + 1) * width) {
-                        put(cell, values, at);
-                    }
-                }
-            }
-        });
-        bytes
+        if self.has_floats_only {
+            let columns: Vec<Cow<[f32]>> = values.map(Values::floats).collect();
+            return interleaved(&columns, batch.places, steps, f32::to_le_bytes);
+        }
+        let columns: Vec<Cow<[f64]>> = values.map(|values| Cow::Owned(doubles(values))).collect();
+        interleaved(&columns, batch.places, steps, f64::to_le_bytes)
     }
 
     /// The error of a table that got fewer or more places than its shape says, if it did.
@@ -144,22 +137,37 @@ impl NumpyArray {
     }
 }
 
-/// Writes a number into a cell of 4 or 8 bytes.
-fn put(cell: &mut [u8], values: &Values, at: usize) {
-    if let (Values::Floats(floats), 4) = (values, cell.len()) {
-        cell.copy_from_slice(&floats.get(at).copied().unwrap_or_default().to_le_bytes());
-        return;
-    }
-    let number = match values {
-        Values::Floats(floats) => floats.get(at).map(|value| f64::from(*value)),
-        Values::Numbers(numbers) => numbers.get(at).copied().flatten(),
-        Values::Counts(counts) => counts.get(at).map(|count| *count as f64),
-        Values::Texts(_) => None,
-    }
-    .unwrap_or(f64::NAN);
-    match cell.len() {
-        4 => cell.copy_from_slice(&(number as f32).to_le_bytes()),
-        _ => cell.copy_from_slice(&number.to_le_bytes()),
+/// Columns, `[column][place][step]`, as bytes in the order `[place][step][column]`.
+fn interleaved<T: Copy + Default + Sync, const N: usize>(
+    columns: &[Cow<[T]>],
+    places: usize,
+    steps: usize,
+    bytes_of: fn(T) -> [u8; N],
+) -> Vec<u8>
+where
+    [T]: ToOwned<Owned: Sync>,
+{
+    let row = columns.len() * N;
+    let mut bytes = vec![0; places * steps * row];
+    bytes.par_chunks_mut((steps * row).max(1)).enumerate().for_each(|(place, out)| {
+        let range = place * steps..(place + 1) * steps;
+        let columns: Vec<&[T]> = columns.iter().map(|column| column.get(range.clone()).unwrap_or_default()).collect();
+        for (step, out) in out.chunks_exact_mut(row.max(1)).enumerate() {
+            for (column, out) in columns.iter().zip(out.chunks_exact_mut(N)) {
+                out.copy_from_slice(&bytes_of(column.get(step).copied().unwrap_or_default()));
+            }
+        }
+    });
+    bytes
+}
+
+/// Numbers of 64 bits; an empty cell is NaN, text has none.
+fn doubles(values: &Values) -> Vec<f64> {
+    match values {
+        Values::Floats(floats) => floats.iter().map(|value| f64::from(*value)).collect(),
+        Values::Numbers(numbers) => numbers.iter().map(|number| number.unwrap_or(f64::NAN)).collect(),
+        Values::Counts(counts) => counts.iter().map(|count| *count as f64).collect(),
+        Values::Texts(_) => Vec::new(),
     }
 }
 
