@@ -9,7 +9,7 @@ use super::atlas::sources::sources_of;
 use super::terminal::Terminal;
 use super::voice::remark_aside;
 use super::{Outcome, remark, temporary_files};
-use crate::cli::{BuildingsArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs};
+use crate::cli::{BuildingsArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs, YearArgs};
 use crate::files::{open_archive, read_file};
 use crate::outputs::factors::FactorTable;
 use crate::results::{
@@ -62,10 +62,9 @@ pub fn replay(args: &ReplayArgs, about: Provenance) -> Result<Outcome> {
 
 /// `heliotile buildings`.
 pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
-    let (request, replay) = (args.request(), args.year.request());
-    request.check(&[&args.year.site.archive, &args.year.weather])?;
-    let output = &request.output;
-    let done = with_stream(&args.year.site, &replay, &args.year.choice(), output, about, |stream, opened| {
+    let request = args.request();
+    request.check(&args.year.inputs())?;
+    let done = of_year(&args.year, &request.output, about, |stream, opened| {
         request.write(stream, opened.archives(), opened.place())
     })?;
     // Standard output may be the table.
@@ -75,14 +74,23 @@ pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
 
 /// `heliotile places`.
 pub fn places(args: &PlacesArgs, about: Provenance) -> Result<Outcome> {
-    let (request, replay) = (args.request(), args.year.request());
-    request.check(&[&args.year.site.archive, &args.year.weather])?;
-    let output = &request.output;
-    let done = with_stream(&args.year.site, &replay, &args.year.choice(), output, about, |stream, opened| {
+    let request = args.request();
+    request.check(&args.year.inputs())?;
+    let done = of_year(&args.year, &request.output, about, |stream, opened| {
         request.write(stream, opened.archives(), opened.place())
     })?;
     remark_aside(&format!("{} of {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
     Ok(Outcome::Fine)
+}
+
+/// Hands on the sums of a year.
+fn of_year<T>(
+    year: &YearArgs,
+    output: &Path,
+    about: Provenance,
+    then: impl FnOnce(&TileStream, &Opened) -> Result<T>,
+) -> Result<T> {
+    with_stream(&year.site, &year.request(), &year.choice(), output, about, then)
 }
 
 /// `heliotile factors`.

@@ -127,7 +127,7 @@ impl Error {
         Error::Argument { argument: argument.into(), what: what.into(), hint: hint.into() }
     }
 
-    /// The same error in the words of a user: fields of requests, `{every}` in its texts, get the names that `name` gives them.
+    /// The error with the names that a user knows: `name` gives that of each field of a request which its texts hold, as in `{every}`.
     pub fn in_words(self, name: &dyn Fn(&str) -> String) -> Self {
         let text = |text: String| with_fields(&text, name);
         match self {

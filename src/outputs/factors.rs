@@ -45,7 +45,7 @@ impl FactorTable {
         if self.factors[0].len() < ROWS_AT_ONCE { Ok(()) } else { self.flush() }
     }
 
-    /// Whether nobody reads any more.
+    /// Whether the reader of the output has gone away.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }

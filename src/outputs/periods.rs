@@ -12,7 +12,7 @@ use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
 /// What a row of a replay's results stands for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Every {
     /// One row per interval of the weather file: means, W/m2
     #[default]
@@ -25,11 +25,6 @@ pub enum Every {
     Year,
     /// One sum over all that is taken of the file
     Total,
-}
-
-impl Every {
-    /// All of them, from short to long.
-    pub const ALL: [Every; 5] = [Every::Hour, Every::Day, Every::Month, Every::Year, Every::Total];
 }
 
 /// How moments are told.

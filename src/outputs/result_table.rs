@@ -47,7 +47,7 @@ impl ResultTable {
         self.table.write(&batch(names, values, &self.layout, extents))
     }
 
-    /// Whether nobody reads any more: the caller may stop.
+    /// Whether the reader of the output has gone away: the caller may stop.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }

@@ -61,7 +61,7 @@ impl ResultWriter<'_> {
         }
     }
 
-    /// Whether nobody reads any more: the caller may stop.
+    /// Whether the reader of the output has gone away: the caller may stop.
     pub fn is_closed(&self) -> bool {
         matches!(self, ResultWriter::Table(table) if table.is_closed())
     }

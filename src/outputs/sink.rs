@@ -79,7 +79,7 @@ impl Sink {
         }
     }
 
-    /// Whether nobody reads any more (`heliotile ... | head`): further rows need not be made.
+    /// Whether the reader of the output has gone away (`heliotile ... | head`): further rows need not be made.
     pub fn is_closed(&self) -> bool {
         matches!(self.target, Target::Stdout(None))
     }

@@ -36,7 +36,7 @@ impl ViewFactorTable {
         self.table.row(std::iter::once(receiver.into()).chain(shares))
     }
 
-    /// Whether nobody reads any more.
+    /// Whether the reader of the output has gone away.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }

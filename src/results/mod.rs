@@ -25,14 +25,12 @@ mod stream;
 pub use archives::{Archives, Sources};
 pub use buildings::{BuildingsRequest, BuildingsSummary};
 pub use factors::FactorRows;
-pub use files::{
-    AreaChart, CityModelSink, FileRequest, MapSink, ResultRows, ResultSink, crs_of, name_of, surroundings,
-};
+pub use files::{AreaChart, CityModelSink, FileRequest, ResultRows, ResultSink, crs_of, name_of, surroundings};
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};
 pub use request::{LightChoice, QueryRequest, ReplayRequest};
 pub use series::Series;
-pub use stream::{CoarseSink, Resources, Tile, TileFn, TileSink, TileStream, replay_of};
+pub use stream::{CoarseSinks, Resources, Sinks, Tile, TileFn, TileSink, TileStream, replay_of};
 
 pub use crate::outputs::periods::Every;
 pub use crate::outputs::provenance::Provenance;

@@ -13,7 +13,7 @@ use heliotile_builder::observer::Observer;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::replay::components::{Component, ComponentList};
-use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
+use heliotile_core::replay::reflectances::{Changes, followed_files};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::parse_conditions;
 use heliotile_core::weather::dated::DatedRows;
@@ -54,11 +54,7 @@ impl LightChoice {
 
     /// Files that reflectances and transmittances follow.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let transmittances = self.changes.transmittance.iter().filter_map(|(_, follow)| match follow {
-            ConstantOrFile::File(file) => Some(file.as_path()),
-            ConstantOrFile::Value(_) => None,
-        });
-        self.changes.scheduled.iter().map(|(_, file)| file.as_path()).chain(transmittances)
+        followed_files(&self.changes.scheduled, &self.changes.transmittance)
     }
 
     fn is_longwave(&self) -> bool {

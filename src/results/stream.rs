@@ -95,33 +95,54 @@ impl<F: FnMut(&Tile) -> Result<bool>> TileSink for TileFn<F> {
     }
 }
 
-/// A sink of longer periods than those of the series.
-pub struct CoarseSink<'s> {
-    sink: &'s mut dyn TileSink,
+/// Several sinks of the same tiles.
+pub struct Sinks<'s>(pub Vec<&'s mut dyn TileSink>);
+
+impl TileSink for Sinks<'_> {
+    fn components(&self) -> ComponentSet {
+        self.0.iter().fold(ComponentSet::of(&[]), |all, sink| all.union(sink.components()))
+    }
+
+    fn start(&mut self) -> Result<()> {
+        self.0.iter_mut().try_for_each(|sink| sink.start())
+    }
+
+    fn take(&mut self, tile: &Tile) -> Result<bool> {
+        let mut wants_more = false;
+        for sink in &mut self.0 {
+            wants_more |= sink.take(tile)?;
+        }
+        Ok(wants_more)
+    }
+}
+
+/// Sinks of longer periods than those of the series, whose tiles are summed once for all of them.
+pub struct CoarseSinks<'s> {
+    sinks: Sinks<'s>,
     /// None where periods are the same.
     coarsening: Option<Coarsening>,
 }
 
-impl<'s> CoarseSink<'s> {
-    /// A sink of `longer` periods than those of a series, or of the same.
-    pub fn of(sink: &'s mut dyn TileSink, series: &Series, longer: &Series) -> Self {
-        CoarseSink { sink, coarsening: series.coarsening(longer) }
+impl<'s> CoarseSinks<'s> {
+    /// Sinks of `longer` periods than those of a series, or of the same.
+    pub fn new(sinks: Vec<&'s mut dyn TileSink>, series: &Series, longer: &Series) -> Self {
+        CoarseSinks { sinks: Sinks(sinks), coarsening: series.coarsening(longer) }
     }
 }
 
-impl TileSink for CoarseSink<'_> {
+impl TileSink for CoarseSinks<'_> {
     fn components(&self) -> ComponentSet {
-        self.sink.components()
+        self.sinks.components()
     }
 
     fn start(&mut self) -> Result<()> {
-        self.sink.start()
+        self.sinks.start()
     }
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
-        let Some(coarsening) = &self.coarsening else { return self.sink.take(tile) };
-        let values = coarsening.of(tile.values, self.sink.components());
-        self.sink.take(&Tile { ids: tile.ids, values: &values })
+        let Some(coarsening) = &self.coarsening else { return self.sinks.take(tile) };
+        let values = coarsening.of(tile.values, self.sinks.components());
+        self.sinks.take(&Tile { ids: tile.ids, values: &values })
     }
 }
 
@@ -141,21 +162,21 @@ impl<'a> TileStream<'a> {
         about.with_option("patches", self.light.patches_of(archives.first()))
     }
 
-    /// Computes all tiles and hands each to all sinks, until none wants more. An error, too: an observer who wants the work to stop.
-    pub fn feed(&self, sinks: &mut [&mut dyn TileSink]) -> Result<()> {
+    /// Computes all tiles and hands each to a sink, until it wants no more. An observer who wants the work to stop is an error.
+    pub fn feed(&self, sink: &mut dyn TileSink) -> Result<()> {
         let (parts, observer) = (self.receivers.parts(), self.resources.observer);
-        let components = sinks.iter().fold(ComponentSet::of(&[]), |all, sink| all.union(sink.components()));
+        let components = sink.components();
         let elsewhere = |name: &str| parts.len() > 1 && parts.iter().any(|part| part.changeable().knows(name));
         let (mut started, mut progress) = (false, None);
         for (number, part) in parts.iter().enumerate() {
-            // Of an atlas many parts may hold nothing of what is asked for; sinks start after one replay is known to work.
+            // Of an atlas many parts may hold nothing of what is asked for; a sink starts after one replay is known to work.
             if part.tiles().is_empty() && (number + 1 < parts.len() || started) {
                 continue;
             }
             let place = (part.archive, &part.site);
             let replay = replay_beside(place, &elsewhere, self.light, self.series, components, &self.resources)?;
             if !std::mem::replace(&mut started, true) {
-                sinks.iter_mut().try_for_each(|sink| sink.start())?;
+                sink.start()?;
             }
             let next = parts.get(number + 1..).and_then(|rest| rest.iter().find(|part| !part.tiles().is_empty()));
             if let Some(next) = next {
@@ -163,13 +184,7 @@ impl<'a> TileStream<'a> {
                 replay.expect_of(&next.site, &first);
             }
             let progress = progress.get_or_insert_with(|| self.receivers.progress(observer));
-            let goes_on = part.each_tile(&replay, observer, progress, |tile| {
-                let mut wants_more = false;
-                for sink in sinks.iter_mut() {
-                    wants_more |= sink.take(tile)?;
-                }
-                Ok(wants_more)
-            })?;
+            let goes_on = part.each_tile(&replay, observer, progress, |tile| sink.take(tile))?;
             if !goes_on {
                 break;
             }
@@ -179,7 +194,7 @@ impl<'a> TileStream<'a> {
 
     /// Computes all tiles of some components for a function, until it gives false.
     pub fn each(&self, components: ComponentSet, take: impl FnMut(&Tile) -> Result<bool>) -> Result<()> {
-        self.feed(&mut [&mut TileFn { components, take }])
+        self.feed(&mut TileFn { components, take })
     }
 }
 

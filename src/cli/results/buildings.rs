@@ -1,6 +1,6 @@
 //! Arguments of `buildings` and `places`, which both ask an archive for the sums of a year.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
@@ -33,6 +33,11 @@ impl YearArgs {
             every: Every::Total,
             ..ReplayRequest::of(&self.weather)
         }
+    }
+
+    /// Files that are read.
+    pub fn inputs(&self) -> [&Path; 2] {
+        [&self.site.archive, &self.weather]
     }
 
     /// All receivers.

@@ -16,7 +16,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow};
+use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow, followed_files};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::span::Moment;
@@ -142,11 +142,7 @@ impl RecombineArgs {
 
     /// Files that reflectances and transmittances follow.
     pub fn schedules(&self) -> impl Iterator<Item = &Path> {
-        let transmittances = self.transmittance.iter().filter_map(|(_, follow)| match follow {
-            ConstantOrFile::File(file) => Some(file.as_path()),
-            ConstantOrFile::Value(_) => None,
-        });
-        self.schedule.iter().map(|(_, file)| file.as_path()).chain(transmittances)
+        followed_files(&self.schedule, &self.transmittance)
     }
 }
 

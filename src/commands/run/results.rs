@@ -1,7 +1,7 @@
 //! What a run writes of its archive under weather: annual sums as a table and maps, the chart of the months, tables of other periods, the city
 //! model with sums. In: the archive, weather. Out: these files, in one pass over the receivers.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use super::folder::Files;
@@ -16,8 +16,8 @@ use crate::outputs::kinds_and_sides::by_kind_and_side;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::sink::Sink;
 use crate::results::{
-    Archives, AreaChart, By, CityModelSink, CoarseSink, Every, LightChoice, Provenance, ReceiverSet, ReplayRequest,
-    Resources, ResultRows, ResultSink, Series, Tile, TileSink, TileStream, name_of,
+    Archives, AreaChart, By, CityModelSink, CoarseSinks, Every, LightChoice, Provenance, ReceiverSet, ReplayRequest,
+    Resources, ResultRows, ResultSink, Series, Sinks, Tile, TileSink, TileStream, name_of,
 };
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
@@ -78,19 +78,21 @@ impl RunResults<'_> {
         let tables = args.every.iter().min().copied();
         let finest = tables.unwrap_or(Every::Month).min(Every::Month);
         let request = ReplayRequest { stamp: args.stamp, every: finest, ..ReplayRequest::of(&args.weather) };
-        // Sums are over the whole file, whatever year rows are put into; nobody asked for the chart's years.
-        let annual = ReplayRequest { every: Every::Total, ..request.clone() }.dated(self.weather, &terminal)?;
+        // Annual sums are over the whole file; only rows of tables are put into a year, and only tables need a note on years.
+        let totals = ReplayRequest { every: Every::Total, ..request.clone() };
+        let all_rows = totals.dated(self.weather, &terminal)?;
         let asked = ReplayRequest { every: tables.unwrap_or(Every::Total), year: args.year, ..request.clone() };
-        let periods = asked.dated(self.weather, &terminal)?;
+        let rows_of_year = asked.dated(self.weather, &terminal)?;
         if args.year.is_none() {
-            return self.pass(&request, &annual, Which::All);
+            return self.pass(&request, &all_rows, Which::All);
         }
-        self.pass(&request, &periods, Which::OfPeriods)?;
-        self.pass(&request, &annual, Which::Annual)
+        self.pass(&request, &rows_of_year, Which::OfPeriods)?;
+        self.pass(&totals, &all_rows, Which::Annual)
     }
 
     fn pass(&self, request: &ReplayRequest, rows: &DatedRows, which: Which) -> Result<String> {
         let RunResults { args, files, archive, .. } = *self;
+        let (with_annual, with_periods) = (which != Which::OfPeriods, which != Which::Annual);
         let (storage, terminal) = (temporary_files(), Terminal::default());
         let memory = MemoryBudget::new(args.memory.0);
         let resources = Resources { memory, storage: &storage, files: &read_file, observer: &terminal };
@@ -98,56 +100,56 @@ impl RunResults<'_> {
         let series = request.series(archives, (self.weather, rows), self.about.clone(), &resources)?;
         let (receivers, light) = (ReceiverSet::all_of(archive)?, LightChoice::default());
         let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources };
-        let by_period: HashMap<Every, Series> = Every::ALL.into_iter().map(|every| (every, series.by(every))).collect();
+        let table_periods: &[Every] = if with_periods { &args.every } else { &[] };
+        let periods: BTreeSet<Every> = [Every::Total, Every::Month].iter().chain(table_periods).copied().collect();
+        let by_period: BTreeMap<Every, Series> = periods.iter().map(|every| (*every, series.by(*every))).collect();
         let of = |every: Every| stream.with_series(&by_period[&every]);
         let (annual, month) = (of(Every::Total), of(Every::Month));
-        let (about, about_months) = (annual.about(archives, place), month.about(archives, place));
+        let about = annual.about(archives, place);
 
         let (rows, _) = ResultRows::new(&annual, By::Receiver, place)?;
-        let (months, _) = ResultRows::new(&month, By::Receiver, place)?;
-        let with = |some: Which| which == Which::All || which == some;
-        let mut sums = AnnualSums { receivers: Box::new(receivers.receivers()), rows: Vec::new() };
-        let paths = self.maps();
-        let mut maps = ResultSink::new(&rows, None, &annual)?;
         let called = format!("{} under {}", name_of(place), name_of(&args.weather));
-        for (path, format) in paths.iter().filter(|_| with(Which::Annual)) {
+        let paths = if with_annual { self.maps() } else { Vec::new() };
+        let mut sums = AnnualSums { receivers: Box::new(receivers.receivers()), rows: Vec::new() };
+        let mut maps = ResultSink::new(&rows, None, &annual)?;
+        for (path, format) in &paths {
             maps = maps.with_map((path, *format), &annual, (&called, &about), place)?;
         }
-        let mut chart = AreaChart::new(&files.chart, &month, months.layout().clone())?;
-        let tables = args.every.iter().map(|every| Ok((*every, ResultRows::new(&of(*every), args.by, place)?)));
-        let tables = tables.collect::<Result<Vec<_>>>()?;
-        let mut tables_written = Vec::new();
-        for (every, (rows, groups)) in &tables {
+        let mut chart = AreaChart::new(&files.chart, &month)?;
+        let model = self.city_model.filter(|_| with_periods);
+        let model = model.map(|model| CityModelSink::new(&annual, model, &files.city_model, place));
+        let mut model = model.transpose()?;
+        let rows = table_periods.iter().map(|every| Ok((*every, ResultRows::new(&of(*every), args.by, place)?)));
+        let rows = rows.collect::<Result<Vec<_>>>()?;
+        let mut tables = Vec::new();
+        for (every, (rows, groups)) in &rows {
             let stream = of(*every);
             let table = ResultSink::new(rows, groups.clone(), &stream)?;
             let about = stream.about(archives, place);
-            tables_written.push((*every, table.with_table(&files.periods(*every, args), &stream, &about)));
+            tables.push((*every, table.with_table(&files.periods(*every, args), &stream, &about)));
         }
-        let model = self.city_model.map(|model| CityModelSink::new(&annual, model, &files.city_model, place));
-        let mut model = model.transpose()?;
 
-        let mut sinks: Vec<(Every, &mut dyn TileSink)> = Vec::new();
-        if with(Which::Annual) {
-            sinks.push((Every::Total, &mut sums));
-            sinks.push((Every::Total, &mut maps));
+        let mut sinks: BTreeMap<Every, Vec<&mut dyn TileSink>> = BTreeMap::new();
+        if with_annual {
+            sinks.entry(Every::Total).or_default().extend([&mut sums as &mut dyn TileSink, &mut maps]);
         }
-        if with(Which::OfPeriods) {
-            sinks.push((Every::Month, &mut chart));
-            sinks.extend(tables_written.iter_mut().map(|(every, sink)| (*every, sink as &mut dyn TileSink)));
-            sinks.extend(model.iter_mut().map(|model| (Every::Total, model as &mut dyn TileSink)));
+        if with_periods {
+            sinks.entry(Every::Month).or_default().push(&mut chart);
+            model.iter_mut().for_each(|model| sinks.entry(Every::Total).or_default().push(model));
         }
-        let coarse = |(every, sink): (Every, _)| CoarseSink::of(sink, &series, &by_period[&every]);
-        let mut sinks: Vec<CoarseSink> = sinks.into_iter().map(coarse).collect();
-        stream.feed(&mut sinks.iter_mut().map(|sink| sink as &mut dyn TileSink).collect::<Vec<_>>())?;
-        drop(sinks);
+        tables.iter_mut().for_each(|(every, table)| sinks.entry(*every).or_default().push(table));
+        let coarse = |(every, sinks): (Every, _)| CoarseSinks::new(sinks, &series, &by_period[&every]);
+        let mut coarse: Vec<CoarseSinks> = sinks.into_iter().map(coarse).collect();
+        stream.feed(&mut Sinks(coarse.iter_mut().map(|sinks| sinks as &mut dyn TileSink).collect()))?;
+        drop(coarse);
 
-        if with(Which::OfPeriods) {
+        if with_periods {
             let called = format!("{} under {}", name_of(place), series.called);
-            chart.finish(&called, &about_months)?;
-            tables_written.into_iter().try_for_each(|(_, table)| table.finish(&terminal))?;
+            chart.finish(&called, &month.about(archives, place))?;
+            tables.into_iter().try_for_each(|(_, table)| table.finish(&terminal))?;
             model.map_or(Ok(String::new()), |model| model.finish(&about, &terminal))?;
         }
-        if !with(Which::Annual) {
+        if !with_annual {
             return Ok(String::new());
         }
         maps.finish(&terminal)?;

@@ -76,6 +76,18 @@ pub struct Changes {
     pub transmittance: Vec<(String, ConstantOrFile)>,
 }
 
+/// Files that reflectances and transmittances follow.
+pub fn followed_files<'a>(
+    scheduled: &'a [(String, PathBuf)],
+    transmittance: &'a [(String, ConstantOrFile)],
+) -> impl Iterator<Item = &'a Path> {
+    let transmittances = transmittance.iter().filter_map(|(_, follow)| match follow {
+        ConstantOrFile::File(file) => Some(file.as_path()),
+        ConstantOrFile::Value(_) => None,
+    });
+    scheduled.iter().map(|(_, file)| file.as_path()).chain(transmittances)
+}
+
 impl Changes {
     /// Whether nothing is changed.
     pub fn is_empty(&self) -> bool {

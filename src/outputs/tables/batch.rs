@@ -7,7 +7,7 @@ use super::column::{Along, Kind, TableColumns};
 /// Values of some columns at some places.
 pub struct Batch<'v> {
     pub places: usize,
-    /// Those of [`TableColumns::in_batches`], in their order.
+    /// Values of the columns of [`TableColumns::in_batches`], in their order.
     pub values: Vec<Values<'v>>,
 }
 

@@ -79,7 +79,7 @@ impl Column {
         Column::number_as(name, Digits::Decimals(decimals))
     }
 
-    /// The same with other digits.
+    /// A number of each row with the digits that are asked for, and with the unit that its name says.
     pub fn number_as(name: impl Into<String>, digits: Digits) -> Self {
         Column::counted(name.into(), Kind::Number(digits))
     }
@@ -110,7 +110,7 @@ impl Column {
         Column { along: Along::Steps(StepValues::Numbers(numbers)), ..column }
     }
 
-    /// The same column with a unit that its name does not say.
+    /// The column with a unit that its name does not say.
     pub fn with_unit(self, unit: &'static str) -> Self {
         Column { unit: Some(unit), ..self }
     }

@@ -48,7 +48,7 @@ enum BatchColumn<'a> {
 enum PlaceCells<'a> {
     /// `[step]`, ready.
     Steps(&'a [String]),
-    /// The same in all rows, ready.
+    /// Text that stands in all rows, ready to be written.
     Name(String),
     /// `[column][step]`, and how a number is written.
     Floats(Vec<&'a [f32]>, fn(&mut Vec<u8>, f64)),

@@ -20,7 +20,7 @@ pub trait FormatWriter {
     /// Appends rows that fit the columns; there is at least one.
     fn write(&mut self, batch: &Batch) -> Result<()>;
 
-    /// Whether nobody reads any more.
+    /// Whether the reader of the output has gone away.
     fn is_closed(&self) -> bool {
         false
     }

@@ -91,7 +91,7 @@ impl RowWriter {
         if self.rows == ROWS_AT_ONCE { self.flush() } else { Ok(()) }
     }
 
-    /// Whether nobody reads any more.
+    /// Whether the reader of the output has gone away.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }

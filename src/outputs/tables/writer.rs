@@ -51,7 +51,7 @@ impl TableWriter {
         &self.columns
     }
 
-    /// Whether nobody reads any more: the caller may stop.
+    /// Whether the reader of the output has gone away: the caller may stop.
     pub fn is_closed(&self) -> bool {
         self.to.is_closed()
     }

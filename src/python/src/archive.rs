@@ -311,7 +311,7 @@ impl ArchiveHandle {
                 let stream = TileStream { receivers: &receivers, light: asked.light(), series, resources };
                 let frame = Frame::new(&stream, names.len(), (archives, self.place.as_path()));
                 let mut gathered = Gathered::new(&frame);
-                stream.feed(&mut [&mut gathered])?;
+                stream.feed(&mut gathered)?;
                 let columns = gathered.columns();
                 Ok(Recombined::new(frame, names, columns))
             })

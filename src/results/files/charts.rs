@@ -12,7 +12,7 @@ use crate::outputs::pictures::carpet::{Carpet, HOURS};
 use crate::outputs::pictures::colours::{COMPONENTS, label};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
-use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::layout::{By, Layout};
 use crate::results::Series;
 use crate::results::stream::{Tile, TileSink, TileStream};
 use heliotile_core::error::{Error, Result};
@@ -108,8 +108,10 @@ pub struct AreaChart<'a> {
 
 impl<'a> AreaChart<'a> {
     /// A chart in an SVG file: bars of days, months, years or conditions, hours of the day by month of hours.
-    pub fn new(path: &'a Path, stream: &TileStream<'a>, layout: Layout) -> Result<Self> {
+    pub fn new(path: &'a Path, stream: &TileStream<'a>) -> Result<Self> {
         let plot = Plot::of(path, stream.series.every)?;
+        let (labels, components) = (stream.series.kind, stream.light.columns());
+        let layout = Layout { labels, by: By::Receiver, components, facts: Vec::new() };
         let means = AreaMeans::new(layout.components(), stream.series.labels.len());
         let receivers = Box::new(stream.receivers.receivers());
         Ok(AreaChart { path, plot, series: stream.series, layout, means, receivers })

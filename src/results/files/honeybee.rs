@@ -42,7 +42,7 @@ pub fn write(stream: &TileStream, by: By, folder: &Path, about: Provenance) -> R
         start: Some(Box::new(|| ResultsFolder::create(folder, grids, hours, &components, &about))),
         folder: None,
     };
-    stream.feed(&mut [&mut sink])?;
+    stream.feed(&mut sink)?;
     let count = sink.folder.map_or(Ok(0), ResultsFolder::finish)?;
     let (grids, receivers) = (counted(count as u64, "grid"), counted(stream.receivers.count(), "receiver"));
     Ok(format!("{}: {receivers} in {grids}\n", folder.display()))

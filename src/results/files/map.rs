@@ -5,14 +5,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::results::ResultRows;
 use crate::outputs::groups::Groups;
-use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::MapCrs;
 use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
-use crate::outputs::tables::layout::Layout;
-use crate::outputs::tables::row_labels::RowLabels;
 use crate::results::stream::TileStream;
 use heliotile_builder::observer::Observer;
 use heliotile_core::archive::{Archive, format};
@@ -23,25 +21,19 @@ use heliotile_core::opened::OpenSite;
 /// GeoJSON with more polygons is slow wherever it is read.
 const MANY_POLYGONS: u64 = 10_000;
 
-/// What a map shows, and where it goes.
-pub struct MapSink<'a> {
-    /// The file.
+/// A map that is to be started.
+pub struct MapStart<'a> {
     pub path: &'a Path,
-    /// Its format.
     pub format: MapFormat,
-    /// Its columns.
-    pub layout: &'a Layout,
-    /// Labels of the values of a place.
-    pub labels: &'a RowLabels,
-    /// What a label stands for; none in a query.
-    pub every: Option<Every>,
+    /// Its columns and the labels of their values.
+    pub rows: &'a ResultRows,
     /// What the values are of, in words.
-    pub called: String,
+    pub called: &'a str,
     /// What they were made from.
-    pub about: Provenance,
+    pub about: &'a Provenance,
 }
 
-impl<'a> MapSink<'a> {
+impl<'a> MapStart<'a> {
     /// Starts the map of groups, or of receivers where there are none; receivers that cannot be drawn are an error. `place` is that of the
     /// archive or of the atlas.
     pub fn start(self, stream: &TileStream<'a>, groups: Option<&Groups>, place: &Path) -> Result<MapWriter<'a>> {
@@ -55,14 +47,14 @@ impl<'a> MapSink<'a> {
         let request = MapRequest {
             path: self.path,
             format: self.format,
-            layout: self.layout,
-            labels: self.labels,
-            every: self.every,
+            layout: self.rows.layout(),
+            labels: self.rows.labels(),
+            every: self.rows.every(),
             crs: crs_of(first.archive),
             north: receivers.north(),
-            called: self.called,
+            called: self.called.to_owned(),
             around: shows.then(|| surroundings(first.archive, &first.site)).flatten(),
-            about: self.about,
+            about: self.about.clone(),
             folder: folder.clone(),
             storage: stream.resources.storage,
             memory_bytes: memory.length(Use::MapRows),

@@ -22,7 +22,7 @@ use heliotile_core::replay::components::ComponentList;
 
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
-pub use map::{MapSink, crs_of, surroundings};
+pub use map::{crs_of, surroundings};
 pub use results::{ResultRows, ResultSink};
 
 /// Where results go.
@@ -73,7 +73,7 @@ impl FileRequest {
         match (&self.model, &self.honeybee) {
             (Some(model), _) => {
                 let mut sink = CityModelSink::new(stream, model, &self.output, place)?;
-                stream.feed(&mut [&mut sink])?;
+                stream.feed(&mut sink)?;
                 sink.finish(&about, stream.resources.observer).map(Some)
             }
             (_, Some(folder)) => honeybee::write(stream, self.by, folder, about).map(Some),

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::charts::{AreaChart, Plot};
-use super::map::{MapSink, say_large};
+use super::map::{MapStart, say_large};
 use super::{FileRequest, name_of};
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::periods::Every;
@@ -15,7 +15,7 @@ use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
-use crate::results::stream::{Tile, TileSink, TileStream};
+use crate::results::stream::{Sinks, Tile, TileSink, TileStream};
 use heliotile_builder::observer::Observer;
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
@@ -66,6 +66,16 @@ impl ResultRows {
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
+
+    /// Labels of the rows of a place.
+    pub fn labels(&self) -> &RowLabels {
+        &self.labels
+    }
+
+    /// What a label stands for; none in a query.
+    pub fn every(&self) -> Option<Every> {
+        self.every
+    }
 }
 
 impl<'a> ResultSink<'a> {
@@ -87,17 +97,15 @@ impl<'a> ResultSink<'a> {
         self
     }
 
-    /// Also writes a map.
+    /// Also writes a map; `place` is that of the archive or of the atlas.
     pub fn with_map(
         mut self,
         (path, format): (&'a Path, MapFormat),
         stream: &TileStream<'a>,
-        (called, about): (&str, &Provenance),
+        (called, about): (&'a str, &'a Provenance),
         place: &Path,
     ) -> Result<Self> {
-        let ResultRows { layout, labels, every } = self.rows;
-        let (called, about) = (called.to_owned(), about.clone());
-        let map = MapSink { path, format, layout, labels, every: *every, called, about };
+        let map = MapStart { path, format, rows: self.rows, called, about };
         let map = map.start(stream, self.means.as_ref().map(GroupMeans::groups), place)?;
         self.writers.push((path.to_owned(), ResultWriter::Map(Box::new(map))));
         Ok(self)
@@ -162,13 +170,10 @@ pub fn write(request: &FileRequest, stream: &TileStream, about: &Provenance, pla
         sink = sink.with_map((path, MapFormat::Png), stream, (&called, about), place)?;
     }
     let charts = plots.iter().filter(|(_, plot)| *plot != Plot::Map);
-    let charts = charts.map(|(path, _)| AreaChart::new(path, stream, rows.layout.clone()));
-    let mut charts = charts.collect::<Result<Vec<_>>>()?;
-    let charted = charts.iter_mut().map(|chart| chart as &mut dyn TileSink);
-    let mut sinks: Vec<&mut dyn TileSink> = vec![&mut sink];
-    sinks.extend(charted);
+    let mut charts = charts.map(|(path, _)| AreaChart::new(path, stream)).collect::<Result<Vec<_>>>()?;
+    let mut sinks = Sinks(vec![&mut sink]);
+    sinks.0.extend(charts.iter_mut().map(|chart| chart as &mut dyn TileSink));
     stream.feed(&mut sinks)?;
-    drop(sinks);
     sink.finish(stream.resources.observer)?;
     charts.into_iter().try_for_each(|chart| chart.finish(&called, about))
 }
