@@ -77,8 +77,6 @@ KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
          21: ("names", 1, NAMES)}
-# Kinds of which the schema before is read too: that of format 1.0, with the same layout (3.10), and responses up to 1.2.
-SCHEMA_BEFORE = {3, 4, 5, 6, 7, 8, 10, 12, 13}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
 # Which cells are seen in mirrors.
 MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}
@@ -262,17 +260,6 @@ def hit(raw, rows, side):
     need(max(struct.unpack(f"<{texel_count}I", planes), default=0) <= keys, "a texel names a key that does not exist")
     found["texels"] = bytes(planes)
     return found, palette
-
-
-def halves(raw, rows, side):
-    """Responses of schema 1."""
-    count = rows * 2 * 3 * side * side
-    need(len(raw) == 2 * count, f"response of {len(raw)} bytes, not {2 * count}")
-    halves = bytearray(2 * count)
-    halves[0::2], halves[1::2] = raw[:count], raw[count:]
-    values = struct.unpack(f"<{count}e", halves)
-    need(all(map(math.isfinite, values)), "a response that is not finite")
-    return {"g": struct.pack(f"<{count}f", *values)}
 
 
 class Values:
@@ -494,7 +481,7 @@ class Archive:
         slots = [SLOT(*struct.unpack("<8sHHI9Q32s384s8s", s)) for s, counts in zip(slots, self.counts) if counts]
         need(slots, "the header is damaged: both slots")
         for s in slots:
-            need(s.major == 1, f"format {s.major}.{s.minor}, this program reads 1")
+            need((s.major, s.minor) == (1, 5), f"format {s.major}.{s.minor}, this program reads 1.5")
             need(s.required & ~KNOWN_REQUIRED == 0, f"unknown required features {s.required & ~KNOWN_REQUIRED:#x}")
         slots = [s for s in slots if s.state == 1]
         need(slots, "the archive was not finished")
@@ -547,8 +534,7 @@ class Archive:
 
     def block(self, e):
         """Raw bytes of a block, section 4, last paragraphs."""
-        need(e.kind not in KINDS or e.schema in (KINDS[e.kind][1], KINDS[e.kind][1] - (e.kind in SCHEMA_BEFORE)),
-             f"unknown schema {e.schema}")
+        need(e.kind not in KINDS or e.schema == KINDS[e.kind][1], f"unknown schema {e.schema}")
         stored = self.bytes[e.offset:end_of(e)]
         need(blake3(stored).digest(8) == e.checksum, "checksum of the stored bytes differs")
         need(e.codec in (0, 1), f"unknown codec {e.codec}")
@@ -636,7 +622,7 @@ class Checker:
             self.seen.append((name_of(e), "probes", palette))
             return found
         if kind == "response":
-            return (halves if e.schema == 1 else response)(raw, e.items, s["probe"])
+            return response(raw, e.items, s["probe"])
         found = table(raw, columns)
         values = {name: v for name, (_, v) in found.items()}
         per_row = {"bits": 1, "hits": 1}

@@ -1,12 +1,11 @@
 //! In: `receivers.csv` of any length. Out: its receivers tile by tile along the Morton curve, from bounded memory.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::spill::{Sorted, Sorter};
-use heliotile_core::error::{Error, Result};
+use crate::spill::{Sorted, Sorter, damaged, number_of};
+use heliotile_core::error::Result;
 use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::{morton_key, receiver_of_key};
@@ -47,7 +46,7 @@ impl ReceiverTiles {
             }
         };
         // A name that was given twice stands before the row that could not be read.
-        if let Some(twice) = first_duplicate(by_id.finish()?)? {
+        if let Some(twice) = first_duplicate(by_id.finish()?, folder)? {
             return Err(duplicate(path, &twice.id, twice.first_line, twice.line));
         }
         end?;
@@ -126,10 +125,7 @@ impl Iterator for Tiles<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let folder = self.folder;
-        let receiver = |(key, payload): (Vec<u8>, Vec<u8>)| {
-            let damage = || Error::io(folder, "read a temporary file in")(io::ErrorKind::InvalidData.into());
-            pull(&key, &payload).ok_or_else(damage)
-        };
+        let receiver = |(key, payload): (Vec<u8>, Vec<u8>)| pull(&key, &payload).ok_or_else(|| damaged(folder));
         let tile: Result<Vec<Receiver>> =
             self.sorted.by_ref().take(TILE).map(|record| record.and_then(receiver)).collect();
         match tile {
@@ -190,12 +186,12 @@ struct Twice {
 }
 
 /// Of all repetitions the one that stands first in the file.
-fn first_duplicate(lines_by_id: Sorted) -> Result<Option<Twice>> {
+fn first_duplicate(lines_by_id: Sorted, folder: &Path) -> Result<Option<Twice>> {
     let mut found: Option<Twice> = None;
     let mut previous: Option<(Vec<u8>, usize)> = None;
     for record in lines_by_id {
         let (id, payload) = record?;
-        let line = payload.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes)) as usize;
+        let line = number_of(&payload, folder)? as usize;
         match &previous {
             // Rows of one name come in the order of the file, so this is the second of them, or a later one.
             Some((same, first_line)) if *same == id => {

@@ -42,10 +42,6 @@ pub fn run(args: &RepairArgs) -> Result<Outcome> {
     }
     // Without header, directory and manifest nothing is known of the rest.
     let archive = Archive::open_with(&args.archive, Access::Read)?;
-    if archive.manifest().scene.grid_step_m == 0.0 {
-        let what = "is of format 1.0, whose cells hang on the middle of its scene and cannot be traced again";
-        return Err(Error::input(&args.archive, None, what, "build it again from its scene and receivers"));
-    }
     let scene = original::scene_of(&archive, &site, args.scene.first())?;
     let workspace = workspace_beside(output, args.memory);
     let mut receivers = match &args.receivers {

@@ -159,7 +159,7 @@ impl Scene {
         }
         let mut table: materials::select::MaterialTable =
             materials.into_iter().map(|material| (material.name.clone(), material)).collect();
-        let uses = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
+        let uses = count_uses(&mesh, &used, &sorted);
         let materials = uses.iter().filter_map(|entry| table.remove(&entry.name)).collect();
         let report = LoadReport {
             faces_read: triangles.len(),
@@ -212,29 +212,28 @@ impl Scene {
     }
 }
 
-/// Renumbers the materials of triangles to ranks in the sorted names, which are returned.
+/// Renumbers the materials of triangles, which are rows of `names`, to ranks in the sorted names, which are returned.
+#[allow(clippy::indexing_slicing)] // whoever makes a triangle takes the number of its material from the names
 fn rank_by_name(names: &[String], triangles: &mut [RawTriangle]) -> Vec<String> {
-    let mut order: Vec<u32> = (0_u32..).take(names.len()).collect();
-    order.sort_by_key(|&i| names.get(i as usize));
+    let mut order: Vec<usize> = (0..names.len()).collect();
+    order.sort_by_key(|&row| &names[row]);
     let mut rank_of = vec![0_u32; names.len()];
-    for (rank, &i) in (0_u32..).zip(&order) {
-        if let Some(slot) = rank_of.get_mut(i as usize) {
-            *slot = rank;
-        }
+    for (rank, &row) in (0_u32..).zip(&order) {
+        rank_of[row] = rank;
     }
     for triangle in triangles {
-        triangle.material = rank_of.get(triangle.material as usize).copied().unwrap_or_default();
+        triangle.material = rank_of[triangle.material as usize];
     }
-    order.iter().filter_map(|&i| names.get(i as usize).cloned()).collect()
+    order.into_iter().map(|row| names[row].clone()).collect()
 }
 
-fn count_uses(mesh: &Mesh, used: &[u32], name: impl Fn(usize) -> Option<String>) -> Vec<MaterialUse> {
+/// How many triangles each material of a mesh has; `used` are rows of the sorted `names`.
+#[allow(clippy::indexing_slicing)] // both come from the triangles that the mesh was made of
+fn count_uses(mesh: &Mesh, used: &[u32], names: &[String]) -> Vec<MaterialUse> {
     let mut uses: Vec<MaterialUse> =
-        used.iter().map(|&rank| MaterialUse { name: name(rank as usize).unwrap_or_default(), triangles: 0 }).collect();
+        used.iter().map(|&rank| MaterialUse { name: names[rank as usize].clone(), triangles: 0 }).collect();
     for &material in &mesh.triangle_material {
-        if let Some(entry) = uses.get_mut(usize::from(material)) {
-            entry.triangles += 1;
-        }
+        uses[usize::from(material)].triangles += 1;
     }
     uses
 }

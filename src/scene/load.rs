@@ -417,7 +417,7 @@ impl Pile {
         report.triangles = mesh.triangles.len();
         report.degenerate_dropped += dropped.degenerate;
         report.duplicates_dropped = dropped.duplicates;
-        report.materials = count_uses(&mesh, &used, |rank| sorted.get(rank).cloned());
+        report.materials = count_uses(&mesh, &used, &sorted);
         report.warnings.extend(contested_warning(dropped.contested));
         report.warnings.extend(late);
         let ground_assumed = std::mem::take(&mut report.assumed);

@@ -143,17 +143,16 @@ pub(super) fn canonical(
 }
 
 /// Replaces corners by ranks among the distinct relative positions, least corner first; returns those positions.
+#[allow(clippy::indexing_slicing)] // triangles with an area have corners among the positions
 fn number_vertices(positions: &[DVec3], grid: Grid, triangles: &mut [RawTriangle]) -> Vec<DVec3> {
     let mut rank_of = vec![u32::MAX; positions.len()];
     let mut sorted: Vec<(DVec3, u32)> = Vec::new();
     for corner in triangles.iter().flat_map(|triangle| triangle.corners) {
         let place = corner as usize;
-        if let (Some(rank), Some(&input)) = (rank_of.get_mut(place), positions.get(place))
-            && *rank == u32::MAX
-        {
-            *rank = 0;
+        if rank_of[place] == u32::MAX {
+            rank_of[place] = 0;
             // What coincides on the grid is one vertex, and all stages see one surface.
-            sorted.push((grid.relative(input), corner));
+            sorted.push((grid.relative(positions[place]), corner));
         }
     }
     sorted.par_sort_unstable_by(|(a, _), (b, _)| lexicographic(*a, *b));
@@ -163,13 +162,11 @@ fn number_vertices(positions: &[DVec3], grid: Grid, triangles: &mut [RawTriangle
         if vertices.last() != Some(&relative) {
             vertices.push(relative);
         }
-        if let Some(rank) = rank_of.get_mut(corner as usize) {
-            // At most one vertex for each u32 corner, so the count fits.
-            *rank = (vertices.len() - 1) as u32;
-        }
+        // At most one vertex for each u32 corner, so the count fits.
+        rank_of[corner as usize] = (vertices.len() - 1) as u32;
     }
     for triangle in triangles.iter_mut() {
-        let [a, b, c] = triangle.corners.map(|corner| rank_of.get(corner as usize).copied().unwrap_or_default());
+        let [a, b, c] = triangle.corners.map(|corner| rank_of[corner as usize]);
         triangle.corners = if a < b && a < c {
             [a, b, c]
         } else if b < c {
@@ -193,8 +190,9 @@ fn number_materials(triangles: &[RawTriangle]) -> Result<(Vec<u32>, Vec<u16>)> {
     };
     // A count of 65,535 keeps the last index free as a mark.
     u16::try_from(used.len()).map_err(too_many)?;
-    let number = |material| used.binary_search(&material).unwrap_or_default() as u16;
-    let numbers = triangles.iter().map(|triangle| number(triangle.material)).collect();
+    // Every material of a triangle is in use: its number is how many smaller ones are.
+    let number = |triangle: &RawTriangle| used.partition_point(|&other| other < triangle.material) as u16;
+    let numbers = triangles.iter().map(number).collect();
     Ok((used, numbers))
 }
 

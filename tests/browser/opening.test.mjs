@@ -11,7 +11,7 @@ after(async () => {
   closeServers();
 });
 const site = readFileSync(HAGUE);
-const OLDEST = path("tests/data/archives/v1.1-experimental.helio");
+const SMALL = path("tests/data/archives/v1.5-mirrors.helio");
 const files = { "/page.html": Buffer.from(PAGE), "/site.helio": site, "/x.epw": readFileSync(EPW), "/text.helio": Buffer.from("no archive at all, only words ".repeat(400)), "/cut.helio": site.subarray(0, site.length >> 1), "/later.helio": later(site) };
 
 /** The page's message for an archive at an address. */
@@ -117,7 +117,7 @@ test("Without an archive there is a picker, and a file that is chosen opens; a s
   await page.setInputFiles("#file-weather", EPW);
   await page.waitForFunction(() => window.heliotile.state.show === "year");
   await ready(page);
-  await page.setInputFiles("#file-archive", OLDEST);
+  await page.setInputFiles("#file-archive", SMALL);
   await page.waitForFunction(() => !document.querySelector("#site-line").textContent.includes("1,228"));
   await ready(page);
   assert.match(await page.textContent("#site-line"), /\d+ receivers/);

@@ -387,7 +387,7 @@ fn exr_files() {
     let exr::meta::attribute::AttributeValue::Text(text) = about.expect("the attribute").1 else { panic!("no text") };
     let about: serde_json::Value = serde_json::from_str(&text.to_string()).expect("JSON");
     assert_eq!((about["receiver"].as_str(), about["frame"].as_str()), (Some("south"), Some("surface")));
-    assert_eq!((about["normal"][1].as_f64(), about["units"]["sky_diffuse"].as_str()), (Some(-1.0), Some("W/m2 sr")));
+    assert_eq!((about["normal"][1].as_f64(), about["units"]["sky_diffuse"].as_str()), (Some(-1.0), Some("W/(m2 sr)")));
 
     assert_eq!(folder.run("export site.helio --receiver roof -o dark.exr").status.code(), Some(0));
     let dark = read_all_flat_layers_from_file(folder.path("dark.exr")).expect("an EXR file");

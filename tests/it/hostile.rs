@@ -143,7 +143,7 @@ fn lying_settings_are_refused() {
             let (mut items, mut raw) = (entry.items as usize, block.bytes().to_vec());
             if entry.kind == format::RESPONSE && rows < items {
                 let side = archive.manifest().settings.probe as usize;
-                let tile = response::unpack(&raw, entry.schema, items, side).expect("responses");
+                let tile = response::unpack(&raw, items, side).expect("responses");
                 raw = response::pack(&tile[..rows]).expect("a side of eights");
                 items = rows;
             }

@@ -365,7 +365,7 @@ fn coarse() -> BuildSettings {
 
 /// A town with mirrors and glass for one and two threads, with receivers in another order and with faces in another order: one root
 /// and the same bytes, 3 of 3; so has a build that finds the first archive in its store, and that one casts 0 rays; one that finds an
-/// archive of an earlier release, which followed no mirrors, casts all of them.
+/// archive without the blocks of mirrors casts all of them.
 #[test]
 fn bytes_depend_on_content_only() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -397,16 +397,16 @@ fn bytes_depend_on_content_only() {
     assert!(known.1 == first.1);
     let archive = Archive::open(&path("a.helio")).expect("an archive");
     let job = Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] };
-    let mut writer = Writer::create(&path("old.helio"), &job).expect("a writer");
-    let later = [format::MIRROR, format::PROBE_MIRROR, format::BOUNCE_MIRROR, format::MIRRORS, format::OPTICS];
-    for entry in archive.entries().iter().filter(|entry| !later.contains(&entry.kind)) {
+    let mut writer = Writer::create(&path("bare.helio"), &job).expect("a writer");
+    let of_mirrors = [format::MIRROR, format::PROBE_MIRROR, format::BOUNCE_MIRROR, format::MIRRORS, format::OPTICS];
+    for entry in archive.entries().iter().filter(|entry| !of_mirrors.contains(&entry.kind)) {
         writer.append(archive.copy(entry).expect("a block")).expect("appended");
     }
     let mut manifest = archive.manifest().clone();
     manifest.layers = writer.layers();
     writer.finish(&manifest).expect("an archive");
-    let old = with("f", 2, [false; 2], &[Archive::open(&path("old.helio")).expect("an archive")]);
-    assert!(old.1 == first.1 && old.2.total() == first.2.total());
+    let bare = with("f", 2, [false; 2], &[Archive::open(&path("bare.helio")).expect("an archive")]);
+    assert!(bare.1 == first.1 && bare.2.total() == first.2.total());
 }
 
 /// A build with mirrors that goes on after any whole tile or chunk ends with the bytes of an undisturbed one, more than 5 times.

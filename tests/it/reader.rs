@@ -1,12 +1,14 @@
 //! Two readers, one text: `tools/reader.py`, written from `schema/` alone, and this library decode the same values, of a
-//! golden archive that stays and of one that is built here.
+//! golden archives that stay and of one that is built here.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use heliotile_builder::settings::BuildSettings;
+use heliotile_core::archive::format::{SLOT_OFFSETS, SLOT_SIZE, Slot};
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::tables::{
     CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, NamesTable, OpticsTable,
@@ -30,15 +32,8 @@ use crate::scenes::*;
 /// Canonical bytes of the arrays of a block, under their names: see `tools/reader.py`.
 type Arrays = Vec<(&'static str, Vec<u8>)>;
 
-/// The golden archives, one of every format that there was: their versions, and how many arrays each holds.
-const GOLDEN: [(&str, usize); 6] = [
-    ("v1.0-experimental", 44),
-    ("v1.1-experimental", 64),
-    ("v1.2-experimental", 66),
-    ("v1.3-experimental", 66),
-    ("v1.4-experimental", 77),
-    ("v1.5-experimental", 89),
-];
+/// The golden archives, which together hold blocks of all kinds: their names, and how many arrays each holds.
+const GOLDEN: [(&str, usize); 2] = [("v1.5-experimental", 89), ("v1.5-mirrors", 76)];
 
 /// A file of a golden archive: `.helio`, what was made from it by `reader.py` and by `query`, and the conditions.
 fn golden(version: &str, extension: &str) -> PathBuf {
@@ -92,13 +87,11 @@ fn parts(t: &PartsTable) -> Arrays {
 
 fn materials(block: &Block) -> Arrays {
     let t = MaterialsTable::from_block(block).expect("materials");
-    // As the block holds them.
-    let stored = |class: &u8| if format::is_older(block.entry()) { 1 - class } else { *class };
     vec![
         ("name", strings(&t.name)),
         ("diffuse", le(&t.diffuse, f64::to_le_bytes)),
         ("specular", le(&t.specular, f64::to_le_bytes)),
-        ("class", t.class.iter().map(stored).collect()),
+        ("class", t.class),
         ("group", strings(&t.group)),
     ]
 }
@@ -197,7 +190,7 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
         }
         format::HIT => hit(&HitTile::unpack(raw, rows * (s.hit * s.hit) as usize).expect("hits")),
         format::RESPONSE => {
-            let tile = response::unpack(raw, block.entry().schema, rows, s.probe as usize).expect("responses");
+            let tile = response::unpack(raw, rows, s.probe as usize).expect("responses");
             vec![("g", tile.iter().flat_map(|r| le(&r.values, f32::to_le_bytes)).collect())]
         }
         format::PROBES | format::BOUNCE => cells(&CellsTable::from_block(block).expect("cells")),
@@ -320,17 +313,20 @@ fn small_site(path: &Path) {
     build(&scene, &mut tiles(&receivers, &scene), &plan(&settings, path)).expect("a build");
 }
 
-/// All 44 to 89 arrays of the golden archives' blocks have the digests that `reader.py` printed.
+/// All 89 and 76 arrays of the golden archives' blocks have the digests that `reader.py` printed; the blocks are of all 21 kinds.
 #[test]
 fn golden_values_are_those_of_the_second_reader() {
+    let mut kinds = BTreeSet::new();
     for (version, arrays) in GOLDEN {
         let found = digests(&golden(version, "helio"));
         assert_eq!(found.lines().count(), arrays, "{version}");
         assert_eq!(found, text(&golden(version, "digests")));
+        kinds.extend(found.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned));
     }
+    assert_eq!(kinds.len(), format::KINDS.len());
 }
 
-/// With `HELIOTILE_PYTHON` (.ci/run sets it) the second reader itself prints these 406 lines, agrees on every array of a new
+/// With `HELIOTILE_PYTHON` (.ci/run sets it) the second reader itself prints these 165 lines, agrees on every array of a new
 /// site of 2 tiles and more than 2 chunks of each kind of cells, names the one block whose byte was changed (exit code 1)
 /// and refuses a cut file (2). Without it only the golden digests are compared, by the test above.
 #[test]
@@ -340,7 +336,7 @@ fn the_second_reader_agrees() {
             "HELIOTILE_PYTHON is not set: tools/reader.py was NOT run, only its digests in tests/data/archives are used"
         );
         let lines: usize = GOLDEN.iter().map(|(version, _)| text(&golden(version, "digests")).lines().count()).sum();
-        assert_eq!(lines, 406);
+        assert_eq!(lines, 165);
         return;
     };
     for (version, _) in GOLDEN {
@@ -403,38 +399,38 @@ fn golden_rows_stay() {
     }
 }
 
-/// Of the archive of format 1.0 `info` and `verify` find nothing wrong; obstructions of 0.8 instead of 0.4 double the light that the first
-/// receiver gets by one bounce, from 1.214 to 2.428 W/m2, and ground of 0.8 does not change it (it sees none), so classes are meant as they
-/// were; and `extract`, `merge` and `diff` refuse it with what to do: 3 of 3.
+/// An archive whose header says format 1.4 is refused by 8 of 8 commands with exit code 2, the file, the format that was found, the one that
+/// is read and what to do, and nothing is written.
 #[test]
-fn format_1_0_is_read_and_not_cut() {
-    let old = golden("v1.0-experimental", "helio");
+fn archives_of_other_formats_are_refused_by_all_commands() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let run = |arguments: &[&std::ffi::OsStr]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_heliotile")).args(arguments).output().expect("the program");
-        (output.status.code(), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
-    };
-    for command in ["info", "verify"] {
-        let (code, said) = run(&[command.as_ref(), old.as_ref()]);
-        assert_eq!(code, Some(0), "{said}");
+    let [old, part, map] = ["old.helio", "part.helio", "roof.exr"].map(|name| folder.path().join(name));
+    let mut bytes = fs::read(golden("v1.5-mirrors", "helio")).expect("an archive");
+    for start in SLOT_OFFSETS.map(|offset| offset as usize) {
+        let slot = bytes.get_mut(start..start + SLOT_SIZE).expect("a slot");
+        let of_then = Slot { minor: 4, ..Slot::decode(slot).expect("a whole slot") };
+        slot.copy_from_slice(&of_then.encode());
     }
-    for (reflectance, expected) in [("obstruction=0.8", 2.428), ("ground=0.8", 1.214)] {
-        let conditions = golden("v1.0-experimental", "conditions.csv");
-        let way = ["query", "--bounces", "1", "--reflectance", reflectance, "--conditions"].map(std::ffi::OsStr::new);
-        let (code, said) = run(&[&way[..], &[conditions.as_ref(), old.as_ref()]].concat());
-        assert_eq!(code, Some(0), "{said}");
-        let sun_diffuse = said.lines().nth(1).and_then(|row| row.split(',').nth(4)).map(str::parse::<f64>);
-        assert!(matches!(sun_diffuse, Some(Ok(found)) if (found - expected).abs() < 0.002), "{reflectance}: {said}");
-    }
-    let part = folder.path().join("part.helio");
-    let bounds = "--bbox=-1000,-1000,1000,1000";
+    fs::write(&old, &bytes).expect("a writable folder");
+    let conditions = golden("v1.5-mirrors", "conditions.csv");
     for arguments in [
-        vec!["extract".as_ref(), old.as_os_str(), bounds.as_ref(), "-o".as_ref(), part.as_ref()],
+        vec!["info".as_ref(), old.as_os_str()],
+        vec!["verify".as_ref(), old.as_ref()],
+        vec!["query".as_ref(), old.as_ref(), "--conditions".as_ref(), conditions.as_ref()],
+        vec!["factors".as_ref(), old.as_ref()],
+        vec!["extract".as_ref(), old.as_ref(), "--bbox=-9,-9,9,9".as_ref(), "-o".as_ref(), part.as_ref()],
         vec!["merge".as_ref(), old.as_ref(), old.as_ref(), "-o".as_ref(), part.as_ref()],
         vec!["diff".as_ref(), old.as_ref(), old.as_ref()],
+        vec!["export".as_ref(), old.as_ref(), "--receiver".as_ref(), "roof".as_ref(), "-o".as_ref(), map.as_ref()],
     ] {
-        let (code, said) = run(&arguments);
-        assert_eq!(code, Some(2), "{arguments:?}: {said}");
-        assert!(said.contains("is of format 1.0") && said.contains("build it again"), "{said}");
+        let output = Command::new(env!("CARGO_BIN_EXE_heliotile")).args(&arguments).output().expect("the program");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        let expected = format!(
+            "{}: format of the archive: found format 1.4, this release supports format 1.5 only: build the archive again",
+            old.display()
+        );
+        assert!(said.contains(&expected), "{arguments:?}: {said}");
     }
+    assert!(!part.exists() && !map.exists());
 }

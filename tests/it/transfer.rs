@@ -349,7 +349,7 @@ fn conflicts_are_named() {
     let response = |block: &Block| -> Option<EncodedBlock> {
         let entry = *block.entry();
         (entry.key() == (format::RESPONSE, 1)).then(|| {
-            let tile = response::unpack(block.bytes(), entry.schema, entry.items as usize, coarse().probe);
+            let tile = response::unpack(block.bytes(), entry.items as usize, coarse().probe);
             let mut tile = tile.expect("responses");
             tile[0].values.iter_mut().for_each(|value| *value += 0.1);
             let raw = response::pack(&tile).expect("a side of eights");

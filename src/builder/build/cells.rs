@@ -2,7 +2,6 @@
 //! Nothing but their keys stays in memory.
 
 use std::borrow::Cow;
-use std::io;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -13,14 +12,14 @@ use crate::build::canopies::canopy_of_cell;
 use crate::observer::Stage;
 use crate::pack::Chunks;
 use crate::settings::Effect;
-use crate::spill::Sorter;
+use crate::spill::{Sorter, damaged};
 use crate::trace::bounce::trace_bounce;
 use crate::trace::canopy::CellCrossings;
 use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
 use crate::trace::surroundings::{SeenCell, SurroundingSettings, Surroundings, surroundings};
 use crate::writing::Writer;
 use heliotile_core::archive::{Blocks, format, tables};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::Result;
 use heliotile_core::layers::cells::{Cell, Cells};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
@@ -148,8 +147,7 @@ impl SiteTracer<'_> {
         while sorted.peek().is_some() {
             let cell = |record: Result<(Vec<u8>, Vec<u8>)>| {
                 let (key, cell) = record?;
-                let damage = || Error::io(&self.folder, "read a temporary file in")(io::ErrorKind::InvalidData.into());
-                Cell::from_bytes(&key, &cell, s.bounce_sky * s.bounce_sky).ok_or_else(damage)
+                Cell::from_bytes(&key, &cell, s.bounce_sky * s.bounce_sky).ok_or_else(|| damaged(&self.folder))
             };
             let batch: Vec<Cell> = sorted.by_ref().take(chunks.batch()).map(cell).collect::<Result<_>>()?;
             let keys: Vec<CellKey> = batch.iter().map(|c| c.key).collect();

@@ -45,7 +45,7 @@ impl<'a> Known<'a> {
     /// passed over: what it held is traced again.
     pub fn new(archives: &'a [Archive], scene: &SiteFacts) -> Self {
         let earlier = |archive: &'a Archive| {
-            // A release that did not follow mirrors wrote no table of them.
+            // Where the table of mirrors is missing so are layers of what is seen in them: they would count as empty.
             if archive.has(format::MIRRORS, 0) == scene.orientations().is_empty() {
                 return None;
             }

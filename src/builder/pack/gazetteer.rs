@@ -1,12 +1,12 @@
 //! Where receivers stand, for those who look for some of them. In: receivers, tile by tile. Out: blocks of tiles' boxes and of names.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use crate::pack::COMPRESSION;
-use crate::spill::Sorter;
+use crate::spill::{Sorter, damaged};
 use heliotile_core::archive::tables::{ExtentsTable, NAMES_A_CHUNK, NameOf, NameRow, NamesTable, TILES_A_CHUNK};
 use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
@@ -17,12 +17,14 @@ pub(crate) struct GazetteerWriter {
     boxes: Vec<[DVec3; 2]>,
     /// Names by (what they are of, name); tiles ascend.
     names: Sorter,
+    /// Where names lie that do not fit.
+    folder: PathBuf,
 }
 
 impl GazetteerWriter {
     /// Of no tiles yet; names that do not fit a budget go to files in a folder.
     pub(crate) fn new(folder: &Path, budget_bytes: usize) -> Self {
-        GazetteerWriter { boxes: Vec::new(), names: Sorter::new(folder, budget_bytes) }
+        GazetteerWriter { boxes: Vec::new(), names: Sorter::new(folder, budget_bytes), folder: folder.to_path_buf() }
     }
 
     /// The receivers of the next tile.
@@ -42,7 +44,8 @@ impl GazetteerWriter {
         for (chunk, boxes) in (0..).zip(self.boxes.chunks(TILES_A_CHUNK)) {
             append(ExtentsTable::new(boxes).encode(format::EXTENTS, chunk, COMPRESSION)?)?;
         }
-        let mut names = self.names.finish()?.map(|record| record.map(|(key, tile)| row(&key, &tile)));
+        let pulled = |(key, tile): (Vec<u8>, Vec<u8>)| row(&key, &tile).ok_or_else(|| damaged(&self.folder));
+        let mut names = self.names.finish()?.map(|record| record.and_then(pulled));
         let mut firsts: Vec<NameRow> = Vec::new();
         for chunk in 1.. {
             let rows: Vec<NameRow> = names.by_ref().take(NAMES_A_CHUNK).collect::<Result<_>>()?;
@@ -57,14 +60,14 @@ impl GazetteerWriter {
     }
 }
 
-/// What was pushed.
-fn row(key: &[u8], tile: &[u8]) -> NameRow {
-    let (of, name) = key.split_first().map_or((0, &[][..]), |(of, name)| (usize::from(*of), name));
-    NameRow {
-        of: NameOf::ALL.get(of).copied().unwrap_or(NameOf::Receiver),
-        name: String::from_utf8_lossy(name).into_owned(),
-        tile: tile.first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes)),
-    }
+/// The row that [`GazetteerWriter::add`] pushed; `None` for bytes that it never pushes.
+fn row(key: &[u8], tile: &[u8]) -> Option<NameRow> {
+    let (of, name) = key.split_first()?;
+    Some(NameRow {
+        of: *NameOf::ALL.get(usize::from(*of))?,
+        name: String::from_utf8(name.to_vec()).ok()?,
+        tile: u32::from_le_bytes(tile.try_into().ok()?),
+    })
 }
 
 #[cfg(test)]
@@ -136,7 +139,7 @@ mod tests {
         let stated: (&Settings, _, _) = (&settings, DVec3::ZERO, &receivers);
         let facts = SiteFacts::given(held.path(), stated, Vec::new(), Vec::new()).expect("facts");
         let site = OpenSite::over(&held, facts.into());
-        let mut gazetteer = Gazetteer::of(&site).expect("names").expect("some");
+        let mut gazetteer = Gazetteer::of(&site).expect("names");
         let mut tiles = |of, name: &str| gazetteer.tiles(of, name).expect("tiles");
         assert_eq!(tiles(NameOf::Surface, "terrain"), Vec::from_iter(0..5000));
         assert_eq!(tiles(NameOf::Receiver, "t4321/r1"), [4321]);
@@ -154,7 +157,7 @@ mod tests {
         }
         let within = |low: f64, high: f64| {
             let corners = [DVec3::new(low, 0.5, -1.0), DVec3::new(high, 2.0, 1.0)];
-            tiles_within(&site, corners).expect("boxes").expect("some")
+            tiles_within(&site, corners).expect("boxes")
         };
         assert_eq!(within(4092.5, 4099.0), Vec::from_iter(4093..4100));
         assert!(within(-3.0, -1.0).is_empty());

@@ -34,7 +34,7 @@ impl Share {
 const TRACING: u32 = 3;
 
 macro_rules! declare {
-    ($($(#[$attribute:meta])* $name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
+    ($($name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
         /// Everything that decides what an archive of a scene holds. The defaults are the quality `standard`.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct BuildSettings {

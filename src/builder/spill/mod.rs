@@ -12,3 +12,18 @@ mod sorter;
 pub use merge::Sorted;
 pub use scratch::TempFiles;
 pub use sorter::Sorter;
+
+use std::io;
+use std::path::Path;
+
+use heliotile_core::error::Error;
+
+/// A record that is not what was pushed: the temporary file in `folder` that held it is damaged.
+pub fn damaged(folder: &Path) -> Error {
+    Error::io(folder, "read a temporary file in")(io::ErrorKind::InvalidData.into())
+}
+
+/// A number that was pushed as eight bytes.
+pub fn number_of(payload: &[u8], folder: &Path) -> heliotile_core::error::Result<u64> {
+    payload.try_into().map(u64::from_le_bytes).map_err(|_| damaged(folder))
+}

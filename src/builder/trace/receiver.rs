@@ -55,10 +55,10 @@ thread_local! {
     static SPACE: RefCell<Box<ScanSpace>> = RefCell::default();
 }
 
-/// A receiver's place (input coordinates, metres) and normal.
+/// Where a receiver stands and what it faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewpoint {
-    /// Relative to the scene origin, metres.
+    /// Input coordinates, metres.
     pub position: DVec3,
     /// Unit.
     pub normal: DVec3,

@@ -1,6 +1,5 @@
 //! What two archives do not share.
 
-use super::check_format;
 use crate::build::Workspace;
 use crate::spill::{Sorted, Sorter};
 use crate::transfer::compare::{Difference, differences};
@@ -95,7 +94,6 @@ pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differenc
     let mut found =
         Differences { statements: differences(a, b)?, same_root: a.root() == b.root(), ..Differences::default() };
     let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
-    [&of_a, &of_b].into_iter().try_for_each(check_format)?;
     for side in union(by_id(&of_a, workspace)?, by_id(&of_b, workspace)?, |a, b| a.0.cmp(&b.0)) {
         let name = |record: &(Vec<u8>, Vec<u8>)| String::from_utf8_lossy(&record.0).into_owned();
         found.receivers.add(&side?, name, |a, b| {

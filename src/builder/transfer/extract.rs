@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::check_format;
 use crate::build::Workspace;
 use crate::observer::Observer;
 use crate::transfer::output::{ArchiveAssembly, Assembled};
@@ -47,7 +46,6 @@ pub fn extract(
 ) -> Result<Extracted> {
     let Workspace { folder, memory } = workspace;
     let site = OpenSite::of(archive)?;
-    check_format(&site)?;
     let kept = selection.resolve(std::slice::from_ref(&site), folder, memory.length(Use::ReceiverList))?;
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::check_format;
 use crate::build::Workspace;
 use crate::observer::Observer;
 use crate::spill::Sorter;
@@ -37,7 +36,6 @@ pub struct Merged {
 /// Writes the union of two archives. Archives of parts of a site give the bytes of the whole site's build.
 pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer: &dyn Observer) -> Result<Merged> {
     let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
-    [&of_a, &of_b].into_iter().try_for_each(check_format)?;
     check_fit(a, b)?;
     let mut conflicts = Conflicts::default();
     unknown_conflicts(a, b, &mut conflicts);

@@ -25,16 +25,3 @@ pub use merge::{Merged, merge};
 pub use output::Assembled;
 pub use rows::{ArchiveReceivers, LayeredReceiver, Layers, Shown};
 pub use selection::{Bounds, Selection};
-
-use heliotile_core::error::{Error, Result};
-use heliotile_core::opened::OpenSite;
-
-/// Refuses a site of format 1.0: its cells and the order of its receivers are those of its own scene's origin.
-fn check_format(site: &OpenSite) -> Result<()> {
-    if !site.is_older() {
-        return Ok(());
-    }
-    let what = "is of format 1.0, whose cells and order of receivers hang on the middle of its scene";
-    let hint = "query, replay, export, info and verify read it as ever; to cut, merge or compare it, build it again";
-    Err(Error::input(site.path(), None, what, hint))
-}

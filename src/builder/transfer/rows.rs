@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use rayon::prelude::*;
 
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::response::Response;
@@ -196,8 +196,7 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
         for ((number, kept), tile) in numbers.into_iter().zip(tiles) {
             let wanted = |row: usize| kept.is_none_or(|kept| kept.get(row) == Some(&true));
             for row in tile.into_iter().enumerate().filter(|(i, _)| wanted(*i)).map(|(_, row)| row) {
-                // The order of format 1.0 hangs on its scene.
-                if row.key <= self.last && !self.site.is_older() {
+                if row.key <= self.last {
                     let block = self.site.block(format::RECEIVERS, number)?;
                     let got = format!("receiver {} after one that belongs behind it", row.receiver.id);
                     return Err(block.corrupt(got, "receivers along the Morton curve"));
@@ -213,8 +212,12 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
 /// The receivers of one tile.
 fn read_tile<L: Layers>(site: &OpenSite, tile: u32) -> Result<Vec<LayeredReceiver<L>>> {
     let table = site.tile_receivers(tile)?;
-    let layers = L::of_tile(site, tile, table.rows())?;
-    let rows = site.tile_parts(tile, &table)?.into_iter().zip(table.views()).zip(layers);
+    let (layers, receivers) = (L::of_tile(site, tile, table.rows())?, site.tile_parts(tile, &table)?);
+    if layers.len() != receivers.len() {
+        let what = format!("{} rows of its layers for {} receivers", layers.len(), receivers.len());
+        return Err(Error::defect(site.path(), format::block_name(format::RECEIVERS, tile), "rows", what));
+    }
+    let rows = receivers.into_iter().zip(table.views()).zip(layers);
     Ok(rows
         .map(|((receiver, views), layers)| LayeredReceiver { key: morton_key(&receiver), receiver, views, layers })
         .collect())

@@ -1,12 +1,12 @@
-//! Which receivers of an archive are meant: those of a list, of a box, of some surfaces. Tiles without any are not read where the archive tells
-//! where its receivers stand.
+//! Which receivers of an archive are meant: those of a list, of a box, of some surfaces. Tiles without any are not read.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::spill::{Sorted, Sorter};
+use crate::spill::{Sorted, Sorter, damaged, number_of};
 use crate::transfer::conflicts::listed;
 use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
@@ -89,49 +89,44 @@ impl Selection {
     }
 }
 
-/// The receivers of some tiles (all: `None`) of each of some archives, with their places among all receivers.
+/// The receivers of some tiles of each of some archives, with their places among all receivers.
 fn receivers_of<'a>(
     sites: &'a [OpenSite],
-    tiles: Vec<Option<Vec<u32>>>,
+    tiles: Vec<Vec<u32>>,
 ) -> impl Iterator<Item = Result<(usize, Receiver)>> + 'a {
     let mut first = 0;
     sites.iter().zip(tiles).flat_map(move |(site, tiles)| {
-        let all = 0..site.tiles();
-        let starts: Vec<usize> = all
-            .clone()
-            .scan(first, |next, tile| {
-                let start = *next;
-                *next += site.tile_rows(tile);
-                Some(start)
-            })
-            .collect();
-        first += site.receivers() as usize;
-        let tiles = tiles.unwrap_or_else(|| all.collect());
-        let rows: Vec<_> = tiles
-            .iter()
-            .filter_map(|&tile| {
-                let start = *starts.get(tile as usize)?;
-                Some(start..start + site.tile_rows(tile))
-            })
-            .collect();
-        let receivers = ArchiveReceivers::<()>::of_tiles(site, tiles);
-        rows.into_iter().flatten().zip(receivers).map(|(row, receiver)| Ok((row, receiver?.receiver)))
+        let mut places: Vec<Range<usize>> = Vec::new();
+        for tile in 0..site.tiles() {
+            places.push(first..first + site.tile_rows(tile));
+            first += site.tile_rows(tile);
+        }
+        let of_tiles: Vec<Range<usize>> = tiles.iter().filter_map(|&tile| places.get(tile as usize).cloned()).collect();
+        let mut rows = of_tiles.into_iter().flatten();
+        ArchiveReceivers::<()>::of_tiles(site, tiles).map(move |receiver| {
+            let receiver = receiver?.receiver;
+            let row = rows.next().ok_or_else(|| unexpected(site.path(), &receiver))?;
+            Ok((row, receiver))
+        })
     })
+}
+
+/// The error of a receiver that the directory of its archive does not count.
+fn unexpected(path: &Path, receiver: &Receiver) -> Error {
+    Error::defect(path, "directory", "rows of receivers", format!("does not count receiver {}", receiver.id))
 }
 
 /// The receivers that are meant, of those in the tiles that hold some.
 fn marked(
     sites: &[OpenSite],
-    tiles: impl Fn(&OpenSite) -> Result<Option<Vec<u32>>>,
+    tiles: impl Fn(&OpenSite) -> Result<Vec<u32>>,
     mut meant: impl FnMut(&Receiver) -> bool,
 ) -> Result<Vec<bool>> {
     let tiles: Vec<_> = sites.iter().map(tiles).collect::<Result<_>>()?;
     let mut kept = nobody(sites);
     for receiver in receivers_of(sites, tiles) {
         let (row, receiver) = receiver?;
-        if let Some(kept) = kept.get_mut(row) {
-            *kept = meant(&receiver);
-        }
+        *kept.get_mut(row).ok_or_else(|| unexpected(first(sites), &receiver))? = meant(&receiver);
     }
     Ok(kept)
 }
@@ -160,14 +155,14 @@ fn none(sites: &[OpenSite], [one, several]: [&str; 2]) -> String {
 /// The receivers that one of some names is a name of; a name of nobody is an error.
 fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
     let tiles = |site: &OpenSite| {
-        let Some(mut gazetteer) = Gazetteer::of(site)? else { return Ok(None) };
+        let mut gazetteer = Gazetteer::of(site)?;
         let asked = || of.iter().flat_map(|&of| names.iter().map(move |name| (of, name.as_str())));
         gazetteer.expect(asked());
         let mut tiles = BTreeSet::new();
         for (of, name) in asked() {
             tiles.extend(gazetteer.tiles(of, name)?);
         }
-        Ok(Some(tiles.into_iter().collect()))
+        Ok(tiles.into_iter().collect())
     };
     let mut missing: BTreeSet<&str> = names.iter().map(String::as_str).collect();
     let kept = marked(sites, tiles, |receiver| {
@@ -240,27 +235,22 @@ fn by_id(
         let (row, receiver) = receiver?;
         held.push(receiver.id.as_bytes(), &(row as u64).to_le_bytes())?;
     }
-    let number = |payload: &[u8]| payload.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
     let (mut kept, mut missing) = (nobody(sites), MissingIds::default());
     // Parts of an atlas may have receivers of one id: all of them are meant.
     let mut last = None;
     for side in union(wanted, held.finish()?, |a, b| a.0.cmp(&b.0)) {
         match side? {
             Side::Both(_, (id, row)) => {
-                if let Some(kept) = kept.get_mut(number(&row) as usize) {
-                    *kept = true;
-                }
+                *kept.get_mut(number_of(&row, folder)? as usize).ok_or_else(|| damaged(folder))? = true;
                 last = Some(id);
             }
             Side::Right((id, row)) if last.as_ref() == Some(&id) => {
-                if let Some(kept) = kept.get_mut(number(&row) as usize) {
-                    *kept = true;
-                }
+                *kept.get_mut(number_of(&row, folder)? as usize).ok_or_else(|| damaged(folder))? = true;
             }
             Side::Left((id, line)) => {
                 missing.count += 1;
                 if missing.some.len() < NAMED {
-                    missing.some.push((String::from_utf8_lossy(&id).into_owned(), number(&line)));
+                    missing.some.push((String::from_utf8_lossy(&id).into_owned(), number_of(&line, folder)?));
                 }
             }
             Side::Right(_) => {}
@@ -272,9 +262,9 @@ fn by_id(
 /// Ids that are looked up together.
 const TOGETHER: usize = 4096;
 
-/// The tiles that hold receivers of some ids, which are left at their beginning; `None` where the archive does not tell.
-fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Option<Vec<u32>>> {
-    let Some(mut gazetteer) = Gazetteer::of(site)? else { return Ok(None) };
+/// The tiles that hold receivers of some ids, which are left at their beginning.
+fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Vec<u32>> {
+    let mut gazetteer = Gazetteer::of(site)?;
     let mut tiles = BTreeSet::new();
     loop {
         let ids: Vec<String> = wanted
@@ -284,7 +274,7 @@ fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Option<Vec<u32>>
             .collect::<Result<_>>()?;
         if ids.is_empty() {
             wanted.rewind()?;
-            return Ok(Some(tiles.into_iter().collect()));
+            return Ok(tiles.into_iter().collect());
         }
         gazetteer.expect(ids.iter().map(|id| (NameOf::Receiver, id.as_str())));
         for id in &ids {

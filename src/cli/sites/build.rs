@@ -50,16 +50,12 @@ pub struct BuildArgs {
     /// from and with stands in the atlas
     #[arg(long, value_name = "K", conflicts_with_all = PLANNED)]
     pub part: Option<String>,
-    /// Said by older command lines: a build goes on anyway where one of the same inputs was interrupted
-    #[arg(long, hide = true)]
-    #[allow(dead_code)] // Taken, and nothing follows from it.
-    pub resume: bool,
     /// Seconds between checkpoints: what a crash costs at most
     #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = parse_seconds)]
     pub checkpoint: u32,
     /// Discard an interrupted build that lies there and start anew; without it, the build goes on with one of the same inputs and
     /// refuses to discard one of others
-    #[arg(long, conflicts_with = "resume")]
+    #[arg(long)]
     pub fresh: bool,
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
     #[arg(long, value_parser = choice::<Share>(), default_value = "cells", conflicts_with = "error")]

@@ -107,9 +107,7 @@ fn item(part: &ListedPart, path: &Path, atlas: &Atlas, name: &str) -> Result<(St
     state("halo_m", plan.halo_m.into());
     if let Some(seams) = &plan.seams {
         state("seams_rmse_percent", seams.rmse_percent.into());
-        if let Some(at_most) = seams.at_most_percent {
-            state("seams_at_most_percent", at_most.into());
-        }
+        state("seams_at_most_percent", seams.at_most_percent.into());
     }
     let written = about.modified().map_err(Error::io(path, "read the time of"))?;
     let file_name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();

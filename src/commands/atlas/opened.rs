@@ -35,14 +35,12 @@ pub struct Atlas {
 /// Refuses an archive with receivers farther than so many metres from a square, that of a part of this name.
 pub fn check_square(archive: &Archive, part: &str, (low, high): (DVec2, DVec2), reach_m: f64) -> Result<()> {
     let within = [(low - reach_m).extend(f64::NEG_INFINITY), (high + reach_m).extend(f64::INFINITY)];
-    match tiles_within(&OpenSite::of(archive)?, within)? {
-        Some(tiles) if tiles.len() < archive.tiles() as usize => {
-            let what = format!("holds receivers that do not stand in the square of {part}");
-            let hint = format!("it is another part's: heliotile build ATLAS --part {part} --fresh");
-            Err(Error::input(archive.path(), None, what, hint))
-        }
-        _ => Ok(()),
+    if tiles_within(&OpenSite::of(archive)?, within)?.len() == archive.tiles() as usize {
+        return Ok(());
     }
+    let what = format!("holds receivers that do not stand in the square of {part}");
+    let hint = format!("it is another part's: heliotile build ATLAS --part {part} --fresh");
+    Err(Error::input(archive.path(), None, what, hint))
 }
 
 impl Atlas {
@@ -110,7 +108,7 @@ impl Atlas {
         self.states(None, |names| self.folder.each(names, open))
     }
 
-    /// Refuses an archive whose receivers do not stand in the square of its part: that of another part. Archives before format 1.5 do not tell.
+    /// Refuses an archive whose receivers do not stand in the square of its part: that of another part.
     pub fn check_place(&self, part: &PlannedPart, archive: &Archive) -> Result<()> {
         let square = self.plan.region_part(part);
         check_square(archive, &part.name, (square.low, square.high), self.reach_m())

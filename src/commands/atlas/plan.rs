@@ -21,10 +21,8 @@ use heliotile_scene::survey::FileSurvey;
 
 pub(crate) use crate::files::ATLAS as FILE;
 
-/// Of the layout of this file: 2 has no checksums. Parts of layout 1 lack ground beyond the halo: those that are built are read.
-const VERSION: u32 = 3;
-const OLDEST_BUILT: u32 = 2;
-const OLDEST: u32 = 1;
+/// The layout of this file that is written, and the only one that is read.
+const LAYOUT: u32 = 3;
 
 /// What to do about a plan that cannot be used.
 const AGAIN: &str = "make it again with `heliotile partition`";
@@ -53,7 +51,6 @@ pub struct AtlasPlan {
     /// All files of the site, in its order.
     pub files: Vec<PlannedFile>,
     /// BLAKE3 of these files, of the list that names them and of materials, by their paths.
-    #[serde(default)]
     checksums: BTreeMap<PathBuf, String>,
     /// By their names.
     pub parts: Vec<PlannedPart>,
@@ -127,7 +124,7 @@ impl AtlasPlan {
         let all = site.files().map(Path::to_path_buf).chain(said_in(&cut.scene));
         let checksums = all.map(|path| Ok((path.clone(), checksum(&path)?))).collect::<Result<_>>()?;
         Ok(AtlasPlan {
-            heliotile_atlas: VERSION,
+            heliotile_atlas: LAYOUT,
             checksums,
             part_size_m: cut.part_size_m,
             halo_m: cut.halo_m,
@@ -158,31 +155,21 @@ impl AtlasPlan {
     pub fn of_file(path: &Path, bytes: &[u8]) -> Result<Self> {
         let refuse = |what: String| Error::input(path, None, what, AGAIN);
         #[derive(Deserialize)]
-        struct Version {
+        struct Stated {
             heliotile_atlas: u32,
         }
-        let version: Version =
+        let stated: Stated =
             serde_json::from_slice(bytes).map_err(|error| refuse(format!("is no plan of an atlas: {error}")))?;
-        if !(OLDEST..=VERSION).contains(&version.heliotile_atlas) {
+        if stated.heliotile_atlas != LAYOUT {
             return Err(Error::Unsupported {
                 what: format!("layout of {}", path.display()),
-                found: version.heliotile_atlas.to_string(),
-                supported: format!("{OLDEST} to {VERSION}"),
+                found: stated.heliotile_atlas.to_string(),
+                supported: format!("{LAYOUT} only: cut the region again with `heliotile partition`"),
             });
         }
         let plan: AtlasPlan = serde_json::from_slice(bytes).map_err(|error| refuse(error.to_string()))?;
         plan.check().map_err(refuse)?;
         Ok(plan)
-    }
-
-    /// Refuses to build parts that would not fit those of today.
-    pub fn check_layout(&self, atlas: &Path) -> Result<()> {
-        if self.heliotile_atlas >= OLDEST_BUILT {
-            return Ok(());
-        }
-        let what = format!("is of layout {}, whose parts see no ground beyond the halo", self.heliotile_atlas);
-        let hint = "make another atlas with `heliotile partition`; parts of this one that are built can be read";
-        Err(Error::input(&atlas.join(FILE), None, what, hint))
     }
 
     /// What is wrong with its numbers.
@@ -253,9 +240,7 @@ impl AtlasPlan {
         let is_far = |path: &PathBuf| self.files.iter().any(|planned| planned.file == *path);
         let lists = said_in(&self.scene).filter(|path| !is_far(path));
         for path in site.files().map(Path::to_path_buf).chain(lists) {
-            if let Some(known) = self.checksums.get(&path)
-                && *known != checksum(&path)?
-            {
+            if self.checksums.get(&path) != Some(&checksum(&path)?) {
                 return Ok(Some(path));
             }
         }

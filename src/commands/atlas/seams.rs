@@ -41,9 +41,8 @@ pub struct Seams {
     /// Of the total.
     pub rmse_percent: f64,
     /// Upper end of the interval of 95 % of that, by other draws of these receivers and of these parts (Efron 1979): a few receivers
-    /// carry most of the error, and a sample may have none of them. Plans of layout 1 lack it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at_most_percent: Option<f64>,
+    /// carry most of the error, and a sample may have none of them.
+    pub at_most_percent: f64,
     /// Mean error of the totals: above 0 if they come out too large.
     pub bias_percent: f64,
     /// By column name.
@@ -53,12 +52,12 @@ pub struct Seams {
 impl Seams {
     /// As `partition` and `info` say it.
     pub fn words(&self) -> String {
-        let most = self.at_most_percent.map(|percent| format!(" (95 %: at most {percent} %)")).unwrap_or_default();
         format!(
-            "three times the halo changes the light of {} in {} by {} % RMSE of the mean total{most}, {:+} % on average",
+            "three times the halo changes the light of {} in {} by {} % RMSE of the mean total (95 %: at most {} %), {:+} % on average",
             counted(self.receivers as u64, "receiver"),
             counted(self.parts as u64, "part"),
             self.rmse_percent,
+            self.at_most_percent,
             self.bias_percent
         )
     }
@@ -166,7 +165,7 @@ impl Differences {
             receivers: self.part_of.len(),
             parts: self.parts,
             rmse_percent: in_percent(total.rmse_w_m2.value),
-            at_most_percent: Some(in_percent(at_most)),
+            at_most_percent: in_percent(at_most),
             bias_percent: in_percent(total.bias_w_m2.value),
             components_percent: Component::ALL.into_iter().zip(&found).take(TOTAL).map(named).collect(),
         }

@@ -8,7 +8,6 @@ use serde_json::Value;
 /// Errors of the hourly total and its parts, from a sample of the receivers built with finer settings, too. RMSE over receivers and
 /// conditions, in percent of the mean total.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
 pub struct Accuracy {
     /// What was asked for.
     pub target_percent: f64,
@@ -31,14 +30,14 @@ pub struct Accuracy {
     /// Mean total of the sample, W/m2.
     pub mean_w_m2: f64,
     /// RMSE of groups of the sample by the sky that they see, from little to much.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<GroupError>,
-    /// RMSE in hours when the sun lights what receivers see and not the receivers: `no direct sun`, and `mostly reflected`. Empty in
-    /// archives of earlier builds, and where there are hardly any such hours.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// RMSE in hours when the sun lights what receivers see and not the receivers: `no direct sun`, and `mostly reflected`. Empty
+    /// where there are hardly any such hours.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hours: Vec<HoursError>,
     /// RMSE of receivers of the sample by tiles; tiles between two are like the nearest.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileError>,
     /// Keys that this release does not know, kept as they are.
     #[serde(flatten)]
@@ -47,7 +46,6 @@ pub struct Accuracy {
 
 /// RMSE of the totals of receivers of the sample that see about as much of the sky.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
 pub struct GroupError {
     /// Smallest and largest share of their hemispheres that is sky, weighted by the cosine.
     pub sky_view: [f64; 2],
@@ -61,7 +59,6 @@ pub struct GroupError {
 
 /// RMSE of the totals of the sample in hours of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
 pub struct HoursError {
     /// Which hours. `no direct sun`: the sun lights what a receiver sees, by which it gives it more than 1 % of its total, straight or by mirrors less than 1 %.
     /// `mostly reflected`: of these hours those in which more than half of its total comes from matt surfaces.
@@ -82,7 +79,6 @@ pub struct HoursError {
 
 /// RMSE of the receivers of the sample that lie in one tile, W/m2.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
 pub struct TileError {
     /// Number of the tile in the archive.
     pub tile: u32,

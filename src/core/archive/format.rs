@@ -3,9 +3,9 @@
 
 /// First bytes of a slot. 0x89 and the line ends show a transfer as text, as in PNG.
 pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
-/// Format version that this release reads and writes.
+/// Major number of the format that this release reads and writes.
 pub const MAJOR: u16 = 1;
-/// Minor format version that this release writes; readers take larger ones, and read what they know.
+/// Minor number of the format that this release reads and writes; archives of any other number are refused.
 pub const MINOR: u16 = 5;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
@@ -96,7 +96,7 @@ pub fn cell_extras(kind: u32) -> [u32; 2] {
     if kind == PROBES { [PROBE_MIRROR, PROBE_CANOPY] } else { [BOUNCE_MIRROR, BOUNCE_CANOPY] }
 }
 
-/// Kinds that this release knows: id, name, schema id of the raw bytes that it writes.
+/// Kinds that this release knows: id, name, schema id of the raw bytes.
 pub const KINDS: [(u32, &str, u16); 21] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
@@ -121,22 +121,6 @@ pub const KINDS: [(u32, &str, u16); 21] = [
     (NAMES, "names", 1),
 ];
 
-/// Schema ids of format 1.0, which are still read: classes of materials were numbered the other way round, and voxels and seeds of
-/// receivers were those of places relative to the scene's origin. Blocks of any other id are refused by name.
-const OLDER: [(u32, u16); 8] = [
-    (HIT, 2),
-    (PROBES, 2),
-    (BOUNCE, 2),
-    (INDEX, 1),
-    (MIRROR, 1),
-    (MATERIALS, 1),
-    (PROBE_MIRROR, 1),
-    (BOUNCE_MIRROR, 1),
-];
-
-/// Schema ids of formats up to 1.2, which are still read: responses as 16-bit floats.
-const OTHER_LAYOUTS: [(u32, u16); 1] = [(RESPONSE, 1)];
-
 /// Name of a kind; a kind of a later release gets its number.
 pub fn kind_name(kind: u32) -> String {
     match KINDS.iter().find(|known| known.0 == kind) {
@@ -145,20 +129,9 @@ pub fn kind_name(kind: u32) -> String {
     }
 }
 
-/// Schema id that this release writes for a kind; `None` for an unknown kind.
+/// Schema id of a kind; `None` for an unknown kind.
 pub fn schema_of(kind: u32) -> Option<u16> {
     KINDS.iter().find(|known| known.0 == kind).map(|known| known.2)
-}
-
-/// Schema ids that this release reads for a kind, the current one last; none for an unknown kind.
-pub fn schemas_read(kind: u32) -> Vec<u16> {
-    let older = OLDER.iter().chain(&OTHER_LAYOUTS).filter(|known| known.0 == kind).map(|known| known.1);
-    older.chain(schema_of(kind)).collect()
-}
-
-/// Whether a block of a known kind has a schema id of an older format.
-pub fn is_older(entry: &Entry) -> bool {
-    OLDER.contains(&(entry.kind, entry.schema))
 }
 
 /// Name of a block in messages: `sky/3`.

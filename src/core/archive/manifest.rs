@@ -12,7 +12,6 @@ use crate::archive::format;
 use crate::archive::format::{Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
 use crate::archive::negligible::Negligible;
 pub use crate::archive::settings::Settings;
-use crate::archive::settings::is_zero;
 use crate::error::{Error, Result};
 use crate::site::ground::MonthlyGround;
 use crate::site::place::Place;
@@ -78,10 +77,9 @@ pub struct SceneSummary {
     pub materials: u64,
     /// Triangles without area that were left out.
     pub degenerate_dropped: u64,
-    /// Input coordinates of the point that vertices and rays are relative to; in format 1.0 voxels too.
+    /// Input coordinates of the point that vertices and rays are relative to.
     pub origin_m: [f64; 3],
-    /// Step of the grid that vertices lie on, metres; 0 in format 1.0, which had none.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    /// Step of the grid that vertices lie on, metres.
     pub grid_step_m: f64,
     /// Lowest and highest corner, input coordinates.
     pub bounds_m: [[f64; 3]; 2],
@@ -263,7 +261,7 @@ mod tests {
         manifest.settings.closed_m = 0.1 + 0.2;
         let settings = manifest.settings.clone();
         let name = |settings: &Settings| format::hex(&settings.hash().unwrap());
-        assert_eq!(name(&settings)[..16], *"c1f8ea61f45d2345");
+        assert_eq!(name(&settings)[..16], *"03ece8ec2d4ef517");
         let back = Manifest::from_json(&manifest.to_json().unwrap()).unwrap();
         assert_eq!(name(&back.settings), name(&settings));
         let changes: [fn(&mut Settings); 3] =

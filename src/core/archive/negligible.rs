@@ -8,7 +8,6 @@ use serde_json::Value;
 
 /// Why effects were left out: over the time of a weather file they bring no group of receivers more than was allowed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
 pub struct Negligible {
     /// What was allowed, of all that is left out, percent of the sum of a group of receivers.
     pub percent: f64,

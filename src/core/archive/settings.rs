@@ -10,8 +10,7 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 
-/// Hands the declarations to a macro: attributes of the manifest's field, name, type in the manifest, type in a program, range, ladder and
-/// values of its rungs, meaning.
+/// Hands the declarations to a macro: name, type in the manifest, type in a program, range, ladder and values of its rungs, meaning.
 #[macro_export]
 macro_rules! for_each_setting {
     ($with:ident) => {
@@ -37,10 +36,9 @@ macro_rules! for_each_setting {
             bounce_hits: u32 as usize, Whole(1, 4096), Bounced [8, 8, 8, 16, 16, 32],
                 "Rays of a bounce cell to the surfaces around it.";
             patches: u32 as usize, OneOf(&[145, 577, 2305]), Patches [145, 577, 2305],
-                "Sky patches that replay takes if it is not told otherwise; 0: not stated.";
-            #[serde(default, skip_serializing_if = "is_zero")]
+                "Sky patches that replay takes if it is not told otherwise.";
             steps: u16 as u16, Whole(1, 60), Sky [4, 6, 12, 12, 30, 60],
-                "Sun positions an hour that replay takes if it is not told otherwise; 0: not stated.";
+                "Sun positions an hour that replay takes if it is not told otherwise.";
         }
     };
 }
@@ -124,7 +122,7 @@ pub struct Setting {
 }
 
 macro_rules! declare {
-    ($($(#[$attribute:meta])* $name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
+    ($($name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
         /// All numbers, in the order of the manifest's text.
         pub const SETTINGS: &[Setting] = &[$(Setting {
             name: stringify!($name),
@@ -139,7 +137,7 @@ macro_rules! declare {
         pub struct Settings {
             /// Name of the rung of the accuracy ladder, such as `fine`; empty if the settings are not those of a named one.
             pub quality: String,
-            $(#[doc = $meaning] $(#[$attribute])* pub $name: $stored,)*
+            $(#[doc = $meaning] pub $name: $stored,)*
             /// Who shares probes: `cells`, or `none` for the reference with a hemisphere a hit.
             pub share: String,
             /// Bounces that the response holds: `all`, or a number.
@@ -147,8 +145,7 @@ macro_rules! declare {
             /// Effects that the scene has and that were not traced.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub left_out: Vec<String>,
-            /// Version of the tracing: releases that trace the same scene differently state another one; 0 is not stated.
-            #[serde(default, skip_serializing_if = "is_zero")]
+            /// Version of the tracing: releases that trace the same scene differently state another one.
             pub tracing: u32,
             /// Keys that this release does not know.
             #[serde(flatten)]
@@ -171,20 +168,15 @@ macro_rules! as_f64 {
 
 for_each_setting!(declare);
 
-// What serde calls.
-pub(super) fn is_zero<T: Default + PartialEq>(number: &T) -> bool {
-    *number == T::default()
-}
-
 impl Settings {
     /// Sky patches that replay takes if it is not told otherwise.
     pub fn patches(&self) -> usize {
-        if self.patches > 0 { self.patches as usize } else { 577 }
+        self.patches as usize
     }
 
-    /// Sun positions of an interval, the same.
+    /// Sun positions an hour, the same.
     pub fn steps(&self) -> u16 {
-        self.steps.max(1)
+        self.steps
     }
 
     /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.

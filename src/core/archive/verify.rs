@@ -200,7 +200,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
             shape(fine <= MOST_FINE && SkyTexture::unpack(block.bytes(), rows, base, fine).is_some())
         }
         RESPONSE if site.keys.is_some() => {
-            shape(response::unpack(block.bytes(), block.entry().schema, rows, settings.probe as usize).is_some())
+            shape(response::unpack(block.bytes(), rows, settings.probe as usize).is_some())
         }
         MIRROR | PROBE_MIRROR | BOUNCE_MIRROR => check_mirrors(archive, &block, site),
         HIT => match &site.keys {

@@ -43,7 +43,7 @@ impl TileView {
         let viewer = |i: usize| {
             let (position, normal) = (DVec3::from(receivers.position[i]), DVec3::from(receivers.normal[i]));
             let sky_view = f64::from(receivers.sky_view[i]);
-            Viewer { normal, seed: receiver_seed(position - site.seed_origin(), normal), sky_view }
+            Viewer { normal, seed: receiver_seed(position, normal), sky_view }
         };
         Ok(TileView {
             number,

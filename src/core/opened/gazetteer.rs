@@ -18,13 +18,14 @@ pub struct Gazetteer<'a> {
 }
 
 impl<'a> Gazetteer<'a> {
-    /// Those of a site; `None` where its archive does not tell of them, as before format 1.5.
-    pub fn of(site: &OpenSite<'a>) -> Result<Option<Self>> {
-        if !site.has(format::NAMES, 0) {
-            return Ok(None);
-        }
-        let firsts = NamesTable::from_block(&site.block(format::NAMES, 0)?)?.names();
-        Ok(Some(Gazetteer { site: site.clone(), firsts, held: None }))
+    /// The names of a site.
+    pub fn of(site: &OpenSite<'a>) -> Result<Self> {
+        // A site without receivers has no names.
+        let firsts = match site.receivers() {
+            0 => Vec::new(),
+            _ => NamesTable::from_block(&site.block(format::NAMES, 0)?)?.names(),
+        };
+        Ok(Gazetteer { site: site.clone(), firsts, held: None })
     }
 
     /// Tells that some names will be asked for soon: from afar their chunks come together.
@@ -70,13 +71,9 @@ impl<'a> Gazetteer<'a> {
     }
 }
 
-/// Numbers of the tiles whose receivers' boxes meet a box, its faces included, ascending; input coordinates, metres. `None` where the archive
-/// does not tell of them, as before format 1.5.
-pub fn tiles_within(site: &OpenSite, [low, high]: [DVec3; 2]) -> Result<Option<Vec<u32>>> {
+/// Numbers of the tiles whose receivers' boxes meet a box, its faces included, ascending; input coordinates, metres.
+pub fn tiles_within(site: &OpenSite, [low, high]: [DVec3; 2]) -> Result<Vec<u32>> {
     let chunks = (site.tiles() as usize).div_ceil(TILES_A_CHUNK) as u32;
-    if !(0..chunks).all(|chunk| site.has(format::EXTENTS, chunk)) {
-        return Ok(None);
-    }
     site.expect(&[format::EXTENTS], 0..chunks);
     let mut tiles = Vec::new();
     for chunk in 0..chunks {
@@ -90,5 +87,5 @@ pub fn tiles_within(site: &OpenSite, [low, high]: [DVec3; 2]) -> Result<Option<V
         let meets = |of: &[DVec3; 2]| of[0].cmple(high).all() && of[1].cmpge(low).all();
         tiles.extend((first..).zip(table.boxes()).filter(|(_, of)| meets(of)).map(|(tile, _)| tile));
     }
-    Ok(Some(tiles))
+    Ok(tiles)
 }

@@ -21,9 +21,6 @@ pub struct SiteFacts {
     settings: SiteSettings,
     materials: Vec<Material>,
     orientations: Vec<Orientation>,
-    /// Point that places are relative to: the scene's origin in format 1.0, zero since.
-    seed_origin: DVec3,
-    older: bool,
     north: North,
     receivers: u64,
     tiles: u32,
@@ -44,8 +41,8 @@ impl SiteFacts {
         }
         let settings = SiteSettings::of(stated, path)?;
         let (receivers, tiles) = (receivers.count, receivers.tiles);
-        let (seed_origin, older, north) = (DVec3::ZERO, false, North::default());
-        Ok(SiteFacts { settings, materials, orientations, seed_origin, older, north, receivers, tiles })
+        let north = North::default();
+        Ok(SiteFacts { settings, materials, orientations, north, receivers, tiles })
     }
 
     /// By the numbers in cell keys.
@@ -88,9 +85,6 @@ impl<'a> OpenSite<'a> {
         let stated = (&manifest.settings, origin, &manifest.receivers);
         let mut facts = SiteFacts::given(path, stated, materials, orientations)?;
         facts.north = North::of(manifest.place.as_ref());
-        if format::is_older(blocks.block(format::MATERIALS, 0)?.entry()) {
-            (facts.seed_origin, facts.older) = (origin, true);
-        }
         Ok(OpenSite { blocks, facts: Arc::new(facts) })
     }
 
@@ -128,16 +122,6 @@ impl<'a> OpenSite<'a> {
     /// By the numbers in chains of mirrors.
     pub fn orientations(&self) -> &[Orientation] {
         &self.facts.orientations
-    }
-
-    /// Point that the places of receivers are relative to where their jitter is drawn: zero but in format 1.0.
-    pub fn seed_origin(&self) -> DVec3 {
-        self.facts.seed_origin
-    }
-
-    /// Whether it is of format 1.0, whose cells and order of receivers hang on the middle of its scene.
-    pub fn is_older(&self) -> bool {
-        self.facts.older
     }
 
     /// Number of receivers, of all tiles.

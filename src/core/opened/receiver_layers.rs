@@ -108,7 +108,7 @@ impl OpenSite<'_> {
     /// The responses that the build derived: its reflectances, all bounces.
     pub fn tile_responses(&self, tile: u32) -> Result<Vec<Response>> {
         let block = self.block(format::RESPONSE, tile)?;
-        response::unpack(block.bytes(), block.entry().schema, block.items() as usize, self.settings().probe)
+        response::unpack(block.bytes(), block.items() as usize, self.settings().probe)
             .ok_or_else(|| block.corrupt("responses of another shape", "responses of the manifest's shape"))
     }
 

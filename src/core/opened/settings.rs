@@ -12,6 +12,9 @@ use crate::site::cells::level_of;
 /// Largest sides of textures: of a receiver's sky before refinement and its hits, of the refined sky, of cells' skies.
 const MAX_SIDES: [u32; 3] = [1024, 4096, 256];
 
+/// Settings that give no layer its shape: replay takes them if it is not told otherwise.
+const OF_REPLAY: [&str; 2] = ["patches", "steps"];
+
 /// What gives the layers of a site their shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SiteSettings {
@@ -60,6 +63,11 @@ impl SiteSettings {
         if fine % base != 0 || !(fine / base).is_power_of_two() {
             return refuse(format!("sky_fine {fine}"), format!("sky_base {base} doubled some times"));
         }
+        for (setting, number) in stated.numbers().filter(|(setting, _)| OF_REPLAY.contains(&setting.name)) {
+            if !setting.range.contains(number) {
+                return refuse(format!("{} {number}", setting.name), setting.range.to_string());
+            }
+        }
         if !(stated.closed_m.is_finite() && stated.closed_m > 0.0) {
             return refuse(format!("closed_m {}", stated.closed_m), "a size above 0 m".to_string());
         }
@@ -92,7 +100,7 @@ impl SiteSettings {
 mod tests {
     use super::*;
 
-    /// The settings of `standard` are taken as they are, and 9 lies about numbers and sizes are refused by their names.
+    /// The settings of `standard` are taken as they are, and 11 lies about numbers and sizes are refused by their names.
     #[test]
     fn range() {
         let good = Settings {
@@ -104,6 +112,8 @@ mod tests {
             closed_m: 8.0,
             bounce_sky: 16,
             bounce_hits: 64,
+            patches: 577,
+            steps: 12,
             ..Settings::default()
         };
         let of = |settings: &Settings| SiteSettings::of(settings, Path::new("a.helio"));
@@ -119,6 +129,8 @@ mod tests {
             ("bounce_sky 4294967295", Settings { bounce_sky: u32::MAX, ..good.clone() }),
             ("probe_hits 0", Settings { probe_hits: 0, ..good.clone() }),
             ("bounce_hits 32768", Settings { bounce_hits: 32768, ..good.clone() }),
+            ("patches 0", Settings { patches: 0, ..good.clone() }),
+            ("steps 0", Settings { steps: 0, ..good.clone() }),
             ("closed_m -1", Settings { closed_m: -1.0, ..good.clone() }),
         ];
         for (named, lie) in lies {

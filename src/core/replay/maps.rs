@@ -2,7 +2,7 @@
 //! with named channels.
 //!
 //! One rule holds for all of them: the sum over the texels of a channel named like a column of results, times the channel
-//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/m2 sr, and `weight_sr` says what it is worth. The light of hits is
+//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/(m2 sr), and `weight_sr` says what it is worth. The light of hits is
 //! derived anew, and stored responses are rounded: there both differ by what `layers::response` says.
 
 use std::collections::HashSet;
@@ -65,7 +65,7 @@ pub struct Channel {
     pub values: Vec<f32>,
 }
 
-const RADIANCE: &str = "W/m2 sr";
+const RADIANCE: &str = "W/(m2 sr)";
 
 impl Map {
     fn add(&mut self, name: &'static str, unit: &'static str, values: Vec<f32>) {
@@ -82,7 +82,7 @@ pub struct Illumination {
     depth: MaxBounces,
     parts: SkyParts,
     patches: Patches,
-    /// `[patch]`, W/m2 sr.
+    /// `[patch]`, W/(m2 sr).
     radiances: Vec<f64>,
     /// Patches on the response texture, and its radiance, `[texel]`.
     projection: Projection,

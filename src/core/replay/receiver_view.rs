@@ -179,11 +179,7 @@ impl ReceiverView {
 
 /// Tile and row of a receiver, and the table that it stands in.
 fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
-    let told = match Gazetteer::of(site)? {
-        Some(mut gazetteer) => gazetteer.tiles(NameOf::Receiver, id)?,
-        None => Vec::new(),
-    };
-    for tile in told {
+    for tile in Gazetteer::of(site)?.tiles(NameOf::Receiver, id)? {
         let table = site.tile_receivers(tile)?;
         if let Some(row) = table.ids.iter().position(|held| held == id) {
             return Ok((tile, row, table));

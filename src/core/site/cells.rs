@@ -270,8 +270,8 @@ fn facing_bin(n: DVec3) -> u8 {
 /// Added to a receiver's place, so that round coordinates do not lie between two millimetres.
 const PLACE_SHIFT_M: DVec3 = DVec3::new(0.138_196_6, 0.209_017_0, 0.072_949_0);
 
-/// Seed of a receiver's own jitter: its place (input coordinates; in archives of format 1.0 relative to the scene's origin) to the
-/// millimetre, modulo 2^22 m as voxels are, and its normal, so that neither its name nor its order counts.
+/// Seed of a receiver's own jitter: its position in input coordinates to the millimetre, modulo 2^22 m as voxels are, and its normal, so
+/// that neither its name nor its order counts.
 pub fn receiver_seed(position: DVec3, normal: DVec3) -> u64 {
     let q = |v: f64, unit: f64| ((v / unit + 0.381_966).floor() as i64) as u64;
     let window = size_of(WINDOW_LEVEL);

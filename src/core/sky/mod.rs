@@ -1,4 +1,4 @@
-//! Sky: how bright each part of it is. In: a condition and the choice of a model. Out: radiances of patches and texels, W/m2 sr.
+//! Sky: how bright each part of it is. In: a condition and the choice of a model. Out: radiances of patches and texels, W/(m2 sr).
 //! Never: obstructions, receivers, files.
 
 pub mod disc;

@@ -47,8 +47,8 @@ impl CieType {
     }
 
     fn distribution(self) -> Distribution {
-        let place = usize::from(self.0.saturating_sub(1));
-        let [a, b, c, d, e] = CIE.get(place).copied().unwrap_or_default();
+        // `new` lets no other number pass than 1 to 15.
+        let [a, b, c, d, e] = CIE[usize::from(self.0) - 1];
         let offset = (d * std::f64::consts::FRAC_PI_2).exp();
         Distribution { a, b, c, d, e, offset }
     }

@@ -25,7 +25,7 @@ type Sums = BTreeMap<(usize, usize), Vec<f64>>;
 /// Patch radiances of the results that have a sky, and behind them what the band at the horizon sends, if the model has one.
 #[derive(Default)]
 pub struct Skies {
-    /// Results with a sky, and their sources: `[result with a sky][source]`; radiances of patches, W/m2 sr x weight.
+    /// Results with a sky, and their sources: `[result with a sky][source]`; radiances of patches, W/(m2 sr) x weight.
     bins: Vec<usize>,
     radiances: Vec<f32>,
     sources: usize,

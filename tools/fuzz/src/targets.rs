@@ -312,10 +312,9 @@ fn hit(data: &[u8]) {
     }
 }
 
-/// Of either schema: 1 if both sides are said to be equal, else 2.
 fn response(data: &[u8]) {
-    let Some((count, side, fine, raw)) = shape(data) else { return };
-    let tile = response::unpack(raw, 1 + u16::from(fine > side), count, side);
+    let Some((count, side, _, raw)) = shape(data) else { return };
+    let tile = response::unpack(raw, count, side);
     assert!(tile.is_none_or(|tile| tile.iter().all(|r| r.values.iter().all(|v| v.is_finite()))));
 }
 

@@ -70,17 +70,16 @@ impl Block {
         if self.entry.kind != kind {
             return Err(self.corrupt(self.entry.name(), format!("a block of kind {}", format::kind_name(kind))));
         }
-        let known = format::schemas_read(kind);
-        if known.contains(&self.entry.schema) {
+        let known = format::schema_of(kind);
+        if known == Some(self.entry.schema) {
             return Ok(());
         }
-        let known: Vec<String> = known.iter().map(u16::to_string).collect();
         Err(Error::Unsupported {
             what: format!("{}: layout of block {}", self.path.display(), self.entry.name()),
             found: format!("schema id {}", self.entry.schema),
-            supported: match known.as_slice() {
-                [] => "none of this kind".to_string(),
-                ids => format!("schema id {}; build the archive again with this release", ids.join(" or ")),
+            supported: match known {
+                None => "none of this kind".to_string(),
+                Some(id) => format!("schema id {id}: build the archive again with this release"),
             },
         })
     }

@@ -23,7 +23,7 @@ pub struct MaterialsTable {
     pub group: Vec<String>,
 }
 
-table!(MaterialsTable, [MATERIALS], MaterialsTable::renewed);
+table!(MaterialsTable, [MATERIALS]);
 
 impl MaterialsTable {
     /// Number of materials.
@@ -36,14 +36,6 @@ impl MaterialsTable {
     pub fn class_of(&self, row: usize) -> Class {
         // `check` lets no other code pass.
         Class::of_code(self.class[row]).unwrap_or(Class::Obstruction)
-    }
-
-    /// A checked table of an older schema, as the current one says it: schema 1 had 0 for obstruction and 1 for ground.
-    fn renewed(mut self, schema: u16) -> Self {
-        if schema == 1 {
-            self.class.iter_mut().for_each(|class| *class ^= 1);
-        }
-        self
     }
 
     fn check(&self) -> Result<(), Flaw> {
@@ -82,16 +74,16 @@ mod tests {
         }
     }
 
-    /// The known value has the known 124 bytes, so the layout of schema 2 is what it was; it reads back as it was. Read as of schema 1, the classes of its 2 rows
-    /// are the other way round.
+    /// The known value has the known 124 bytes, so the layout of schema 2 is what it was; it reads back as it was, ground as ground. The
+    /// same bytes as of schema 1 are refused by name.
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (124, "b7c1d2b4e436872d".to_string()));
         assert_eq!(MaterialsTable::from_block(&block(&known().encode(MATERIALS, 0, 9).unwrap())).unwrap(), known());
-        let old = MaterialsTable::from_block(&block(&encode(MATERIALS, 0, 1, 2, &raw, 9).unwrap())).unwrap();
         assert_eq!([0, 1].map(|row| known().class_of(row)), [Class::Ground, Class::Obstruction]);
-        assert_eq!([0, 1].map(|row| old.class_of(row)), [Class::Obstruction, Class::Ground]);
+        let other = MaterialsTable::from_block(&block(&encode(MATERIALS, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+        assert!(other.to_string().contains("block materials/0: found schema id 1"), "{other}");
     }
 
     /// A value out of range in any of 7 ways is refused on writing and, under right checksums, on reading.

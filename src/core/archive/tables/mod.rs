@@ -81,10 +81,6 @@ fn is_share(value: f64) -> bool {
 /// The way between a table and blocks of its kinds, for a type with `rows` and `check`.
 macro_rules! table {
     ($name:ident, $kinds:expr) => {
-        table!($name, $kinds, |table: Self, _schema: u16| table);
-    };
-    // `renewed(table, schema)` says a checked table of an older schema as the current one does.
-    ($name:ident, $kinds:expr, $renewed:expr) => {
         impl $name {
             /// Kinds of the table's blocks.
             pub const KINDS: &'static [u32] = &$kinds;
@@ -137,8 +133,7 @@ macro_rules! table {
                     return Err(block.corrupt(format!("{got} rows"), format!("{expected}, as in the directory")));
                 }
                 table.check().map_err(|flaw| block.corrupt(flaw.got, flaw.expected))?;
-                let renewed: fn(Self, u16) -> Self = $renewed;
-                Ok(renewed(table, block.entry().schema))
+                Ok(table)
             }
         }
     };

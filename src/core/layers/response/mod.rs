@@ -6,7 +6,6 @@
 //! the means of the squared bilinear weights, and of these times the squared angles in texels. With e = 7 + log2 n that is 0.0032 / n.
 
 mod code;
-mod halves;
 mod transform;
 
 use pulp::{Arch, NullaryFnOnce};
@@ -51,9 +50,6 @@ impl Response {
     }
 }
 
-/// Schema id of 16-bit floats, as written up to format 1.2.
-const HALVES: u16 = 1;
-
 /// Most values of a tile, 32 MiB: a small block can stand for large textures.
 pub const MAX_VALUES: usize = 1 << 23;
 
@@ -74,14 +70,11 @@ pub fn pack(tile: &[Response]) -> Option<Vec<u8>> {
     Some([vec![exponent(n)], code::encode(&coefficients)].concat())
 }
 
-/// The responses of a block of some schema id that is read; `None` if the bytes are not `count` responses of n x n texels.
-pub fn unpack(raw: &[u8], schema: u16, count: usize, n: usize) -> Option<Vec<Response>> {
+/// The responses of a raw block; `None` if the bytes are not `count` responses of n x n texels.
+pub fn unpack(raw: &[u8], count: usize, n: usize) -> Option<Vec<Response>> {
     let values = n.checked_mul(n)?.checked_mul(CLASSES * 3)?.checked_mul(count)?;
     if values > MAX_VALUES {
         return None;
-    }
-    if schema == HALVES {
-        return halves::unpack(raw, count, n);
     }
     let (&exponent, bytes) = raw.split_first()?;
     if exponent > MAX_EXPONENT {

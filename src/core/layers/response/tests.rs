@@ -46,14 +46,14 @@ fn round_trip() {
     for n in [8, 16, 32] {
         let tile = tile(20, n, 0.02);
         let raw = pack(&tile).expect("bytes");
-        let back = unpack(&raw, 2, 20, n).expect("responses");
+        let back = unpack(&raw, 20, n).expect("responses");
         let step = 0.5_f64.powi(i32::from(exponent(n)));
         let [largest, rms] = difference(&tile, &back, n);
         assert!(rms < 0.41 * 1.5 * step && largest < 4.0 * step, "{n}: {rms} {largest}");
         assert!(back.iter().step_by(3).all(|r| r.values.iter().all(|v| *v == 0.0)));
         assert!(pack(&back).expect("bytes") == raw, "{n}");
         let turned: Vec<Response> = back.iter().rev().take(7).cloned().collect();
-        assert!(unpack(&pack(&turned).expect("bytes"), 2, 7, n).expect("responses") == turned, "{n}");
+        assert!(unpack(&pack(&turned).expect("bytes"), 7, n).expect("responses") == turned, "{n}");
     }
 }
 
@@ -62,13 +62,13 @@ fn round_trip() {
 fn extremes() {
     for scale in [100.0, 1e-7] {
         let tile = tile(3, 16, scale);
-        let back = unpack(&pack(&tile).expect("bytes"), 2, 3, 16).expect("responses");
+        let back = unpack(&pack(&tile).expect("bytes"), 3, 16).expect("responses");
         let [largest, _] = difference(&tile, &back, 16);
         assert!(largest < 1e-3 * scale + 2e-3, "{scale}: {largest}");
     }
     for value in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MAX] {
         let raw = pack(&[Response { values: vec![value; Response::len(8)] }]).expect("responses");
-        assert!(unpack(&raw, 2, 1, 8).expect("responses")[0].values.iter().all(|v| v.is_finite()));
+        assert!(unpack(&raw, 1, 8).expect("responses")[0].values.iter().all(|v| v.is_finite()));
     }
 }
 
@@ -84,28 +84,14 @@ fn any_bytes_are_read() {
         let at = mix(i, 1) as usize % if i % 2 == 0 { bad.len() } else { 300 };
         bad[at] = mix(i, 2) as u8;
         bad.truncate(raw.len() - usize::from(i % 5 == 0) * (mix(i, 3) as usize % 30));
-        if let Some(back) = unpack(&bad, 2, 6, 16) {
+        if let Some(back) = unpack(&bad, 6, 16) {
             read += 1;
             assert!(back.iter().all(|r| r.values.iter().all(|v| v.is_finite())));
         }
     }
     assert!(read < 300, "{read}");
-    assert_eq!([unpack(&raw, 2, 5, 16), unpack(&raw, 2, 7, 16), unpack(&raw, 2, 6, 32)], [None, None, None]);
-    assert_eq!(unpack(&[&[41], &raw[1..]].concat(), 2, 6, 16), None);
-    assert_eq!(unpack(&raw, 2, 86, 128), None);
-    assert_eq!((unpack(&raw, 2, 6, 12), pack(&[Response { values: vec![0.0; Response::len(12)] }])), (None, None));
-}
-
-/// 16-bit floats of earlier formats are read as they are, 1 of 1, and an infinity among them is refused.
-#[test]
-fn halves_are_read() {
-    let values = vec![half::f16::from_f32(0.25); Response::len(8)];
-    let bytes = |values: &[half::f16]| -> Vec<u8> {
-        let byte = |i: usize| values.iter().map(move |v| v.to_le_bytes()[i]);
-        byte(0).chain(byte(1)).collect()
-    };
-    assert_eq!(unpack(&bytes(&values), 1, 1, 8), Some(vec![Response { values: vec![0.25; Response::len(8)] }]));
-    let mut broken = values;
-    broken[5] = half::f16::INFINITY;
-    assert_eq!(unpack(&bytes(&broken), 1, 1, 8), None);
+    assert_eq!([unpack(&raw, 5, 16), unpack(&raw, 7, 16), unpack(&raw, 6, 32)], [None, None, None]);
+    assert_eq!(unpack(&[&[41], &raw[1..]].concat(), 6, 16), None);
+    assert_eq!(unpack(&raw, 86, 128), None);
+    assert_eq!((unpack(&raw, 6, 12), pack(&[Response { values: vec![0.0; Response::len(12)] }])), (None, None));
 }

@@ -112,6 +112,7 @@ impl<'w> SkyWords<'w> {
         SkyWords { words, shape, bits: Vec::new() }
     }
 
+    /// A word; 0 behind the last one, where no bit that counts lies: lengths of rows are read two words at a time.
     fn word(&self, place: usize) -> u32 {
         self.words.get(place).copied().unwrap_or_default()
     }

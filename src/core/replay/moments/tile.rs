@@ -94,9 +94,9 @@ impl MomentTile {
     pub fn irradiance(&self, light: &MomentLight) -> TileValues {
         let mut out = TileValues::new(self.starts.len(), 1);
         for (row, start) in self.starts.iter().enumerate() {
-            let words = self.words.get(*start as usize * WORDS..).unwrap_or_default();
-            let receiver = Packed { words, shape: self.shape };
-            let parts = irradiance(receiver, self.patches, self.besides.get(row), light);
+            let receiver = Packed::new(&self.words[*start as usize * WORDS..], self.shape);
+            let sky = SkyWords::new(receiver.sky, self.shape);
+            let parts = irradiance(receiver, sky, self.patches, self.besides.get(row), light);
             for (component, value) in Component::ALL.into_iter().zip(parts) {
                 out.row_mut(component, row).fill(value);
             }
@@ -125,10 +125,15 @@ impl Besides {
 }
 
 /// The six components, in their order. A texture may be below 0 by its error, and so may parts of a sky.
-fn irradiance(receiver: Packed, patches: usize, besides: Option<&Besides>, light: &MomentLight) -> [f32; 6] {
+fn irradiance(
+    receiver: Packed,
+    mut sky: SkyWords,
+    patches: usize,
+    besides: Option<&Besides>,
+    light: &MomentLight,
+) -> [f32; 6] {
     let MomentLight { suns, circumsolar, reflected, reflected_sky, radiances } = light;
     let normal = receiver.normal();
-    let mut sky = SkyWords::new(receiver.words.get(receiver.shape.sky_at()..).unwrap_or_default(), receiver.shape);
     let mut direct = |suns: &EachSun| {
         let mut sum = [0.0_f64];
         match besides.and_then(|besides| besides.veil.as_ref()) {

@@ -62,24 +62,6 @@ impl Shape {
         }
     }
 
-    fn patches_at(self) -> usize {
-        HEAD * WORDS
-    }
-
-    fn response_at(self) -> usize {
-        (HEAD + self.patches) * WORDS
-    }
-
-    /// First word of what the words of the response leave.
-    fn rest_at(self) -> usize {
-        (HEAD + self.patches + self.response) * WORDS
-    }
-
-    /// First word of the sky.
-    pub(super) fn sky_at(self) -> usize {
-        self.rest_at() + self.rest()
-    }
-
     /// Words of what the words of the response leave: byte k of word i is of texel k times as many + i.
     pub(super) fn rest(self) -> usize {
         self.response.div_ceil(WORDS) * WORDS
@@ -117,58 +99,74 @@ impl Unpacked<'_> {
     }
 }
 
-/// The words of a receiver.
+/// The words of a receiver, part by part.
 #[derive(Clone, Copy)]
 pub(super) struct Packed<'w> {
-    pub words: &'w [u32],
-    pub shape: Shape,
+    normal: [f32; 3],
+    /// Steps of the response along and across, and of the coefficients.
+    along: f32,
+    across: f32,
+    coefficient: f32,
+    /// Coefficient of the band at the horizon.
+    band: f32,
+    patches: &'w [u32],
+    response: &'w [u32],
+    rest: &'w [u32],
+    /// Its sky, and whatever follows it.
+    pub sky: &'w [u32],
 }
 
-impl Packed<'_> {
-    fn word(&self, place: usize) -> u32 {
-        self.words.get(place).copied().unwrap_or_default()
-    }
-
-    fn number(&self, place: usize) -> f32 {
-        f32::from_bits(self.word(place))
+impl<'w> Packed<'w> {
+    /// The parts of the receiver that `words` begin with. Panics where [`Unpacked::pack`] has not written them with the same shape, as a
+    /// slice does.
+    pub fn new(words: &'w [u32], shape: Shape) -> Self {
+        let (head, words) = words.split_at(HEAD * WORDS);
+        let (patches, words) = words.split_at(shape.patches * WORDS);
+        let (response, words) = words.split_at(shape.response * WORDS);
+        let (rest, sky) = words.split_at(shape.rest());
+        let number = |place: usize| f32::from_bits(head[place]);
+        Packed {
+            normal: [0, 1, 2].map(number),
+            along: number(3),
+            across: number(4),
+            coefficient: number(5),
+            band: number(6),
+            patches,
+            response,
+            rest,
+            sky,
+        }
     }
 
     /// Its normal.
     pub fn normal(&self) -> DVec3 {
-        DVec3::new(self.number(0).into(), self.number(1).into(), self.number(2).into())
+        DVec3::from_array(self.normal.map(f64::from))
     }
 
     /// What it gets of a sky: radiances of patches, then of the band at the horizon; those that a sky does not have are the last, and there
     /// may be no sky.
     pub fn of_sky(&self, radiances: &[f32], patches: usize) -> f32 {
         let (of_patches, band) = radiances.split_at(patches.min(radiances.len()));
-        let words = self.words.get(self.shape.patches_at()..).unwrap_or_default();
-        let sum = Arch::new().dispatch(|| byte_products(words, of_patches));
-        sum * self.number(5) + band.first().map_or(0.0, |band| band * self.number(6))
+        let sum = Arch::new().dispatch(|| byte_products(self.patches, of_patches));
+        sum * self.coefficient + band.first().map_or(0.0, |band| band * self.band)
     }
 
     /// What it gets of sources by way of surfaces: texels, and irradiance x direction in their frames.
     pub fn of_sources(&self, sources: &[(u32, [f32; 3])]) -> f32 {
-        let words = self.response();
         let term = |&(texel, [a, u, v]): &(u32, [f32; 3])| {
-            let (word, byte) = (texel as usize % self.shape.rest(), texel as usize / self.shape.rest());
-            let rest = self.word(self.shape.rest_at() + word) >> (8 * byte) & 255;
-            let [along, first, second] = joined(words.get(texel as usize).copied().unwrap_or_default(), rest);
-            f64::from(a * along * self.number(3) + (u * first + v * second) * self.number(4))
+            let (texel, words) = (texel as usize, self.rest.len());
+            let rest = self.rest[texel % words] >> (8 * (texel / words)) & 255;
+            let [along, first, second] = joined(self.response[texel], rest);
+            f64::from(a * along * self.along + (u * first + v * second) * self.across)
         };
-        if words.is_empty() { 0.0 } else { sources.iter().map(term).sum::<f64>() as f32 }
+        // Where nothing reflects there is no texel.
+        if self.response.is_empty() { 0.0 } else { sources.iter().map(term).sum::<f64>() as f32 }
     }
 
     /// The same of sources in all texels: `[part][texel]`.
     pub fn of_field(&self, [a, u, v]: &[Vec<f32>; 3]) -> f32 {
-        let words = self.response();
-        let rest = self.words.get(self.shape.rest_at()..self.shape.sky_at()).unwrap_or_default();
-        let (along, across) = Arch::new().dispatch(|| field_products(words, rest, [a, u, v]));
-        along * self.number(3) + across * self.number(4)
-    }
-
-    fn response(&self) -> &[u32] {
-        self.words.get(self.shape.response_at()..self.shape.rest_at()).unwrap_or_default()
+        let (along, across) = Arch::new().dispatch(|| field_products(self.response, self.rest, [a, u, v]));
+        along * self.along + across * self.across
     }
 }
 
@@ -269,8 +267,7 @@ fn byte_products(words: &[u32], numbers: &[f32]) -> f32 {
         }
     }
     let after = of_whole.get(whole.len()).map_or(of_rest, |words| &words[..]);
-    let of_place =
-        |(place, number): (usize, &f32)| after.get(place / 4).map_or(0.0, |word| term(*word, place % 4) * number);
+    let of_place = |(place, number): (usize, &f32)| term(after[place / 4], place % 4) * number;
     sums.iter().sum::<f32>() + rest.iter().enumerate().map(of_place).sum::<f32>()
 }
 
@@ -280,6 +277,7 @@ fn field_products(words: &[u32], rest: &[u32], [a, u, v]: [&[f32]; 3]) -> (f32, 
     let (mut along, mut across) = ([0.0_f32; SIDE_BY_SIDE], [0.0_f32; SIDE_BY_SIDE]);
     for (number, words) in words.chunks(rest.len().max(1)).enumerate() {
         let first = number * rest.len();
+        // A field without a sky is empty.
         let [a, u, v] = [a, u, v].map(|part| part.get(first..).unwrap_or_default());
         let parts = a.iter().zip(u).zip(v);
         for (place, ((word, rest), ((a, u), v))) in words.iter().zip(rest).zip(parts).enumerate() {
