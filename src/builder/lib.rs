@@ -3,7 +3,7 @@
 //! # Map
 //!
 //! ```text
-//! observer settings spill receiver_tiles | trace | writing pack | build | accuracy | planning | judge siting | transfer store study
+//! settings spill receiver_tiles | trace | writing pack | pipeline | accuracy | planning | judge siting | transfer store study
 //! ```
 //!
 //! | room | in | out |
@@ -11,7 +11,7 @@
 //! | [`settings`] | a quality, names and numbers | numbers in range |
 //! | [`trace`] | a mesh, points to look from | raw hemispheres: sky bits, cells that are seen; the only place where rays are cast |
 //! | [`writing`] | encoded blocks | an archive, whole or not there, which an interrupted build goes on with |
-//! | [`build`] | a prepared scene, receivers | a plan with its forecast, then an archive |
+//! | [`pipeline`] | a prepared scene, receivers | a plan with its forecast, then an archive |
 //! | [`accuracy`] | a target in percent | the cheapest settings that keep within it |
 //! | [`planning`] | what is wished, weather | settings, effects that may be left out, and what they rest on |
 //! | [`judge`] | a prepared scene, a receiver, suns and skies | what it gets, by paths of light and with a standard error: no texture, cell or patch |
@@ -21,7 +21,7 @@
 //!
 //! # What never happens
 //!
-//! - Nothing is printed and no command line is known: an [`observer::Observer`] is told, and asked whether to stop.
+//! - Nothing is printed and no command line is known: an [`Observer`](heliotile_core::observer::Observer) is told, and asked whether to stop.
 //! - A cell depends on the scene and its key only, never on who asked first, on threads or on the order of tiles: equal inputs give equal
 //!   bytes, and parts of a site fit together.
 //! - After a failed sync nothing more is written.
@@ -42,10 +42,9 @@
 #![deny(missing_docs)]
 
 pub mod accuracy;
-pub mod build;
 pub mod judge;
-pub mod observer;
 pub mod pack;
+pub mod pipeline;
 pub mod planning;
 pub mod receiver_tiles;
 pub mod settings;

@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::spill::{Sorted, Sorter, damaged, number_of};
+use heliotile_core::archive::{Archive, tables};
 use heliotile_core::error::Result;
 use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::{morton_key, receiver_of_key};
+use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{Receiver, TILE};
 use heliotile_scene::covering::receivers::{ReceiverRows, duplicate, no_receivers};
 
@@ -52,6 +54,26 @@ impl ReceiverTiles {
         end?;
         let tiles = ReceiverTiles::of_sorted(by_place.finish()?, origin, folder)?;
         if tiles.count == 0 { Err(no_receivers(path)) } else { Ok(tiles) }
+    }
+
+    /// How receivers differ from those of an archive, if they do: there are as many, and in every good tile the same ones.
+    pub fn difference(&mut self, archive: &Archive) -> Result<Option<String>> {
+        let (found, expected) = (self.count() as u64, archive.manifest().receivers.count);
+        if found != expected {
+            return Ok(Some(format!("holds {found} receivers, the archive {expected}")));
+        }
+        for (tile, given) in self.tiles()?.enumerate() {
+            let (mut given, tile) = (given?, tile as u32);
+            let Ok(mut held) = tables::PartsTable::receivers(archive, tile) else { continue };
+            // What is not shown, or damaged, is not compared.
+            if !tables::OverviewTable::join(archive, tile, &mut held).unwrap_or(false) {
+                given.iter_mut().for_each(|receiver| receiver.patch = Patch::default());
+            }
+            if given != held {
+                return Ok(Some(format!("holds other receivers than tile {tile} of the archive")));
+            }
+        }
+        Ok(None)
     }
 
     /// Tiles of receivers that are in memory already; their names are not checked.

@@ -5,7 +5,7 @@
 //! Rooms from left to right; none imports one to its right, and no two import each other (a test reads the imports).
 //!
 //! ```text
-//! error units text memory hemisphere | orientation | site | layers | archive | opened weather | sky | light | replay
+//! error units text named memory hemisphere | observer | orientation | site | layers | archive | opened weather | sky | light | replay
 //! ```
 //!
 //! | room | in | out |
@@ -55,6 +55,8 @@ pub mod hemisphere;
 pub mod layers;
 pub mod light;
 pub mod memory;
+pub mod named;
+pub mod observer;
 pub mod opened;
 pub mod orientation;
 pub mod replay;

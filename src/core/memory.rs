@@ -1,5 +1,7 @@
 //! How the bytes of `--memory` are divided: one table for all commands. A test adds up what is alive at one time.
 
+use crate::units::Bytes;
+
 /// Bytes to work in, besides a scene and its tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryBudget(u64);
@@ -56,6 +58,12 @@ pub const TOGETHER: [(&str, &[Use]); 7] = [
     // Hits, what probes see, and two waves of what bounce cells see.
     ("extract", &[Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys]),
 ];
+
+impl From<Bytes> for MemoryBudget {
+    fn from(Bytes(bytes): Bytes) -> Self {
+        MemoryBudget(bytes)
+    }
+}
 
 impl MemoryBudget {
     /// What commands take if they are not told otherwise: 4 GiB.

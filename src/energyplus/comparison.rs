@@ -3,8 +3,8 @@
 
 use super::eso::HourlySeries;
 use super::report::Block;
-use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use heliotile_core::error::Result;
+use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
 
 /// Variables that are asked for, with their unit and what is told of them.
 pub const VARIABLES: [(&str, &str, &str); 4] = [

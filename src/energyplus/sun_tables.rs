@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::light::paths::LightPaths;
@@ -14,6 +13,7 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 
 /// W/m2 of DNI that tables of the sun stand for, and of DHI for the sky.
 pub const NOMINAL_W_M2: f64 = 1000.0;

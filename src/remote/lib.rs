@@ -1,24 +1,13 @@
-//! Archives in object stores and on web servers: read by ranges, published whole.
+//! Places of files: paths, and addresses of archives in object stores and on web servers.
 //!
 //! # Map
 //!
-//! Rooms from left to right; none imports one to its right.
-//!
-//! ```text
-//! address failure traffic cache | store | object | listing opening spans | ahead | remote_file | publish download
-//! ```
-//!
 //! | room | in | out |
 //! | --- | --- | --- |
-//! | [`address`] | what a user typed | an address, and its name without what must not be told |
-//! | [`failure`] | what a store answered | what was found and what to do |
-//! | [`cache`] | blocks with their checksums | the same from this machine's disk |
-//! | [`store`] | an address, the environment | a connection |
-//! | [`object`] | a connection | ranges of one object that has not changed since it was opened |
-//! | [`listing`] | addresses | which of them are objects, and names below them |
-//! | [`remote_file`] | an address | [`ReadAt`](heliotile_core::archive::ReadAt): blocks that were told of come together, many at a time |
-//! | [`publish`] | a file | an object that is whole and that nobody else wrote meanwhile |
-//! | [`download`] | an object | a file that is whole |
+//! | [`naming`] | a path or an address | which of both it is, the name that messages give it |
+//! | [`places`] | a path or an address | the archive there, its bytes |
+//! | [`directory`] | a folder or an address below which objects lie | which files are there, and what small ones hold |
+//! | [`stores`] (feature `stores`) | an address | ranges of an object, all of one version; objects that are published whole |
 //!
 //! # What never happens
 //!
@@ -27,24 +16,31 @@
 //! - No password, signature or key stands in a message or in a cache.
 //! - Nothing waits for ever: every request has its time, and every wait its end.
 //! - Nothing is printed; tokio stays inside.
+//!
+//! Without the feature `stores`, which brings some 130 packages, addresses are refused with what to do.
 
 #![deny(missing_docs)]
 
-pub mod address;
-mod ahead;
-pub mod cache;
-pub mod download;
-pub mod failure;
-pub mod listing;
-pub mod object;
-mod opening;
-pub mod publish;
-pub mod remote_file;
-mod spans;
-pub mod store;
-pub mod traffic;
+#[cfg(feature = "stores")]
+mod copying;
+pub mod directory;
+pub mod naming;
+pub mod places;
+#[cfg(feature = "stores")]
+mod stored;
+#[cfg(feature = "stores")]
+pub mod stores;
+#[cfg(any(test, not(feature = "stores")))]
+mod without_stores;
 
-pub use address::Address;
-pub use cache::Cache;
-pub use remote_file::RemoteFile;
-pub use store::Connection;
+#[cfg(not(feature = "stores"))]
+use without_stores as stored;
+
+#[cfg(feature = "stores")]
+pub use copying::copy;
+pub use directory::Directory;
+pub use naming::{Copied, is_address, shown};
+pub use places::{open_archive, verify_archive};
+pub use stored::{check_writable, traffic};
+#[cfg(not(feature = "stores"))]
+pub use without_stores::copy;

@@ -2,22 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::archives::Archives;
 use super::stream::TileStream;
-use crate::files::shown;
-use crate::guards::guard_output;
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::format::{Format, files_of};
 use heliotile_builder::transfer::Shown;
+use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::counted;
+use heliotile_remote::naming::shown;
 
 /// More hours than a year has; of fewer the reader of the weather says so.
 const MORE_THAN_A_YEAR_H: f64 = 8800.0;
 
 /// A solar cadastre.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct BuildingsRequest {
     /// Table of buildings; `-`: standard output.
     pub output: PathBuf,
@@ -36,6 +39,12 @@ pub struct BuildingsSummary {
     pub buildings: u64,
     /// Number of roof faces.
     pub faces: u64,
+}
+
+impl Default for BuildingsRequest {
+    fn default() -> Self {
+        BuildingsRequest { output: "-".into(), faces: None, threshold_kwh_m2: 900.0, least_m2: 10.0 }
+    }
 }
 
 impl BuildingsRequest {

@@ -1,15 +1,52 @@
 //! Factors of receivers or groups. In: archives, a grid of suns. Out: name after name, five factors for each sun.
 
+use std::path::{Path, PathBuf};
+
+use super::buildings::check_table;
 use super::receivers::ReceiverSet;
-use super::stream::Resources;
+use super::resources::Resources;
+use crate::outputs::factors::FactorTable;
 use crate::outputs::groups::{GroupMeans, Groups};
+use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::By;
-use heliotile_builder::observer::Observer;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::replay::factors::{PARTS, SunGrid};
 use heliotile_core::replay::run::ReplaySettings;
 use heliotile_core::replay::values::TileValues;
+
+/// What surroundings reflect on receivers over the sun's position, as a table.
+#[derive(Clone, Debug)]
+pub struct FactorsRequest {
+    /// Table, in a format by the ending of its name; `-`: CSV on standard output.
+    pub output: PathBuf,
+    /// What rows are about.
+    pub by: By,
+    /// From sun to sun, degrees of azimuth: a divisor of 360.
+    pub azimuth_step_deg: f64,
+    /// From sun to sun, degrees of altitude: a divisor of 90.
+    pub altitude_step_deg: f64,
+}
+
+impl FactorsRequest {
+    /// Refuses a table of an unknown ending, and one that would replace one of the inputs.
+    pub fn check(&self, inputs: &[&Path]) -> Result<()> {
+        check_table(&self.output, inputs)
+    }
+
+    /// Writes the table of some receivers.
+    pub fn write(&self, receivers: &ReceiverSet, about: Provenance, resources: &Resources) -> Result<()> {
+        let steps_deg = (self.azimuth_step_deg, self.altitude_step_deg);
+        let rows = FactorRows::new(receivers, steps_deg, self.by, resources)?;
+        let mut to = FactorTable::create(&self.output, self.by.name(), rows.grid(), rows.count(), &about)?;
+        rows.each(resources.observer, |name, factors| {
+            to.write(name, factors)?;
+            Ok(!to.is_closed())
+        })?;
+        to.finish().map(drop)
+    }
+}
 
 /// Factors of receivers, ready to be computed.
 pub struct FactorRows<'a> {

@@ -1,6 +1,9 @@
 //! The best places of modules on roofs and facades. In: a stream of a year's sums. Out: a table of points that a study of modules takes.
 
+use heliotile_core::named::NamedValues;
 use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
 
 use super::archives::Archives;
 use super::buildings::check_table;
@@ -36,7 +39,8 @@ pub enum PlaceOn {
 }
 
 /// The best places of modules.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct PlacesRequest {
     /// Table of places; `-`: standard output.
     pub output: PathBuf,
@@ -57,6 +61,12 @@ pub struct PlacesSummary {
     pub places: u64,
     /// Receivers that they were chosen from.
     pub receivers: u64,
+}
+
+impl Default for PlacesRequest {
+    fn default() -> Self {
+        PlacesRequest { output: "-".into(), best: 10, module_m: [1.1, 1.8], on: PlaceOn::Roofs, clearance_m: 0.1 }
+    }
 }
 
 impl PlacesRequest {
@@ -136,3 +146,13 @@ impl PlacesRequest {
             .collect()
     }
 }
+
+impl NamedValues for PlaceOn {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("roofs", "Surfaces that look up", PlaceOn::Roofs),
+        ("facades", "Surfaces that look to the side", PlaceOn::Facades),
+        ("both", "Both of them", PlaceOn::Both),
+    ];
+}
+
+heliotile_core::serde_by_name!(PlaceOn);

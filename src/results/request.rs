@@ -4,18 +4,15 @@
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
-use super::doubts::{dated_rows, left_out, mean_ground, no_longwave};
-use super::series::Series;
-use super::stream::Resources;
+use super::doubts::{dated_rows, left_out, no_longwave};
+use super::resources::Resources;
 use crate::outputs::periods::Every;
-use crate::outputs::provenance::Provenance;
-use heliotile_builder::observer::Observer;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
+use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changes, followed_files};
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::conditions::parse_conditions;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather_as};
@@ -102,30 +99,14 @@ impl QueryRequest {
     pub fn check(&self) -> Result<()> {
         self.light.columns.as_ref().map_or(Ok(()), no_longwave)
     }
-
-    /// The conditions of the table; tells what is odd about them and the archives.
-    pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series<'static>> {
-        let file = parse_conditions(&self.conditions, &(resources.files)(&self.conditions)?)?;
-        let tell = |text: &String| resources.observer.warn(text);
-        file.warnings.iter().for_each(tell);
-        mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
-        left_out(archives.first(), None).iter().for_each(tell);
-        let name = self.conditions.file_name().unwrap_or(self.conditions.as_os_str()).to_string_lossy();
-        let called = match file.conditions.as_slice() {
-            [only] => format!("{name}: {}", only.label),
-            _ => name.to_string(),
-        };
-        let changes = self.light.changes.clone();
-        Ok(Series::of_conditions(file.conditions, changes, about.with("conditions", name)).called(called))
-    }
 }
 
 impl ReplayRequest {
     /// A replay of a weather file of which nothing else is said: a row for each of its intervals.
-    pub fn of(weather: &Path) -> Self {
+    pub fn of(weather: impl Into<PathBuf>) -> Self {
         ReplayRequest {
             light: LightChoice::default(),
-            weather: weather.to_owned(),
+            weather: weather.into(),
             about_weather: WeatherOptions::default(),
             span: (None, None),
             year: None,
@@ -179,36 +160,8 @@ impl ReplayRequest {
         apart.iter().chain(&left_out).for_each(|text| observer.warn(text));
     }
 
-    /// The rows of weather that count as conditions, with labels and what they change.
-    pub fn series<'w>(
-        &self,
-        archives: Archives,
-        (weather, dated): (&'w Weather, &'w DatedRows),
-        about: Provenance,
-        resources: &Resources,
-    ) -> Result<Series<'w>> {
-        let series = Series::of_weather(archives.first(), (weather, dated), self, about, resources)?;
-        Ok(series.called(called(&self.weather, dated)))
-    }
-
     /// Temperatures of what longwave radiation comes from, if it is asked for.
     pub(super) fn longwave(&self) -> Option<&[Temperature]> {
         self.light.is_longwave().then_some(&self.temperatures)
-    }
-}
-
-/// A weather file and the days that are taken of it, in words.
-fn called(weather: &Path, dated: &DatedRows) -> String {
-    let mut days = dated.dates.iter().zip(&dated.chosen).filter_map(|(date, chosen)| chosen.then_some(date));
-    let day = |date: &heliotile_core::weather::time::calendar::Date| match dated.years.matter() {
-        true => format!("{:04}-{:02}-{:02}", date.year, date.month, date.day),
-        false => format!("{:02}-{:02}", date.month, date.day),
-    };
-    let name = weather.file_name().unwrap_or(weather.as_os_str()).to_string_lossy().into_owned();
-    let (first, last) = (days.next(), days.next_back());
-    match (first.map(day), last.or(first).map(day)) {
-        (Some(first), Some(last)) if first != last => format!("{name}, {first} to {last}"),
-        (Some(only), _) => format!("{name}, {only}"),
-        _ => name,
     }
 }

@@ -1,11 +1,13 @@
 //! What results are made of, in order. In: conditions, or chosen rows of a weather file. Out: conditions with their labels, the bins that they
 //! add up in, what they change, and the same over longer periods.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::request::ReplayRequest;
-use super::stream::Resources;
+use super::archives::Archives;
+use super::doubts::{left_out, mean_ground};
+use super::request::{QueryRequest, ReplayRequest};
+use super::resources::Resources;
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::Labels;
@@ -17,7 +19,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::values::TileValues;
-use heliotile_core::weather::conditions::{Condition, Stamp};
+use heliotile_core::weather::conditions::{Condition, Stamp, parse_conditions};
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::row::WeatherRow;
@@ -222,6 +224,54 @@ impl<'a> Series<'a> {
                 Ok(schedules)
             }
         }
+    }
+}
+
+impl QueryRequest {
+    /// The conditions of the table; tells what is odd about them and the archives.
+    pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series<'static>> {
+        let file = parse_conditions(&self.conditions, &(resources.files)(&self.conditions)?)?;
+        let tell = |text: &String| resources.observer.warn(text);
+        file.warnings.iter().for_each(tell);
+        mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
+        left_out(archives.first(), None).iter().for_each(tell);
+        let name = self.conditions.file_name().unwrap_or(self.conditions.as_os_str()).to_string_lossy();
+        let called = match file.conditions.as_slice() {
+            [only] => format!("{name}: {}", only.label),
+            _ => name.to_string(),
+        };
+        let changes = self.light.changes.clone();
+        Ok(Series::of_conditions(file.conditions, changes, about.with("conditions", name)).called(called))
+    }
+}
+
+impl ReplayRequest {
+    /// The rows of weather that count as conditions, with labels and what they change.
+    pub fn series<'w>(
+        &self,
+        archives: Archives,
+        (weather, dated): (&'w Weather, &'w DatedRows),
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<Series<'w>> {
+        let series = Series::of_weather(archives.first(), (weather, dated), self, about, resources)?;
+        Ok(series.called(called(&self.weather, dated)))
+    }
+}
+
+/// A weather file and the days that are taken of it, in words.
+fn called(weather: &Path, dated: &DatedRows) -> String {
+    let mut days = dated.dates.iter().zip(&dated.chosen).filter_map(|(date, chosen)| chosen.then_some(date));
+    let day = |date: &heliotile_core::weather::time::calendar::Date| match dated.years.matter() {
+        true => format!("{:04}-{:02}-{:02}", date.year, date.month, date.day),
+        false => format!("{:02}-{:02}", date.month, date.day),
+    };
+    let name = weather.file_name().unwrap_or(weather.as_os_str()).to_string_lossy().into_owned();
+    let (first, last) = (days.next(), days.next_back());
+    match (first.map(day), last.or(first).map(day)) {
+        (Some(first), Some(last)) if first != last => format!("{name}, {first} to {last}"),
+        (Some(only), _) => format!("{name}, {only}"),
+        _ => name,
     }
 }
 

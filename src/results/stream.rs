@@ -6,34 +6,19 @@ use std::path::Path;
 use super::archives::Archives;
 use super::receivers::{PartReceivers, ReceiverSet};
 use super::request::LightChoice;
+use super::resources::Resources;
 use super::series::{Coarsening, Series};
 use crate::outputs::provenance::Provenance;
-use heliotile_builder::observer::{Observer, Stage};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::scratch::ScratchSpace;
-use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::replay::values::TileValues;
-use heliotile_core::weather::formats::schedule_csv::ReadFile;
 
 /// Tiles of the next part that are fetched while one is computed.
 const AHEAD: usize = 64;
-
-/// What a computation may use, and whom it tells.
-#[derive(Clone, Copy)]
-pub struct Resources<'a> {
-    /// Bytes to work in.
-    pub memory: MemoryBudget,
-    /// Room for what does not fit into memory.
-    pub storage: &'a dyn ScratchSpace,
-    /// How the bytes of files are read.
-    pub files: ReadFile<'a>,
-    /// Whom warnings and progress are told, and who may stop the work.
-    pub observer: &'a dyn Observer,
-}
 
 impl LightChoice {
     /// The number of sky patches on an archive.

@@ -50,6 +50,7 @@ mod polygon;
 pub mod pv;
 pub mod reference;
 pub mod region_part;
+pub mod request;
 pub mod semantics;
 pub mod site;
 pub mod survey;
@@ -70,6 +71,7 @@ pub use model_version::ModelVersion;
 
 use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
 use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Material;
@@ -113,6 +115,14 @@ pub struct LoadReport {
     pub warnings: Vec<String>,
     /// What was decided that the user did not ask for, such as how terrain was thinned.
     pub notes: Vec<String>,
+}
+
+impl LoadReport {
+    /// Tells an observer the warnings and the notes.
+    pub fn tell(&self, observer: &dyn Observer) {
+        self.warnings.iter().for_each(|warning| observer.warn(warning));
+        self.notes.iter().for_each(|note| observer.note(note));
+    }
 }
 
 impl Scene {

@@ -4,8 +4,11 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 /// A version of EnergyPlus, such as 25.2.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct ModelVersion {
     /// The year since 22.1.
     pub major: u16,
@@ -41,6 +44,20 @@ impl FromStr for ModelVersion {
     fn from_str(text: &str) -> Result<ModelVersion, String> {
         let known = ModelVersion::parse(text).filter(|version| *version <= ModelVersion::KNOWN);
         known.ok_or_else(|| format!("give a version of EnergyPlus up to {}, such as 9.6", ModelVersion::KNOWN))
+    }
+}
+
+impl TryFrom<String> for ModelVersion {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<ModelVersion, String> {
+        text.parse()
+    }
+}
+
+impl From<ModelVersion> for String {
+    fn from(version: ModelVersion) -> String {
+        version.to_string()
     }
 }
 

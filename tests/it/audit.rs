@@ -3,15 +3,15 @@
 use std::fs;
 
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::build::{Plan, PreparedScene};
 use heliotile_builder::judge::comparison::{Pair, deviation, mean_w_m2};
 use heliotile_builder::judge::{AuditRequest, audit};
-use heliotile_builder::observer::Silent;
+use heliotile_builder::pipeline::{Plan, PreparedScene};
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::Archive;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Silent;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_scene::Scene;
 use heliotile_scene::site::Site;

@@ -22,7 +22,7 @@ fn number(text: &str) -> f64 {
 /// A folder with receivers on the block of The Hague and their archive, coarse.
 fn block() -> Folder {
     let folder = Folder::new();
-    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    let model = Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     for command in ["receivers MODEL -o r.csv", "build MODEL -r r.csv --quality draft -o site.helio"] {
         let done = folder.run(&command.replace("MODEL", &model.display().to_string()));
         assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
@@ -202,7 +202,7 @@ fn places_are_those_of_the_brightest_receivers() {
 
     let done = folder.run(&format!("{asked} --best 1000 --module 9x9"));
     assert!(stderr(&done).contains("where 1000 were asked for") && done.status.code() == Some(0), "{}", stderr(&done));
-    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    let model = Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     let pv =
         format!("pv {} -w {} --points p.csv --no-hourly --quality draft -o out", model.display(), golden().display());
     let done = folder.run(&pv);

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile_builder::build::BuildReport;
-use heliotile_builder::observer::Silent;
+use heliotile_builder::pipeline::BuildReport;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::transfer::{Selection, extract, merge};
 use heliotile_builder::writing::{Job, Writer};
@@ -15,6 +14,7 @@ use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Silent;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::maps::{Illumination, maps};

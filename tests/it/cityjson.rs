@@ -7,7 +7,7 @@ use heliotile_scene::Scene;
 use heliotile_scene::site::{Part, Site};
 
 fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson").join(name)
+    Path::new(crate::ROOT).join("tests/data/cityjson").join(name)
 }
 
 fn load(name: &str) -> Scene {

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::cli::{Folder, golden, stderr, stdout};
 
 fn model(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson").join(name)
+    Path::new(crate::ROOT).join("tests/data/cityjson").join(name)
 }
 
 /// A folder with receivers on a city model and their archive, coarse.

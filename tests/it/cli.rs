@@ -71,7 +71,7 @@ pub fn stderr(output: &Output) -> String {
 }
 
 pub fn golden() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_3_days.epw")
+    Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw")
 }
 
 /// Build, query and replay give the columns of the contract: 9 columns, 6 rows of a query, 216 of three days.

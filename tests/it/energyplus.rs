@@ -11,7 +11,7 @@ const BOX: &str = include_str!("../data/energyplus/box.idf");
 const DRAFT: &str = "--physics energyplus --quality draft -o out";
 
 fn model(name: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/energyplus").join(name)
+    Path::new(crate::ROOT).join("tests/data/energyplus").join(name)
 }
 
 /// The box as `box.idf`, some words replaced.

@@ -6,10 +6,6 @@ use std::path::Path;
 
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
-use heliotile::pictures::Provenance;
-use heliotile::pictures::colours::inferno;
-use heliotile::pictures::fisheye::{BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of};
-use heliotile::pictures::panel::{PanelSun, panel};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
@@ -23,6 +19,12 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::time::sun::Location as Place;
 use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
+use heliotile_results::outputs::pictures::colours::inferno;
+use heliotile_results::outputs::pictures::fisheye::{
+    BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of,
+};
+use heliotile_results::outputs::pictures::panel::{PanelSun, panel};
+use heliotile_results::outputs::provenance::Provenance;
 use heliotile_scene::Scene;
 
 use crate::cli::{Folder, golden, stdout};

@@ -4,12 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile_builder::build::Plan;
-use heliotile_builder::observer::Silent;
+use heliotile_builder::pipeline::Plan;
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_builder::transfer::{Bounds, Selection, diff, extract, merge};
 use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES, OverviewTable};
 use heliotile_core::archive::{Archive, format, verify};
+use heliotile_core::observer::Silent;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};

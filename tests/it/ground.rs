@@ -60,7 +60,7 @@ fn months_and_snow() {
     for name in ["down", "wall"] {
         folder.write(&format!("{name}.csv"), &format!("receiver\n{name}\n"));
     }
-    let days = std::fs::read_to_string("tests/data/weather/golden_3_days.epw").expect("weather");
+    let days = std::fs::read_to_string(std::path::Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw")).expect("weather");
     let (mut snowy, mut expected) = (Vec::new(), 0.0);
     for line in days.lines() {
         let mut cells: Vec<&str> = line.split(',').collect();

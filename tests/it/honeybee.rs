@@ -11,7 +11,7 @@ use crate::cli::{Folder, golden, stderr, stdout};
 /// Two rooms of a Honeybee model with receivers and their archive.
 fn rooms() -> Folder {
     let folder = Folder::new();
-    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/honeybee/two_rooms.hbjson");
+    let model = Path::new(crate::ROOT).join("tests/data/honeybee/two_rooms.hbjson");
     for command in ["receivers MODEL --spacing 2 -o r.csv", "build MODEL -r r.csv --quality draft -o site.helio"] {
         let done = folder.run(&command.replace("MODEL", &model.display().to_string()));
         assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));

@@ -31,7 +31,7 @@ mod targets;
 
 /// Every input of a target, by name.
 fn corpus(target: &str) -> Vec<(String, Vec<u8>)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/corpus").join(target);
+    let folder = Path::new(crate::ROOT).join("tests/data/corpus").join(target);
     let mut inputs: Vec<(String, Vec<u8>)> = fs::read_dir(folder)
         .expect("a corpus")
         .map(|entry| entry.expect("an entry"))

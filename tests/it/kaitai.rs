@@ -7,7 +7,7 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::{Entry, Slot};
 
 fn text(name: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("schema").join(name)).expect("a text")
+    fs::read_to_string(Path::new(crate::ROOT).join("schema").join(name)).expect("a text")
 }
 
 /// Trimmed lines of the deeper-indented block under a heading, itself under the heading before it.

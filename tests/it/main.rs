@@ -1,5 +1,8 @@
 //! All integration tests in one binary, by question.
 
+/// The folder of the project.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
 mod accuracy;
 mod addresses;
 mod archive;

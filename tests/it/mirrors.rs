@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use heliotile_builder::build::{BuildReport, Output, Start};
+use heliotile_builder::pipeline::{BuildReport, Output, Start};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::Entry;

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use heliotile::pictures::colours::{COMPONENTS, viridis};
+use heliotile_results::outputs::pictures::colours::{COMPONENTS, viridis};
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
 /// A typical year of hours.
 fn year() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather/golden_tmy3.epw")
+    Path::new(crate::ROOT).join("tests/data/weather/golden_tmy3.epw")
 }
 
 fn good(folder: &Folder, arguments: &str) -> String {
@@ -275,7 +275,7 @@ fn what_cannot_be_drawn() {
 #[test]
 fn run_leaves_pictures() {
     let folder = Folder::new();
-    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/small.city.jsonl");
+    let model = Path::new(crate::ROOT).join("tests/data/cityjson/small.city.jsonl");
     let scene = model.display();
     let options = format!("--weather {} --quality draft --spacing 4m", golden().display());
     good(&folder, &format!("run {scene} {options} -o a.sun --map cityjson"));

@@ -3,16 +3,15 @@
 use std::fs;
 use std::process::Command;
 
-use heliotile::files::read_weather;
 use heliotile_builder::accuracy::conditions::{ErrorConditions, is_lit};
-use heliotile_builder::build::{Build, BuildReport, Forecast, NEGLIGIBLE_W_M2, PreparedScene, SKY_W_M2, SUN_W_M2};
-use heliotile_builder::observer::Silent;
+use heliotile_builder::pipeline::{Build, BuildReport, Forecast, NEGLIGIBLE_W_M2, PreparedScene, SKY_W_M2, SUN_W_M2};
 use heliotile_builder::planning::losses::YearLosses;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::settings::{BuildSettings, Effect, Effects};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter, mix, unit};
 use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::observer::Silent;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component::Total;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
@@ -22,6 +21,7 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
+use heliotile_scene::input::weather::read_weather;
 
 use crate::scenes::*;
 

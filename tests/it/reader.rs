@@ -38,7 +38,7 @@ const GOLDEN: [(&str, usize); 2] = [("v1.5-experimental", 89), ("v1.5-mirrors", 
 /// A file of a golden archive: `.helio`, what was made from it by `reader.py` and by `query`, and the conditions.
 fn golden(version: &str, extension: &str) -> PathBuf {
     let name = format!("tests/data/archives/{version}.{extension}");
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+    Path::new(crate::ROOT).join(name)
 }
 
 fn text(path: &Path) -> String {
@@ -267,7 +267,7 @@ fn digests(path: &Path) -> String {
 
 /// Exit code, output and messages of `reader.py`.
 fn python(program: &str, path: &Path) -> (Option<i32>, String, String) {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/reader.py");
+    let script = Path::new(crate::ROOT).join("tools/reader.py");
     let output = Command::new(program).arg(script).arg(path).arg("--digests").output().expect("HELIOTILE_PYTHON");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code(), text(&output.stdout), text(&output.stderr))

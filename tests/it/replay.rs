@@ -1,7 +1,6 @@
 //! Replay against the plain way to one condition's irradiance, which shares nothing with the kernels but the stored textures.
 
 use glam::DVec3;
-use heliotile::files::read_weather;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::hemisphere::bilinear;
 use heliotile_core::layers::bits::BitSquare;
@@ -18,6 +17,7 @@ use heliotile_core::sky::projection::Projection;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
+use heliotile_scene::input::weather::read_weather;
 use rayon::prelude::*;
 
 use crate::response::respond;

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use glam::DVec3;
-use heliotile_builder::build::{Build, BuildReport, Output, Plan, PreparedScene, Workspace};
-use heliotile_builder::observer::Silent;
+use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::settings::Quality;
@@ -16,6 +15,7 @@ use heliotile_core::error::Result;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Silent;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
@@ -237,7 +237,7 @@ impl Site {
 
 /// A file of the cut of The Hague.
 pub fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hague").join(name)
+    Path::new(crate::ROOT).join("tests/data/hague").join(name)
 }
 
 /// The program on its way to build the cut of The Hague for some receivers, coarsely, in less than a second.

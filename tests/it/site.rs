@@ -126,7 +126,7 @@ pub fn names(folder: &Path) -> Vec<String> {
 fn run_and_run_again() {
     let folder = Folder::new();
     fs::write(folder.path("a.obj"), houses(false)).expect("written");
-    let weather = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/weather/golden_3_days.epw");
+    let weather = format!("{}/tests/data/weather/golden_3_days.epw", crate::ROOT);
     let run = |more: &str| {
         let output = folder.run(&format!("run a.obj --weather {weather} --quality draft {more}"));
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -170,7 +170,7 @@ fn run_and_run_again() {
 #[test]
 fn place_travels() {
     let folder = Folder::new();
-    let root = env!("CARGO_MANIFEST_DIR");
+    let root = crate::ROOT;
     let (city, weather) = (
         format!("{root}/tests/data/cityjson/small.city.jsonl"),
         format!("{root}/tests/data/weather/golden_3_days.epw"),

@@ -11,7 +11,7 @@ const ROWS: usize = 168;
 
 /// Samples of the reference, a float32 TIFF of whole strips, little-endian: its heights begin after the directory, one after the other.
 fn reference() -> Vec<f32> {
-    let bytes = std::fs::read("tests/data/terrain/lakes_basin_sky_view.tif").expect("the reference");
+    let bytes = std::fs::read(Path::new(crate::ROOT).join("tests/data/terrain/lakes_basin_sky_view.tif")).expect("the reference");
     let first = 483;
     bytes[first..first + 4 * COLUMNS * ROWS]
         .chunks_exact(4)
@@ -23,7 +23,7 @@ fn reference() -> Vec<f32> {
 /// a pixel is in the mean within 0.005 of the independent raster, and 95 % of pixels are within 0.02.
 #[test]
 fn sky_view_of_a_basin() {
-    let scene = Scene::load(Path::new("tests/data/terrain/lakes_basin.tif"), None).expect("a scene");
+    let scene = Scene::load(&Path::new(crate::ROOT).join("tests/data/terrain/lakes_basin.tif"), None).expect("a scene");
     assert_eq!(scene.mesh.triangles.len(), 2 * 155 * 167);
     let tracer = Tracer::new(&scene.mesh).expect("a tracer");
     let reference = reference();

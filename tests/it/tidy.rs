@@ -5,8 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The crates, each with its folder below `src`; what lies in none of them is the program.
-const CRATES: [&str; 4] = ["core", "scene", "builder", "remote"];
+/// The crates, each with its folder below `src`.
+const CRATES: [&str; 8] = ["core", "scene", "builder", "remote", "results", "atlas", "energyplus", "program"];
+
+/// Those whose public types have names of their own.
+const ENGINE: [&str; 4] = ["core", "scene", "builder", "remote"];
 
 fn sources() -> Vec<(PathBuf, String)> {
     fn walk(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
@@ -21,56 +24,115 @@ fn sources() -> Vec<(PathBuf, String)> {
     }
     let mut found = Vec::new();
     for folder in ["src", "tests"] {
-        walk(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
+        walk(&Path::new(crate::ROOT).join(folder), &mut found);
     }
     found.sort();
     found
 }
 
-/// Crate and room of a file: `src/core/sky/perez.rs` -> core, sky; `None` outside `src` and for a crate's own `lib.rs`.
-fn room_of(path: &Path) -> Option<(String, String)> {
-    let inside = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).ok()?;
-    let mut parts = inside.iter().filter_map(|part| part.to_str());
-    let first = parts.next()?;
-    let (of_crate, room) = if CRATES.contains(&first) { (first, parts.next()?) } else { ("program", first) };
-    let room = room.trim_end_matches(".rs");
-    (!["lib", "main"].contains(&room)).then(|| (of_crate.to_string(), room.to_string()))
+/// Crate and module of a file: `src/core/sky/perez.rs` -> core, [sky, perez]; `None` outside the crates.
+fn module_of(path: &Path) -> Option<(String, Vec<String>)> {
+    let inside = path.strip_prefix(Path::new(crate::ROOT).join("src")).ok()?;
+    let mut parts: Vec<String> = inside.iter().filter_map(|part| Some(part.to_str()?.to_owned())).collect();
+    let of_crate = parts.remove(0);
+    let file = parts.pop()?;
+    let name = file.trim_end_matches(".rs");
+    if !["lib", "main", "mod"].contains(&name) {
+        parts.push(name.to_owned());
+    }
+    CRATES.contains(&of_crate.as_str()).then_some((of_crate, parts))
 }
 
-/// Between crates the compiler sees to it that data flows one way; inside them no rooms import each other in a circle: over 400 imports.
-#[test]
-fn rooms_have_no_circles() {
-    let (mut checked, mut imports) = (0, BTreeMap::<(String, String), BTreeSet<String>>::new());
-    for (path, text) in sources() {
-        let Some((of_crate, room)) = room_of(&path) else { continue };
-        let shipped = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-        if path.file_name().is_some_and(|name| name.to_string_lossy().ends_with("tests.rs")) {
+/// What a file ships: no tests, no comments.
+fn shipped(text: &str) -> String {
+    let shipped = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    shipped.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
+}
+
+fn is_of_tests(path: &Path) -> bool {
+    path.file_stem().is_some_and(|name| name.to_string_lossy().contains("test"))
+}
+
+/// Modules that a text names from the module `here`: after `crate::` and after each `super::`, with those in braces.
+fn named_modules(text: &str, here: &[String]) -> Vec<Vec<String>> {
+    let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let mut found = Vec::new();
+    let mut rest = text;
+    while let Some(at) = ["crate::", "super::"].iter().filter_map(|root| rest.find(root)).min() {
+        let is_own = rest[..at].chars().next_back().is_none_or(|c| !c.is_alphanumeric() && c != '_' && c != ':');
+        let mut base =
+            if rest[at..].starts_with("crate::") { Vec::new() } else { here[..here.len().max(1) - 1].to_vec() };
+        rest = &rest[at + "crate::".len()..];
+        while let Some(further) = rest.strip_prefix("super::") {
+            base.pop();
+            rest = further;
+        }
+        if !is_own {
             continue;
         }
-        for part in
-            shipped.lines().filter(|line| !line.trim_start().starts_with("//")).flat_map(|l| l.split("crate::").skip(1))
-        {
-            let name: String = part.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        let mut path = rest;
+        while let Some(segment) = Some(word(path)).filter(|segment| !segment.is_empty()) {
+            path = &path[segment.len()..];
+            base.push(segment);
+            path = path.strip_prefix("::").unwrap_or("");
+        }
+        match path.strip_prefix('{').and_then(|braced| braced.split_once('}')) {
+            Some((braced, _)) => found.extend(braced.split(',').map(|name| {
+                let mut whole = base.clone();
+                whole.extend(name.trim().split("::").map(word));
+                whole
+            })),
+            None => found.push(base),
+        }
+    }
+    found
+}
+
+/// Between crates the compiler sees to it that data flows one way. Inside them no rooms import each other in a circle, and in no folder do
+/// its folders, at whatever depth: over 900 imports.
+#[test]
+fn rooms_have_no_circles() {
+    type Folder = (String, Vec<String>);
+    let (mut modules, mut folders) = (BTreeSet::<Folder>::new(), BTreeSet::<Folder>::new());
+    let files: Vec<(PathBuf, String)> = sources().into_iter().filter(|(path, _)| !is_of_tests(path)).collect();
+    for (of_crate, module) in files.iter().filter_map(|(path, _)| module_of(path)) {
+        modules.insert((of_crate.clone(), module.clone()));
+        folders.extend((1..module.len()).map(|depth| (of_crate.clone(), module[..depth].to_vec())));
+    }
+    let mut imports = BTreeMap::<Folder, BTreeMap<String, BTreeSet<String>>>::new();
+    let mut checked = 0;
+    for (path, text) in &files {
+        let Some((of_crate, here)) = module_of(path) else { continue };
+        for named in named_modules(&shipped(text), &here) {
             checked += 1;
-            if name != room {
-                imports.entry((of_crate.clone(), room.clone())).or_default().insert(name);
+            // The folder in which both lie side by side.
+            let depth = here.iter().zip(&named).take_while(|(a, b)| a == b).count();
+            let (Some(from), Some(to)) = (here.get(depth), named.get(depth)) else { continue };
+            if modules.iter().any(|(other, module)| *other == of_crate && module.starts_with(&named[..=depth])) {
+                let folder = (of_crate.clone(), here[..depth].to_vec());
+                imports.entry(folder).or_default().entry(from.clone()).or_default().insert(to.clone());
             }
         }
     }
-    assert!(checked > 400, "only {checked} imports found");
-    // Rooms that import nothing that is left are taken away; a circle stays.
-    loop {
-        let rooms: BTreeSet<(String, String)> = imports.keys().cloned().collect();
-        let open = |of_crate: &str, names: &BTreeSet<String>| {
-            names.iter().any(|name| rooms.contains(&(of_crate.to_string(), name.clone())))
-        };
-        let before = imports.len();
-        imports.retain(|(of_crate, _), names| open(of_crate, names));
-        if imports.len() == before {
-            break;
+    assert!(checked > 900, "only {checked} imports found");
+    for (folder, mut arrows) in imports {
+        // What imports nothing that is left is taken away, and what nothing that is left imports; a circle stays.
+        loop {
+            let before = arrows.len();
+            let left: BTreeSet<String> = arrows.keys().cloned().collect();
+            let wanted: BTreeSet<String> = arrows.values().flatten().cloned().collect();
+            arrows.retain(|name, others| wanted.contains(name) && others.iter().any(|other| left.contains(other)));
+            if arrows.len() == before {
+                break;
+            }
         }
+        // Two files of one folder may know each other, as a type and its maker do.
+        let is_folder = |name: &String| {
+            let whole = [folder.1.clone(), vec![name.clone()]].concat();
+            folder.1.is_empty() || folders.contains(&(folder.0.clone(), whole))
+        };
+        assert!(!arrows.keys().any(is_folder), "a circle in {folder:?}: {arrows:#?}");
     }
-    assert!(imports.is_empty(), "circles: {imports:#?}");
 }
 
 /// No two public types of the engine's crates share a name, so that a word means one thing wherever it is met: over 150 types.
@@ -78,14 +140,13 @@ fn rooms_have_no_circles() {
 fn public_types_have_names_of_their_own() {
     let mut homes = BTreeMap::<String, PathBuf>::new();
     for (path, text) in sources() {
-        let of_engine = room_of(&path).is_some_and(|(of_crate, _)| of_crate != "program");
-        let for_tests = path.file_stem().is_some_and(|name| name.to_string_lossy().contains("test"));
+        let of_engine = module_of(&path).is_some_and(|(of_crate, _)| ENGINE.contains(&of_crate.as_str()));
+        let for_tests = is_of_tests(&path);
         // What a reader of one format calls its parts stays in its file.
         if !of_engine || for_tests || path.components().any(|part| part.as_os_str() == "formats") {
             continue;
         }
-        let shipped = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-        for line in shipped.lines() {
+        for line in shipped(&text).lines() {
             let mut words = line.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
             let (first, kind) = (words.next(), words.next());
             let is_type = line.starts_with("pub ") && matches!(kind, Some("struct" | "enum" | "trait" | "type"));
@@ -146,7 +207,7 @@ fn tests_say_what_they_prove() {
 #[test]
 fn the_engine_is_small() {
     let mut tree = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()));
-    tree.current_dir(env!("CARGO_MANIFEST_DIR")).args(["tree", "--locked", "--offline", "-p", "heliotile-core"]);
+    tree.current_dir(crate::ROOT).args(["tree", "--locked", "--offline", "-p", "heliotile-core"]);
     let found = tree.args(["--no-default-features", "-e", "normal", "--prefix", "none"]).output().expect("cargo runs");
     assert!(found.status.success(), "{}", String::from_utf8_lossy(&found.stderr));
     let text = String::from_utf8(found.stdout).expect("UTF-8");
@@ -182,7 +243,7 @@ fn the_engine_is_small() {
 /// one, the system's temporary folder, the environment, a clock or a thread, and none prints.
 #[test]
 fn the_engine_asks_nobody() {
-    let core = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/core");
+    let core = Path::new(crate::ROOT).join("src/core");
     let of_files = ["archive/read_at.rs", "archive/source.rs", "archive/mapping.rs"];
     let barred = ["std::fs", "std::env", "std::thread", "std::time", "tempfile", "println!", "print!(", "dbg!("];
     let mut checked = 0;
@@ -200,4 +261,21 @@ fn the_engine_asks_nobody() {
         checked += 1;
     }
     assert!(checked > 80, "only {checked} files");
+}
+
+/// Every path in `code` on the page of recipes is a file or a folder that exists, or one in a folder that does (`NAME`): over 60 paths.
+#[test]
+fn recipes_name_files_that_exist() {
+    let root = Path::new(crate::ROOT);
+    let text = fs::read_to_string(root.join("src/book/contributing.md")).expect("a page");
+    let is_path = |word: &&str| ["src/", "tests/", "tools/", "schema/"].iter().any(|folder| word.starts_with(folder));
+    let paths: Vec<&str> = text.split('`').skip(1).step_by(2).filter(is_path).collect();
+    for path in &paths {
+        let known = match path.rsplit_once('/') {
+            Some((folder, file)) if file.starts_with("NAME") => folder,
+            _ => path,
+        };
+        assert!(root.join(known).exists(), "src/book/contributing.md names {path}, which is not there");
+    }
+    assert!(paths.len() > 60, "only {} paths", paths.len());
 }

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use heliotile_builder::build::Workspace;
-use heliotile_builder::observer::Silent;
+use heliotile_builder::pipeline::Workspace;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::transfer::{Differences, Selection, diff, extract, merge};
 use heliotile_builder::writing::{Job, Writer};
@@ -13,6 +12,7 @@ use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, en
 use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::response::{self, Response};
 use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::observer::Silent;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;

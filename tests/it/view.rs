@@ -98,7 +98,7 @@ fn view_serves_its_own_files() {
 #[test]
 fn view_serves_the_parts_of_an_atlas() {
     let folder = Folder::new();
-    let model = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    let model = std::path::Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     let cut = "--crs EPSG:28992 --spacing 4m --quality draft --part-size 45m --sample 0 -o atlas";
     assert!(folder.run(&format!("partition {} {cut}", model.display())).status.success());
     folder.refused("view atlas --port 0", &["atlas", "no part that is built"]);

@@ -21,7 +21,7 @@ static LAWN: LazyLock<Site> = LazyLock::new(|| {
 });
 
 pub fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather").join(name)
+    Path::new(crate::ROOT).join("tests/data/weather").join(name)
 }
 
 /// A weather file of hourly rows; `light` gives GHI, DNI and DHI of a date and hour 0 to 23.
@@ -280,7 +280,12 @@ fn packed_files() {
 #[test]
 fn place_of_the_archive() {
     let mut lawn = scene(&ground(50.0, 0.0, 0), &[0.2]);
-    lawn.place = Some(heliotile::Place { latitude_deg: 52.0, longitude_deg: 4.3, convergence_deg: 0.0, epsg: None });
+    lawn.place = Some(heliotile_core::site::place::Place {
+        latitude_deg: 52.0,
+        longitude_deg: 4.3,
+        convergence_deg: 0.0,
+        epsg: None,
+    });
     let archive = site(&lawn, &[receiver("up", v(0.0, 0.0, 20.0), DVec3::Z)], &BuildSettings::default());
     let folder = tempfile::tempdir().expect("a scratch folder");
     let csv = folder.path().join("station.csv");

@@ -6,10 +6,14 @@ use glam::{DMat3, DVec3};
 
 use crate::settings::BuildSettings;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::site::place::Place;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::clear::clear_sky;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::series::Weather;
+use heliotile_scene::input::weather::read_weather_as;
 
 /// Altitudes of the suns, degrees: below, hardly any energy comes; above, few places have the sun.
 const LOWEST_DEG: f64 = 4.0;
@@ -68,6 +72,19 @@ pub enum ErrorConditions {
 }
 
 impl ErrorConditions {
+    /// Of a weather file, or suns from all sides without one. Warns of what is doubtful in the file.
+    pub fn read(
+        file: Option<&Path>,
+        options: &WeatherOptions,
+        place: Option<Place>,
+        observer: &dyn Observer,
+    ) -> Result<Self> {
+        let Some(path) = file else { return Ok(ErrorConditions::Spread) };
+        let weather = read_weather_as(path, options, &mut || Ok(place))?;
+        weather.report.warnings.iter().for_each(|warning| observer.warn(warning));
+        ErrorConditions::of_weather(path, weather)
+    }
+
     /// Of a weather file, which has an hour with light.
     pub fn of_weather(path: &Path, weather: Weather) -> Result<Self> {
         if !weather.conditions(1).iter().any(is_lit) {

@@ -17,8 +17,7 @@ mod well_tests;
 
 use std::time::Instant;
 
-use crate::build::{Build, Workspace};
-use crate::observer::Stage;
+use crate::pipeline::{Build, Workspace};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::ladder::{self, BOUNCED_RUNGS, SEEN_RUNGS, SKY_RUNGS};
 use crate::settings::{BuildSettings, Effects, Rungs};
@@ -26,6 +25,7 @@ use conditions::ErrorConditions;
 use estimate::{Errors, patch_errors, rung};
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Stage;
 use heliotile_core::site::receiver::{Receiver, TILE};
 use judged::{JudgedSample, rounded};
 use trial::{Bench, ErrorSource, Trial};

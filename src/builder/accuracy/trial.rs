@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use crate::build::{Build, Output, Plan, PreparedScene, RayCounts, Start, Workspace};
-use crate::observer::Observer;
+use crate::pipeline::{Build, Output, Plan, PreparedScene, RayCounts, Start, Workspace};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::BuildSettings;
 use crate::spill::TempFiles;
@@ -15,6 +14,7 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};

@@ -4,12 +4,12 @@ use glam::DVec3;
 
 use super::sample;
 use super::trial::Bench;
-use crate::build::{PreparedScene, Workspace};
 use crate::judge::{Judge, JudgedSky};
-use crate::observer::Silent;
+use crate::pipeline::{PreparedScene, Workspace};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{Effects, Quality, Rungs};
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Silent;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;

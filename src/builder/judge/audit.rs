@@ -11,14 +11,14 @@ use super::hours::HourSample;
 use super::random::Random;
 use super::sky::JudgedSky;
 use super::walk::Judge;
-use crate::build::PreparedScene;
-use crate::observer::{Observer, Stage};
+use crate::pipeline::PreparedScene;
 use crate::settings::Effects;
-use crate::spill::TempFiles;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::hemisphere::mix;
+use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
@@ -52,7 +52,7 @@ pub struct AuditRequest<'a> {
     /// For replay.
     pub memory: MemoryBudget,
     /// Its files.
-    pub storage: &'a TempFiles,
+    pub storage: &'a dyn ScratchSpace,
     /// Told how far it is, and asked whether to stop.
     pub observer: &'a dyn Observer,
 }

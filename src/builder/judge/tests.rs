@@ -1,5 +1,5 @@
 use super::*;
-use crate::build::PreparedScene;
+use crate::pipeline::PreparedScene;
 use crate::settings::Effects;
 use glam::DVec3;
 use heliotile_core::hemisphere::mix;

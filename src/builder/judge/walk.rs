@@ -9,7 +9,7 @@ use super::estimate::{BATCHES, Batch, Judged};
 use super::random::{EVEN, Random, even};
 use super::sky::{JudgedSky, SkyPlace, cosine};
 use super::sun::SunLook;
-use crate::build::PreparedScene;
+use crate::pipeline::PreparedScene;
 use crate::settings::{Effect, Effects};
 use crate::trace::canopy::{Canopies, Path};
 use crate::trace::kernel::rays::Hit;

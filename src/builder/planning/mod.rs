@@ -2,15 +2,19 @@
 //! the choice of settings that it rests on.
 
 pub mod losses;
+mod request;
+pub mod tables;
 
 use crate::accuracy::conditions::ErrorConditions;
 use crate::accuracy::judged::rounded;
 use crate::accuracy::{PilotRequest, SettingsChoice, choose};
-use crate::build::{Build, Forecast, Plan};
+use crate::pipeline::{Build, Forecast, Plan};
 use crate::settings::{BuildSettings, Effect, EffectChoice};
 use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::error::Result;
 use losses::YearLosses;
+
+pub use request::{AccuracyRequest, BuildDone, BuildRequest};
 
 /// What is wished of a build.
 pub struct PlanRequest<'a> {

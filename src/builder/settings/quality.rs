@@ -1,7 +1,11 @@
 //! Named rungs of the accuracy ladder.
 
+use heliotile_core::named::NamedValues;
+use serde::{Deserialize, Serialize};
+
 /// A named rung of the accuracy ladder; what it means in textures and cells follows from [`Rungs::of`](crate::settings::Rungs::of).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Quality {
     /// A quick look.
     Draft,
@@ -27,4 +31,13 @@ impl Quality {
             Quality::Reference => "reference",
         }
     }
+}
+
+impl NamedValues for Quality {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("draft", "A quick look", Quality::Draft),
+        ("standard", "Near the knee of error against time", Quality::Standard),
+        ("fine", "For publication", Quality::Fine),
+        ("reference", "To judge the others by", Quality::Reference),
+    ];
 }

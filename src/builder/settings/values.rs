@@ -4,15 +4,17 @@
 use heliotile_core::archive::settings::{Ladder, SETTINGS, Settings};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::for_each_setting;
+use heliotile_core::named::NamedValues;
 
 use super::effects::Effects;
 use super::ladder::{Rungs, quality_of};
 use super::quality::Quality;
 
 /// How probes are shared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Share {
     /// By all receivers that see a cell.
+    #[default]
     Cells,
     /// By nobody: a hemisphere of its own for every hit, the slow reference.
     None,
@@ -164,6 +166,13 @@ impl BuildSettings {
     pub fn hash(&self) -> Result<[u8; 32]> {
         self.stated().hash()
     }
+}
+
+impl NamedValues for Share {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("cells", "All receivers that see a cell", Share::Cells),
+        ("none", "Nobody: a hemisphere of its own for every hit", Share::None),
+    ];
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ mod siting_tests;
 
 use glam::DVec3;
 
-use crate::build::PreparedScene;
+use crate::pipeline::PreparedScene;
 use crate::trace::Ray;
 use heliotile_core::site::material::Class;
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Enclosed, Siting};
-use crate::build::PreparedScene;
+use crate::pipeline::PreparedScene;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_scene::Scene;
 

@@ -10,7 +10,7 @@ mod scratch;
 mod sorter;
 
 pub use merge::Sorted;
-pub use scratch::TempFiles;
+pub use scratch::{SystemTemp, TempFiles};
 pub use sorter::Sorter;
 
 use std::io;

@@ -31,6 +31,16 @@ impl ScratchSpace for TempFiles {
     }
 }
 
+/// Temporary storage in the system's folder for it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SystemTemp;
+
+impl ScratchSpace for SystemTemp {
+    fn scratch(&self) -> Result<Box<dyn Scratch>> {
+        TempFiles::new(std::env::temp_dir()).scratch()
+    }
+}
+
 struct TempFile {
     folder: Arc<Path>,
     file: File,

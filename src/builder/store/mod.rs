@@ -9,10 +9,10 @@ mod folder;
 use std::path::PathBuf;
 use std::time::SystemTime;
 
-use crate::observer::Observer;
 pub use folder::Folder;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
+use heliotile_core::observer::Observer;
 
 /// What decides which archives can serve a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

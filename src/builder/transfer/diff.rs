@@ -1,8 +1,12 @@
 //! What two archives do not share.
 
-use crate::build::Workspace;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::pipeline::Workspace;
 use crate::spill::{Sorted, Sorter};
 use crate::transfer::compare::{Difference, differences};
+use crate::transfer::conflicts::listed;
 use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::unknown;
 use crate::transfer::rows::{ArchiveReceivers, all_cells};
@@ -34,6 +38,40 @@ pub struct Differences {
 }
 
 impl Differences {
+    /// What differs between the archives of these paths, as a short text; lists name the first of many.
+    pub fn table(&self, [a, b]: [&Path; 2]) -> String {
+        let found = self;
+        let mut out = String::new();
+        if found.is_equal() {
+            let roots = match found.same_root {
+                true => "and so are the roots",
+                false => "but not the roots: cut or packed in another way, or written by another release",
+            };
+            return format!("equal, {roots}\n");
+        }
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "A {}\nB {}", a.display(), b.display());
+        for Difference { item, values: [a, b] } in &found.statements {
+            let _ = writeln!(out, "{item}: {a} in A, {b} in B");
+        }
+        const CELLS: &str = " (level/facing/material/voxel)";
+        for (thing, note, parted) in [
+            ("receiver", "", &found.receivers),
+            ("probe", CELLS, &found.probes),
+            ("bounce cell", CELLS, &found.bounces),
+            ("unknown block", "", &found.unknown),
+        ] {
+            for (side, names) in
+                [("only in A", &parted.only_a), ("only in B", &parted.only_b), ("different", &parted.different)]
+            {
+                if names.count > 0 {
+                    let _ = writeln!(out, "{side:<9}  {}{note}", listed(names.count, thing, &names.first));
+                }
+            }
+        }
+        out
+    }
+
     /// Whether both hold the same, however it is packed.
     pub fn is_equal(&self) -> bool {
         let parts = [&self.receivers, &self.probes, &self.bounces, &self.unknown];

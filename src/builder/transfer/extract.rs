@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use crate::build::Workspace;
-use crate::observer::Observer;
+use crate::pipeline::Workspace;
 use crate::transfer::output::{ArchiveAssembly, Assembled};
 use crate::transfer::reach::{Keys, Marks};
 use crate::transfer::rows::{ArchiveReceivers, Shown, TracedLayers, cells};
@@ -13,6 +12,7 @@ use heliotile_core::archive::{Archive, Manifest};
 use heliotile_core::error::Result;
 use heliotile_core::layers::response::Response;
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::opened::{CellSource, OpenSite};
 
 /// What an extract did.

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use crate::build::Workspace;
-use crate::observer::Observer;
+use crate::pipeline::Workspace;
 use crate::spill::Sorter;
 use crate::transfer::compare::differences;
 use crate::transfer::conflicts::Conflicts;
@@ -17,6 +16,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::response::Response;
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::opened::{CellSource, OpenSite};
 
 /// What may differ between archives that fit: counted, estimated or left out by each build for itself.

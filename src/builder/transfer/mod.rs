@@ -18,7 +18,6 @@ mod selection;
 mod union;
 
 pub use compare::Difference;
-pub use conflicts::listed;
 pub use diff::{Differences, Names, Parted, diff};
 pub use extract::{Extracted, Whole, extract};
 pub use merge::{Merged, merge};

@@ -5,10 +5,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::build::Workspace;
-use crate::observer::{Observer, Stage};
 use crate::pack;
 use crate::pack::Chunks;
+use crate::pipeline::Workspace;
 use crate::transfer::compare::shows;
 use crate::transfer::rows::{LayeredReceiver, Shown, TracedLayers};
 use crate::writing::{Job, Summary, Writer};
@@ -20,6 +19,7 @@ use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::memory::Use;
+use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::site::receiver::TILE;
 
 /// The archive being written; the methods are called in the order in which they stand.

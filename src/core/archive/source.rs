@@ -1,6 +1,7 @@
 //! An archive's bytes with the name that messages give them. In: a path, or any [`ReadAt`]. Out: owned copies of ranges.
 
 #[cfg(any(unix, windows))]
+use crate::named::NamedValues;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -93,6 +94,13 @@ fn bytes_of(file: File, access: Access) -> io::Result<Box<dyn ReadAt>> {
 #[cfg(all(not(feature = "mmap"), any(unix, windows)))]
 fn bytes_of(file: File, _: Access) -> io::Result<Box<dyn ReadAt>> {
     Ok(Box::new(OpenFile::new(file)?))
+}
+
+impl NamedValues for Access {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("map", "Through a mapping: fastest once the file is in memory", Access::Mapped),
+        ("pread", "By reads at a position: for files that others may shorten, and network file systems", Access::Read),
+    ];
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ pub mod seen;
 mod shine;
 mod sources;
 pub mod sun_hours;
+mod through_canopy;
 pub mod tile;
 mod tile_layers;
 pub mod values;

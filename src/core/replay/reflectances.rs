@@ -1,6 +1,7 @@
 //! Reflectances and transmittances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out:
 //! schedules of materials, checked.
 
+use crate::named::NamedValues;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -291,6 +292,13 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
         }
     }
     Ok(Schedule { materials: members, values })
+}
+
+impl NamedValues for Snow {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("depth", "The snow's reflectance wherever the snow depth is 1 cm or more", Snow::Depth),
+        ("albedo", "The column `albedo`, wherever it has a value", Snow::Albedo),
+    ];
 }
 
 #[cfg(test)]

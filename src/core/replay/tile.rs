@@ -17,11 +17,11 @@ use crate::replay::components::Component::{
 use crate::replay::components::ComponentSet;
 use crate::replay::direct::sky_masks::{LANES, SkyMasks, TexelPlanes};
 use crate::replay::direct::suns::SunLookups;
-use crate::replay::direct::through_canopy::DirectThroughCanopy;
 use crate::replay::longwave::Longwave;
 use crate::replay::response_sums::ResponseSums;
 use crate::replay::shine::Shine;
 use crate::replay::sources::Sources;
+use crate::replay::through_canopy::DirectThroughCanopy;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{Spares, TileValues, put};
 use crate::site::material::Class;

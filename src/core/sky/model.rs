@@ -5,6 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::sky::distribution::Distribution;
@@ -12,7 +13,8 @@ use crate::sky::{perez, perez1990};
 use crate::weather::conditions::Condition;
 
 /// How the radiance of the sky is distributed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub enum SkyModel {
     /// Perez all-weather 1993, from DNI and DHI.
     #[default]
@@ -74,6 +76,31 @@ const CIE: [[f64; 5]; 15] = [
 ];
 
 impl SkyModel {
+    /// Names of the models that have no number, and what they are. `cie:1` to `cie:15` name the others.
+    pub const NAMED: [(&'static str, &'static str, SkyModel); 3] = [
+        ("perez", "all-weather, 1993", SkyModel::Perez),
+        ("perez1990", "tilted surfaces as of EnergyPlus and pvlib", SkyModel::Perez1990),
+        ("uniform", "the same radiance everywhere", SkyModel::Uniform),
+    ];
+
+    /// All models.
+    pub fn all() -> impl Iterator<Item = SkyModel> {
+        let general = (1..=15).filter_map(CieType::new).map(SkyModel::Cie);
+        Self::NAMED.iter().map(|(.., sky)| *sky).chain(general)
+    }
+
+    /// Names of all models, for messages: `perez, perez1990, uniform, cie:1 to cie:15`.
+    pub fn names() -> String {
+        let names: Vec<&str> = Self::NAMED.iter().map(|(name, ..)| *name).collect();
+        format!("{}, cie:1 to cie:{}", names.join(", "), CIE.len())
+    }
+
+    /// The same with what they are, for help.
+    pub fn described() -> String {
+        let named: Vec<String> = Self::NAMED.iter().map(|(name, meaning, _)| format!("{name} ({meaning})")).collect();
+        format!("Sky radiance distribution: {}, or cie:1 to cie:{}", named.join(", "), CIE.len())
+    }
+
     /// The distribution of the dome of a condition's sky.
     pub fn distribution(self, condition: &Condition) -> Distribution {
         match self {
@@ -114,6 +141,20 @@ impl SkyModel {
     }
 }
 
+impl From<SkyModel> for String {
+    fn from(sky: SkyModel) -> String {
+        sky.to_string()
+    }
+}
+
+impl TryFrom<String> for SkyModel {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self, Error> {
+        text.parse()
+    }
+}
+
 impl FromStr for SkyModel {
     type Err = Error;
 
@@ -122,26 +163,23 @@ impl FromStr for SkyModel {
             let number = text.strip_prefix("cie:")?.parse().ok()?;
             CieType::new(number).map(SkyModel::Cie)
         };
-        match text {
-            "perez" => Ok(SkyModel::Perez),
-            "perez1990" => Ok(SkyModel::Perez1990),
-            "uniform" => Ok(SkyModel::Uniform),
-            _ => cie().ok_or_else(|| Error::Unsupported {
-                what: "sky model".into(),
-                found: format!("`{text}`"),
-                supported: "perez, perez1990, uniform and cie:1 to cie:15".into(),
-            }),
-        }
+        let named = SkyModel::NAMED.iter().find(|(name, ..)| *name == text).map(|(.., sky)| *sky);
+        named.or_else(cie).ok_or_else(|| Error::Unsupported {
+            what: "sky model".into(),
+            found: format!("`{text}`"),
+            supported: SkyModel::names(),
+        })
     }
 }
 
 impl fmt::Display for SkyModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            SkyModel::Perez => f.write_str("perez"),
-            SkyModel::Perez1990 => f.write_str("perez1990"),
-            SkyModel::Uniform => f.write_str("uniform"),
             SkyModel::Cie(CieType(number)) => write!(f, "cie:{number}"),
+            named => {
+                let known = SkyModel::NAMED.iter().find(|(.., sky)| sky == named);
+                f.write_str(known.map_or("", |(name, ..)| name))
+            }
         }
     }
 }
@@ -150,6 +188,14 @@ impl fmt::Display for SkyModel {
 mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
+
+    /// All 18 models are called by a name that reads as the same model again, and no two share one.
+    #[test]
+    fn names_read_as_their_models() {
+        let names: std::collections::BTreeSet<String> = SkyModel::all().map(|sky| sky.to_string()).collect();
+        assert_eq!(names.len(), 18);
+        assert!(SkyModel::all().all(|sky| sky.to_string().parse::<SkyModel>().is_ok_and(|read| read == sky)));
+    }
 
     fn cie(number: u8) -> Distribution {
         CieType::new(number).expect("a type").distribution()
@@ -204,7 +250,7 @@ mod tests {
         }
         for bad in ["", "Perez ", "cie", "cie:", "cie:0", "cie:16", "cie:256", "cie:-1"] {
             let text = bad.parse::<SkyModel>().expect_err(bad).to_string();
-            assert!(text.contains("perez, perez1990, uniform and cie:1 to cie:15"), "{text}");
+            assert!(text.contains("perez, perez1990, uniform, cie:1 to cie:15"), "{text}");
         }
     }
 }

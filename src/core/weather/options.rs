@@ -1,9 +1,13 @@
 //! What a user says about a weather file that the file does not say, or says wrongly. In: options as text. Out: checked values.
 
+use serde::{Deserialize, Serialize};
+
+use crate::named::NamedValues;
 use std::str::FromStr;
 
 /// What is to be made of a weather file; the default believes the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct WeatherOptions {
     /// North positive, in place of the file's.
     pub latitude_deg: Option<f64>,
@@ -78,13 +82,31 @@ impl DateOrder {
     }
 }
 
-/// How far the time stamps of a file are moved before the sun is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How far the time stamps of a file are moved before the sun is computed: `auto`, or minutes as in `41min`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub enum TimeShift {
     /// So many minutes, later if positive.
     Minutes(f64),
     /// To where GHI = DHI + DNI cos z fits best, if it fits clearly better there.
     Auto,
+}
+
+impl From<TimeShift> for String {
+    fn from(shift: TimeShift) -> String {
+        match shift {
+            TimeShift::Minutes(minutes) => format!("{minutes}min"),
+            TimeShift::Auto => "auto".to_owned(),
+        }
+    }
+}
+
+impl TryFrom<String> for TimeShift {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
 }
 
 impl Default for TimeShift {
@@ -149,6 +171,24 @@ pub fn parse_zone(text: &str) -> Option<f64> {
     };
     Some(sign * hours).filter(|hours| (-12.0..=14.0).contains(hours))
 }
+
+impl NamedValues for StampedAt {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        (StampedAt::Start.name(), "The interval starts there", StampedAt::Start),
+        (StampedAt::Middle.name(), "It is the middle of the interval", StampedAt::Middle),
+        (StampedAt::End.name(), "The interval ends there", StampedAt::End),
+    ];
+}
+
+impl NamedValues for DateOrder {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        (DateOrder::Dmy.name(), "Day, month, year: 31/12/2021", DateOrder::Dmy),
+        (DateOrder::Mdy.name(), "Month, day, year: 12/31/2021", DateOrder::Mdy),
+        (DateOrder::Ymd.name(), "Year, month, day: 21/12/31", DateOrder::Ymd),
+    ];
+}
+
+crate::serde_by_name!(StampedAt, DateOrder);
 
 #[cfg(test)]
 mod tests {

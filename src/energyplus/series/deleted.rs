@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::energyplus::document::{Document, ModelObject};
+use crate::document::{Document, ModelObject};
 
 /// Shades that belong to no zone.
 const SURROUNDINGS: [&str; 4] =

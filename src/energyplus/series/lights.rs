@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::steps::Steps;
-use crate::results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 
 /// Reflected light, whatever it meets.
 pub const REFLECTED: &[&[Component]] =

@@ -1,10 +1,10 @@
 //! What a model gets so that it reads a series. In: names of surfaces with columns of a table of numbers. Out: schedules, sensors, actuators
 //! and programs; shadows at each time step; how much sky surfaces see with their heat.
 
-use crate::energyplus::document::Document;
-use crate::energyplus::erl::Names;
-use crate::energyplus::injection::{PROGRAM_SURFACES, add_programs};
-use crate::energyplus::new_object::{FieldValue, NewObject};
+use crate::document::Document;
+use crate::erl::Names;
+use crate::injection::{PROGRAM_SURFACES, add_programs};
+use crate::new_object::{FieldValue, NewObject};
 use heliotile_core::error::Result;
 
 /// What surrounding surfaces see at least: 0 would switch the whole object off (measured).

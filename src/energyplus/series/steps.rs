@@ -75,13 +75,13 @@ fn at_end(rows: &[WeatherRow], hour: usize, share: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::read_weather;
+    use heliotile_scene::input::weather::read_weather;
 
     /// What EnergyPlus 25.2 reports for 10 June of Golden, hour 6, which has 51 and 37 W/m2 before 465 and 86: at a quarter to 6 154.5 and 49.25
     /// with the sun at 11.76 degrees, of one step an hour 51 and 37 at 9.07. Three days are no year.
     #[test]
     fn as_energyplus_has_them() {
-        let file = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/weather").join(name);
+        let file = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather").join(name);
         let path = file("golden_tmy3.epw");
         let weather = read_weather(&path).expect("a weather file");
         let hour = 160 * 24 + 5;

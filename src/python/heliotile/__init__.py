@@ -8,7 +8,7 @@
 """
 
 from . import errors
-from ._heliotile import __version__, tiles_computed
+from ._heliotile import __version__
 from .archive import Archive
 from .askable import Factors, Material, Place
 from .atlas import Atlas, AtlasPart
@@ -28,6 +28,7 @@ from .errors import (
 )
 from .results import Results
 from .scene import BuildReport, Scene, build
+from .studies import Study, diff, energyplus, merge, partition, pv, run
 from .weather import Weather
 
 __all__ = [
@@ -51,10 +52,16 @@ __all__ = [
     "Results",
     "Scene",
     "StoppedError",
+    "Study",
     "UnsupportedError",
     "Weather",
     "__version__",
     "build",
+    "diff",
+    "energyplus",
     "errors",
-    "tiles_computed",
+    "merge",
+    "partition",
+    "pv",
+    "run",
 ]

@@ -20,7 +20,17 @@ def shown(place: str) -> str:
     """What messages call a place: of an address, no password and no signature."""
 
 def program(words: list[str]) -> int:
-    """Runs the program with these words, its name first; once in a process. Its exit code."""
+    """Runs the program with these words, its name first. Its exit code."""
+
+def run(text: str, memory: int, progress: Progress | None) -> tuple[str, str, list[str], str]: ...
+def pv(text: str, memory: int, progress: Progress | None) -> tuple[str, str, list[str], str]: ...
+def energyplus(text: str, memory: int, progress: Progress | None) -> None: ...
+def partition(
+    text: str, atlas: str, replace: bool, sample: int, memory: int, progress: Progress | None
+) -> tuple[int, str | None]: ...
+def catalogue(atlas: str, title: str | None, license: str) -> None: ...
+def merge(archives: list[str], output: str, memory: int, progress: Progress | None) -> None: ...
+def diff(archives: list[str], memory: int) -> tuple[bool, str]: ...
 
 class Block:
     """Numbers that NumPy takes as an array without copying, read-only."""
@@ -80,6 +90,24 @@ class ArchiveHandle:
     def query(
         self, light: dict[str, Any], conditions: dict[str, Any], receivers: Any, progress: Progress | None
     ) -> Recombined: ...
+    def write(
+        self,
+        light: dict[str, Any],
+        replay: dict[str, Any] | None,
+        conditions: dict[str, Any] | None,
+        receivers: Any,
+        files: str,
+        progress: Progress | None,
+    ) -> str | None: ...
+    def buildings(
+        self, light: dict[str, Any], replay: dict[str, Any], files: str, progress: Progress | None
+    ) -> tuple[int, int]: ...
+    def places(
+        self, light: dict[str, Any], replay: dict[str, Any], files: str, progress: Progress | None
+    ) -> tuple[int, int]: ...
+    def extract(
+        self, output: str, receivers: Any, with_scene: bool, memory: int, progress: Progress | None
+    ) -> ArchiveHandle: ...
     def lazy(self, light: dict[str, Any], args: dict[str, Any], cache: int) -> LazyReplay: ...
     def factors(
         self,

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _heliotile
-from .askable import Askable, WantedArgs
+from .askable import Askable
+from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -38,10 +39,29 @@ class Archive(Askable):
         path = os.fspath(path)
         return cls(_heliotile.ArchiveHandle.open(path, access, grid_north), path, access, grid_north)
 
+    def __enter__(self) -> Archive:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """The file is closed with the last reference; nothing has to be written."""
+
     @property
     def root(self) -> str:
         """Hash of the archive's content."""
         return self._handle.root
+
+    def extract(
+        self,
+        output: str | os.PathLike[str],
+        receivers: Wanted,
+        *,
+        with_scene: bool = True,
+        memory: int = MEMORY,
+        progress: Progress | None = None,
+    ) -> Archive:
+        """Writes an archive of some receivers, named as in `replay`, and opens it: `heliotile extract`, byte by byte."""
+        handle = self._handle.extract(os.fspath(output), wanted_args(receivers), with_scene, memory, progress)
+        return Archive(handle, os.fspath(output))
 
     def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
         return self._handle

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import _heliotile
 from .archive import Archive, absolute
-from .askable import MEMORY, Askable, Wanted, WantedArgs, wanted_args
+from .askable import Askable
+from .options import MEMORY, Wanted, WantedArgs, wanted_args
 from .errors import Error, InputError
 from .given import wrong
 
@@ -51,6 +52,10 @@ class Atlas(Askable):
     def open(cls, path: str | os.PathLike[str], *, grid_north: bool = False) -> Atlas:
         """The atlas of a folder, or of an address such as `s3://bucket/atlas`. `grid_north` as of `Archive.open`."""
         return cls(path, grid_north)
+
+    def catalogue(self, *, title: str | None = None, license: str = "other") -> None:
+        """Writes a static STAC catalogue of the parts that are built, with pictures and a page: `heliotile catalogue`."""
+        _heliotile.catalogue(self.path, title, license)
 
     def parts(self, bbox: Box | None = None) -> list[AtlasPart]:
         """Its parts by name, those that a box touches if there is one, as they are now."""

@@ -13,7 +13,7 @@ from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
 from .archive import Archive
-from .askable import MEMORY, Follow, Wanted, light_args, replay_args, wanted_args
+from .options import MEMORY, Follow, ReplayOptions, Wanted, light_args, replay_args, wanted_args
 from .lazy import LazyReplay
 
 #: Receivers of a tile: what is computed at a time.
@@ -89,9 +89,13 @@ class HeliotileBackend(BackendEntrypoint):
         archive = filename_or_obj
         if not isinstance(archive, Archive):
             archive = Archive.open(filename_or_obj, access=access, grid_north=grid_north)
-        light = light_args(columns, reflectance, transmittance, sky, patches, paths, bounces, memory)
-        args = replay_args(weather, every, stamp, year, start, end, steps, snow, snow_reflectance, temperature)
-        replay = LazyReplay(archive, light, args, cache_bytes)
+        # xarray reads the names of its choices from the signature.
+        options = ReplayOptions(
+            columns=columns, reflectance=reflectance, transmittance=transmittance, sky=sky, patches=patches, paths=paths, bounces=bounces,
+            memory=memory, every=every, stamp=stamp, year=year, start=start, end=end, steps=steps, snow=snow, snow_reflectance=snow_reflectance,
+            temperature=temperature,
+        )
+        replay = LazyReplay(archive, light_args(options), replay_args(weather, options), cache_bytes)
         frame = replay.frame
         shape = (frame.receivers, len(frame.labels))
         dims = ("receiver", frame.label)

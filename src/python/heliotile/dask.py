@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import given
 from .archive import Archive, absolute
-from .askable import Wanted
+from .options import Wanted
 from .atlas import Atlas
 from .workers import share_threads
 

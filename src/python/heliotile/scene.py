@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _heliotile, given
 from .archive import Archive, absolute
-from .askable import MEMORY, Progress
+from .options import MEMORY, Progress
 from .tables import columns_of, csv_of
 
 
@@ -32,6 +32,8 @@ class Scene:
         EPSG number of the coordinates, or degrees, north and east positive; each counts more than what files say.
     rotate_deg, elevation, scale
         Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres a unit.
+    up
+        The axis that points up in OBJ, PLY and STL files: `"z"`, with y to the north, or `"y"`, with z to the south.
     """
 
     def __init__(
@@ -47,6 +49,7 @@ class Scene:
         rotate_deg: float | None = None,
         elevation: float | None = None,
         scale: float | None = None,
+        up: str | None = None,
     ) -> None:
         listed = [files] if isinstance(files, (str, os.PathLike)) else files
         self.files = [os.fspath(file) for file in listed]
@@ -61,6 +64,7 @@ class Scene:
             "rotate_deg": given.number("rotate_deg", rotate_deg),
             "elevation": given.number("elevation", elevation),
             "scale": given.number("scale", scale),
+            "up": up,
         }
         self._handle = _heliotile.SceneHandle.load(self._args)
 
@@ -111,6 +115,14 @@ class Scene:
             "min_area": given.number("min_area", min_area, "give m2"),
         }
         return self._handle.cover(os.fspath(output), args, progress)[1]
+
+    def request(self) -> dict[str, Any]:
+        """The scene as requests of other work have it."""
+        frame = {"crs": "epsg", "latitude": "latitude_deg", "longitude": "longitude_deg", "rotate_deg": "rotate_deg", "elevation": "elevation_m"}
+        frame |= {"scale": "scale", "up": "up"}
+        said = {key: self._args[name] for name, key in frame.items() if self._args[name] is not None}
+        request = {"files": self.files, "materials_only": self._args["materials_only"], "no_ground": not self._args["assume_ground"], "frame": said}
+        return request | ({} if self._args["materials"] is None else {"materials": self._args["materials"]})
 
     def __reduce__(self) -> tuple[Any, ...]:
         whole = {"files": [absolute(file) for file in self.files], "materials": self._args["materials"] and absolute(self._args["materials"])}

@@ -13,16 +13,30 @@ use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
+use crate::studies::{request, workspace_of};
 use crate::table::columns_of;
 use crate::work;
 
-use heliotile::atlas::{archives, check_square};
-use heliotile::files::{open_archive, read_file};
-use heliotile::results::{FactorRows, PartReceivers, ReceiverChoice, ReceiverSet, Resources, Sources, TileStream};
-use heliotile::{Access, Archive, Bounds, DVec2, Error, MemoryBudget, OpenSite, Result, Selection, by_name};
-use heliotile_builder::spill::TempFiles;
+use glam::DVec2;
+use heliotile_atlas::opened::check_square;
+use heliotile_atlas::sources::archives;
+use heliotile_builder::spill::SystemTemp;
+use heliotile_builder::transfer;
+use heliotile_builder::transfer::{Bounds, Selection};
+use heliotile_builder::writing::guards::{guard_archive, guard_output};
 use heliotile_core::archive::format;
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::named::by_name;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::factors::FACTORS;
+use heliotile_remote::places::open_archive;
+use heliotile_results::{
+    BuildingsRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest, ReceiverChoice, ReceiverSet, Resources,
+    Sources, TileStream,
+};
+use heliotile_scene::input;
 
 /// An archive, or parts of an atlas, and which way is north. Many threads may read it at once.
 #[pyclass(frozen, module = "heliotile._heliotile")]
@@ -162,7 +176,7 @@ impl ArchiveHandle {
 
     /// Names, diffuse and specular reflectance, transmittance, group and class of the materials.
     fn materials(&self, py: Python<'_>) -> PyResult<Vec<MaterialRow>> {
-        let row = |m: &heliotile::Material| {
+        let row = |m: &heliotile_core::site::material::Material| {
             let class = format!("{:?}", m.class).to_lowercase();
             (m.name.clone(), m.diffuse, m.specular, m.transmittance, m.group.clone(), class)
         };
@@ -215,11 +229,98 @@ impl ArchiveHandle {
         self.recombine(py, light, Forcing::Conditions(conditions), receivers, progress)
     }
 
+    /// Irradiance into files: tables, maps, charts, a city model. What was done, where that is worth a sentence.
+    #[pyo3(signature = (light, replay, conditions, receivers, files, progress))]
+    fn write(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        replay: Option<ReplayArgs>,
+        conditions: Option<Source>,
+        receivers: Option<Wanted>,
+        files: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Option<String>> {
+        let files: FileRequest = request(files).map_err(|error| raised(py, error))?;
+        let forcing = match (replay, conditions) {
+            (Some(replay), None) => Forcing::Weather(Box::new(replay)),
+            (None, Some(conditions)) => Forcing::Conditions(conditions),
+            _ => {
+                let hint = "give weather, or conditions";
+                return Err(raised(py, Error::argument("weather, conditions", "one of them has to be given", hint)));
+            }
+        };
+        self.streamed(py, light, forcing, receivers, progress, |stream, asked| {
+            files.check(asked.light().columns.as_ref(), stream.series.every, &[&self.place])?;
+            files.write(stream, self.sources.borrowed(), &self.place)
+        })
+    }
+
+    /// A solar cadastre from the sums of a year: numbers of buildings and of roof faces.
+    #[pyo3(signature = (light, replay, files, progress))]
+    fn buildings(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        replay: ReplayArgs,
+        files: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(u64, u64)> {
+        let request: BuildingsRequest = request(files).map_err(|error| raised(py, error))?;
+        self.streamed(py, light, Forcing::Weather(Box::new(replay)), None, progress, |stream, _| {
+            request.check(&[&self.place])?;
+            let done = request.write(stream, self.sources.borrowed(), &self.place)?;
+            Ok((done.buildings, done.faces))
+        })
+    }
+
+    /// The best places of modules by the sums of a year: numbers of places, and of receivers that they were chosen from.
+    #[pyo3(signature = (light, replay, files, progress))]
+    fn places(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        replay: ReplayArgs,
+        files: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(u64, u64)> {
+        let request: PlacesRequest = request(files).map_err(|error| raised(py, error))?;
+        self.streamed(py, light, Forcing::Weather(Box::new(replay)), None, progress, |stream, _| {
+            request.check(&[&self.place])?;
+            let done = request.write(stream, self.sources.borrowed(), &self.place)?;
+            Ok((done.places, done.receivers))
+        })
+    }
+
+    /// Writes an archive of some receivers.
+    #[pyo3(signature = (output, receivers, with_scene, memory, progress))]
+    fn extract(
+        &self,
+        py: Python<'_>,
+        output: PathBuf,
+        receivers: Wanted,
+        with_scene: bool,
+        memory: u64,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<ArchiveHandle> {
+        work::run(py, progress.as_ref(), |watch| {
+            let archives = self.sources.borrowed();
+            let Some(archive) = archives.only() else {
+                return Err(Error::argument("archive", "is several", "open the archives of an atlas one by one"));
+            };
+            guard_output(&output, &[&self.place])?;
+            guard_archive(&output)?;
+            let workspace = workspace_of(&output, memory);
+            transfer::extract(archive, &receivers.selection()?, with_scene, &output, &workspace, watch)?;
+            ArchiveHandle::of(&output)
+        })
+    }
+
     /// A replay that computes tiles as they are asked for, and keeps as many of them as fit into `cache` bytes.
     fn lazy(&self, py: Python<'_>, light: LightArgs, args: ReplayArgs, cache: usize) -> PyResult<LazyReplay> {
         let asked = Filled::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, error))?;
         work::run(py, None, |watch| {
-            let storage = TempFiles::new(std::env::temp_dir());
+            let storage = SystemTemp;
             let archives = self.sources.borrowed();
             if archives.only().is_none() {
                 return Err(Error::argument("archive", "is several", "open the archives of an atlas one by one"));
@@ -248,12 +349,12 @@ impl ArchiveHandle {
         let memory = MemoryBudget::new(memory);
         let (names, grid, columns) = work::run(py, progress.as_ref(), |watch| {
             let chosen = self.choose(receivers, memory)?;
-            let storage = TempFiles::new(std::env::temp_dir());
+            let storage = SystemTemp;
             let rows = FactorRows::new(
                 &chosen,
                 steps,
                 by,
-                &Resources { memory, storage: &storage, files: &read_file, observer: watch },
+                &Resources { memory, storage: &storage, files: &input::read, observer: watch },
             )?;
             let grid = *rows.grid();
             let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); FACTORS.len()]);
@@ -293,6 +394,25 @@ impl ArchiveHandle {
         choice.of(self.sources.borrowed(), &std::env::temp_dir(), memory)
     }
 
+    /// Runs something on the stream of what is asked for.
+    fn streamed<T: Send>(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        forcing: Forcing,
+        receivers: Option<Wanted>,
+        progress: Option<Bound<'_, PyAny>>,
+        then: impl FnOnce(&TileStream, &Filled) -> Result<T> + Send,
+    ) -> PyResult<T> {
+        let asked = Filled::new(light, forcing).map_err(|error| raised(py, error))?;
+        work::run(py, progress.as_ref(), |watch| {
+            let receivers = self.choose(receivers, asked.memory)?;
+            asked.with_series(self.sources.borrowed(), &SystemTemp, watch, |series, resources| {
+                then(&TileStream { receivers: &receivers, light: asked.light(), series, resources }, &asked)
+            })
+        })
+    }
+
     fn recombine(
         &self,
         py: Python<'_>,
@@ -301,20 +421,13 @@ impl ArchiveHandle {
         receivers: Option<Wanted>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
-        let asked = Filled::new(light, forcing).map_err(|error| raised(py, error))?;
-        work::run(py, progress.as_ref(), |watch| {
-            let archives = self.sources.borrowed();
-            let receivers = self.choose(receivers, asked.memory)?;
-            let storage = TempFiles::new(std::env::temp_dir());
-            asked.with_series(archives, &storage, watch, |series, resources| {
-                let names = receivers.names()?;
-                let stream = TileStream { receivers: &receivers, light: asked.light(), series, resources };
-                let frame = Frame::new(&stream, names.len(), (archives, self.place.as_path()));
-                let mut gathered = Gathered::new(&frame);
-                stream.feed(&mut gathered)?;
-                let columns = gathered.columns();
-                Ok(Recombined::new(frame, names, columns))
-            })
+        self.streamed(py, light, forcing, receivers, progress, |stream, _| {
+            let names = stream.receivers.names()?;
+            let frame = Frame::new(stream, names.len(), (self.sources.borrowed(), self.place.as_path()));
+            let mut gathered = Gathered::new(&frame);
+            stream.feed(&mut gathered)?;
+            let columns = gathered.columns();
+            Ok(Recombined::new(frame, names, columns))
         })
     }
 }

@@ -9,16 +9,21 @@ use pyo3::pybacked::PyBackedBytes;
 use serde_json::{Map, Value};
 
 use crate::errors::wrong;
-use heliotile::files::read_file;
-use heliotile::results::{Archives, LightChoice, Provenance, QueryRequest, ReplayRequest, Resources, Series};
-use heliotile::{ComponentList, Error, MemoryBudget, Observer, Result, by_name};
+use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::ScratchSpace;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::named::by_name;
+use heliotile_core::observer::Observer;
+use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{WeatherOptions, parse_zone};
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
+use heliotile_results::{Archives, LightChoice, Provenance, QueryRequest, ReplayRequest, Resources, Series};
+use heliotile_scene::input;
 
 /// A file, or the bytes that stand in for one of that name.
 #[derive(FromPyObject)]
@@ -155,7 +160,8 @@ impl LightArgs {
             };
             changes.transmittance.push((name, follow));
         }
-        let sky = self.sky.parse().map_err(wrong("sky", "give perez, perez1990, uniform, or cie:1 to cie:15"))?;
+        let sky = self.sky.parse::<SkyModel>();
+        let sky = sky.map_err(|what| Error::argument("sky", what.to_string(), "give one of these names"))?;
         Ok(LightChoice { columns, sky, patches: self.patches, paths, changes })
     }
 }
@@ -247,7 +253,7 @@ impl Filled {
         observer: &dyn Observer,
         then: impl FnOnce(&Series, Resources) -> Result<T>,
     ) -> Result<T> {
-        let files = |path: &Path| self.given.0.get(path).map_or_else(|| read_file(path), |bytes| Ok(bytes.to_vec()));
+        let files = |path: &Path| self.given.0.get(path).map_or_else(|| input::read(path), |bytes| Ok(bytes.to_vec()));
         let resources = Resources { memory: self.memory, storage, files: &files, observer };
         let class = if archives.only().is_some() { "Archive" } else { "Atlas" };
         let about = |method: &str| Provenance::new(format!("heliotile.{class}.{method}"), self.options.clone());

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::archive::bounds_of;
 use crate::work;
-use heliotile::atlas::parts;
+use heliotile_atlas::parts;
 
 /// Name, square, state, archive and reach beyond the square of a part.
 type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>, f64);
@@ -16,7 +16,7 @@ type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>, f6
 #[pyo3(signature = (atlas, bbox=None))]
 pub fn atlas_parts(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>) -> PyResult<Vec<PartRow>> {
     let listed = work::run(py, None, |_| parts(&atlas, bbox.map(bounds_of).transpose()?))?;
-    let row = |part: &heliotile::atlas::ListedPart| {
+    let row = |part: &heliotile_atlas::ListedPart| {
         let archive = part.archive().map(|path| path.to_string_lossy().into_owned());
         (part.name.clone(), part.low.into(), part.high.into(), part.state.word(), archive, part.reach_m)
     };
@@ -26,11 +26,11 @@ pub fn atlas_parts(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>) -> Py
 /// What messages call a place: of an address, no password and no signature.
 #[pyfunction]
 pub fn shown(place: &str) -> String {
-    heliotile::files::shown(Path::new(place)).to_string_lossy().into_owned()
+    heliotile_remote::naming::shown(Path::new(place)).to_string_lossy().into_owned()
 }
 
 /// Runs the program with these words, its name first. Its exit code.
 #[pyfunction]
 pub fn program(py: Python<'_>, words: Vec<String>) -> u8 {
-    py.detach(|| heliotile::program(&words.into_iter().map(Into::into).collect::<Vec<_>>()))
+    py.detach(|| heliotile_program::program(&words.into_iter().map(Into::into).collect::<Vec<_>>()))
 }

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 
-use heliotile::Error;
+use heliotile_core::error::Error;
 
 /// The exception of an error.
 pub fn raised(py: Python<'_>, error: Error) -> PyErr {

@@ -11,9 +11,13 @@ use self_cell::self_cell;
 use crate::memory::Block;
 use crate::results::{Frame, FrameHandle, no_column};
 use crate::work;
-use heliotile::results::{Sources, TileStream, replay_of};
-use heliotile::{ComponentSet, Error, Observer, OpenSite, Replay, Result};
 use heliotile_core::archive::format;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::run::Replay;
+use heliotile_results::{Sources, TileStream, replay_of};
 
 self_cell!(
     /// A replay beside the archive that it reads.

@@ -11,6 +11,7 @@
 //! | `results` | tiles | columns, Arrow, pvlib's names |
 //! | `lazy` | an archive and conditions | rows of single receivers, a tile at a time |
 //! | `atlas` | a folder of parts, words | parts; the program |
+//! | `studies` | requests as JSON | folders of results, archives |
 //! | `scene` | files, receivers | a scene; an archive |
 
 mod archive;
@@ -21,6 +22,7 @@ mod lazy;
 mod memory;
 mod results;
 mod scene;
+mod studies;
 mod table;
 mod work;
 
@@ -46,6 +48,20 @@ mod _heliotile {
     use super::results::Recombined;
     #[pymodule_export]
     use super::scene::SceneHandle;
+    #[pymodule_export]
+    use super::studies::catalogue;
+    #[pymodule_export]
+    use super::studies::diff;
+    #[pymodule_export]
+    use super::studies::energyplus;
+    #[pymodule_export]
+    use super::studies::merge;
+    #[pymodule_export]
+    use super::studies::partition;
+    #[pymodule_export]
+    use super::studies::pv;
+    #[pymodule_export]
+    use super::studies::run;
     #[pymodule_export]
     use super::work::tiles_computed;
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! Memory that NumPy and Arrow share. In: numbers or texts. Out: a block that NumPy takes as an array without copying, and Arrow as a column.
 
 use arrow_buffer::{ArrowNativeType, Buffer};
-use heliotile::{Error, Result};
+use heliotile_core::error::{Error, Result};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 

@@ -16,10 +16,11 @@ use pyo3::types::PyCapsule;
 use crate::errors::raised;
 use crate::memory::Block;
 use crate::work;
-use heliotile::results::{
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_results::{
     Archives, ArrowRows, By, Layout, ONE_SIDE, Provenance, RowLabels, SideHours, Tile, TileSink, TileStream,
 };
-use heliotile::{Component, ComponentSet, Error, Result};
 
 /// Rows that a record batch has at least, if there are so many.
 const BATCH_ROWS: usize = 1 << 20;

@@ -10,20 +10,25 @@ use pyo3::pybacked::PyBackedBytes;
 
 use crate::archive::ArchiveHandle;
 use crate::errors::{raised, wrong};
-use crate::work::{self, Watch};
-use heliotile::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
-use heliotile::files::{is_address, read_receivers, read_weather_as, shown};
-use heliotile::guards::{check_archive_name, guard_archive, guard_site};
-use heliotile::{
-    Build, EffectChoice, Error, ErrorTarget, MemoryBudget, Observer, Output, PlanRequest, PreparedScene, Quality,
-    Result, Rungs, Scene, Start, Workspace, by_name, nothing_seen,
-};
-use heliotile_builder::accuracy::conditions::ErrorConditions;
+use crate::work;
+use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
+use heliotile_builder::planning::{AccuracyRequest, BuildRequest};
+use heliotile_builder::settings::{EffectChoice, Quality, Share};
 use heliotile_builder::trace::placement::Lying;
 use heliotile_builder::writing::copy::folder_of;
+use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::named::by_name;
+use heliotile_core::observer::Observer;
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_scene::placing::frame::{SiteFrame, check_elevation, check_epsg, check_rotation, check_scale};
-use heliotile_scene::site::{MissingGround, Site};
+use heliotile_remote::naming::{is_address, shown};
+use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
+use heliotile_results::horizon::nothing_seen;
+use heliotile_scene::Scene;
+use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
+use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
 
 /// A scene that was read.
 #[pyclass(frozen, module = "heliotile._heliotile")]
@@ -46,6 +51,7 @@ pub struct SceneArgs {
     rotate_deg: Option<f64>,
     elevation: Option<f64>,
     scale: Option<f64>,
+    up: Option<String>,
 }
 
 /// Points that get light: a file, or the bytes of one.
@@ -86,64 +92,34 @@ pub struct CoverArgs {
     min_area: f64,
 }
 
-/// Lengths of distances between receivers and off surfaces, metres, as on the command line.
-const LENGTHS: std::ops::RangeInclusive<f64> = 0.001..=10_000.0;
-
 impl CoverArgs {
     fn request(self) -> Result<CoverRequest> {
-        for (name, metres) in [("spacing", self.spacing), ("offset", self.offset)] {
-            if !LENGTHS.contains(&metres) {
-                return Err(Error::argument(name, format!("is {metres} m"), "give 0.001 to 10000 metres"));
-            }
-        }
-        if !(0.0..=1e9).contains(&self.min_area) {
-            return Err(Error::argument("min_area", format!("is {} m2", self.min_area), "give 0 to 1e9 m2"));
-        }
-        let density = match self.per_surface {
-            None => Density::Spacing(self.spacing),
-            Some(count @ 1..=1_000_000) => Density::PerSurface(count),
-            Some(count) => {
-                return Err(Error::argument("per_surface", format!("is {count}"), "give 1 to 1000000 receivers"));
-            }
-        };
-        let CoverArgs { on, types, offset: offset_m, min_area: min_area_m2, .. } = self;
-        Ok(CoverRequest { on, types, density, offset_m, min_area_m2, within: None })
+        let CoverArgs { on, types, spacing, per_surface, offset: offset_m, min_area: min_area_m2 } = self;
+        let density = per_surface.map_or(Density::Spacing(spacing), Density::PerSurface);
+        let request = CoverRequest { on, types, density, offset_m, min_area_m2, within: None };
+        request.check().map(|()| request)
     }
 }
 
-/// Errors that can be aimed at, percent, as on the command line.
-const ERRORS: std::ops::RangeInclusive<f64> = 0.1..=50.0;
-
 impl SceneArgs {
-    fn site(&self) -> Result<Site> {
-        let hint = "give what the scene's coordinates are in";
-        let checked = |name, value: Option<f64>, check: fn(f64) -> std::result::Result<f64, String>| {
-            value.map(check).transpose().map_err(wrong(name, hint))
-        };
-        let degrees = |name, value: Option<f64>, most: f64| match value {
-            Some(value) if !(-most..=most).contains(&value) => {
-                Err(Error::argument(name, format!("is {value}"), format!("give degrees from -{most} to {most}")))
-            }
-            value => Ok(value),
-        };
-        if self.latitude.is_some() != self.longitude.is_some() {
-            return Err(Error::argument("latitude, longitude", "one is given without the other", "give both"));
-        }
-        let frame = SiteFrame {
-            epsg: self.crs.map(check_epsg).transpose().map_err(wrong("crs", hint))?,
-            latitude_deg: degrees("latitude", self.latitude, 90.0)?,
-            longitude_deg: degrees("longitude", self.longitude, 180.0)?,
-            rotate_deg: checked("rotate_deg", self.rotate_deg, check_rotation)?,
-            elevation_m: checked("elevation", self.elevation, check_elevation)?,
-            scale: checked("scale", self.scale, check_scale)?,
-            up: None,
-        };
-        let mut site = Site::of(&self.files, self.materials.as_deref())?;
-        if self.assume_ground {
-            site.missing_ground = MissingGround::Assume;
-        }
-        site.parts.iter_mut().for_each(|part| part.materials_only |= self.materials_only);
-        Ok(site.framed(&frame))
+    fn request(self) -> Result<SceneRequest> {
+        let up = self.up.map(|name| by_name::<UpAxis>("up", &name)).transpose()?;
+        Ok(SceneRequest {
+            files: self.files,
+            materials: self.materials,
+            materials_only: self.materials_only,
+            no_ground: !self.assume_ground,
+            assume_version: None,
+            frame: SiteFrame {
+                epsg: self.crs,
+                latitude_deg: self.latitude,
+                longitude_deg: self.longitude,
+                rotate_deg: self.rotate_deg,
+                elevation_m: self.elevation,
+                scale: self.scale,
+                up,
+            },
+        })
     }
 }
 
@@ -153,7 +129,7 @@ impl SceneHandle {
     #[staticmethod]
     fn load(py: Python<'_>, args: SceneArgs) -> PyResult<Self> {
         work::run(py, None, |watch| {
-            let site = args.site()?;
+            let site = args.request()?.site()?;
             let scene = Scene::load_site(&site)?;
             scene.report.warnings.iter().for_each(|w| watch.warn(w));
             Ok(SceneHandle { scene: Arc::new(scene), site })
@@ -211,7 +187,7 @@ impl SceneHandle {
         args: BuildArgs,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Built> {
-        let settings = args.settings().map_err(|error| raised(py, error))?;
+        let accuracy = args.accuracy().map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
             let folder = folder_of(&args.output);
             let given = Given::of(&receivers)?;
@@ -229,17 +205,19 @@ impl SceneHandle {
             guard_site(&args.output, &self.site, &inputs)?;
             guard_archive(&args.output)?;
             let workspace = Workspace { folder: folder.into(), memory: MemoryBudget::new(args.memory) };
-            let (mut receivers, warnings) = read_receivers(given.path(), &self.scene, &workspace)?;
-            warnings.iter().for_each(|w| watch.warn(w));
+            let mut receivers = workspace.read_receivers(given.path(), &self.scene, watch)?;
             let prepared = PreparedScene::new(&self.scene)?;
-            let mut build =
-                Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: watch };
-            let suns = args.error.map(|_| args.suns(&self.scene, watch)).transpose()?;
-            let target = args.error.zip(suns.as_ref()).map(|(percent, suns)| ErrorTarget { percent, suns });
+            let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: watch };
             let effects = args.effects.parse::<EffectChoice>();
             let effects = effects.map_err(wrong("effects", "give \"auto\", \"all\", \"none\" or some names"))?;
-            let mut plan = build.plan(&PlanRequest { settings, effects, under: None, target })?.plan;
-            plan.with_scene = args.with_scene;
+            let request = BuildRequest {
+                accuracy: &accuracy,
+                share: Share::default(),
+                effects,
+                under: None,
+                with_scene: args.with_scene,
+                store: None,
+            };
             let output = Output {
                 path: args.output.clone(),
                 start: if args.fresh { Start::Fresh } else { Start::Resume },
@@ -247,33 +225,27 @@ impl SceneHandle {
                     .map_err(wrong("checkpoint", "give seconds from 0"))?,
             };
             let advice = "give the inputs that it was started with to go on with it, fresh=True to discard it, or another output";
-            let report = build.write(&plan, &output, &[]).map_err(|error| error.advise(advice))?;
-            report.warnings.iter().for_each(|w| watch.warn(w));
+            let done = build.plan_and_write(&request, &output).map_err(|error| error.advise(advice))?;
             let archive = ArchiveHandle::of(&args.output)?;
             nothing_seen(archive.archive())?.iter().for_each(|w| watch.warn(w));
-            let error = plan.accuracy.map(|accuracy| accuracy.rmse_percent);
+            let error = done.plan.accuracy.map(|accuracy| accuracy.rmse_percent);
+            let report = done.report;
             Ok((archive, report.seconds, report.rays.total(), report.bytes, error))
         })
     }
 }
 
 impl BuildArgs {
-    fn settings(&self) -> Result<heliotile::BuildSettings> {
-        if self.error.is_some_and(|percent| !ERRORS.contains(&percent)) {
-            return Err(Error::argument("error", "is no error to aim at", "give 0.1 to 50 percent, as in error=2"));
-        }
-        let mut settings = Rungs::of(by_name::<Quality>("quality", &self.quality)?).settings();
-        self.settings.iter().try_for_each(|text| settings.set(text))?;
-        settings.check()?;
-        Ok(settings)
-    }
-
-    /// What errors are estimated under.
-    fn suns(&self, scene: &Scene, watch: &Watch) -> Result<ErrorConditions> {
-        let Some(path) = self.error_weather.as_deref() else { return Ok(ErrorConditions::Spread) };
-        let weather = read_weather_as(path, &WeatherOptions::default(), &mut || Ok(scene.place))?;
-        weather.report.warnings.iter().for_each(|w| watch.warn(w));
-        ErrorConditions::of_weather(path, weather)
+    /// How exact the archive is to be; what is wrong is said before anything is read.
+    fn accuracy(&self) -> Result<AccuracyRequest> {
+        let accuracy = AccuracyRequest {
+            quality: by_name::<Quality>("quality", &self.quality)?,
+            set: self.settings.clone(),
+            error_percent: self.error,
+            error_weather: self.error_weather.clone(),
+            weather_options: WeatherOptions::default(),
+        };
+        accuracy.settings().map(|_| accuracy)
     }
 }
 

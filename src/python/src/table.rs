@@ -1,8 +1,8 @@
 //! The table of receivers. In: receivers of archives. Out: a column for each thing that is known of them.
 
 use crate::memory::{Block, Texts};
-use heliotile::Result;
 use heliotile_builder::transfer::LayeredReceiver;
+use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
 /// The shares of a receiver's hemisphere: sky, ground, obstruction.

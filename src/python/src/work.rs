@@ -10,7 +10,8 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::errors::raised;
-use heliotile::{Observer, Result};
+use heliotile_core::error::Result;
+use heliotile_core::observer::Observer;
 use heliotile_core::text::with_fields;
 
 /// How often signals and progress are looked at.

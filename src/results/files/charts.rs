@@ -4,7 +4,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::guards::guard_output;
+use crate::Series;
 use crate::outputs::area_means::AreaMeans;
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::bars::{Bars, Stack};
@@ -13,8 +13,8 @@ use crate::outputs::pictures::colours::{COMPONENTS, label};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::{By, Layout};
-use crate::results::Series;
-use crate::results::stream::{Tile, TileSink, TileStream};
+use crate::stream::{Tile, TileSink, TileStream};
+use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::site::receiver::Receiver;

@@ -4,18 +4,18 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::FileRequest;
-use crate::files::shown;
 use crate::outputs::city_model::{CityModelWriter, ModelSums, RewriteError, is_city_model};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::By;
-use crate::results::stream::{Tile, TileSink, TileStream};
-use heliotile_builder::observer::Observer;
+use crate::stream::{Tile, TileSink, TileStream};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
+use heliotile_remote::naming::shown;
 use heliotile_scene::input;
 
 const HINT: &str = "give the city model that the receivers were put on, as it was read then";

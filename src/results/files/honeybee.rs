@@ -6,7 +6,7 @@ use crate::outputs::honeybee::{Grids, LitHours, ResultsFolder};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::By;
-use crate::results::stream::{Tile, TileSink, TileStream};
+use crate::stream::{Tile, TileSink, TileStream};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
 use heliotile_core::site::receiver::Receiver;

@@ -11,11 +11,11 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::MapCrs;
 use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
-use crate::results::stream::TileStream;
-use heliotile_builder::observer::Observer;
+use crate::stream::TileStream;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 
 /// GeoJSON with more polygons is slow wherever it is read.
@@ -25,6 +25,8 @@ const MANY_POLYGONS: u64 = 10_000;
 pub struct MapStart<'a> {
     pub path: &'a Path,
     pub format: MapFormat,
+    /// How many maps share the memory for them.
+    pub share: usize,
     /// Its columns and the labels of their values.
     pub rows: &'a ResultRows,
     /// What the values are of, in words.
@@ -57,12 +59,12 @@ impl<'a> MapStart<'a> {
             about: self.about.clone(),
             folder: folder.clone(),
             storage: stream.resources.storage,
-            memory_bytes: memory.length(Use::MapRows),
+            memory_bytes: memory.length(Use::MapRows) / self.share.max(1),
         };
         request.columns()?;
         let shapes = match groups {
             Some(groups) => {
-                let mut patches = PatchSorter::new(&folder, memory.length(Use::MapPatches));
+                let mut patches = PatchSorter::new(&folder, memory.length(Use::MapPatches) / self.share.max(1));
                 for (number, receiver) in receivers.shown().enumerate() {
                     patches.push(groups.place_of(number), receiver?)?;
                 }

@@ -9,24 +9,27 @@ mod results;
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::archives::Archives;
 use super::stream::TileStream;
-use crate::guards::guard_output;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::periods::Every;
 use crate::outputs::results::ResultFormat;
 use crate::outputs::tables::format::files_of;
 use crate::outputs::tables::layout::By;
+use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
 
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
 pub use map::{crs_of, surroundings};
-pub use results::{ResultRows, ResultSink};
+pub use results::{MapFile, ResultRows, ResultSink};
 
 /// Where results go.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct FileRequest {
     /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, and nothing if there are plots.
     pub output: PathBuf,
@@ -42,10 +45,16 @@ pub struct FileRequest {
     pub honeybee: Option<PathBuf>,
 }
 
+impl Default for FileRequest {
+    fn default() -> Self {
+        FileRequest::of("-")
+    }
+}
+
 impl FileRequest {
     /// A table or a map of receivers.
-    pub fn of(output: &Path) -> Self {
-        let (output, by) = (output.to_owned(), By::Receiver);
+    pub fn of(output: impl Into<PathBuf>) -> Self {
+        let (output, by) = (output.into(), By::Receiver);
         FileRequest { output, by, geo: false, plots: Vec::new(), model: None, honeybee: None }
     }
 

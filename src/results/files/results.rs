@@ -15,10 +15,10 @@ use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
-use crate::results::stream::{Sinks, Tile, TileSink, TileStream};
-use heliotile_builder::observer::Observer;
+use crate::stream::{Sinks, Tile, TileSink, TileStream};
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentSet;
 
 /// The rows of a file: which columns they have, and how many of them each place has.
@@ -35,6 +35,15 @@ pub struct ResultSink<'a> {
     /// A table that begins with the first tile.
     table: Option<TableStart<'a>>,
     writers: Vec<(PathBuf, ResultWriter<'a>)>,
+}
+
+/// A map to write.
+#[derive(Clone, Debug)]
+pub struct MapFile {
+    /// Its name.
+    pub path: PathBuf,
+    /// Its format.
+    pub format: MapFormat,
 }
 
 /// A table that is to be written.
@@ -97,17 +106,19 @@ impl<'a> ResultSink<'a> {
         self
     }
 
-    /// Also writes a map; `place` is that of the archive or of the atlas.
-    pub fn with_map(
+    /// Also writes maps, which share the memory for them; `place` is that of the archive or of the atlas.
+    pub fn with_maps(
         mut self,
-        (path, format): (&'a Path, MapFormat),
+        maps: &'a [MapFile],
         stream: &TileStream<'a>,
         (called, about): (&'a str, &'a Provenance),
         place: &Path,
     ) -> Result<Self> {
-        let map = MapStart { path, format, rows: self.rows, called, about };
-        let map = map.start(stream, self.means.as_ref().map(GroupMeans::groups), place)?;
-        self.writers.push((path.to_owned(), ResultWriter::Map(Box::new(map))));
+        for MapFile { path, format } in maps {
+            let map = MapStart { path, format: *format, share: maps.len(), rows: self.rows, called, about };
+            let map = map.start(stream, self.means.as_ref().map(GroupMeans::groups), place)?;
+            self.writers.push((path.clone(), ResultWriter::Map(Box::new(map))));
+        }
         Ok(self)
     }
 
@@ -155,20 +166,19 @@ pub fn write(request: &FileRequest, stream: &TileStream, about: &Provenance, pla
     let plots = Plot::all(&request.plots, stream.series)?;
     let called = format!("{} under {}", name_of(place), stream.series.called);
     let (rows, groups) = ResultRows::new(stream, request.by, place)?;
+    let mut maps = Vec::new();
     let mut sink = ResultSink::new(&rows, groups, stream)?;
     match ResultFormat::of(output, request.geo)? {
-        ResultFormat::Map(format) => {
-            sink = sink.with_map((output, format), stream, (&called, about), place)?;
-        }
+        ResultFormat::Map(format) => maps.push(MapFile { path: output.to_owned(), format }),
         // With pictures, the standard output is not asked for by saying nothing.
         ResultFormat::Table(_) if plots.is_empty() || output != Path::new("-") => {
             sink = sink.with_table(output, stream, about);
         }
         ResultFormat::Table(_) => {}
     }
-    for (path, _) in plots.iter().filter(|(_, plot)| *plot == Plot::Map) {
-        sink = sink.with_map((path, MapFormat::Png), stream, (&called, about), place)?;
-    }
+    let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map);
+    maps.extend(drawn.map(|(path, _)| MapFile { path: path.to_path_buf(), format: MapFormat::Png }));
+    sink = sink.with_maps(&maps, stream, (&called, about), place)?;
     let charts = plots.iter().filter(|(_, plot)| *plot != Plot::Map);
     let mut charts = charts.map(|(path, _)| AreaChart::new(path, stream)).collect::<Result<Vec<_>>>()?;
     let mut sinks = Sinks(vec![&mut sink]);

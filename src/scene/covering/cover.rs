@@ -4,6 +4,8 @@
 //! A surface is cut in two across its longer side, in the ratio of the points that go on both parts, and the parts again, until each
 //! has one point. Cuts are exact: areas add up to the surface. By spacing, no piece holds parts that hardly hang together.
 
+use serde::{Deserialize, Serialize};
+
 use glam::{DVec2, DVec3};
 
 use crate::covering::necks::{Neck, Span, narrowest};
@@ -11,7 +13,8 @@ use crate::covering::surfaces::{Surface, area_vector};
 use crate::semantics::SurfaceKind;
 
 /// How many points go on a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Density {
     /// About so far apart, metres: one for each square of this side, and along narrow surfaces too.
     Spacing(f64),

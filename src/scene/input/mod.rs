@@ -7,6 +7,7 @@ mod gzip;
 mod missing;
 #[cfg(test)]
 mod packed_tests;
+pub mod weather;
 mod zip;
 
 use std::fs;

@@ -3,24 +3,34 @@
 
 use serde::{Deserialize, Serialize};
 
+use heliotile_core::named::NamedValues;
+
 use crate::reference::{Reference, Unplaced};
 
 /// Where a site lies on Earth, how it is turned, and the unit of its files.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct SiteFrame {
     /// Coordinate reference system of the scene's coordinates, in place of what files say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epsg: Option<u32>,
     /// North positive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub latitude_deg: Option<f64>,
     /// East positive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longitude_deg: Option<f64>,
     /// Direction of y clockwise from true north, beside the convergence of a grid: the north axis of EnergyPlus. Coordinates stay.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotate_deg: Option<f64>,
     /// Height above sea level of z = 0 of all files but rasters, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elevation_m: Option<f64>,
     /// Metres a unit of all files but rasters; of rasters in feet, too, for what they do not state themselves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// The axis that points up in files of formats that do not say it: OBJ, PLY, STL.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<UpAxis>,
 }
 
@@ -32,6 +42,11 @@ pub enum UpAxis {
     Y,
     /// y is north.
     Z,
+}
+
+impl NamedValues for UpAxis {
+    const VALUES: &'static [(&'static str, &'static str, Self)] =
+        &[("y", "y points up, z to the south", UpAxis::Y), ("z", "z points up, y to the north", UpAxis::Z)];
 }
 
 /// Metres a unit of a file, if it may be one.
@@ -73,22 +88,29 @@ pub fn check_epsg(epsg: u32) -> Result<u32, String> {
 impl SiteFrame {
     /// The same if every number is in range; an error says which is not.
     pub fn checked(self) -> Result<SiteFrame, String> {
+        self.check().map(|()| self).map_err(|(_, what)| what)
+    }
+
+    /// The first field that is not in range, as requests call it, and what is wrong with it.
+    pub(crate) fn check(&self) -> Result<(), (&'static str, String)> {
         let degrees = |name: &str, value: Option<f64>, most: f64| match value {
             Some(value) if !(-most..=most).contains(&value) => {
                 Err(format!("`{name}` is {value}, not from -{most} to {most}"))
             }
             _ => Ok(()),
         };
-        degrees("latitude_deg", self.latitude_deg, 90.0)?;
-        degrees("longitude_deg", self.longitude_deg, 180.0)?;
+        let of = |field: &'static str| move |what: String| (field, what);
+        degrees("latitude_deg", self.latitude_deg, 90.0).map_err(of("latitude"))?;
+        degrees("longitude_deg", self.longitude_deg, 180.0).map_err(of("longitude"))?;
         if self.latitude_deg.is_some() != self.longitude_deg.is_some() {
-            return Err("a latitude and a longitude belong together, one of them is missing".to_owned());
+            let what = "a latitude and a longitude belong together, one of them is missing";
+            return Err(("latitude, longitude", what.to_owned()));
         }
-        self.epsg.map(check_epsg).transpose()?;
-        self.rotate_deg.map(check_rotation).transpose()?;
-        self.elevation_m.map(check_elevation).transpose()?;
-        self.scale.map(check_scale).transpose()?;
-        Ok(self)
+        self.epsg.map(check_epsg).transpose().map_err(of("crs"))?;
+        self.rotate_deg.map(check_rotation).transpose().map_err(of("rotate_deg"))?;
+        self.elevation_m.map(check_elevation).transpose().map_err(of("elevation"))?;
+        self.scale.map(check_scale).transpose().map_err(of("scale"))?;
+        Ok(())
     }
 
     /// Where it says that coordinates lie: by a system, by a place.

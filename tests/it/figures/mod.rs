@@ -17,7 +17,7 @@ use std::process::Command;
 use page::{Item, Mark, Page};
 
 fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    PathBuf::from(crate::ROOT)
 }
 
 /// README and the pages of the book.

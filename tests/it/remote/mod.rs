@@ -17,7 +17,7 @@ use server::Store;
 static HAGUE: LazyLock<(Folder, Vec<u8>)> = LazyLock::new(|| {
     let folder = Folder::new();
     fs::copy(golden(), folder.path("w.epw")).expect("copied");
-    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cityjson/hague.city.json");
+    let model = Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     let ran = folder.run(&format!("run {} --weather w.epw -o hague", model.display()));
     assert!(ran.status.success(), "{}", stderr(&ran));
     let table = fs::read_to_string(folder.path("hague/receivers.csv")).expect("receivers");

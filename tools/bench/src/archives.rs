@@ -12,7 +12,7 @@ use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::replay::components::ComponentSet;
-use heliotile::files::read_conditions;
+use heliotile_scene::input::weather::read_conditions;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::SkyModel;
 

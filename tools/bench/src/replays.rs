@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use cpu_time::ProcessTime;
-use heliotile::files::read_weather;
+use heliotile_scene::input::weather::read_weather;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::opened::OpenSite;

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use heliotile_builder::build::{Build, Output, Plan, PreparedScene, Workspace};
-use heliotile_builder::observer::Silent;
+use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, Workspace};
+use heliotile_core::observer::Silent;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::format;

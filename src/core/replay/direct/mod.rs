@@ -6,4 +6,3 @@ pub mod sky_masks;
 pub mod specular;
 mod sun_map;
 pub mod suns;
-pub mod through_canopy;

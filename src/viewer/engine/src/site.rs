@@ -6,7 +6,7 @@ use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::format;
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::{Class, Material};
-use heliotile_core::sky::model::{CieType, SkyModel};
+use heliotile_core::sky::model::SkyModel;
 use serde::Serialize;
 
 use crate::open::Opened;
@@ -118,15 +118,9 @@ impl Site {
             accuracy: manifest.accuracy.as_ref().map(stated),
             scene_chunks: archive.entries_of(format::SCENE).len(),
             has_reference: archive.has(format::OVERVIEW, 0) && manifest.place.is_some(),
-            skies: skies().map(|sky| sky.to_string()).collect(),
+            skies: SkyModel::all().map(|sky| sky.to_string()).collect(),
         }
     }
-}
-
-/// All skies.
-fn skies() -> impl Iterator<Item = SkyModel> {
-    let general = (1..=15).filter_map(CieType::new).map(SkyModel::Cie);
-    [SkyModel::Perez, SkyModel::Perez1990, SkyModel::Uniform].into_iter().chain(general)
 }
 
 /// Materials that are listed one by one; of more the classes are.

@@ -1,0 +1,77 @@
+//! What an atlas holds. In: an atlas. Out: text; the parts that are built.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use crate::listed::ListedPart;
+use crate::opened::Atlas;
+use crate::plan::PlannedPart;
+use crate::state::PartState;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
+
+/// Parts that are listed as missing.
+const NAMED: usize = 8;
+
+/// The parts that are built, and their archives.
+pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
+    let listed = atlas.parts(None)?;
+    let archives = listed.iter().map(ListedPart::archive);
+    let paths: Vec<_> =
+        atlas.plan.parts.iter().zip(archives).filter_map(|(part, path)| Some((part, path?.clone()))).collect();
+    match paths.is_empty() {
+        true => Err(Error::input(&atlas.shown(), None, "has no part that is built", "build them: {part} all")),
+        false => Ok(paths),
+    }
+}
+
+/// Parts, files, receivers, bytes and seams of an atlas.
+pub fn info(atlas: &Atlas) -> Result<String> {
+    let plan = &atlas.plan;
+    let (mut receivers, mut bytes, mut built, mut empty, mut missing) = (0, 0, 0, 0, Vec::new());
+    for (part, state) in atlas.each_archive(|archive| (archive.manifest().receivers.count, archive.length()))? {
+        match state {
+            PartState::Built((count, length)) => {
+                receivers += count;
+                bytes += length;
+                built += 1;
+            }
+            PartState::Empty => empty += 1,
+            PartState::Missing => missing.push(part.name.as_str()),
+        }
+    }
+    let mut out = format!("{}\n", atlas.shown().display());
+    // Writing to a string cannot fail.
+    let mut line = |name: &str, text: String| {
+        let _ = writeln!(out, "  {name:<11} {text}");
+    };
+    line(
+        "parts",
+        format!(
+            "{} of {} m; {} m around them count, and what rises by {} degrees",
+            plan.parts.len(),
+            plan.part_size_m,
+            plan.halo_m,
+            plan.skyline_deg
+        ),
+    );
+    line("scene", counted(plan.files.len() as u64, "file"));
+    line("built", format!("{built}: {}, {:.1} MB", counted(receivers, "receiver"), bytes as f64 / 1e6));
+    if empty > 0 {
+        line("", format!("{empty} without receivers"));
+    }
+    if let Some(first) = missing.first() {
+        let more = if missing.len() > NAMED { ", ..." } else { "" };
+        let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
+        line("to build", format!("{}: {named}{more} ({{part}} {first})", missing.len()));
+    }
+    if let Some(seams) = &plan.seams {
+        line("seams", seams.words());
+        let parts = seams.components_percent.iter().filter(|(_, percent)| **percent > 0.0);
+        let parts: Vec<String> = parts.map(|(name, percent)| format!("{name} {percent} %")).collect();
+        if !parts.is_empty() {
+            line("", parts.join(", "));
+        }
+    }
+    Ok(out)
+}

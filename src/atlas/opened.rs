@@ -1,0 +1,148 @@
+//! An atlas that is asked, in a folder or below an address. In: its place. Out: its plan, read once; what there is of its parts; their archives.
+
+use std::path::Path;
+
+use glam::DVec2;
+
+use crate::plan::{AtlasPlan, FILE, PlannedPart};
+use crate::state::PartState;
+use heliotile_builder::transfer::Bounds;
+use heliotile_core::archive::format::Entry;
+use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::{OpenSite, tiles_within};
+use heliotile_remote::Directory;
+use heliotile_remote::naming::{is_address, shown};
+use heliotile_remote::places::find_archive;
+
+/// Parts that a message names.
+const NAMED: usize = 5;
+
+/// Blocks that whoever asks for results reads first.
+const READ_FIRST: [u32; 6] =
+    [format::MATERIALS, format::OPTICS, format::MIRRORS, format::RECEIVERS, format::PARTS, format::EXTENTS];
+
+/// How far beyond its place rounding may put a receiver, metres.
+const ROUNDING_M: f64 = 0.01;
+
+/// A region in parts.
+pub struct Atlas {
+    /// Where it lies.
+    pub folder: Directory,
+    /// As it was when it was opened: what is asked of the atlas is asked of this one.
+    pub plan: AtlasPlan,
+}
+
+/// Refuses an archive with receivers farther than so many metres from a square, that of a part of this name.
+pub fn check_square(archive: &Archive, part: &str, (low, high): (DVec2, DVec2), reach_m: f64) -> Result<()> {
+    let within = [(low - reach_m).extend(f64::NEG_INFINITY), (high + reach_m).extend(f64::INFINITY)];
+    if tiles_within(&OpenSite::of(archive)?, within)?.len() == archive.tiles() as usize {
+        return Ok(());
+    }
+    let what = format!("holds receivers that do not stand in the square of {part}");
+    let hint = format!("it is another part's: build this one again ({{part}} {part} {{fresh}})");
+    Err(Error::input(archive.path(), None, what, hint))
+}
+
+impl Atlas {
+    /// The atlas at a place; none if that is something else.
+    pub fn find(place: &Path) -> Result<Option<Self>> {
+        let is_archive = || shown(place).extension().is_some_and(|ending| ending == "helio");
+        if is_address(place) && is_archive() {
+            return Ok(None);
+        }
+        let folder = Directory::at(place);
+        let Some(bytes) = folder.read(FILE, false)? else { return Ok(None) };
+        let plan = AtlasPlan::of_file(&shown(&folder.join(FILE)), &bytes)?;
+        Ok(Some(Atlas { folder, plan }))
+    }
+
+    /// The same where nothing else will do.
+    pub fn open(place: &Path) -> Result<Self> {
+        Ok(Atlas { folder: Directory::at(place), plan: AtlasPlan::read(place)? })
+    }
+
+    /// What messages call it.
+    pub fn shown(&self) -> std::path::PathBuf {
+        shown(self.folder.place())
+    }
+
+    /// How far beyond the square of its part a receiver may stand, metres: the point of the surface below it lies in the square.
+    pub fn reach_m(&self) -> f64 {
+        self.plan.cover.offset_m.abs() + ROUNDING_M
+    }
+
+    /// Parts of which receivers may stand in a box, all without one.
+    fn touched(&self, within: Option<Bounds>) -> Vec<&PlannedPart> {
+        let reach = self.reach_m();
+        let touches = |part: &&PlannedPart| {
+            within.is_none_or(|bounds| self.plan.region_part(part).touches(bounds.low - reach, bounds.high + reach))
+        };
+        self.plan.parts.iter().filter(touches).collect()
+    }
+
+    /// What there is of the parts that a box touches; `look` is given the names of archives in the folder, and says what it makes of each.
+    pub fn states<A>(
+        &self,
+        within: Option<Bounds>,
+        look: impl FnOnce(&[String]) -> Result<Vec<Option<A>>>,
+    ) -> Result<Vec<(&PlannedPart, PartState<A>)>> {
+        let parts = self.touched(within);
+        let found = look(&parts.iter().map(|part| part.archive()).collect::<Vec<_>>())?;
+        let rest = parts.iter().zip(&found).filter(|(_, found)| found.is_none());
+        let rest: Vec<String> = rest.map(|(part, _)| part.says_nothing()).collect();
+        let mut empty = self.folder.has(&rest, self.plan.parts.len())?.into_iter();
+        let state = |found: Option<A>| match found {
+            Some(archive) => PartState::Built(archive),
+            None if empty.next() == Some(true) => PartState::Empty,
+            None => PartState::Missing,
+        };
+        Ok(parts.into_iter().zip(found.into_iter().map(state)).collect())
+    }
+
+    /// What there is of all parts, and of each archive what `about` makes of it: one is open no longer than that takes.
+    pub fn each_archive<T: Send>(
+        &self,
+        about: impl Fn(Archive) -> T + Sync,
+    ) -> Result<Vec<(&PlannedPart, PartState<T>)>> {
+        let open = |name: &String| Ok(find_archive(&self.folder.join(name), Access::Read)?.map(&about));
+        self.states(None, |names| self.folder.each(names, open))
+    }
+
+    /// Refuses an archive whose receivers do not stand in the square of its part: that of another part.
+    pub fn check_place(&self, part: &PlannedPart, archive: &Archive) -> Result<()> {
+        let square = self.plan.region_part(part);
+        check_square(archive, &part.name, (square.low, square.high), self.reach_m())
+    }
+
+    /// Archives of the parts that a box touches, by the names of the parts; what is read first of all of them is on its way. A part that is
+    /// not built is an error.
+    pub fn archives(&self, within: Option<Bounds>, access: Access) -> Result<Vec<Archive>> {
+        let open = |name: &String| {
+            let archive = find_archive(&self.folder.join(name), access)?;
+            if let Some(archive) = &archive {
+                let first = archive.entries().iter().filter(|entry| READ_FIRST.contains(&entry.kind));
+                archive.expect(first.map(Entry::key));
+            }
+            Ok(archive)
+        };
+        let parts = self.states(within, |names| self.folder.each(names, open))?;
+        for (part, state) in &parts {
+            if let PartState::Built(archive) = state {
+                self.check_place(part, archive)?;
+            }
+        }
+        let is_missing = |state: &PartState<Archive>| matches!(state, PartState::Missing);
+        let missing = parts.iter().filter(|(_, state)| is_missing(state)).map(|(part, _)| part.name.as_str());
+        let missing: Vec<&str> = missing.collect();
+        let Some(first) = missing.first() else {
+            let archive = |(_, state)| if let PartState::Built(archive) = state { Some(archive) } else { None };
+            return Ok(parts.into_iter().filter_map(archive).collect());
+        };
+        let hint = format!("build {first} first ({{part}} {first}), or take other parts with {{bbox}}");
+        let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
+        let verb = if missing.len() == 1 { "is" } else { "are" };
+        let what = format!("{} of its parts {verb} not built yet: {named}", missing.len());
+        Err(Error::input(&self.shown(), None, what, hint))
+    }
+}

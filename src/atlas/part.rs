@@ -1,0 +1,174 @@
+//! Building one part of a region. In: an atlas, the name or number of a part. Out: its receivers and its archive, in a
+//! folder of its own, from nothing but the plan and the scene files near the part. A part that is there is not traced again, and two processes
+//! that build one part do so one after the other. Below an address, the archive is published when it is whole, unless one is there.
+
+use std::fs::{self, File, TryLockError};
+use std::path::Path;
+use std::thread;
+use std::time::Duration;
+
+use crate::opened::Atlas;
+use crate::plan::{FILE, PlannedPart, is_atlas};
+use crate::state::{ARCHIVE, FOLDER, NOTHING};
+use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::trace::placement::Lying;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
+use heliotile_remote::naming::{is_address, shown};
+use heliotile_results::covering::cover_site;
+use heliotile_results::outputs::sink::write_texts;
+use heliotile_results::site_archive::{TraceRequest, WaysOut, up_to_date};
+
+/// Locked by who builds a part.
+const LOCK: &str = ".lock";
+
+/// How often the lock is looked at.
+const LOOK_EVERY: Duration = Duration::from_millis(200);
+
+/// What to do where a part of other inputs is.
+const FRESH: &str = "{fresh} to build it of today's inputs in its place; other parts may be of those of then";
+
+/// Parts to build.
+#[derive(Clone, Copy, Debug)]
+pub struct PartRequest<'a> {
+    /// Name or number of a part, or `all`.
+    pub part: &'a str,
+    /// Whether what is there of other inputs is replaced.
+    pub fresh: bool,
+    /// For each of them.
+    pub memory: MemoryBudget,
+}
+
+/// Builds parts of the atlas at a place.
+pub fn build_parts(place: &Path, request: &PartRequest, observer: &dyn Observer) -> Result<()> {
+    if !is_address(place) && !is_atlas(place) {
+        let what = format!("is no folder of an atlas: it holds no {FILE}");
+        return Err(Error::input(place, None, what, "make one with `heliotile partition`"));
+    }
+    let atlas = Atlas::open(place)?;
+    let build = |part| PartBuild { request, atlas: &atlas, part, observer }.run();
+    match request.part {
+        "all" => atlas.plan.parts.iter().try_for_each(build),
+        asked => build(atlas.plan.part(asked, &atlas.shown())?),
+    }
+}
+
+/// A part that is to be built.
+struct PartBuild<'a> {
+    request: &'a PartRequest<'a>,
+    atlas: &'a Atlas,
+    part: &'a PlannedPart,
+    observer: &'a dyn Observer,
+}
+
+impl PartBuild<'_> {
+    fn run(&self) -> Result<()> {
+        if self.atlas.folder.is_remote() {
+            return self.publish();
+        }
+        let folder = self.atlas.folder.join(FOLDER).join(&self.part.name);
+        fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
+        let _alone = alone(&folder, self.observer)?;
+        self.trace(&folder)
+    }
+
+    /// Builds a part here and sends what others read of it; of two who do so one is first, and both have the same bytes.
+    fn publish(&self) -> Result<()> {
+        let PartBuild { request, atlas, part, observer } = *self;
+        heliotile_remote::check_writable(atlas.folder.place())?;
+        let there = atlas.folder.has(&[part.archive(), part.says_nothing()], atlas.plan.parts.len())?;
+        if !request.fresh && there.contains(&true) {
+            observer.report(&format!("{}: is there, nothing is traced again ({{fresh}} replaces it)\n", part.name));
+            return Ok(());
+        }
+        let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;
+        self.trace(folder.path()).map_err(|error| match error {
+            Error::Stopped { what } => {
+                Error::Stopped { what: format!("{what}, of which nothing is kept: the part begins anew") }
+            }
+            error => error,
+        })?;
+        for file in [ARCHIVE, NOTHING] {
+            let built = folder.path().join(file);
+            if built.is_file() {
+                if file == NOTHING && there.first() == Some(&true) {
+                    let place = shown(&atlas.folder.join(&part.archive()));
+                    let what = "is of a part that has no receiver now";
+                    return Err(Error::input(&place, None, what, "remove that object, and build the part again"));
+                }
+                let place = atlas.folder.join(&part.beside(file));
+                let copied = heliotile_remote::copy(&built, &place, request.fresh, observer)?;
+                let megabytes = copied.bytes as f64 / 1e6;
+                let was_there = if copied.was_there { ", sent by another meanwhile" } else { "" };
+                observer.report(&format!("{}: {megabytes:.2} MB{was_there}\n", shown(&place).display()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Builds a part in a folder.
+    fn trace(&self, folder: &Path) -> Result<()> {
+        let PartBuild { request, atlas, part, observer } = *self;
+        let plan = &atlas.plan;
+        let site = plan.site(plan.region_part(part), &atlas.shown())?;
+        let files = site.parts.len();
+        if let Some(file) = plan.changed(&site)? {
+            let what = "is another file than when the region was cut: other parts are of that one, or will be";
+            if !request.fresh {
+                let hint = "make another atlas with `heliotile partition`, put the file of then back, or build the part all the same with {fresh}";
+                return Err(Error::input(&file, None, what, hint));
+            }
+            observer.warn(&format!("{}: {what}", file.display()));
+        }
+        let (scene, covered) = cover_site(&site, &plan.cover, observer)?;
+        if covered.count(Lying::Free) == 0 {
+            let archive = folder.join(ARCHIVE);
+            if archive.exists() {
+                if !request.fresh {
+                    let what = "is of a part that has no receiver now";
+                    return Err(Error::input(&archive, None, what, "{fresh} to remove it"));
+                }
+                fs::remove_file(&archive).map_err(Error::io(&archive, "remove"))?;
+            }
+            write_texts(folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;
+            observer.report(&format!("{}: no receiver, nothing to build\n", part.name));
+            return Ok(());
+        }
+        let traced = TraceRequest {
+            folder,
+            receivers: &folder.join("receivers.csv"),
+            archive: &folder.join(ARCHIVE),
+            accuracy: &plan.accuracy,
+            effects: EffectChoice::Auto,
+            with_scene: !plan.no_scene,
+            offset_m: plan.cover.offset_m,
+            replace: request.fresh,
+            ways_out: WaysOut { results: FRESH, started: FRESH },
+            memory: request.memory,
+            under: None,
+        };
+        observer.report(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
+        up_to_date(&traced, &scene, Some(&covered), observer)?;
+        observer.stop_if_cancelled("after a part was complete")
+    }
+}
+
+/// Waits until nobody else builds there; a builder that was killed holds nothing.
+fn alone(folder: &Path, observer: &dyn Observer) -> Result<File> {
+    let path = folder.join(LOCK);
+    let file = File::create(&path).map_err(Error::io(&path, "create"))?;
+    for turn in 0_u64.. {
+        match file.try_lock() {
+            Ok(()) => break,
+            Err(TryLockError::Error(source)) => return Err(Error::io(&path, "lock")(source)),
+            Err(TryLockError::WouldBlock) if turn == 0 => {
+                observer.report(&format!("{}: another process builds it, waiting\n", folder.display()));
+            }
+            Err(TryLockError::WouldBlock) => {}
+        }
+        observer.stop_if_cancelled("while another process built the part")?;
+        thread::sleep(LOOK_EVERY);
+    }
+    Ok(file)
+}

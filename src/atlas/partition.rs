@@ -1,0 +1,77 @@
+//! A region cut into parts. In: scene files, however many. Out: `atlas.json`, and what the halo costs. No part is traced; files are read one
+//! after the other, so that memory is that of the largest.
+
+use std::fs;
+use std::path::PathBuf;
+
+use crate::listed::parts;
+use crate::plan::{AtlasPlan, CutRequest, FILE, absolute, is_atlas};
+use crate::seam_trial;
+use crate::state::PartState;
+use heliotile_builder::pipeline::Workspace;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
+use heliotile_results::outputs::sink::write_texts;
+
+/// Halos below this leave out neighbours that matter, metres.
+const NARROW_M: f64 = 50.0;
+
+/// A region to be cut.
+#[derive(Clone, Debug)]
+pub struct PartitionRequest {
+    /// How it is cut.
+    pub cut: CutRequest,
+    /// Folder of the atlas.
+    pub atlas: PathBuf,
+    /// Whether a plan that lies there goes.
+    pub replace: bool,
+    /// Receivers that the cost of the halo is estimated with; 0 for none.
+    pub sample: usize,
+    /// For these estimates.
+    pub memory: MemoryBudget,
+}
+
+/// Cuts a region into parts and writes its plan.
+pub fn partition(request: &PartitionRequest, observer: &dyn Observer) -> Result<AtlasPlan> {
+    let (atlas, cut) = (request.atlas.as_path(), &request.cut);
+    check_folder(request)?;
+    let scene = absolute(&cut.scene)?;
+    let surveyed = scene.site()?.survey()?;
+    cut.accuracy.settings()?;
+    let mut plan = AtlasPlan::new(CutRequest { scene, ..cut.clone() }, &surveyed)?;
+    if plan.parts.is_empty() {
+        let hint = "cover what there is with {on} ground, or {types} all";
+        return Err(Error::argument("SCENE", "no file has an object that receivers go on", hint));
+    }
+    if cut.halo_m < NARROW_M {
+        observer.warn(&format!("a halo of {} m leaves out neighbours that matter: 300 m is usual", cut.halo_m));
+    }
+    if request.sample > 0 {
+        let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;
+        let workspace = Workspace { folder: folder.path().into(), memory: request.memory };
+        plan.seams = seam_trial::measure(&plan, atlas, request.sample, &workspace, observer)?;
+    }
+    fs::create_dir_all(atlas).map_err(Error::io(atlas, "create"))?;
+    write_texts(atlas, &[(FILE, plan.to_json()?)])?;
+    Ok(plan)
+}
+
+/// Parts of another plan must not lie beside this one.
+fn check_folder(request: &PartitionRequest) -> Result<()> {
+    let atlas = request.atlas.as_path();
+    if !is_atlas(atlas) {
+        return Ok(());
+    }
+    if !request.replace {
+        let hint = "{output} FOLDER to keep both, or {replace} if nothing of it is built";
+        return Err(Error::input(atlas, None, "holds an atlas already", hint));
+    }
+    match parts(atlas, None)?.iter().find(|part| part.state != PartState::Missing) {
+        None => Ok(()),
+        Some(part) => {
+            let what = format!("holds parts that are built, such as {}", part.name);
+            Err(Error::input(atlas, None, what, "{output} FOLDER, or remove its folder `parts`"))
+        }
+    }
+}

@@ -1,0 +1,412 @@
+//! `atlas.json`: how a region is cut into parts. In: what `partition` was asked for, and where objects lie. Out: parts with their places
+//! and the site of each, the same wherever and whenever it is read.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::seams::Seams;
+use heliotile_builder::planning::AccuracyRequest;
+use heliotile_core::error::{Error, Result};
+use heliotile_remote::Directory;
+use heliotile_remote::naming::shown;
+use heliotile_results::covering::CoverRequest;
+use heliotile_scene::input;
+use heliotile_scene::region_part::RegionPart;
+use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
+use heliotile_scene::survey::FileSurvey;
+
+pub use heliotile_remote::places::ATLAS as FILE;
+
+/// The layout of this file that is written, and the only one that is read.
+const LAYOUT: u32 = 4;
+
+/// What to do about a plan that cannot be used.
+const AGAIN: &str = "make it again with `heliotile partition`";
+
+/// A region cut into parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AtlasPlan {
+    heliotile_atlas: u32,
+    /// Side of a part, metres.
+    pub part_size_m: f64,
+    /// How far around a part everything counts, metres.
+    pub halo_m: f64,
+    /// What rises further above the horizon counts beyond the halo, degrees.
+    pub skyline_deg: f64,
+    /// Scene files and what is said of them.
+    pub scene: SceneRequest,
+    /// Where receivers go.
+    pub cover: CoverRequest,
+    /// How exact all parts are.
+    pub accuracy: AccuracyRequest,
+    /// Whether archives leave out the triangles of the scene.
+    pub no_scene: bool,
+    /// What the halo costs, if that was looked at.
+    pub seams: Option<Seams>,
+    /// All files of the site, in its order.
+    pub files: Vec<PlannedFile>,
+    /// BLAKE3 of these files, of the list that names them and of materials, by their paths.
+    checksums: BTreeMap<PathBuf, String>,
+    /// By their names.
+    pub parts: Vec<PlannedPart>,
+}
+
+/// A file of the site and the box that it fills, metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlannedFile {
+    /// Its path.
+    pub file: PathBuf,
+    /// Lowest corner of its box.
+    pub low: [f64; 3],
+    /// Highest corner of its box.
+    pub high: [f64; 3],
+}
+
+/// A part that an object touches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlannedPart {
+    /// That of its folder: multiples of the part's size.
+    pub name: String,
+    /// South-west corner, metres.
+    pub low: [f64; 2],
+    /// Objects that touch it, those wider than a part aside: terrain is everywhere.
+    pub objects: usize,
+}
+
+/// How a region is to be cut: what all parts have in common.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CutRequest {
+    /// Side of a part, metres.
+    pub part_size_m: f64,
+    /// How far around a part everything counts, metres.
+    pub halo_m: f64,
+    /// What rises further above the horizon counts beyond the halo, degrees.
+    pub skyline_deg: f64,
+    /// Scene files and what is said of them.
+    pub scene: SceneRequest,
+    /// Where receivers go.
+    pub cover: CoverRequest,
+    /// How exact all parts are; an error to keep within is not asked for.
+    pub accuracy: AccuracyRequest,
+    /// Whether archives leave out the triangles of the scene.
+    pub no_scene: bool,
+}
+
+impl Default for CutRequest {
+    fn default() -> Self {
+        CutRequest {
+            part_size_m: 500.0,
+            halo_m: 300.0,
+            skyline_deg: 5.0,
+            scene: SceneRequest::default(),
+            cover: CoverRequest::default(),
+            accuracy: AccuracyRequest::default(),
+            no_scene: false,
+        }
+    }
+}
+
+/// Most parts of an atlas: a country in parts of 100 m.
+const MOST_PARTS: usize = 10_000_000;
+
+impl AtlasPlan {
+    /// Cuts a site whose objects lie so. An error, too: a file that cannot be read again.
+    pub fn new(cut: CutRequest, surveyed: &[FileSurvey]) -> Result<Self> {
+        let any = !(cut.cover.on.is_empty() && cut.cover.types.is_empty());
+        let mut touched: BTreeMap<[i64; 2], usize> = BTreeMap::new();
+        for object in surveyed.iter().flat_map(|file| &file.objects).filter(|object| any || object.is_usual) {
+            let [low, high] = object.bounds.map(|corner| (corner.truncate() / cut.part_size_m).floor().as_i64vec2());
+            let is_wider = (object.bounds[1] - object.bounds[0]).truncate().max_element() > cut.part_size_m;
+            for x in low.x..=high.x {
+                for y in low.y..=high.y {
+                    *touched.entry([x, y]).or_default() += usize::from(!is_wider);
+                    if touched.len() > MOST_PARTS {
+                        let (what, max) = ("the number of parts".to_owned(), MOST_PARTS as u64);
+                        return Err(Error::Limit { what, value: max + 1, max });
+                    }
+                }
+            }
+        }
+        let part = |([x, y], objects): ([i64; 2], usize)| PlannedPart {
+            name: format!("x{x}_y{y}"),
+            low: [x as f64, y as f64].map(|number| number * cut.part_size_m),
+            objects,
+        };
+        let file = |found: &FileSurvey| PlannedFile {
+            file: found.file.clone(),
+            low: found.bounds[0].to_array(),
+            high: found.bounds[1].to_array(),
+        };
+        let site = cut.scene.site()?;
+        let all = site.files().map(Path::to_path_buf).chain(said_in(&cut.scene));
+        let checksums = all.map(|path| Ok((path.clone(), checksum(&path)?))).collect::<Result<_>>()?;
+        Ok(AtlasPlan {
+            heliotile_atlas: LAYOUT,
+            checksums,
+            part_size_m: cut.part_size_m,
+            halo_m: cut.halo_m,
+            skyline_deg: cut.skyline_deg,
+            scene: cut.scene,
+            cover: cut.cover,
+            accuracy: cut.accuracy,
+            no_scene: cut.no_scene,
+            seams: None,
+            files: surveyed.iter().map(file).collect(),
+            parts: touched.into_iter().map(part).collect(),
+        })
+    }
+
+    /// Reads that of a folder, here or afar.
+    pub fn read(atlas: &Path) -> Result<Self> {
+        let folder = Directory::at(atlas);
+        let found = if folder.is_remote() { folder.read(FILE, true)? } else { Some(input::read(&folder.join(FILE))?) };
+        let nothing = || {
+            let hint = "give the folder that atlas.json lies in; `heliotile copy ATLAS ADDRESS` puts an atlas there";
+            Error::input(&shown(atlas), None, "holds no atlas.json: no atlas is there", hint)
+        };
+        AtlasPlan::of_file(&shown(&folder.join(FILE)), &found.ok_or_else(nothing)?)
+    }
+
+    /// What a file says, whose name is for messages.
+    pub fn of_file(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let refuse = |what: String| Error::input(path, None, what, AGAIN);
+        #[derive(Deserialize)]
+        struct Stated {
+            heliotile_atlas: u32,
+        }
+        let stated: Stated =
+            serde_json::from_slice(bytes).map_err(|error| refuse(format!("is no plan of an atlas: {error}")))?;
+        if stated.heliotile_atlas != LAYOUT {
+            return Err(Error::Unsupported {
+                what: format!("layout of {}", path.display()),
+                found: stated.heliotile_atlas.to_string(),
+                supported: format!("{LAYOUT} only: cut the region again with `heliotile partition`"),
+            });
+        }
+        let plan: AtlasPlan = serde_json::from_slice(bytes).map_err(|error| refuse(error.to_string()))?;
+        plan.check().map_err(refuse)?;
+        Ok(plan)
+    }
+
+    /// What is wrong with its numbers.
+    fn check(&self) -> std::result::Result<(), String> {
+        let numbers = [self.part_size_m, self.halo_m, self.skyline_deg];
+        if !numbers.iter().all(|number| number.is_finite() && *number > 0.0) {
+            return Err(format!("a part of {} m, a halo of {} m, {} degrees", numbers[0], numbers[1], numbers[2]));
+        }
+        let boxes = self.files.iter().flat_map(|file| file.low.iter().chain(&file.high));
+        if !boxes.chain(self.parts.iter().flat_map(|part| &part.low)).all(|number| number.is_finite()) {
+            return Err("a place is no number".to_owned());
+        }
+        let is_name =
+            |name: &str| !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b"_-".contains(&b));
+        match self.parts.iter().find(|part| !is_name(&part.name)) {
+            Some(part) => Err(format!("`{}` is no name of a part", part.name)),
+            None => Ok(()),
+        }
+    }
+
+    /// The part of a name, or of a number from 0.
+    pub fn part(&self, asked: &str, atlas: &Path) -> Result<&PlannedPart> {
+        let by_name = self.parts.iter().find(|part| part.name == asked);
+        let numbered = || asked.parse::<usize>().ok().and_then(|number| self.parts.get(number));
+        by_name.or_else(numbered).ok_or_else(|| {
+            let names: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).take(5).collect();
+            let what = format!("{} has no part `{asked}`", atlas.display());
+            let last = self.parts.len().saturating_sub(1);
+            Error::argument(
+                "part",
+                what,
+                format!("give a number from 0 to {last}, `all`, or a name: {}, ...", names.join(", ")),
+            )
+        })
+    }
+
+    /// Where a part lies, and what around it counts.
+    pub fn region_part(&self, part: &PlannedPart) -> RegionPart {
+        let low = DVec2::from(part.low);
+        let high = low + DVec2::splat(self.part_size_m);
+        RegionPart { low, high, halo_m: self.halo_m, skyline_deg: self.skyline_deg }
+    }
+
+    /// The site of a part: those files in which something may count.
+    pub fn site(&self, within: RegionPart, atlas: &Path) -> Result<Site> {
+        let mut site = self.scene.site()?;
+        if !site.parts.iter().map(|part| &part.file).eq(self.files.iter().map(|planned| &planned.file)) {
+            let what = "the site lists other files than when it was cut";
+            return Err(Error::input(&atlas.join(FILE), None, what, AGAIN));
+        }
+        let bounds = |file: &PlannedFile| (file.low.into(), file.high.into());
+        let here = self.files.iter().filter(|file| {
+            let (low, high) = bounds(file);
+            within.touches(low, high)
+        });
+        let base_m = here.map(|file| file.low[2]).fold(f64::INFINITY, f64::min);
+        let mut counts = self.files.iter().map(|file| {
+            let (low, high) = bounds(file);
+            within.counts(low, high, base_m)
+        });
+        site.parts.retain(|_| counts.next() == Some(true));
+        site.within = Some(within);
+        Ok(site)
+    }
+
+    /// The first of the files of a part that is another one than when the region was cut.
+    pub fn changed(&self, site: &Site) -> Result<Option<PathBuf>> {
+        let is_far = |path: &PathBuf| self.files.iter().any(|planned| planned.file == *path);
+        let lists = said_in(&self.scene).filter(|path| !is_far(path));
+        for path in site.files().map(Path::to_path_buf).chain(lists) {
+            if self.checksums.get(&path) != Some(&checksum(&path)?) {
+                return Ok(Some(path));
+            }
+        }
+        Ok(None)
+    }
+
+    /// As it is written.
+    pub fn to_json(&self) -> Result<String> {
+        let text =
+            serde_json::to_string_pretty(self).map_err(|error| Error::io(Path::new(FILE), "write")(error.into()))?;
+        Ok(text + "\n")
+    }
+}
+
+/// Files that a command line names: scenes, their lists, the lists of folders, materials.
+fn said_in(scene: &SceneRequest) -> impl Iterator<Item = PathBuf> {
+    let list = |path: &PathBuf| {
+        let lists = ["site.toml", "site.toml.gz"].map(|name| path.join(name));
+        [path.clone()].into_iter().chain(lists)
+    };
+    let named = scene.files.iter().flat_map(list).chain(scene.materials.clone());
+    named.filter(|path| path.is_file()).collect::<Vec<_>>().into_iter()
+}
+
+/// What tells a file from another of its name. One that this process has read is not read again, as long as its length and its time stay.
+fn checksum(path: &Path) -> Result<String> {
+    type Known = HashMap<PathBuf, ((u64, Option<SystemTime>), String)>;
+    static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
+    let file = fs::File::open(path).map_err(Error::io(path, "open"))?;
+    let about = file.metadata().map_err(Error::io(path, "read the length of"))?;
+    let version = (about.len(), about.modified().ok());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = known.get_or_insert_default();
+    if let Some((of, hash)) = known.get(path)
+        && *of == version
+    {
+        return Ok(hash.clone());
+    }
+    let hash = blake3::Hasher::new().update_reader(file).map_err(Error::io(path, "read"))?.finalize();
+    let hash = hash.to_hex().to_string();
+    known.insert(path.to_path_buf(), (version, hash.clone()));
+    Ok(hash)
+}
+
+/// Scene files by their whole paths: parts are built from anywhere.
+pub fn absolute(scene: &SceneRequest) -> Result<SceneRequest> {
+    let whole = |path: &PathBuf| std::path::absolute(path).map_err(Error::io(path, "find"));
+    let mut scene = scene.clone();
+    scene.files = scene.files.iter().map(whole).collect::<Result<_>>()?;
+    scene.materials = scene.materials.as_ref().map(whole).transpose()?;
+    Ok(scene)
+}
+
+/// Whether a folder is that of an atlas.
+pub fn is_atlas(path: &Path) -> bool {
+    fs::metadata(path.join(FILE)).is_ok_and(|found| found.is_file())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_results::covering::Density;
+    use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
+
+    /// A plan in which every field says something.
+    fn full() -> AtlasPlan {
+        let frame = SiteFrame {
+            epsg: Some(28992),
+            latitude_deg: Some(52.0),
+            longitude_deg: Some(4.3),
+            rotate_deg: Some(10.0),
+            elevation_m: Some(2.0),
+            scale: Some(0.001),
+            up: Some(UpAxis::Z),
+        };
+        let scene = SceneRequest {
+            files: vec!["town.city.json".into()],
+            materials: Some("m.toml".into()),
+            assume_version: heliotile_scene::ModelVersion::parse("9.6"),
+            frame,
+            ..SceneRequest::default()
+        };
+        AtlasPlan {
+            heliotile_atlas: LAYOUT,
+            part_size_m: 250.0,
+            halo_m: 300.0,
+            skyline_deg: 5.0,
+            scene,
+            cover: CoverRequest { density: Density::PerSurface(3), ..CoverRequest::default() },
+            accuracy: AccuracyRequest { set: vec!["hit=16".into()], ..AccuracyRequest::default() },
+            no_scene: true,
+            seams: Some(Seams {
+                receivers: 32,
+                parts: 2,
+                rmse_percent: 0.5,
+                at_most_percent: 0.9,
+                bias_percent: -0.1,
+                components_percent: BTreeMap::from([("sun_direct".into(), 0.4)]),
+            }),
+            files: vec![PlannedFile { file: "town.city.json".into(), low: [0.0; 3], high: [9.0; 3] }],
+            checksums: BTreeMap::from([("town.city.json".into(), "00".into())]),
+            parts: vec![PlannedPart { name: "x0_y0".into(), low: [0.0; 2], objects: 4 }],
+        }
+    }
+
+    /// A plan is read again as it was written; of layout 3 is said to cut the region again; a key that is not known is refused.
+    #[test]
+    fn plans_are_kept() {
+        let text = full().to_json().expect("JSON");
+        let read = |text: &str| AtlasPlan::of_file(Path::new("atlas.json"), text.as_bytes());
+        assert_eq!(read(&text).ok(), Some(full()));
+        let older =
+            read(&text.replace("\"heliotile_atlas\": 4", "\"heliotile_atlas\": 3")).expect_err("older").to_string();
+        assert!(older.contains("cut the region again"), "{older}");
+        assert!(read(&text.replace("\"no_scene\"", "\"no_scenes\"")).is_err());
+    }
+
+    /// The text of the format names every key that a plan has, and no key of its tables is none of a plan's.
+    #[test]
+    fn the_text_names_every_key() {
+        fn keys(value: &serde_json::Value, found: &mut std::collections::BTreeSet<String>) {
+            match value {
+                serde_json::Value::Object(map) => map.iter().for_each(|(key, value)| {
+                    found.insert(key.clone());
+                    keys(value, found);
+                }),
+                serde_json::Value::Array(list) => list.iter().for_each(|value| keys(value, found)),
+                _ => {}
+            }
+        }
+        let mut found = std::collections::BTreeSet::new();
+        keys(&serde_json::to_value(full()).expect("JSON"), &mut found);
+        // Names of files and of columns are keys of maps.
+        found.retain(|key| !["town.city.json", "sun_direct"].contains(&key.as_str()));
+        let text = include_str!("../../schema/atlas.md");
+        let missing: Vec<_> = found.iter().filter(|key| !text.contains(key.as_str())).collect();
+        assert!(missing.is_empty(), "not in schema/atlas.md: {missing:?}");
+        let rows = text.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`')).map(|row| row.0);
+        let unknown: Vec<_> = rows.filter(|key| !found.contains(*key)).collect();
+        assert!(unknown.is_empty(), "in schema/atlas.md alone: {unknown:?}");
+    }
+}

@@ -1,0 +1,228 @@
+//! Questions to the archive or the atlas at a place. In: requests, and the files that answers go to. Out: these files, and what was done.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::opened::Atlas;
+use crate::sources::sources_of;
+use heliotile_builder::transfer::Selection;
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_core::archive::Access;
+use heliotile_core::error::Result;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
+use heliotile_core::weather::series::Weather;
+use heliotile_remote::places::open_archive;
+use heliotile_results::{
+    Archives, BuildingsRequest, BuildingsSummary, Every, FactorsRequest, FileRequest, LightChoice, PlacesRequest,
+    PlacesSummary, Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, Tile,
+    TileStream,
+};
+
+/// An archive, or an atlas whose parts are asked like one archive.
+#[derive(Clone, Debug)]
+pub struct SiteRequest {
+    /// Path or address.
+    pub place: PathBuf,
+    /// How files are read; none: through a mapping, unless the archive is large beside the memory to work in.
+    pub access: Option<Access>,
+    /// Receivers that are asked.
+    pub receivers: ReceiverChoice,
+}
+
+/// What a receiver gets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReceiverTotal {
+    /// Name of the receiver.
+    pub id: String,
+    /// Irradiation.
+    pub kwh_m2: f64,
+}
+
+/// An archive of up to this share of the memory is mapped: pages of a mapping count as memory for as long as the system likes.
+const MAPPED_SHARE: u64 = 4;
+
+/// A site that is open.
+struct OpenedSite<'a> {
+    request: &'a SiteRequest,
+    sources: Sources,
+}
+
+impl SiteRequest {
+    /// All receivers at a place.
+    pub fn of(place: impl Into<PathBuf>) -> Self {
+        SiteRequest { place: place.into(), access: None, receivers: ReceiverChoice::default() }
+    }
+
+    /// Irradiance under the conditions of a table.
+    pub fn query(
+        &self,
+        request: &QueryRequest,
+        files: &FileRequest,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<Option<String>> {
+        request.check()?;
+        let read: Vec<&Path> = request.light.files().chain([request.conditions.as_path()]).collect();
+        files.check(request.light.columns.as_ref(), None, &self.inputs(&read))?;
+        let opened = self.open(resources.memory)?;
+        let series = request.series(opened.archives(), about, resources)?;
+        opened.tell_north(resources);
+        let receivers = opened.receivers(&files.output, resources.memory)?;
+        let stream =
+            TileStream { receivers: &receivers, light: &request.light, series: &series, resources: *resources };
+        files.write(&stream, opened.archives(), &self.place)
+    }
+
+    /// Irradiance through a weather file.
+    pub fn replay(
+        &self,
+        request: &ReplayRequest,
+        files: &FileRequest,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<Option<String>> {
+        request.check()?;
+        let read: Vec<&Path> = request.files().collect();
+        files.check(request.light.columns.as_ref(), Some(request.every), &self.inputs(&read))?;
+        self.stream(request, &files.output, about, resources, |stream, archives| {
+            files.write(stream, archives, &self.place)
+        })
+    }
+
+    /// What each receiver gets over a weather file, kWh/m2, in the order of the archive. Memory grows with the receivers.
+    pub fn totals(&self, request: &ReplayRequest, resources: &Resources) -> Result<Vec<ReceiverTotal>> {
+        let columns = Some(ComponentList::of(Component::Total));
+        let light = LightChoice { columns, ..request.light.clone() };
+        let request = ReplayRequest { every: Every::Total, light, ..request.clone() };
+        request.check()?;
+        let mut totals = Vec::new();
+        self.stream(&request, Path::new("-"), Provenance::default(), resources, |stream, _| {
+            stream.each(ComponentSet::of(&[Component::Total]), |tile| {
+                totals.extend(tile.ids.iter().enumerate().map(|(row, id)| {
+                    let kwh_m2 = tile.values.row(Component::Total, row).iter().copied().map(f64::from).sum();
+                    ReceiverTotal { id: id.clone(), kwh_m2 }
+                }));
+                Ok(true)
+            })
+        })?;
+        Ok(totals)
+    }
+
+    /// Hands on the irradiance through a weather file, tile by tile, until `take` gives false.
+    pub fn each_tile(
+        &self,
+        request: &ReplayRequest,
+        resources: &Resources,
+        take: impl FnMut(&Tile) -> Result<bool>,
+    ) -> Result<()> {
+        request.check()?;
+        let components = request.light.columns().set();
+        self.stream(request, Path::new("-"), Provenance::default(), resources, |stream, _| {
+            stream.each(components, take)
+        })
+    }
+
+    /// A solar cadastre from the sums of a year.
+    pub fn buildings(
+        &self,
+        year: &ReplayRequest,
+        request: &BuildingsRequest,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<BuildingsSummary> {
+        request.check(&self.inputs(&[&year.weather]))?;
+        self.stream(year, &request.output, about, resources, |stream, archives| {
+            request.write(stream, archives, &self.place)
+        })
+    }
+
+    /// The best places of modules by the sums of a year.
+    pub fn places(
+        &self,
+        year: &ReplayRequest,
+        request: &PlacesRequest,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<PlacesSummary> {
+        request.check(&self.inputs(&[&year.weather]))?;
+        self.stream(year, &request.output, about, resources, |stream, archives| {
+            request.write(stream, archives, &self.place)
+        })
+    }
+
+    /// What surroundings reflect over the sun's position.
+    pub fn factors(&self, request: &FactorsRequest, about: Provenance, resources: &Resources) -> Result<()> {
+        request.check(&self.inputs(&[]))?;
+        let opened = self.open(resources.memory)?;
+        opened.tell_north(resources);
+        let receivers = opened.receivers(&request.output, resources.memory)?;
+        request.write(&receivers, opened.archives().told_in(about, &self.place), resources)
+    }
+
+    /// Files that are read: the archive, the list of receivers, and others.
+    fn inputs<'a>(&'a self, others: &[&'a Path]) -> Vec<&'a Path> {
+        let list = match &self.receivers.selection {
+            Some(Selection::Receivers(list)) => Some(list.as_path()),
+            _ => None,
+        };
+        [Some(self.place.as_path()), list].into_iter().flatten().chain(others.iter().copied()).collect()
+    }
+
+    /// Opens what a replay reads and hands on its stream; tells what is odd about weather and archives.
+    fn stream<T>(
+        &self,
+        request: &ReplayRequest,
+        output: &Path,
+        about: Provenance,
+        resources: &Resources,
+        then: impl FnOnce(&TileStream, Archives) -> Result<T>,
+    ) -> Result<T> {
+        let mut found = None;
+        // A wrong weather file is found before an archive is opened.
+        let weather: Weather = request.read_weather(resources, &mut || {
+            Ok(found.insert(self.open(resources.memory)?).archives().manifest().place)
+        })?;
+        let dated = request.dated(&weather, resources.observer)?;
+        let opened = found.map_or_else(|| self.open(resources.memory), Ok)?;
+        request.tell_misfits(opened.archives(), &weather, resources.observer);
+        opened.tell_north(resources);
+        let series = request.series(opened.archives(), (&weather, &dated), about, resources)?;
+        let receivers = opened.receivers(output, resources.memory)?;
+        let stream =
+            TileStream { receivers: &receivers, light: &request.light, series: &series, resources: *resources };
+        then(&stream, opened.archives())
+    }
+
+    /// Opens the archive, or the parts of the atlas that receivers are asked of.
+    fn open(&self, memory: MemoryBudget) -> Result<OpenedSite<'_>> {
+        let sources = match Atlas::find(&self.place)? {
+            Some(atlas) => sources_of(&atlas, self.receivers.within(), self.access.unwrap_or_default())?,
+            None => Sources::from(open_archive(&self.place, self.access_of(memory))?),
+        };
+        Ok(OpenedSite { request: self, sources })
+    }
+
+    fn access_of(&self, memory: MemoryBudget) -> Access {
+        let is_large = || fs::metadata(&self.place).is_ok_and(|about| about.len() > memory.total() / MAPPED_SHARE);
+        self.access.unwrap_or_else(|| if is_large() { Access::Read } else { Access::Mapped })
+    }
+}
+
+impl OpenedSite<'_> {
+    fn archives(&self) -> Archives<'_> {
+        self.sources.borrowed()
+    }
+
+    /// The receivers that are asked for; what does not fit into memory goes beside the output.
+    fn receivers(&self, output: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
+        let folder = if output == Path::new("-") { std::env::temp_dir() } else { folder_of(output).into() };
+        self.request.receivers.of(self.archives(), &folder, memory)
+    }
+
+    /// Tells where true north is, if suns are turned to it.
+    fn tell_north(&self, resources: &Resources) {
+        let place = self.archives().manifest().place.filter(|_| !self.request.receivers.grid_north);
+        place.and_then(|place| place.note()).iter().for_each(|note| resources.observer.note(note));
+    }
+}

@@ -1,0 +1,90 @@
+//! Small pictures of parts in a clear year, whose sums archives hold: nothing is replayed. In: archives. Out: PNG, one a part and one of all,
+//! in the same colours.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use heliotile_builder::transfer::{ArchiveReceivers, Shown};
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::Result;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_remote::places::open_archive;
+use heliotile_results::outputs::provenance::Provenance;
+use heliotile_results::outputs::shapes::group_patches::polygons;
+use heliotile_results::outputs::shapes::picture::thumbnail::ThumbnailFrame;
+use heliotile_results::outputs::shapes::row::{MapPolygon, MapRow};
+use heliotile_results::surroundings;
+
+/// Pictures of some archives, drawn when they are asked for.
+pub struct Thumbnails<'a> {
+    /// Archives; what pictures of them have to have room for, none where an archive has no sums.
+    parts: Vec<(&'a Path, Option<ThumbnailFrame>)>,
+    /// None if no archive has any.
+    all: Option<ThumbnailFrame>,
+    /// The command that they are made by.
+    about: Provenance,
+}
+
+impl<'a> Thumbnails<'a> {
+    /// Looks how large the sums are, and where.
+    pub fn of(paths: &[&'a Path], about: Provenance) -> Result<Self> {
+        let frame = |path: &&'a Path| Ok((*path, frame(&open_archive(path, Access::Read)?)?));
+        let parts: Vec<_> = paths.par_iter().map(frame).collect::<Result<_>>()?;
+        let all = parts.iter().filter_map(|(_, frame)| *frame).reduce(|all, frame| all.union(&frame));
+        Ok(Thumbnails { parts, all, about })
+    }
+
+    /// The value of the brightest colour of all of them, kWh/m2.
+    pub fn top_kwh_m2(&self) -> f64 {
+        self.all.map_or(0.0, |all| all.top())
+    }
+
+    /// Archives without a picture.
+    pub fn without(&self) -> usize {
+        self.parts.iter().filter(|(_, frame)| frame.is_none()).count()
+    }
+
+    /// PNG of one of the archives, with what stands around its receivers.
+    pub fn part(&self, number: usize) -> Result<Option<Vec<u8>>> {
+        let (Some((path, Some(frame))), Some(all)) = (self.parts.get(number), self.all) else { return Ok(None) };
+        let archive = open_archive(path, Access::Read)?;
+        let site = OpenSite::of(&archive)?;
+        let about = self.about.clone().with_archive(path, &archive);
+        let around = surroundings(&archive, &site);
+        frame.in_colours_of(&all).png(around.as_ref(), &about, |draw| each(&site, draw)).map(Some)
+    }
+
+    /// PNG of all archives.
+    pub fn all(&self) -> Result<Option<Vec<u8>>> {
+        let draw = |draw: &mut dyn FnMut(&MapRow)| {
+            let paths = self.parts.iter().filter(|(_, frame)| frame.is_some()).map(|(path, _)| path);
+            paths.into_iter().try_for_each(|path| each(&OpenSite::of(&open_archive(path, Access::Read)?)?, draw))
+        };
+        self.all.map(|all| all.png(None, &self.about, draw)).transpose()
+    }
+}
+
+/// What the picture of an archive has to have room for; `None` where it has no sums.
+fn frame(archive: &Archive) -> Result<Option<ThumbnailFrame>> {
+    let site = OpenSite::of(archive)?;
+    let (mut frame, mut count) = (ThumbnailFrame::new(site.north()), 0_u64);
+    each(&site, &mut |row| {
+        frame.add(row);
+        count += 1;
+    })?;
+    Ok((count > 0).then_some(frame))
+}
+
+/// Places of all receivers with their sums, up to the first that has none.
+fn each(site: &OpenSite, take: &mut dyn FnMut(&MapRow)) -> Result<()> {
+    for row in ArchiveReceivers::<Shown>::new(site) {
+        let row = row?;
+        let Some(kwh_m2) = row.layers.clear_year else { break };
+        let receiver = Receiver { patch: row.layers.patch, ..row.receiver };
+        let polygons = polygons(&receiver).unwrap_or_else(|| vec![MapPolygon::point(receiver.position)]);
+        take(&MapRow { texts: Vec::new(), numbers: vec![kwh_m2], polygons });
+    }
+    Ok(())
+}

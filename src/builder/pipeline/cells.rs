@@ -1,0 +1,223 @@
+//! The cells of a build: fine probes and coarse bounce cells, traced a batch at a time, sorted, packed, compressed and written.
+//! Nothing but their keys stays in memory.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::report::RayCounts;
+use super::site_tracer::SiteTracer;
+use crate::pack::Chunks;
+use crate::pipeline::canopies::canopy_of_cell;
+use crate::settings::Effect;
+use crate::spill::{Sorter, damaged};
+use crate::trace::bounce::trace_bounce;
+use crate::trace::canopy::CellCrossings;
+use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
+use crate::trace::surroundings::{SeenCell, SurroundingSettings, Surroundings, surroundings};
+use crate::writing::Writer;
+use heliotile_core::archive::{Blocks, format, tables};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::{Cell, Cells};
+use heliotile_core::memory::Use;
+use heliotile_core::observer::Stage;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::site::cells::{CellKey, CellSet, level_of};
+
+/// Bounce cells traced at a time.
+const WAVE: usize = 8192;
+
+/// RayCounts cast for cells: those that any scene needs, and those by way of mirrors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cast {
+    pub plain: u64,
+    pub mirror: u64,
+}
+
+impl Cast {
+    fn and(self, other: Self) -> Self {
+        Cast { plain: self.plain + other.plain, mirror: self.mirror + other.mirror }
+    }
+}
+
+/// Cells that have been written, and what the next stage needs of them.
+pub(super) struct Written {
+    pub count: u64,
+    pub seen: CellSet,
+}
+
+impl SiteTracer<'_> {
+    /// Traces and writes the probes of all keys, which are sorted.
+    pub fn write_probes(
+        &self,
+        keys: impl Iterator<Item = Result<CellKey>>,
+        writer: &mut Writer,
+        rays: &mut RayCounts,
+    ) -> Result<Written> {
+        let texture = Directions::new(self.settings.probe);
+        let progress = Stage::begin(self.observer, "probes", None);
+        let mut chunks = Chunks::probes(self.settings.probe_hits);
+        let mut seen = CellSet::default();
+        let mut keys = keys.peekable();
+        while keys.peek().is_some() {
+            let batch: Vec<CellKey> = keys.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
+            progress.advance(batch.len() as u64);
+            let trace = |keys: &[CellKey]| {
+                let (cells, cast) = trace_missing(keys, self.known.probes(keys), |key| self.trace_probe(key, &texture));
+                (cells.into(), cast)
+            };
+            let cast = self.write_chunks(&mut chunks, &batch, trace, writer, |chunk| seen.extend(chunk.reached()))?;
+            rays.probe += cast.plain;
+            rays.mirror += cast.mirror;
+        }
+        drop(progress);
+        let count = chunks.finish(writer)?;
+        Ok(Written { count, seen })
+    }
+
+    pub(super) fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
+        let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
+        let probe = trace_probe(key, texture, mesh, tracer);
+        let (reflections, closed) = (self.reflections.as_ref(), level_of(s.closed_m));
+        let settings = SurroundingSettings { closed_level: closed, rays: s.probe_hits };
+        let seen = match self.traces(Effect::Bounces) {
+            true => surroundings(key, &probe, texture, settings, mesh, tracer, reflections),
+            false => Surroundings::none(s.probe_hits),
+        };
+        self.cell(key, probe, seen, texture)
+    }
+
+    /// A traced cell, and the rays that were cast for it: for the cell itself, and for what it sees in mirrors.
+    pub(super) fn cell(
+        &self,
+        key: CellKey,
+        probe: ProbeTrace,
+        seen: Surroundings,
+        texture: &Directions,
+    ) -> (Cell, Cast) {
+        let mut mirror = 0;
+        let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
+        let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen);
+        let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
+        let normal = probe.normal.as_vec3().to_array();
+        let canopy = canopy_of_cell(&crossings, texture.n, seen.seen.len());
+        (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), mirrors, canopy }, cast)
+    }
+
+    /// Traces and writes all bounce cells that can be reached from some: the closed system.
+    pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
+        let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
+        if writer.has(format::INDEX, tables::IndexTable::BOUNCE) {
+            let index = tables::IndexTable::from_block(&writer.block(format::INDEX, tables::IndexTable::BOUNCE)?)?;
+            let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, chunk)?.items()));
+            return (0..index.rows() as u32).map(items).sum();
+        }
+        let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
+        let texture = Directions::new(s.bounce_sky);
+        let progress = Stage::begin(self.observer, "bounces", None);
+        let mut sorter = Sorter::new(&self.folder, self.memory.length(Use::BounceCells));
+        let mut wave: Vec<CellKey> = start.iter().copied().collect();
+        wave.sort_unstable();
+        let mut met = start;
+        while !wave.is_empty() {
+            let mut next = Vec::new();
+            for part in wave.chunks(WAVE) {
+                let trace = |key| {
+                    let (probe, seen) = trace_bounce(key, &texture, settings, mesh, tracer, self.reflections.as_ref());
+                    self.cell(key, probe, seen, &texture)
+                };
+                let (cells, cast) = trace_missing(part, self.known.bounces(part), trace);
+                rays.bounce += cast.plain;
+                rays.mirror += cast.mirror;
+                for cell in cells {
+                    next.extend(cell.reached().filter(|key| met.insert(*key)));
+                    sorter.push(&cell.key.to_bytes(), &cell.to_bytes())?;
+                }
+                progress.advance(part.len() as u64);
+                self.checkpoint(writer)?;
+            }
+            next.sort_unstable();
+            wave = next;
+        }
+        drop(progress);
+        drop(met);
+        let mut chunks = Chunks::bounces(s.bounce_hits);
+        let mut sorted = sorter.finish()?.peekable();
+        while sorted.peek().is_some() {
+            let cell = |record: Result<(Vec<u8>, Vec<u8>)>| {
+                let (key, cell) = record?;
+                Cell::from_bytes(&key, &cell, s.bounce_sky * s.bounce_sky).ok_or_else(|| damaged(&self.folder))
+            };
+            let batch: Vec<Cell> = sorted.by_ref().take(chunks.batch()).map(cell).collect::<Result<_>>()?;
+            let keys: Vec<CellKey> = batch.iter().map(|c| c.key).collect();
+            let traced = |keys: &[CellKey]| {
+                let start = batch.partition_point(|c| c.key < keys[0]);
+                (Cow::Borrowed(&batch[start..start + keys.len()]), Cast::default())
+            };
+            self.write_chunks(&mut chunks, &keys, traced, writer, |_| {})?;
+        }
+        chunks.finish(writer)
+    }
+}
+
+impl SiteTracer<'_> {
+    /// Writes the chunks of some keys: sorted, a batch at a time but for the last ones. A chunk that the file holds already is
+    /// read instead of traced. Returns the rays cast.
+    fn write_chunks<'c>(
+        &self,
+        chunks: &mut Chunks,
+        keys: &[CellKey],
+        trace: impl Fn(&[CellKey]) -> (Cow<'c, [Cell]>, Cast) + Sync,
+        writer: &mut Writer,
+        mut see: impl FnMut(&Cells),
+    ) -> Result<Cast> {
+        let first = chunks.next();
+        let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
+        let done: Vec<Result<_>> = keys
+            .par_chunks(chunks.size())
+            .enumerate()
+            .map(|(i, keys)| {
+                let number = first + i as u32;
+                if writer.has(chunks.kind(), number) {
+                    return Ok((site.cells(chunks.kind(), number)?, Vec::new(), Cast::default()));
+                }
+                let (traced, cast) = trace(keys);
+                let chunk = Cells::new(&traced);
+                let blocks = chunks.encode(number, &chunk)?;
+                Ok((chunk, blocks, cast))
+            })
+            .collect();
+        let mut rays = Cast::default();
+        for part in done {
+            let (chunk, blocks, cast) = part?;
+            chunks.add(&chunk, blocks, writer)?;
+            see(&chunk);
+            rays = rays.and(cast);
+        }
+        self.checkpoint(writer)?;
+        Ok(rays)
+    }
+}
+
+/// Known cells and, traced, the missing ones; sorted by key. Returns the rays cast too.
+fn trace_missing(
+    keys: &[CellKey],
+    mut known: Vec<Cell>,
+    trace: impl Fn(CellKey) -> (Cell, Cast) + Sync,
+) -> (Vec<Cell>, Cast) {
+    let is_known = |key: &CellKey| known.binary_search_by_key(key, |cell| cell.key).is_ok();
+    let missing: Vec<CellKey> = keys.iter().filter(|key| !is_known(key)).copied().collect();
+    let traced: Vec<(Cell, Cast)> = missing.par_iter().map(|&key| trace(key)).collect();
+    let cast = traced.iter().fold(Cast::default(), |sum, t| sum.and(t.1));
+    let all_new = known.is_empty();
+    known.extend(traced.into_iter().map(|t| t.0));
+    if !all_new {
+        known.sort_unstable_by_key(|cell| cell.key);
+    }
+    (known, cast)
+}
+
+fn pairs(seen: Vec<SeenCell>) -> Vec<(bool, Option<CellKey>)> {
+    seen.into_iter().map(|s| (s.up, s.cell)).collect()
+}

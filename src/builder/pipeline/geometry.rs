@@ -1,0 +1,147 @@
+//! What is told of a site besides its light: the scene's triangles, an overview of its receivers, and where they stand. In: a mesh, receivers,
+//! the archive so far. Out: blocks.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::report::Clock;
+use super::site_tracer::SiteTracer;
+use crate::pack::{COMPRESSION, GazetteerWriter, OverviewRow, overview};
+use crate::receiver_tiles::ReceiverTiles;
+use crate::writing::Writer;
+use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES};
+use heliotile_core::archive::{EncodedBlock, format};
+use heliotile_core::error::Result;
+use heliotile_core::memory::Use;
+use heliotile_core::observer::Stage;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::north::North;
+use heliotile_core::site::place::Place;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::weather::clear::clear_year;
+use heliotile_core::weather::conditions::in_axes;
+use heliotile_scene::mesh::Mesh;
+
+impl SiteTracer<'_> {
+    /// All triangles in the order of the mesh, which is that of their vertices from west to east; one block after the other.
+    pub(super) fn scene_blocks(&self) -> impl Iterator<Item = Result<EncodedBlock>> {
+        let mesh = &self.scene.mesh;
+        let count = mesh.triangles.len();
+        (0..count).step_by(MAX_TRIANGLES).zip(0..).map(move |(first, chunk)| {
+            let some = first..count.min(first + MAX_TRIANGLES);
+            table(mesh, some).encode(format::SCENE, chunk, COMPRESSION)
+        })
+    }
+}
+
+impl SiteTracer<'_> {
+    /// Writes the overview of all tiles, when everything else is written: it stands in one piece.
+    pub(super) fn write_overview(
+        &self,
+        receivers: &mut ReceiverTiles,
+        writer: &mut Writer,
+        clock: &mut Clock,
+    ) -> Result<()> {
+        let missing: Vec<u32> =
+            (0..receivers.tile_count() as u32).filter(|&tile| !writer.has(format::OVERVIEW, tile)).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let sums = match self.scene.place {
+            Some(place) => self.clear_years(&place, &missing, &*writer)?,
+            None => Vec::new(),
+        };
+        let mut sums = sums.into_iter();
+        let mut tiles = (0..).zip(receivers.tiles()?).filter(|(tile, _)| missing.binary_search(tile).is_ok());
+        loop {
+            let batch: Vec<(u32, Result<Vec<Receiver>>)> = tiles.by_ref().take(GROUP).collect();
+            if batch.is_empty() {
+                clock.lap("overview");
+                return Ok(());
+            }
+            let batch: Vec<(u32, Vec<Receiver>, Vec<f32>)> = batch
+                .into_iter()
+                .map(|(tile, receivers)| receivers.map(|of| (tile, sums.by_ref().take(of.len()).collect(), of)))
+                .map(|tile| tile.map(|(tile, sums, of)| (tile, of, sums)))
+                .collect::<Result<_>>()?;
+            let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
+            let blocks: Vec<EncodedBlock> = batch
+                .par_iter()
+                .map(|(tile, receivers, sums)| {
+                    let views = site.tile_receivers(*tile)?.sky_view;
+                    let row = |(i, (receiver, sky_view))| OverviewRow {
+                        receiver,
+                        sky_view,
+                        clear_year: sums.get(i).copied(),
+                    };
+                    let rows = receivers.iter().zip(views).enumerate().map(row);
+                    overview(*tile, self.scene.mesh.origin, rows)
+                })
+                .collect::<Result<_>>()?;
+            blocks.into_iter().try_for_each(|block| writer.append(block))?;
+            self.checkpoint(writer)?;
+        }
+    }
+
+    /// Writes where the receivers stand, when everything else is written: it stands in one piece, too.
+    pub(super) fn write_gazetteer(&self, receivers: &mut ReceiverTiles, writer: &mut Writer) -> Result<()> {
+        // The first names of all chunks come last.
+        if writer.has(format::NAMES, 0) {
+            return Ok(());
+        }
+        let mut gazetteer = GazetteerWriter::new(&self.folder, self.memory.length(Use::Gazetteer));
+        for tile in receivers.tiles()? {
+            gazetteer.add(tile?.iter())?;
+        }
+        gazetteer.finish(|block| {
+            let (kind, chunk) = block.entry().key();
+            if writer.has(kind, chunk) { Ok(()) } else { writer.append(block) }
+        })
+    }
+
+    /// Sums over the clear year of all receivers of some tiles, kWh/m2, rounded to `SUM_STEP`.
+    fn clear_years(&self, place: &Place, tiles: &[u32], writer: &Writer) -> Result<Vec<f32>> {
+        let site = OpenSite::over(writer, Arc::clone(&self.facts));
+        let (conditions, bins) = clear_year(place);
+        // The axes of a site that is being built are not turned yet.
+        let conditions = in_axes(&conditions, North::of(Some(place)));
+        let settings = ReplaySettings { patches: PATCHES, memory: self.memory, ..ReplaySettings::default() };
+        let replay = Replay::summed(&site, &conditions, settings, &bins)?;
+        let progress = Stage::begin(self.observer, "overview", Some(tiles.len() as u64));
+        let mut sums = Vec::new();
+        for tile in replay.results(tiles.iter().copied()) {
+            let (ids, values) = tile?;
+            let sum = |row| values.row(Component::Total, row).first().copied().unwrap_or_default();
+            sums.extend((0..ids.len()).map(|row| (sum(row) / SUM_STEP).round() * SUM_STEP));
+            progress.advance(1);
+        }
+        Ok(sums)
+    }
+}
+
+/// Patches of the sky of clear years: the fewest there are.
+const PATCHES: usize = 145;
+
+/// Sums are written in steps of this, kWh/m2.
+const SUM_STEP: f32 = 0.25;
+
+/// Tiles that are written at a time.
+const GROUP: usize = 64;
+
+/// Some triangles with their vertices, which keep their order.
+fn table(mesh: &Mesh, some: std::ops::Range<usize>) -> GeometryTable {
+    let triangles = &mesh.triangles[some.clone()];
+    let mut rows: Vec<u32> = triangles.iter().flatten().copied().collect();
+    rows.sort_unstable();
+    rows.dedup();
+    // Every corner is among them, and there are less than 2^18.
+    let place = |corner: &u32| rows.partition_point(|row| row < corner) as u32;
+    GeometryTable {
+        vertex: rows.iter().map(|&row| mesh.vertices[row as usize].as_vec3().to_array()).collect(),
+        corner: triangles.iter().map(|corners| corners.each_ref().map(place)).collect(),
+        material: mesh.triangle_material[some].to_vec(),
+    }
+}

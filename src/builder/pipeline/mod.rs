@@ -1,0 +1,214 @@
+//! Building: scene -> trace -> layers -> archive. In: a prepared scene, its receivers, settings. Out: a finished archive, and what was
+//! done. The chain is [`Build::plan`](crate::planning), which looks first ([`Build::forecast`]), then [`Build::write`]. Never: printing, command lines.
+
+mod canopies;
+mod cells;
+mod forecast;
+mod geometry;
+mod known;
+mod manifest;
+mod mirrors;
+mod output;
+mod plan;
+mod prepared;
+mod report;
+mod sample;
+mod site_tracer;
+mod tiles;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use crate::receiver_tiles::ReceiverTiles;
+use crate::settings::{BuildSettings, EffectChoice};
+use crate::trace::Tracer;
+use crate::writing::{Job, Writer};
+use heliotile_core::archive::manifest::ReceiverSummary;
+use heliotile_core::archive::negligible::Negligible;
+use heliotile_core::archive::{Archive, Manifest, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::observer::Observer;
+use heliotile_core::opened::SiteFacts;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_scene::Scene;
+use heliotile_scene::placing::plausible::far_receivers;
+use known::Known;
+use report::Clock;
+use site_tracer::SiteTracer;
+
+pub use forecast::{Forecast, Line, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
+pub use manifest::BuildCounts;
+pub use output::{Output, Start};
+pub use plan::Plan;
+pub use prepared::PreparedScene;
+pub use report::{BuildReport, RayCounts};
+
+/// Where a build works, and how much memory it may take.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Workspace {
+    /// Of temporary files.
+    pub folder: PathBuf,
+    /// For all that a build holds besides the scene and its tree.
+    pub memory: MemoryBudget,
+}
+
+impl Workspace {
+    /// The receivers of a table in tiles. Warns of columns that are passed over and of receivers far from the scene.
+    pub fn read_receivers(&self, path: &Path, scene: &Scene, observer: &dyn Observer) -> Result<ReceiverTiles> {
+        let mut warnings = Vec::new();
+        let budget = self.memory.length(Use::SortedReceivers);
+        let receivers = ReceiverTiles::open(path, scene.mesh.origin, &self.folder, budget, &mut warnings)?;
+        let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
+        warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", path.display())));
+        warnings.iter().for_each(|warning| observer.warn(warning));
+        Ok(receivers)
+    }
+}
+
+/// A scene with its receivers, about to be traced.
+pub struct Build<'a> {
+    /// What is traced.
+    pub scene: &'a PreparedScene<'a>,
+    /// The receivers, cut into tiles.
+    pub receivers: &'a mut ReceiverTiles,
+    /// Where it may put files, and how much memory it may take.
+    pub workspace: &'a Workspace,
+    /// Told of progress and warnings, and asked whether to stop.
+    pub observer: &'a dyn Observer,
+}
+
+impl Build<'_> {
+    /// What is known of the archive before it is one.
+    fn facts(&self, settings: &BuildSettings, path: &Path) -> Result<SiteFacts> {
+        let (scene, mirrors) = (self.scene.scene, &self.scene.mirrors);
+        let receivers = ReceiverSummary {
+            count: self.receivers.count() as u64,
+            tiles: self.receivers.tile_count() as u32,
+            ..ReceiverSummary::default()
+        };
+        let orientations = if self.scene.reflects(settings) { mirrors.orientations.clone() } else { Vec::new() };
+        let stated = (&settings.stated(), scene.mesh.origin, &receivers);
+        SiteFacts::given(path, stated, scene.materials.clone(), orientations)
+    }
+
+    /// What a build with some settings would trace, from a sample of its receivers; writes no archive. `negligible` decides in place of the light
+    /// that bounds are stated for, where effects are chosen by what the scene calls for.
+    pub fn forecast(
+        &mut self,
+        settings: &BuildSettings,
+        effects: EffectChoice,
+        negligible: Option<&Negligible>,
+    ) -> Result<Forecast> {
+        let known = (self.facts(settings, &self.workspace.folder)?, Known::default());
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, known);
+        tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), (effects, negligible))
+    }
+
+    /// Traces the receivers and writes the archive; nothing is traced that earlier archives of the same scene and settings hold. Equal
+    /// inputs give equal bytes, whatever the order of receivers, the number of threads or the memory. Work that fails or is
+    /// stopped leaves what was written up to its last checkpoint, if there was one, for [`Start::Resume`].
+    pub fn write(&mut self, plan: &Plan, output: &Output, earlier: &[Archive]) -> Result<BuildReport> {
+        let (scene, settings) = (self.scene.scene, &plan.settings);
+        let mut clock = Clock::after("tree", self.scene.seconds);
+        let mut writer = output.writer(&Job {
+            scene: scene.content_hash(),
+            receivers: self.receivers.content_hash(),
+            settings: plan.hash()?,
+        })?;
+        if let Some(done) = writer.resumed() {
+            let megabytes = done.bytes as f64 / 1e6;
+            self.observer.warn(&format!("going on after {} blocks of {megabytes:.1} MB", done.blocks));
+        }
+        let facts = self.facts(settings, &output.path)?;
+        let known = Known::new(earlier, &facts);
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, (facts, known));
+        let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
+        if matches!(traced, Err(Error::Io { .. })) {
+            // Where another file failed, such as a temporary one, what was written can be kept.
+            let _ = writer.checkpoint();
+        }
+        let kept = writer.committed();
+        let finish = |traced: Traced| {
+            let summary = writer.finish(&traced.manifest)?;
+            clock.lap("finish");
+            let Traced { counts, rays, warnings, lost_in_mirrors, .. } = traced;
+            let (bytes, root) = (summary.bytes, summary.root);
+            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors })
+        };
+        traced.and_then(finish).map_err(|error| output::kept(error, kept))
+    }
+}
+
+/// What an archive holds whose blocks are all written.
+struct Traced {
+    counts: BuildCounts,
+    rays: RayCounts,
+    warnings: Vec<String>,
+    manifest: Manifest,
+    lost_in_mirrors: [f64; 2],
+}
+
+/// Writes all blocks that a writer does not have.
+fn trace(
+    tracer: &SiteTracer,
+    plan: &Plan,
+    receivers: &mut ReceiverTiles,
+    writer: &mut Writer,
+    clock: &mut Clock,
+) -> Result<Traced> {
+    let farthest = receivers.farthest().and_then(|receiver| far_away(tracer.tracer, tracer.scene, receiver));
+    let mut warnings: Vec<String> = farthest.into_iter().collect();
+    let mut rays = RayCounts::default();
+
+    let mut misplaced = Vec::new();
+    let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut misplaced)?;
+    clock.lap("receivers");
+    let probes = tracer.write_probes(keys, writer, &mut rays)?;
+    let bounce_cells = tracer.write_bounces(probes.seen, writer, &mut rays)?;
+    clock.lap("cells");
+
+    if !writer.has(format::MATERIALS, 0) {
+        writer.append(tracer.materials_block()?)?;
+        for block in tracer.optics_blocks()? {
+            writer.append(block)?;
+        }
+    }
+    if plan.with_scene {
+        for (chunk, block) in (0..).zip(tracer.scene_blocks()) {
+            if !writer.has(format::SCENE, chunk) {
+                writer.append(block?)?;
+            }
+        }
+    }
+    let tiles = receivers.tile_count() as u32;
+    let counts = BuildCounts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
+    tracer.write_responses(tiles, writer, clock)?;
+    if plan.with_scene {
+        tracer.write_overview(receivers, writer, clock)?;
+    }
+    tracer.write_gazetteer(receivers, writer)?;
+    let manifest = tracer.manifest(&counts, plan, writer.layers());
+    warnings.extend(tiles::warnings(&misplaced));
+    let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
+    Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
+}
+
+/// Rays start this far off surfaces (metres) before it is worth a warning.
+const LARGE_OFFSET_M: f64 = 0.01;
+
+/// A warning if some receiver lies so far from the scene's origin that details near it are lost.
+fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> {
+    let (offset_m, o) = (tracer.grid().offset_m(worst.position), scene.mesh.origin);
+    (offset_m > LARGE_OFFSET_M).then(|| {
+        format!(
+            "receiver {} lies far from the scene's centre ({:.0}, {:.0}, {:.0}): rays start {:.1} mm off its surface and finer \
+             details are lost; look for stray geometry, or build the site in parts",
+            worst.id,
+            o.x,
+            o.y,
+            o.z,
+            offset_m * 1e3
+        )
+    })
+}

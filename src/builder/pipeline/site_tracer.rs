@@ -1,0 +1,90 @@
+//! A scene with settings, ready to trace receivers and cells: what every stage of a build works on.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use super::Workspace;
+use super::known::Known;
+use super::prepared::PreparedScene;
+use crate::settings::{BuildSettings, Effect};
+use crate::trace::Tracer;
+use crate::trace::canopy::Canopies;
+use crate::trace::mirror::Reflections;
+use crate::writing::Writer;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::reflector::Reflector;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
+use heliotile_core::opened::SiteFacts;
+use heliotile_scene::Scene;
+
+/// What every part of a build works on.
+pub(super) struct SiteTracer<'a> {
+    pub scene: &'a Scene,
+    /// Of what stops rays.
+    pub tracer: &'a Tracer,
+    /// By material.
+    pub reflectors: Vec<Reflector>,
+    pub canopies: Option<&'a Canopies<'a>>,
+    pub settings: &'a BuildSettings,
+    /// Where temporary files go.
+    pub folder: PathBuf,
+    pub memory: MemoryBudget,
+    /// What is known of the archive before it is one.
+    pub facts: Arc<SiteFacts>,
+    pub known: Known<'a>,
+    /// Only where there are mirrors.
+    pub reflections: Option<Reflections<'a>>,
+    /// Largest share of light that was lost behind the last mirror followed, as bits of an f64: of a receiver's, of a cell's.
+    pub lost: [AtomicU64; 2],
+    pub observer: &'a dyn Observer,
+}
+
+impl<'a> SiteTracer<'a> {
+    pub fn new(
+        ready: &'a PreparedScene<'a>,
+        settings: &'a BuildSettings,
+        workspace: &Workspace,
+        observer: &'a dyn Observer,
+        (facts, known): (SiteFacts, Known<'a>),
+    ) -> Self {
+        let scene = ready.scene;
+        let reflections =
+            ready.reflects(settings).then(|| Reflections::new(&scene.mesh, &ready.tracer, &ready.mirrors));
+        let canopies = ready.canopies.as_ref().filter(|_| !settings.left_out.contains(Effect::Canopies));
+        SiteTracer {
+            scene,
+            reflectors: scene.materials.iter().map(Reflector::of).collect(),
+            tracer: &ready.tracer,
+            settings,
+            folder: workspace.folder.clone(),
+            memory: workspace.memory,
+            facts: Arc::new(facts),
+            known,
+            reflections,
+            lost: Default::default(),
+            canopies,
+            observer,
+        }
+    }
+
+    /// Whether an effect is to be traced, if the scene has it.
+    pub fn traces(&self, effect: Effect) -> bool {
+        let left_out = self.settings.left_out;
+        !(left_out.contains(effect) || effect == Effect::Bounces && left_out.contains(Effect::Diffuse))
+    }
+
+    /// Makes what was written survive a crash, every now and then; and ends the build if the user wants it to end.
+    pub fn checkpoint(&self, writer: &mut Writer) -> Result<()> {
+        if !self.observer.cancelled() {
+            return if writer.due() { writer.checkpoint() } else { Ok(()) };
+        }
+        writer.checkpoint()?;
+        let what = match writer.committed() {
+            Some(done) => format!("after {} blocks of {:.1} MB", done.blocks, done.bytes as f64 / 1e6),
+            None => "before anything was written".into(),
+        };
+        Err(Error::Stopped { what })
+    }
+}

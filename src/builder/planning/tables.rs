@@ -1,0 +1,203 @@
+//! What a build will do and has done, as tables for people.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::accuracy::SettingsChoice;
+use crate::pipeline::{BuildReport, Forecast, SKY_W_M2, SUN_W_M2};
+use crate::planning::losses::YearLosses;
+use crate::settings::Effect;
+use heliotile_core::archive::accuracy::HoursError;
+use heliotile_core::archive::format;
+use heliotile_core::site::chain::MOST_MIRRORS;
+use heliotile_core::text::counted;
+use heliotile_scene::Scene;
+
+/// Effect by effect what would be traced.
+pub fn forecast(forecast: &Forecast) -> String {
+    let mut out =
+        format!("{:<22}{:<7}{:>11}{:>10}{:>16}  why\n", "effect", "state", "rays", "seconds", "without: W/m2");
+    for line in &forecast.lines {
+        let state = if line.on { "on" } else { "off" };
+        let (rays, seconds) = match line.on {
+            true => (rounded(line.rays), format!("{:.1}", line.seconds)),
+            false => (format!("({})", rounded(line.rays)), format!("({:.1})", line.seconds)),
+        };
+        let bound = line.bound_w_m2.map_or("-".into(), at_most);
+        out += &format!("{:<22}{state:<7}{rays:>11}{seconds:>10}{bound:>16}  {}\n", line.name, line.why);
+    }
+    let (rays, seconds) = (forecast.on().map(|line| line.rays).sum(), forecast.seconds());
+    out += &format!(
+        "{:<22}{:<7}{:>11}{seconds:>10.1}{:>16}  under {SUN_W_M2:.0} W/m2 of sun and {SKY_W_M2:.0} of uniform sky\n",
+        "all",
+        "",
+        rounded(rays),
+        at_most(forecast.loss_w_m2()),
+    );
+    out
+}
+
+/// What effects bring over a year, by groups of receivers.
+pub fn losses(losses: &YearLosses) -> String {
+    let mut out = format!("\n{:<13}{:>8}", "sky view", "kWh/m2");
+    Effect::ALL.iter().for_each(|effect| out += &format!("{:>24}", format!("without {}", effect.name())));
+    out += "\n";
+    for (i, group) in losses.groups.iter().enumerate() {
+        let [low, high] = group.sky_view;
+        let name = if i == 0 { "all".into() } else { format!("{low:.2} to {high:.2}") };
+        out += &format!("{name:<13}{:>8.1}", group.total_kwh_m2);
+        for effect in Effect::ALL {
+            let bound = group.losses[effect as usize].bound_kwh_m2;
+            let cell = match bound > 0.0 {
+                true => format!("<= {bound:.2} ({:.2} %)", group.percent(effect)),
+                false => "0".into(),
+            };
+            out += &format!("{cell:>24}");
+        }
+        out += "\n";
+    }
+    let asked = match losses.sample < losses.receivers {
+        true => format!("{} of {} receivers", losses.sample, losses.receivers),
+        false => counted(losses.receivers as u64, "receiver"),
+    };
+    out += &format!(
+        "sums over {} of {asked}: means of groups by the sky that they see, and the most that they lose\n\
+         without an effect (without canopies: gain); diffuse holds bounces; {:.1} s\n",
+        losses.weather, losses.seconds
+    );
+    out
+}
+
+/// A bound, W/m2; a large one says nothing.
+fn at_most(bound: f64) -> String {
+    match bound {
+        b if b <= 0.0 => "0".into(),
+        b if b > 2.0 * SUN_W_M2 => "unbounded".into(),
+        b => format!("<= {b:.3}"),
+    }
+}
+
+/// 12.3 M.
+fn rounded(rays: f64) -> String {
+    match rays {
+        r if r >= 1e9 => format!("{:.1} G", r / 1e9),
+        r if r >= 1e6 => format!("{:.1} M", r / 1e6),
+        r if r >= 1e3 => format!("{:.1} k", r / 1e3),
+        r => format!("{r:.0}"),
+    }
+}
+
+/// What was chosen and why, before the build.
+pub fn choice(choice: &SettingsChoice) -> String {
+    let (s, a, [sky, seen, bounced, patches]) = (&choice.settings, &choice.accuracy, choice.sources_percent);
+    let missed = match a.predicted_percent > a.target_percent {
+        true => " (the finest settings are not enough)",
+        false => "",
+    };
+    format!(
+        "error wanted: at most {} %, expected: {:.2} %{missed}, RMSE of hourly totals in percent of their mean\n  \
+         sun and sky, direct   {sky:.2} %  sky_base={} sky_fine={} steps={}\n  \
+         one reflection        {seen:.2} %  hit={} cell_factor={} cell_floor_m={} probe={}\n  \
+         further reflections   {bounced:.2} %  probe_hits={} closed_m={} bounce_sky={} bounce_hits={}\n  \
+         sky patches           {patches:.2} %  patches={}\n",
+        a.target_percent,
+        a.predicted_percent,
+        s.sky_base,
+        s.sky_fine,
+        s.steps,
+        s.hit,
+        s.cell_factor,
+        s.cell_floor_m,
+        s.probe,
+        s.probe_hits,
+        s.closed_m,
+        s.bounce_sky,
+        s.bounce_hits,
+        s.patches
+    )
+}
+
+/// What was expected and what came out, errors and seconds.
+pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String {
+    let a = &choice.accuracy;
+    let above = match a.rmse_percent > a.target_percent {
+        true => format!(": more than the {} % wanted", a.target_percent),
+        false => String::new(),
+    };
+    let mut out = format!(
+        "error: {:.2} % expected, {:.2} % ({:.2} W/m2) found on {} (bias {:.2} %, means over all hours {:.2} %){above}\n",
+        a.predicted_percent,
+        a.rmse_percent,
+        a.rmse_w_m2(),
+        counted(a.sample, "receiver"),
+        a.bias_percent,
+        a.yearly_percent,
+    );
+    for hours in &a.hours {
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "  {}", in_hours(hours));
+    }
+    let _ = writeln!(
+        out,
+        "time: {expected_s:.1} s expected, {taken_s:.1} s taken, besides the pilot's {:.1} s",
+        choice.pilot_s
+    );
+    out
+}
+
+/// The error in hours of one kind, in words.
+pub fn in_hours(hours: &HoursError) -> String {
+    format!(
+        "in hours with {} ({:.0} % of all): {:.2} % of their mean ({:.2} of {:.1} W/m2), reflected light {:.2} % ({:.2} of {:.1} W/m2)",
+        hours_in_words(&hours.hours),
+        hours.share_percent,
+        hours.rmse_percent(),
+        hours.rmse_w_m2,
+        hours.mean_w_m2,
+        hours.reflected_percent(),
+        hours.reflected_w_m2,
+        hours.reflected_mean_w_m2
+    )
+}
+
+/// A kind of hours, after "hours with".
+fn hours_in_words(kind: &str) -> String {
+    match kind {
+        "mostly reflected" => "mostly reflected light".into(),
+        other => other.into(),
+    }
+}
+
+/// The summary that a build ends with.
+pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
+    let counts = &report.counts;
+    let total: f64 = report.seconds.iter().map(|s| s.1).sum();
+    let rays = report.rays.total();
+    let each = |x: f64| x / counts.receivers.max(1) as f64;
+    let stages: Vec<String> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
+    let mirrors = match report.lost_in_mirrors {
+        [0.0, 0.0] => String::new(),
+        lost => {
+            let [receivers, cells] = lost.map(|share| share * 100.0);
+            format!(
+                "  behind {MOST_MIRRORS} mirrors, where no light is followed, lies at most {receivers:.1} % of what a receiver sees, \
+                 {cells:.1} % of what a cell sees\n"
+            )
+        }
+    };
+    format!(
+        "{}: {} receivers, {} triangles\n  {} probes, {} bounce cells, {:.1} Mray ({:.0} a receiver), {:.2} MB ({:.0} bytes a \
+         receiver)\n{mirrors}  {total:.2} s: {}\n  root {}\n",
+        output.display(),
+        counts.receivers,
+        scene.mesh.triangles.len(),
+        counts.probes,
+        counts.bounce_cells,
+        rays as f64 / 1e6,
+        each(rays as f64),
+        report.bytes as f64 / 1e6,
+        each(report.bytes as f64),
+        stages.join(", "),
+        format::hex(&report.root),
+    )
+}

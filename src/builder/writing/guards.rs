@@ -1,0 +1,88 @@
+//! What must not be replaced. In: an output, and the files that it is made of. Out: a refusal, or nothing.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use heliotile_core::archive::format;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::is_address;
+use heliotile_scene::site::Site;
+
+/// Refuses an output that would replace a file of the scene or another input.
+pub fn guard_site(output: &Path, site: &Site, others: &[Option<&Path>]) -> Result<()> {
+    let inputs: Vec<&Path> = site.files().chain(others.iter().copied().flatten()).collect();
+    guard_output(output, &inputs)
+}
+
+/// Refuses an output that would replace one of the inputs, or that is no regular file (a folder, a device).
+pub fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
+    let refuse = |what: &str| Err(Error::input(output, None, what, "give the output a name of its own"));
+    match fs::metadata(output) {
+        Ok(found) if !found.is_file() => refuse("is a folder or a device, no file can be put in its place"),
+        Ok(_) if inputs.iter().any(|input| same_file(input, output)) => {
+            refuse("is also an input, and would be replaced")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses to replace a file that is not an archive.
+pub fn guard_archive(output: &Path) -> Result<()> {
+    match starts_as_archive(output) {
+        Some(false) => {
+            let hint = "give the archive a name of its own, or remove the file";
+            Err(Error::input(output, None, "exists and is not an archive, it would be replaced", hint))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a name that is not that of an archive; what is there and no archive is refused by [`guard_archive`], for what it is.
+pub fn check_archive_name(path: &Path) -> Result<()> {
+    let named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("helio"));
+    if named || path.exists() && starts_as_archive(path) != Some(true) {
+        return Ok(());
+    }
+    let hint = format!("name it {}", path.with_extension("helio").display());
+    Err(Error::input(path, None, "is no name of an archive: it ends with .helio", hint))
+}
+
+/// Whether a file is an archive by its name, or by its first bytes; what is at an address is one, or nothing that is read.
+pub fn is_archive(path: &Path) -> bool {
+    is_address(&path.to_string_lossy())
+        || path.extension().is_some_and(|ending| ending == "helio")
+        || starts_as_archive(path) == Some(true)
+}
+
+/// Whether the first bytes of a file are those of an archive; `None` for one that cannot be read, or holds nothing.
+pub fn starts_as_archive(path: &Path) -> Option<bool> {
+    let mut head = Vec::new();
+    File::open(path).and_then(|file| file.take(format::MAGIC.len() as u64).read_to_end(&mut head)).ok()?;
+    (!head.is_empty()).then(|| head == format::MAGIC)
+}
+
+/// Whether two paths lead to one file.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    match (fs::canonicalize(a), fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A note of 4 bytes, shorter than the first bytes of an archive, is refused as an output; an empty file and none are not.
+    #[test]
+    fn short_files() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("site.helio");
+        assert!(guard_archive(&path).is_ok());
+        for (bytes, refused) in [(&b""[..], false), (b"mine", true), (&format::MAGIC, false)] {
+            fs::write(&path, bytes).expect("a file");
+            assert_eq!(guard_archive(&path).is_err(), refused, "{} bytes", bytes.len());
+        }
+    }
+}

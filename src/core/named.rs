@@ -1,0 +1,67 @@
+//! Values by their names, the same on the command line, in Python and on the page. In: a type with a few values. Out: their names and meanings,
+//! the value of a name.
+
+use crate::error::{Error, Result};
+
+/// A type with a few values that have names.
+pub trait NamedValues: Clone + Send + Sync + 'static {
+    /// Name, meaning, value.
+    const VALUES: &'static [(&'static str, &'static str, Self)];
+}
+
+/// The value of a name; `argument` is the field that messages name.
+pub fn by_name<T: NamedValues>(argument: &str, name: &str) -> Result<T> {
+    let refuse =
+        |_| Error::argument(argument, format!("`{name}` is none of its values"), format!("give {}", names::<T>()));
+    of_name(name).map_err(refuse)
+}
+
+/// The value of a name, or a sentence on the names that there are.
+pub fn of_name<T: NamedValues>(name: &str) -> std::result::Result<T, String> {
+    let found = T::VALUES.iter().find(|(known, _, _)| *known == name);
+    found.map(|(_, _, value)| value.clone()).ok_or_else(|| format!("`{name}` is none of {}", names::<T>()))
+}
+
+fn names<T: NamedValues>() -> String {
+    T::VALUES.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(", ")
+}
+
+/// The name of a value.
+pub fn name_of<T: NamedValues + PartialEq>(value: &T) -> &'static str {
+    T::VALUES.iter().find(|(.., other)| other == value).map_or("", |(name, ..)| name)
+}
+
+/// Implements serde for a type with [`NamedValues`]: a value is its name.
+#[macro_export]
+macro_rules! serde_by_name {
+    ($($type:ty),+) => {$(
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+                serializer.serialize_str($crate::named::name_of(self))
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+                let name = <String as serde::Deserialize>::deserialize(deserializer)?;
+                $crate::named::of_name(&name).map_err(serde::de::Error::custom)
+            }
+        }
+    )+};
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::weather::options::StampedAt;
+
+    /// The three places of a time stamp are found by their names and called by them again; `noon` is refused with all of them.
+    #[test]
+    fn names_and_values() {
+        for at in [StampedAt::Start, StampedAt::Middle, StampedAt::End] {
+            assert_eq!(by_name::<StampedAt>("weather_stamp", name_of(&at)).ok(), Some(at));
+        }
+        let refused = by_name::<StampedAt>("weather_stamp", "noon").expect_err("no such place").to_string();
+        assert!(refused.contains("`noon`") && refused.contains("give start, middle, end"), "{refused}");
+    }
+}

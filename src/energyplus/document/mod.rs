@@ -1,0 +1,228 @@
+//! A model as text that is edited where it stands. In: the bytes of an IDF or epJSON file. Out: its objects, and the same bytes but for
+//! values that were set and objects that were added or removed.
+
+mod epjson;
+mod idf;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::new_object::NewObject;
+use heliotile_core::error::{Error, Result};
+
+/// How a model is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    Idf,
+    EpJson,
+}
+
+/// A model, and what is to become of it.
+pub struct Document {
+    pub file: PathBuf,
+    pub form: Form,
+    pub objects: Vec<ModelObject>,
+    pub(super) bytes: Vec<u8>,
+    /// Bytes to be replaced; none overlap.
+    edits: Vec<(Range<usize>, Vec<u8>)>,
+    added: Vec<NewObject>,
+}
+
+/// A field of one object, and what it is to say.
+#[derive(Clone, Debug)]
+pub(super) struct FieldEdit {
+    /// Place among the objects.
+    pub object: usize,
+    pub place: usize,
+    pub key: &'static str,
+    pub text: String,
+}
+
+/// An object of a model.
+#[derive(Clone, Debug)]
+pub struct ModelObject {
+    /// As written.
+    pub class: String,
+    /// 1-based; 0 where the form has none.
+    pub line: usize,
+    pub(super) fields: Vec<ModelField>,
+    /// All of it, with the sign that ends it.
+    pub(super) span: Range<usize>,
+}
+
+/// A field of an object; of IDF the first is the name, of epJSON too, whose fields have keys.
+#[derive(Clone, Debug)]
+pub(super) struct ModelField {
+    pub key: String,
+    pub text: String,
+    /// None where the text goes over several lines.
+    pub span: Option<Range<usize>>,
+    pub line: usize,
+}
+
+impl ModelObject {
+    /// Whether it is of a class, in any case.
+    pub fn is(&self, class: &str) -> bool {
+        self.class.eq_ignore_ascii_case(class)
+    }
+
+    /// Its name, or the first field of a class without names.
+    pub fn name(&self) -> &str {
+        self.fields.first().map_or("", |field| field.text.trim())
+    }
+
+    /// The text of a field: the `place`th of IDF, counted from 1, which epJSON calls `key`. Empty if there is none.
+    pub fn text(&self, place: usize, key: &str) -> &str {
+        self.field(place, key).map_or("", |field| field.text.trim())
+    }
+
+    /// All of its texts.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.fields.iter().map(|field| field.text.trim())
+    }
+
+    fn field(&self, place: usize, key: &str) -> Option<&ModelField> {
+        let keyed = self.fields.iter().any(|field| !field.key.is_empty());
+        match keyed {
+            true => self.fields.iter().find(|field| field.key == key),
+            false => self.fields.get(place.checked_sub(1)?),
+        }
+    }
+
+    /// As messages call it.
+    pub fn title(&self) -> String {
+        format!("{} `{}`", self.class, self.name())
+    }
+}
+
+impl Document {
+    /// Reads a model; the ending of its name says which form it has.
+    pub fn read(file: &Path, bytes: Vec<u8>) -> Result<Document> {
+        let ending = file.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase());
+        let form = match ending.as_str() {
+            "idf" | "imf" => Form::Idf,
+            "epjson" | "json" => Form::EpJson,
+            _ => {
+                let what = "is no model of EnergyPlus by its name: it ends with .idf or .epJSON";
+                return Err(Error::input(
+                    file,
+                    None,
+                    what,
+                    "give the model first, and what stands around it with --scene",
+                ));
+            }
+        };
+        let objects = match form {
+            Form::Idf => idf::objects(&bytes, file)?,
+            Form::EpJson => epjson::objects(&bytes, file)?,
+        };
+        Ok(Document { file: file.to_owned(), form, objects, bytes, edits: Vec::new(), added: Vec::new() })
+    }
+
+    /// `idf` or `epJSON`.
+    pub fn ending(&self) -> &'static str {
+        match self.form {
+            Form::Idf => "idf",
+            Form::EpJson => "epJSON",
+        }
+    }
+
+    /// Objects of a class, in the order of the file.
+    pub fn of<'d>(&'d self, class: &'d str) -> impl Iterator<Item = &'d ModelObject> {
+        self.objects.iter().filter(move |object| object.is(class))
+    }
+
+    /// The first object of a class that has a field.
+    pub fn first_text(&self, class: &str, place: usize, key: &str) -> &str {
+        self.objects.iter().find(|object| object.is(class)).map_or("", |object| object.text(place, key))
+    }
+
+    /// Sets a field of all objects of a class; one that an object has not got is added to it.
+    pub fn set(&mut self, class: &str, place: usize, key: &str, value: &str) -> Result<()> {
+        let quoted = self.form == Form::EpJson && value.parse::<f64>().is_err();
+        let text = if quoted { serde_json::Value::from(value).to_string() } else { value.to_owned() };
+        let mut edits = Vec::new();
+        for object in self.objects.iter().filter(|object| object.is(class)) {
+            let Some(field) = object.field(place, key) else {
+                edits.push(self.missing(object, place, key, &text));
+                continue;
+            };
+            let Some(span) = field.span.clone() else { return Err(self.in_lines(object, field)) };
+            edits.push((span, text.clone().into_bytes()));
+        }
+        self.edits.extend(edits);
+        Ok(())
+    }
+
+    /// Sets fields of single objects, which have them.
+    pub(super) fn edit(&mut self, edits: Vec<FieldEdit>) -> Result<()> {
+        for edit in edits {
+            let Some(object) = self.objects.get(edit.object) else { continue };
+            let Some(field) = object.field(edit.place, edit.key) else { continue };
+            let Some(span) = field.span.clone() else { return Err(self.in_lines(object, field)) };
+            let text = match self.form {
+                Form::Idf => edit.text,
+                Form::EpJson => serde_json::Value::from(edit.text).to_string(),
+            };
+            self.edits.push((span, text.into_bytes()));
+        }
+        Ok(())
+    }
+
+    /// The refusal of a field that cannot be changed.
+    fn in_lines(&self, object: &ModelObject, field: &ModelField) -> Error {
+        let what = format!("{}: the field `{}` goes over several lines", object.title(), field.text.trim());
+        Error::input(&self.file, field.line, what, "write it on one line: it has to be changed")
+    }
+
+    /// A field that an object has not got, where it goes: at its end in IDF, at its beginning in epJSON.
+    fn missing(&self, object: &ModelObject, place: usize, key: &str, text: &str) -> (Range<usize>, Vec<u8>) {
+        let (at, text) = match self.form {
+            Form::Idf => {
+                let blanks = place.saturating_sub(object.fields.len());
+                (object.span.end.saturating_sub(1), ", ".repeat(blanks) + text)
+            }
+            Form::EpJson => {
+                let more = if object.fields.len() > 1 { ", " } else { "" };
+                (object.span.start + 1, format!("{}: {text}{more}", serde_json::Value::from(key)))
+            }
+        };
+        (at..at, text.into_bytes())
+    }
+
+    /// Takes objects out, as `leaves` says; how many. What refers to them is left as it is.
+    pub fn remove(&mut self, leaves: impl Fn(&ModelObject) -> bool) -> usize {
+        let all = std::mem::take(&mut self.objects);
+        let (gone, kept): (Vec<ModelObject>, Vec<ModelObject>) = all.into_iter().partition(leaves);
+        self.objects = kept;
+        let spans: Vec<Range<usize>> = gone.iter().map(|object| object.span.clone()).collect();
+        match self.form {
+            Form::Idf => self.edits.extend(spans.into_iter().map(|span| (span, Vec::new()))),
+            Form::EpJson => self.edits.extend(epjson::removed(&self.bytes, &spans)),
+        }
+        gone.len()
+    }
+
+    /// Adds an object behind all others.
+    pub fn add(&mut self, object: NewObject) {
+        self.added.push(object);
+    }
+
+    /// The model as it is now.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut edits = self.edits.clone();
+        match self.form {
+            Form::Idf => edits.push(idf::appended(&self.bytes, &self.added)),
+            Form::EpJson => edits.extend(epjson::inserted(&self.bytes, &self.added)),
+        }
+        edits.sort_by_key(|(span, _)| (span.start, span.end));
+        let (mut out, mut from) = (Vec::with_capacity(self.bytes.len()), 0);
+        for (span, text) in edits {
+            out.extend_from_slice(self.bytes.get(from..span.start).unwrap_or_default());
+            out.extend_from_slice(&text);
+            from = span.end;
+        }
+        out.extend_from_slice(self.bytes.get(from..).unwrap_or_default());
+        out
+    }
+}

@@ -1,0 +1,67 @@
+//! The sky of Perez and others (1990) in EnergyPlus's runtime language. In: names. Out: lines that find, each time step, how much of the diffuse
+//! light comes from around the sun and from the horizon: the model that EnergyPlus lights surfaces by itself.
+//!
+//! The numbers are those of [`heliotile_core::sky::perez1990`]; the sun outside the atmosphere is that of the mean day, which moves F1 by
+//! less than 0.003.
+
+use super::{Names, signed};
+use heliotile_core::sky::perez::{BIN_ENDS, KAPPA};
+use heliotile_core::sky::perez1990::{AIR_MASS, LEAST_COSINE, TABLE};
+use heliotile_core::weather::time::sun::SOLAR_CONSTANT_W_M2;
+
+/// Lines that set `F1`, `F2` and `Around`, what circumsolar light on a level surface is divided by; `Sine` is that of the sun's altitude,
+/// above 0.
+pub fn brightening_lines(names: &Names) -> Vec<String> {
+    let n = |what: &str| names.of(what);
+    let (dni, dhi, alt) = (n("DNI"), n("DHI"), n("Alt"));
+    let [a, b, c] = AIR_MASS;
+    let mut lines = vec![
+        "SET F1 = 0".to_owned(),
+        "SET F2 = 0".into(),
+        format!("SET Around = @Max Sine {LEAST_COSINE:.9}"),
+        format!("IF {dhi} > 0"),
+        format!("SET Zenith = 90 - {alt}"),
+        format!("SET Left = {b} - Zenith"),
+        format!("SET Mass = 1 / (Sine + ({a} / (Left ^ {})))", -c),
+        "SET Zenith = @DegToRad Zenith".into(),
+        format!("SET Cubed = {KAPPA} * (Zenith ^ 3)"),
+        format!("SET Clear = (1 + ({dni} / {dhi}) + Cubed) / (1 + Cubed)"),
+        format!("SET Bright = {dhi} * Mass / {SOLAR_CONSTANT_W_M2}"),
+    ];
+    for (bin, row) in TABLE.iter().enumerate() {
+        lines.push(match (bin, BIN_ENDS.get(bin)) {
+            (0, Some(end)) => format!("IF Clear < {end}"),
+            (_, Some(end)) => format!("ELSEIF Clear < {end}"),
+            (_, None) => "ELSE".into(),
+        });
+        let [f11, f12, f13, f21, f22, f23] = *row;
+        for (name, [fixed, by_brightness, by_zenith]) in [("F1", [f11, f12, f13]), ("F2", [f21, f22, f23])] {
+            lines.push(format!(
+                "SET {name} = {} + (Bright * {}) + (Zenith * {})",
+                signed(fixed),
+                signed(by_brightness),
+                signed(by_zenith)
+            ));
+        }
+    }
+    lines.extend(["ENDIF".to_owned(), "SET F1 = @Max F1 0".into(), "ENDIF".into()]);
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of the 8 bins has its two lines, each block its end: 2 and a chain of 8.
+    #[test]
+    fn all_bins() {
+        let lines = brightening_lines(&Names::free(std::iter::empty()));
+        let count = |word: &str| lines.iter().filter(|line| line.starts_with(word)).count();
+        assert_eq!((count("SET F1 = ") - 2, count("SET F2 = ") - 1), (8, 8));
+        assert_eq!((count("IF "), count("ELSEIF "), count("ELSE") - count("ELSEIF "), count("ENDIF")), (2, 6, 1, 2));
+        assert!(
+            lines.contains(&"SET F2 = (0 - 0.06) + (Bright * 0.072) + (Zenith * (0 - 0.022))".to_owned()),
+            "{lines:#?}"
+        );
+    }
+}

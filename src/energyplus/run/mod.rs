@@ -1,0 +1,460 @@
+//! A model of EnergyPlus with the sun that its surroundings reflect. In: a model, what stands around it. Out: a
+//! folder with the model that an unmodified EnergyPlus runs, the archive, and a report.
+
+mod around;
+mod pages;
+mod runs;
+mod stripped;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::checks;
+use crate::document::Document;
+use crate::injection::{self, Changed, Injection};
+use crate::named_files::{NamedFiles, make_absolute};
+use crate::report::Report;
+use crate::sun_tables::{GroundRange, ReflectedSky, SurfaceLight, TableRequest, surface_lights};
+use around::Around;
+use heliotile_builder::planning::AccuracyRequest;
+use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::trace::placement::Lying;
+use heliotile_builder::writing::guards::{guard_archive, guard_output};
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::paths::LightPaths;
+use heliotile_core::named::{NamedValues, name_of};
+use heliotile_core::replay::factors::SunGrid;
+use heliotile_core::text::counted;
+use heliotile_results::Resources;
+use heliotile_results::covering::cover_site;
+use heliotile_results::covering::{CoverRequest, Covered, Density};
+use heliotile_results::outputs::sink::write_texts;
+use heliotile_results::site_archive::{KEEP_OR_REPLACE, TraceRequest, WaysOut, up_to_date};
+use heliotile_scene::Scene;
+use heliotile_scene::input;
+use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
+use runs::Engine;
+use stripped::Full;
+
+/// Receivers lie off their surfaces by this, metres.
+const OFFSET_M: f64 = 0.02;
+
+/// Names of the report.
+const REPORT: [&str; 2] = ["report.md", "report.html"];
+
+/// What is asked for a model of EnergyPlus.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EnergyplusRequest {
+    /// The model: .idf or .epJSON.
+    pub model: PathBuf,
+    /// Files of what stands around it.
+    pub scene: Vec<PathBuf>,
+    /// Where the model's origin lies in their coordinates, metres.
+    pub at: Option<[f64; 3]>,
+    /// Their coordinate reference system, in place of what they say.
+    pub crs: Option<u32>,
+    /// Whether what stands around the model leaves it; its light comes as a series of the weather file.
+    pub delete_surroundings: bool,
+    /// Weather file of the series and of runs.
+    pub weather: Option<PathBuf>,
+    /// Folder of all that is written.
+    pub folder: PathBuf,
+    /// Which light the model gets.
+    pub physics: Physics,
+    /// Whether EnergyPlus is run, for a comparison in the report.
+    pub run: bool,
+    /// Folder of EnergyPlus; none: that of `energyplus` on the search path.
+    pub energyplus: Option<PathBuf>,
+    /// Distance between receivers on the model's surfaces, metres.
+    pub spacing_m: f64,
+    /// What is said of surfaces; its files are those of the model and of its surroundings.
+    pub surfaces: SceneRequest,
+    /// How exact the archive is to be.
+    pub accuracy: AccuracyRequest,
+    /// Whether what the folder holds of other inputs goes.
+    pub replace: bool,
+}
+
+/// Which paths of light are injected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Physics {
+    /// All of them.
+    Full,
+    /// Those that EnergyPlus has, too.
+    EnergyPlus,
+}
+
+impl NamedValues for Physics {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("full", "All reflections, what mirrors light and show, the sky of Perez 1990", Physics::Full),
+        (
+            "energyplus",
+            "One diffuse reflection and the mirrored sun, as EnergyPlus has them: to compare",
+            Physics::EnergyPlus,
+        ),
+    ];
+}
+
+heliotile_core::serde_by_name!(Physics);
+
+/// A request, and what it may use.
+pub(super) struct Task<'a> {
+    pub request: &'a EnergyplusRequest,
+    pub resources: Resources<'a>,
+}
+
+/// What a surface is called in the model, and whose light it gets.
+pub(super) struct Targets {
+    /// Names of EnergyPlus's surfaces, each with the number of its light; hidden ones get none.
+    pub list: Vec<(String, Option<usize>)>,
+    /// Openings that get what their wall gets.
+    pub by_wall: Vec<(String, String)>,
+    /// Surfaces all of whose area is hidden.
+    pub hidden: Vec<String>,
+    /// Surfaces a part of whose area is hidden.
+    pub partly: Vec<PartlyHidden>,
+}
+
+/// A surface of which some is hidden.
+pub(super) struct PartlyHidden {
+    pub name: String,
+    /// What gets light, m2.
+    pub free_m2: f64,
+    /// All of it, m2.
+    pub whole_m2: f64,
+}
+
+/// Hidden parts below this share of a surface are edges.
+const HARDLY_HIDDEN: f64 = 0.01;
+
+/// Surfaces that are hidden in part, by name.
+pub(super) fn partly_hidden(covered: &Covered) -> Vec<PartlyHidden> {
+    let mut areas: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+    for (_, piece, surface, lying) in covered.all() {
+        let [free_m2, whole_m2] = areas.entry(covered.part(piece, surface).face).or_default();
+        *whole_m2 += piece.area_m2;
+        if lying == Lying::Free {
+            *free_m2 += piece.area_m2;
+        }
+    }
+    let partly = areas.into_iter().map(|(name, [free_m2, whole_m2])| PartlyHidden { name, free_m2, whole_m2 });
+    partly.filter(|p| p.free_m2 > 0.0 && p.free_m2 < (1.0 - HARDLY_HIDDEN) * p.whole_m2).collect()
+}
+
+/// Says how many surfaces are hidden in part.
+pub(super) fn warn_of_partly_hidden(partly: &[PartlyHidden], task: &Task) {
+    if let Some(first) = partly.first() {
+        task.warn(&format!(
+            "{} partly hidden by a neighbour or the ground, where they get no light (first: `{}`, {:.2} of {:.2} m2 get light); the report \
+             lists all",
+            counted_are(partly.len(), "surface"),
+            first.name,
+            first.free_m2,
+            first.whole_m2
+        ));
+    }
+}
+
+/// "1 surface is", "2 surfaces are".
+fn counted_are(count: usize, what: &str) -> String {
+    format!("{} {}", counted(count as u64, what), if count == 1 { "is" } else { "are" })
+}
+
+/// The model as it is to be written into another folder.
+fn read_model(task: &Task) -> Result<(Document, NamedFiles)> {
+    let mut document = Document::read(&task.request.model, input::read(&task.request.model)?)?;
+    let files = make_absolute(&mut document)?;
+    Ok((document, files))
+}
+
+impl Default for EnergyplusRequest {
+    fn default() -> Self {
+        EnergyplusRequest::of("", "")
+    }
+}
+
+impl EnergyplusRequest {
+    /// A model by itself, with all reflections.
+    pub fn of(model: impl Into<PathBuf>, folder: impl Into<PathBuf>) -> Self {
+        EnergyplusRequest {
+            model: model.into(),
+            scene: Vec::new(),
+            at: None,
+            crs: None,
+            delete_surroundings: false,
+            weather: None,
+            folder: folder.into(),
+            physics: Physics::Full,
+            run: false,
+            energyplus: None,
+            spacing_m: 1.0,
+            surfaces: SceneRequest::default(),
+            accuracy: AccuracyRequest::default(),
+            replace: false,
+        }
+    }
+
+    /// Writes the folder: the model with its light, the archive, a report.
+    pub fn write(&self, resources: &Resources) -> Result<()> {
+        run(&Task { request: self, resources: *resources })
+    }
+
+    /// A site of files, with what is said of surfaces.
+    fn site(&self, files: &[PathBuf]) -> Result<Site> {
+        SceneRequest { files: files.to_vec(), ..self.surfaces.clone() }.site()
+    }
+}
+
+impl Task<'_> {
+    fn warn(&self, text: &str) {
+        self.resources.observer.warn(text);
+    }
+
+    fn report(&self, text: &str) {
+        self.resources.observer.report(text);
+    }
+}
+
+fn run(task: &Task) -> Result<()> {
+    let (mut document, named_files) = read_model(task)?;
+    checks::check(&document, task.request.surfaces.assume_version)?;
+    // Before minutes of work.
+    let engine = task.request.run.then(|| Engine::find(task.request.energyplus.as_deref())).transpose()?;
+    let steps = stripped::steps(task, &document)?;
+    let Around { site, neighbours, materials, types } = Around::read(task)?;
+    let files = Files::of(task, &document);
+    files.guard(task, &site)?;
+    let (scene, covered) =
+        cover_site(&site, &cover_of(task, types), task.resources.observer).map_err(|error| no_surface(task, error))?;
+    let archive = traced(task, (&scene, &covered), [&files.receivers, &files.archive], EffectChoice::Auto)?;
+    let bare = || {
+        let (mut model, _) = read_model(task)?;
+        neighbours.add(&mut model, &materials, true);
+        Ok(model)
+    };
+    if let Some(steps) = steps {
+        let full = Full { files: &files, archive: &archive, covered: &covered, bare: &bare, engine, named_files };
+        return stripped::run(task, document, &steps, full);
+    }
+    let ground = match task.request.physics {
+        Physics::EnergyPlus => GroundRange::UNIT,
+        Physics::Full => ground_range(&document),
+    };
+    let lights = lights(task, ground, &archive, &covered)?;
+    let targets = targets(&document, &lights, &covered);
+    let injection =
+        Injection { grid: SunGrid::USUAL, sky: sky_of(task.request.physics), lights: &lights, targets: &targets.list };
+    let mut changed = injection::write(&mut document, &injection)?;
+    changed.notes.extend(named_files.notes);
+    neighbours.add(&mut document, &materials, false);
+    let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
+    let mut warnings = named_files.warnings;
+    warnings.extend(checks::warnings(&document, task.request.surfaces.assume_version, &injected));
+    warn_of_partly_hidden(&targets.partly, task);
+    changed.notes.iter().for_each(|note| task.report(&format!("{note}\n")));
+    warnings.iter().for_each(|text| task.warn(text));
+    let told = pages::Told {
+        task,
+        archive: &archive,
+        lights: &lights,
+        ground,
+        targets: &targets,
+        changed: &changed,
+        warnings: &warnings,
+    };
+    let mut report = pages::report(&told);
+    write_document(&files.model, &document)?;
+    task.report(&summary(&files, &targets, &changed));
+    if let (Some(engine), Some(weather)) = (engine, &task.request.weather) {
+        report.sections.extend(runs::run_all(
+            &engine,
+            &bare,
+            document,
+            weather,
+            &task.request.folder.join("energyplus"),
+            task.resources.observer,
+        )?);
+    }
+    write_report(task, &report)
+}
+
+/// The archive of receivers on a scene: table and archive to write.
+fn traced(
+    task: &Task,
+    (scene, covered): (&Scene, &Covered),
+    [receivers, archive]: [&Path; 2],
+    effects: EffectChoice,
+) -> Result<Archive> {
+    let asked = TraceRequest {
+        folder: &task.request.folder,
+        receivers,
+        archive,
+        accuracy: &task.request.accuracy,
+        effects,
+        offset_m: OFFSET_M,
+        replace: task.request.replace,
+        ways_out: WaysOut::USUAL,
+        memory: task.resources.memory,
+        under: None,
+        with_scene: true,
+    };
+    let found = up_to_date(&asked, scene, Some(covered), task.resources.observer)?;
+    let name = archive.file_name().unwrap_or_default().to_string_lossy();
+    task.resources.observer.stop_if_cancelled(&format!("after {name} was complete"))?;
+    Ok(found)
+}
+
+fn write_report(task: &Task, report: &Report) -> Result<()> {
+    let mut texts = vec![(REPORT[0], report.markdown()), (REPORT[1], report.html())];
+    texts.extend(report.pictures().map(|(name, svg)| (name, svg.to_owned())));
+    write_texts(&task.request.folder, &texts)
+}
+
+/// Areas of surfaces with their hidden parts, by name in small letters, m2.
+fn areas(covered: &Covered) -> BTreeMap<String, f64> {
+    let mut whole_m2: BTreeMap<String, f64> = BTreeMap::new();
+    for (_, piece, surface, _) in covered.all() {
+        *whole_m2.entry(covered.part(piece, surface).face.to_lowercase()).or_default() += piece.area_m2;
+    }
+    whole_m2
+}
+
+/// Files of the folder.
+struct Files {
+    receivers: PathBuf,
+    archive: PathBuf,
+    model: PathBuf,
+}
+
+impl Files {
+    fn of(task: &Task, document: &Document) -> Files {
+        let name = |name: &str| task.request.folder.join(name);
+        Files {
+            receivers: name("receivers.csv"),
+            archive: name("site.helio"),
+            model: name(&format!("model.{}", document.ending())),
+        }
+    }
+
+    /// What a model without its surroundings has besides: itself, its receivers, its archive, the series.
+    fn of_stripped(&self) -> Vec<PathBuf> {
+        let ending = self.model.extension().unwrap_or_default().to_string_lossy();
+        let names = [&format!("stripped.{ending}"), "stripped.csv", "stripped.helio", stripped::SERIES];
+        names.map(|name| self.model.with_file_name(name)).to_vec()
+    }
+
+    /// Refuses to replace an input, or results of something else.
+    fn guard(&self, task: &Task, site: &Site) -> Result<()> {
+        let inputs: Vec<&Path> = site.files().chain(task.request.weather.as_deref()).collect();
+        let more = if task.request.delete_surroundings { self.of_stripped() } else { Vec::new() };
+        for output in [&self.receivers, &self.archive, &self.model].into_iter().chain(&more) {
+            guard_output(output, &inputs)?;
+        }
+        guard_archive(&self.archive)?;
+        // A model without the archive that it was made with is none of ours.
+        let there = std::iter::once(&self.model).chain(&more).find(|path| path.exists());
+        if let Some(path) = there.filter(|_| !self.archive.exists() && !task.request.replace) {
+            let what = "is there, and no site.helio that it was made from";
+            return Err(Error::input(path, None, what, KEEP_OR_REPLACE));
+        }
+        Ok(())
+    }
+}
+
+/// All that the sun may reach of the model.
+fn cover_of(task: &Task, types: Vec<String>) -> CoverRequest {
+    let density = Density::Spacing(task.request.spacing_m);
+    CoverRequest { on: Vec::new(), types, density, offset_m: OFFSET_M, min_area_m2: 0.0, within: None }
+}
+
+/// A model without surfaces outdoors is said to be one.
+fn no_surface(task: &Task, error: Error) -> Error {
+    match error {
+        Error::Argument { argument, .. } if argument == "on" => {
+            let what = "has no wall, roof or window that the sun may reach";
+            let hint = "give a model with surfaces that are `Outdoors` and `SunExposed`";
+            Error::input(&task.request.model, None, what, hint)
+        }
+        error => error,
+    }
+}
+
+fn sky_of(physics: Physics) -> ReflectedSky {
+    match physics {
+        Physics::EnergyPlus => ReflectedSky::Uniform,
+        Physics::Full => ReflectedSky::Perez1990,
+    }
+}
+
+/// What surfaces get, hidden parts of them nothing.
+fn lights(task: &Task, ground: GroundRange, archive: &Archive, covered: &Covered) -> Result<Vec<SurfaceLight>> {
+    let paths = match task.request.physics {
+        Physics::EnergyPlus => LightPaths::FIRST,
+        Physics::Full => LightPaths::ALL,
+    };
+    let sky = sky_of(task.request.physics);
+    let asked = TableRequest { grid: SunGrid::USUAL, paths, sky, ground, resources: task.resources };
+    let whole_m2 = areas(covered);
+    let mut lights = surface_lights(archive, &asked)?;
+    for light in &mut lights {
+        light.spread_over(whole_m2.get(&light.name.to_lowercase()).copied().unwrap_or_default());
+    }
+    Ok(lights)
+}
+
+/// Between what reflectances the ground of a model goes, with snow.
+fn ground_range(document: &Document) -> GroundRange {
+    let ground = injection::ground_of(document);
+    let all = || (1..=12).flat_map(|month| [None, Some(1.0)].map(|snow_cm| ground.of(month, snow_cm)));
+    let (low, high) = (all().fold(1.0, f64::min), all().fold(0.0, f64::max));
+    if low < high {
+        GroundRange { low, high }
+    } else {
+        let high = high.max(injection::LEAST_GROUND);
+        GroundRange { low: 0.5 * high, high }
+    }
+}
+
+/// Which surface gets what.
+fn targets(document: &Document, lights: &[SurfaceLight], covered: &Covered) -> Targets {
+    let number: BTreeMap<String, usize> = lights.iter().enumerate().map(|(i, l)| (l.name.to_lowercase(), i)).collect();
+    let mut list: Vec<(String, Option<usize>)> =
+        lights.iter().enumerate().map(|(i, light)| (light.name.clone(), Some(i))).collect();
+    let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
+    let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
+    let known = number.keys().cloned().chain(hidden.iter().map(|name| name.to_lowercase()));
+    let by_wall = checks::openings_left_out(document, &known.collect());
+    list.extend(by_wall.iter().map(|(name, wall)| (name.clone(), number.get(wall).copied())));
+    list.extend(hidden.iter().map(|name| (name.clone(), None)));
+    Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
+}
+
+fn write_document(path: &Path, document: &Document) -> Result<()> {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(".partial");
+    let partial = PathBuf::from(name);
+    fs::write(&partial, document.bytes()).map_err(Error::io(&partial, "write"))?;
+    fs::rename(&partial, path).map_err(Error::io(path, "rename to"))
+}
+
+fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
+    format!(
+        "{}: {} get reflected light by {}; {} says which and how\nenergyplus -w WEATHER.epw -d results {}\n",
+        files.model.display(),
+        counted(targets.list.len() as u64, "surface"),
+        counted(changed.tables as u64, "table"),
+        files.model.with_file_name(REPORT[0]).display(),
+        files.model.display()
+    )
+}
+
+/// As the report calls it.
+pub(super) fn physics_name(physics: Physics) -> &'static str {
+    name_of(&physics)
+}

@@ -1,8 +1,0 @@
-//! The program: all of it stands in the library.
-
-use std::ffi::OsString;
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    ExitCode::from(heliotile::program(&std::env::args_os().collect::<Vec<OsString>>()))
-}

@@ -1,0 +1,111 @@
+//! What was asked, for files that say how they were made. In: the command line. Out: [`Provenance`]: the command without what changes no
+//! values, and every option with the value that it had.
+
+use std::ffi::OsString;
+
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory};
+use serde_json::{Map, Number, Value};
+
+use super::shell_words::quoted;
+use crate::cli::Cli;
+use heliotile_core::text::without_secrets;
+use heliotile_results::outputs::provenance::Provenance;
+
+/// Options that change where results go and how long they take, never their values.
+const NEUTRAL: [&str; 9] = ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map"];
+
+/// What files say of how they were made, from the matches of a command line. Paths stand as they were typed.
+pub fn provenance(matches: &ArgMatches) -> Provenance {
+    of(&Cli::command(), matches)
+}
+
+/// How work that was stopped goes on: the command line again, without what would throw away what is kept.
+pub fn again(words: &[OsString]) -> String {
+    let words = words.iter().map(|word| word.to_string_lossy()).filter(|word| word != "--fresh");
+    words.map(|word| quoted(&without_secrets(&word))).collect::<Vec<_>>().join(" ")
+}
+
+fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
+    let (mut command, mut matches) = (cli, matches);
+    let mut words = vec![cli.get_name().to_string()];
+    while let Some((name, inside)) = matches.subcommand() {
+        let Some(found) = command.find_subcommand(name) else { break };
+        words.push(name.to_string());
+        (command, matches) = (found, inside);
+    }
+    let mut options = Map::new();
+    for arg in command.get_arguments() {
+        let id = arg.get_id().as_str();
+        let (Ok(Some(raw)), false) = (matches.try_get_raw(id), NEUTRAL.contains(&id)) else { continue };
+        let values: Vec<String> = raw.map(|value| without_secrets(&value.to_string_lossy())).collect();
+        let is_flag = !arg.get_action().takes_values();
+        let typed = matches.value_source(id) == Some(ValueSource::CommandLine);
+        if is_flag && !typed {
+            continue;
+        }
+        if typed {
+            words.extend(typed_words(arg, &values, is_flag));
+        }
+        let value = match values.as_slice() {
+            _ if is_flag => Value::Bool(true),
+            [one] if !matches!(arg.get_action(), ArgAction::Append) => value_of(one),
+            all => all.iter().map(|one| value_of(one)).collect(),
+        };
+        options.insert(id.to_string(), value);
+    }
+    Provenance::new(words.join(" "), options)
+}
+
+/// An argument as it would be typed.
+fn typed_words(arg: &Arg, values: &[String], is_flag: bool) -> Vec<String> {
+    let name = arg.get_long().map(|long| format!("--{long}"));
+    match name {
+        Some(name) if is_flag => vec![name],
+        Some(name) => values.iter().flat_map(|value| [name.clone(), quoted(value)]).collect(),
+        None => values.iter().map(|value| quoted(value)).collect(),
+    }
+}
+
+/// A number where the word is one.
+fn value_of(word: &str) -> Value {
+    word.parse::<Number>().map_or_else(|_| Value::from(word), Value::Number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(line: &str) -> Vec<(String, String)> {
+        let cli = Cli::command();
+        let matches = cli.clone().try_get_matches_from(line.split('|')).expect("a command line");
+        of(&cli, &matches).entries()
+    }
+
+    /// The command is told without the output, the memory and the way of reading, in one order whatever was typed, with 1 word quoted; options
+    /// have their defaults, numbers are numbers, what may be repeated is a list.
+    #[test]
+    fn a_replay() {
+        let one = "heliotile|replay|a b.helio|--year|2019|-w|x.epw|-o|t.csv|--io|map|--reflectance|roof=0.3";
+        let other = "heliotile|replay|--reflectance=roof=0.3|--weather=x.epw|a b.helio|--memory|1GiB|--year|2019";
+        let entries_of_one = entries(one);
+        assert_eq!(entries_of_one, entries(other));
+        assert_eq!(
+            entries_of_one[1].1,
+            "heliotile replay 'a b.helio' --reflectance roof=0.3 --weather x.epw --year 2019"
+        );
+        let options: Value = serde_json::from_str(&entries_of_one[2].1).expect("JSON");
+        assert_eq!((&options["year"], &options["every"]), (&Value::from(2019), &Value::from("hour")));
+        assert_eq!(options["reflectance"], Value::from(vec!["roof=0.3"]));
+        assert_eq!(options.get("output"), None);
+    }
+
+    /// A flag that was typed is `true`, one that was not is not there.
+    #[test]
+    fn flags() {
+        let options = |line: &str| serde_json::from_str::<Value>(&entries(line)[2].1).expect("JSON");
+        let with = options("heliotile|export|site.helio|--view-factors|-o|v.csv");
+        assert_eq!(with["view_factors"], Value::Bool(true));
+        assert_eq!(options("heliotile|export|site.helio|-r|a|-o|v.png").get("view_factors"), None);
+    }
+}

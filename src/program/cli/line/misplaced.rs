@@ -1,0 +1,83 @@
+//! The command line as it is given, and what is meant where the command does not come first.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use clap::{CommandFactory, FromArgMatches};
+
+use super::invocation::provenance;
+use crate::cli::Cli;
+use heliotile_results::outputs::provenance::Provenance;
+
+/// Parses words of a command line, the program's name first; ends the program where they ask for help or are wrong.
+pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
+    let parsed = Cli::command().try_get_matches_from(words).and_then(|matches| {
+        let cli = Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut Cli::command()))?;
+        Ok((cli, provenance(&matches)))
+    });
+    parsed.unwrap_or_else(|mut error| {
+        if let Some(hint) = command_first(&error, words) {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
+        }
+        error.exit()
+    })
+}
+
+/// What is meant by a file or an option that stands where the command belongs.
+fn command_first(error: &Error, words: &[OsString]) -> Option<String> {
+    let first = words.get(1)?.to_string_lossy().into_owned();
+    let names: Vec<String> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    if names.contains(&first) {
+        return None;
+    }
+    let wrong = match error.kind() {
+        ErrorKind::InvalidSubcommand => error.get(ContextKind::InvalidSubcommand),
+        _ => error.get(ContextKind::InvalidArg),
+    };
+    // What a command itself does not know is its own matter.
+    let at_first = |word: &str| Some(word) == first.split('=').next();
+    if !matches!(wrong, Some(ContextValue::String(word)) if at_first(word) || *word == first) {
+        return None;
+    }
+    let command =
+        words.iter().skip(2).map(|word| word.to_string_lossy()).find(|word| names.contains(&word.to_string()));
+    let is_file = Path::new(&first).exists() || Path::new(&first).extension().is_some();
+    match (error.kind(), command) {
+        (ErrorKind::InvalidSubcommand | ErrorKind::UnknownArgument, Some(command)) => {
+            Some(format!("the command comes first, what it works on behind it: heliotile {command} ..."))
+        }
+        (ErrorKind::InvalidSubcommand, None) if is_file => Some(match first.ends_with(".helio") {
+            true => format!("a command comes first, such as heliotile info {first}"),
+            false => format!("a command comes first, such as heliotile run {first} --weather WEATHER.epw"),
+        }),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    fn hint(line: &str) -> Option<String> {
+        let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+        command_first(&Cli::try_parse_from(&words).err()?, &words)
+    }
+
+    /// A scene, an archive and an option before the command get a hint, 4 of 4; a misspelt command and a command's own mistake do not.
+    #[test]
+    fn commands_come_first() {
+        for (line, part) in [
+            ("heliotile town.city.json --weather w.epw", "heliotile run town.city.json --weather"),
+            ("heliotile town.helio", "heliotile info town.helio"),
+            ("heliotile town.city.json run --weather w.epw", "heliotile run ..."),
+            ("heliotile --weather w.epw replay a.helio", "heliotile replay ..."),
+        ] {
+            assert!(hint(line).is_some_and(|hint| hint.contains(part)), "{line}: {:?}", hint(line));
+        }
+        for line in ["heliotile rnu", "heliotile run --wether w.epw a.obj", "heliotile --threads 2 build --run a.obj"] {
+            assert_eq!(hint(line), None, "{line}");
+        }
+    }
+}

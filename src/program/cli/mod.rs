@@ -1,0 +1,104 @@
+//! The command line: clap types of every subcommand, nothing else.
+//!
+//! | room | arguments of |
+//! | --- | --- |
+//! | `sites` | commands that read scenes and trace, and of atlases |
+//! | `results` | commands that ask archives for light |
+//! | `archives`, `copy` | commands on archives as files |
+//! | `line` | the line itself: options of all commands, its words, completions |
+//! | `values` | what stands behind options: names, numbers with units |
+
+mod archives;
+mod copy;
+mod line;
+mod results;
+mod sites;
+mod values;
+
+use clap::{Parser, Subcommand};
+
+pub use self::archives::{DiffArgs, ExtractArgs, InfoArgs, MergeArgs, RepairArgs, StoreArgs, StoreCommand, VerifyArgs};
+pub use self::copy::CopyArgs;
+pub use self::line::{CompletionsArgs, EverywhereArgs, ManArgs, again, parse, quoted, worded, worded_text};
+pub use self::results::{
+    BuildingsArgs, EnergyplusArgs, ExportArgs, FactorsArgs, PlacesArgs, PvArgs, QueryArgs, RecombineArgs, ReplayArgs,
+    SiteArgs, TableArgs, ViewArgs, YearArgs,
+};
+pub use self::sites::{
+    AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, MaterialsArgs, Metres,
+    PartitionArgs, Percent, PlaceArgs, PlanArgs, RaySquare, ReceiversArgs, RunArgs, SceneArgs, StudyArgs, StudyCommand,
+    TradeoffArgs, WallArgs, WeatherArgs, parse_negligible,
+};
+pub use self::values::Bytes;
+
+/// Trace the sun and sky of a site once, replay any weather.
+#[derive(Debug, Parser)]
+#[command(name = "heliotile", version, about, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+    #[command(flatten)]
+    pub everywhere: EverywhereArgs,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// From scene files to a year's sun in one go: receivers, archive, sums, map
+    Run(RunArgs),
+    /// Give a model of EnergyPlus the sun that its surroundings reflect, for any weather, as tables that EnergyPlus itself runs
+    Energyplus(EnergyplusArgs),
+    /// Solar modules: hourly light on both sides, shading, horizons, the best tilt and azimuth
+    Pv(PvArgs),
+    /// Cover the surfaces of a scene with receivers
+    Receivers(ReceiversArgs),
+    /// Trace every receiver of a scene once and store its layers in an archive
+    Build(BuildArgs),
+    /// Cut a region into parts that are built one by one, on any machines, and are asked like one archive
+    Partition(PartitionArgs),
+    /// A static STAC catalogue of the parts of an atlas, with pictures and a page
+    Catalogue(CatalogueArgs),
+    /// Which parts of an atlas lie in a box
+    Find(FindArgs),
+    /// What a build would trace, what it would cost, and what leaving an effect out could cost
+    Plan(PlanArgs),
+    /// What accuracy costs on a site: the ladder of settings on some of its receivers, as tables, pictures and a page
+    Tradeoff(TradeoffArgs),
+    /// Irradiance of every receiver under the suns and skies of a conditions table
+    Query(QueryArgs),
+    /// Irradiance of every receiver through a weather file
+    Replay(ReplayArgs),
+    /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors
+    Factors(FactorsArgs),
+    /// What a solar cadastre says of buildings and roof faces: usable area, sums by orientation, regions in one piece
+    Buildings(BuildingsArgs),
+    /// The best places of modules on roofs and facades, as points that `pv` takes
+    Places(PlacesArgs),
+    /// What is inside an archive, or a scene
+    Info(InfoArgs),
+    /// Check every block of an archive; exit code 1 if one is damaged
+    Verify(VerifyArgs),
+    /// Compare an archive with what an independent judge finds for random receivers and hours; exit code 1 if its stated error is refuted
+    Audit(AuditArgs),
+    /// Trace the damaged parts of an archive again
+    Repair(RepairArgs),
+    /// The trace cache that `build --store` fills
+    Store(StoreArgs),
+    /// Write an archive of some receivers of another one
+    Extract(ExtractArgs),
+    /// Write the union of two archives of one scene
+    Merge(MergeArgs),
+    /// What two archives do not share; exit code 1 if they differ
+    Diff(DiffArgs),
+    /// Copy an archive or an atlas to an object store, or from there or a web server
+    Copy(CopyArgs),
+    /// Show an archive in the browser of this machine: any sun, sky, weather and reflectance, live
+    View(ViewArgs),
+    /// Layers of a receiver as images, view factors of all receivers as a table
+    Export(ExportArgs),
+    /// The studies of the paper, drawn again
+    Study(StudyArgs),
+    /// Completions of this command line for a shell
+    Completions(CompletionsArgs),
+    /// Manual pages of all commands
+    Man(ManArgs),
+}

@@ -1,0 +1,112 @@
+//! Arguments of `energyplus`: a model, what stands around it, which light it gets.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::DVec3;
+
+use crate::cli::Metres;
+use crate::cli::sites::parse_crs;
+use crate::cli::values::{Bytes, choice, parse_memory};
+use crate::cli::{AccuracyArgs, MaterialsArgs};
+use heliotile_energyplus::{EnergyplusRequest, Physics};
+
+#[derive(Args, Debug)]
+pub struct EnergyplusArgs {
+    /// Model of EnergyPlus 24.1 to 25.2, or with --assume-version 25.2 of any that EnergyPlus 25.2 runs: .idf or .epJSON
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Files of what stands around it: CityJSON, terrain, meshes, site.toml; in the coordinates of the model, or see --at
+    #[arg(long, value_name = "SCENE", num_args = 1..)]
+    pub scene: Vec<PathBuf>,
+    /// Where the origin of the model lies in the coordinates of --scene, metres: east,north or east,north,up. The model is turned so that
+    /// its true north is that of their coordinate system
+    #[arg(long, value_name = "E,N[,Z]", requires = "scene", allow_hyphen_values = true, value_parser = parse_spot)]
+    pub at: Option<DVec3>,
+    /// Coordinate reference system of --scene, in place of what its files say: EPSG:28992 or 28992
+    #[arg(long, value_name = "EPSG", requires = "scene", value_parser = parse_crs)]
+    pub crs: Option<u32>,
+    /// Take what stands around the model out of it: direct and diffuse light of the surroundings come as a series of this weather file,
+    /// and EnergyPlus has none of their shadows to find
+    #[arg(long, requires = "weather")]
+    pub delete_surroundings: bool,
+    /// Weather file of --run and of --delete-surroundings
+    #[arg(long, short)]
+    pub weather: Option<PathBuf>,
+    /// Folder for model.idf or model.epJSON, report.md and .html, receivers.csv and site.helio; with
+    /// --delete-surroundings also series.csv, and stripped.idf with an archive of its own
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Which light the model gets
+    #[arg(long, value_parser = choice::<Physics>(), default_value = "full")]
+    pub physics: Physics,
+    /// Run EnergyPlus without reflections, with its own and with ours, and compare them in the report
+    #[arg(long, requires = "weather")]
+    pub run: bool,
+    /// Folder of EnergyPlus 25.2 [default: that of `energyplus` on the search path]
+    #[arg(long, value_name = "DIR", requires = "run")]
+    pub energyplus: Option<PathBuf>,
+    /// Distance between receivers on the model's surfaces, such as 1m or 50cm; with --delete-surroundings, whose shadows go by them, 50cm
+    #[arg(long, value_name = "LENGTH", default_value = "1m", default_value_if("delete_surroundings", "true", "50cm"))]
+    pub spacing: Metres,
+    #[command(flatten)]
+    pub surfaces: MaterialsArgs,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+    /// Replace what the folder holds of another model, scene, spacing or accuracy, which is refused otherwise
+    #[arg(long)]
+    pub replace: bool,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}
+
+impl EnergyplusArgs {
+    /// What is asked for.
+    pub fn request(&self) -> EnergyplusRequest {
+        EnergyplusRequest {
+            model: self.model.clone(),
+            scene: self.scene.clone(),
+            at: self.at.map(|at| at.to_array()),
+            crs: self.crs,
+            delete_surroundings: self.delete_surroundings,
+            weather: self.weather.clone(),
+            folder: self.output.clone(),
+            physics: self.physics,
+            run: self.run,
+            energyplus: self.energyplus.clone(),
+            spacing_m: self.spacing.0,
+            surfaces: self.surfaces.request(&[]),
+            accuracy: self.accuracy.request(),
+            replace: self.replace,
+        }
+    }
+}
+
+/// `78500,457800` or `78500,457800,1.5`.
+fn parse_spot(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse::<f64>().ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y]) if x.abs() <= MOST_M && y.abs() <= MOST_M => Ok(DVec3::new(*x, *y, 0.0)),
+        Some([x, y, z]) if [x, y, z].iter().all(|m| m.abs() <= MOST_M) => Ok(DVec3::new(*x, *y, *z)),
+        _ => Err("give two or three numbers of metres, such as 78500,457800 or 78500,457800,1.5".into()),
+    }
+}
+
+/// Coordinates of no plane system are larger.
+const MOST_M: f64 = 1e8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two spots are read, 4 texts are refused.
+    #[test]
+    fn spots() {
+        assert_eq!(parse_spot("78500, -45.5"), Ok(DVec3::new(78500.0, -45.5, 0.0)));
+        assert_eq!(parse_spot("1,2,3"), Ok(DVec3::new(1.0, 2.0, 3.0)));
+        for text in ["", "1", "1,nan", "1,2,3,4"] {
+            assert!(parse_spot(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The command line of `export`.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::{ArgGroup, Args};
+use glam::DVec3;
+
+use crate::cli::sites::{parse_latitude, parse_time_zone};
+use crate::cli::values::{Bytes, choice, parse_depth, parse_memory, table_help};
+use heliotile_core::archive::Access;
+use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::units::direction_from_degrees;
+
+/// What `export --help` says of the images.
+const IMAGES: &str = "\
+An .exr file has three parts, four where the receiver sees sky in mirrors (f32, texels of equal solid angle, see schema/layers.md; their attribute `heliotile` says what they
+hold, as JSON):
+  sky       world's upper hemisphere, first line towards y: visible, weight_sr; with --sun sky_direct, sun_direct
+  hit       the surface's own hemisphere, first line up the surface: class (1 ground, 2 obstruction), material, cell, mirrors
+            passed, weight_sr; with --sun sun_diffuse, sky_diffuse: the radiance of what is seen there
+  response  world's upper hemisphere: ground.x to obstruction.z, reflected light by the direction of its source;
+            with --sun weight_sr, sky_diffuse: the radiance of the sky there
+  mirror    world's upper hemisphere, by the direction that light has in the sky: weight_sr;
+            with --sun sky_specular, sun_specular
+Behind canopies `sky` also has `through`, the share of light that comes through. Channels named like a column of `query` are radiances, W/m2 sr: their sum over the texels of a part, each times weight_sr, is that
+column.
+
+A .png is a picture for people: the upper hemisphere, equidistant, zenith in the middle, y up, x right as on a map, N in true north; with
+--weather or --latitude the sun's paths at the solstices and equinoxes, and its place at each full hour through the year. With --panel and a light it is
+six pictures as a camera on the surface sees them: what is seen, then radiances of the sky, of sunlit surfaces, of sun and sky in mirrors and
+of skylit surfaces, and their sum, on one logarithmic scale; what each gives in W/m2 stands above it.";
+
+#[derive(Args, Debug)]
+#[command(after_long_help = IMAGES)]
+#[command(group(ArgGroup::new("subject").required(true).args(["receiver", "view_factors", "html"])))]
+pub struct ExportArgs {
+    /// Archive to read, or the atlas: a path or an address
+    pub archive: PathBuf,
+    #[arg(long, short, required_unless_present = "html", help = table_help("File to write: .exr or .png for a receiver; for view factors"))]
+    pub output: Option<PathBuf>,
+    /// Export the layers of this receiver
+    #[arg(long, short, value_name = "ID")]
+    pub receiver: Option<String>,
+    /// Export the shares of every receiver's hemisphere that are sky, ground, obstructions and nothing (they sum to 1)
+    #[arg(long, conflicts_with_all = ["sun", "weather", "latitude"])]
+    pub view_factors: bool,
+    /// Write a page that shows the archive in a browser, as `view` does, also from a disk: an archive up to 50 MB is inside it, with the weather
+    /// file if one is given; of a larger one the page asks for the file
+    #[arg(long, value_name = "PAGE.html", conflicts_with_all = ["output", "sun", "latitude", "time_zone"])]
+    pub html: Option<PathBuf>,
+    /// Draw a panel in place of one picture: six fisheyes of what is seen, the light of --sun by its ways, and all of it, in one scale
+    #[arg(long, requires = "sun", conflicts_with_all = ["weather", "latitude"])]
+    pub panel: bool,
+    /// Azimuth and altitude of a sun, degrees, azimuth clockwise from true north: maps of its light go into an .exr, its place into a .png
+    #[arg(long, value_name = "AZIMUTH,ALTITUDE", allow_hyphen_values = true)]
+    pub sun: Option<SunPosition>,
+    /// Direct normal irradiance of that sun, W/m2
+    #[arg(long, value_name = "W/M2", default_value_t = 0.0, value_parser = parse_irradiance, requires = "sun", allow_negative_numbers = true)]
+    pub dni: f64,
+    /// Diffuse horizontal irradiance of the sky around it, W/m2
+    #[arg(long, value_name = "W/M2", default_value_t = 0.0, value_parser = parse_irradiance, requires = "sun", allow_negative_numbers = true)]
+    pub dhi: f64,
+    #[arg(long, help = SkyModel::described(), default_value = "perez", requires = "sun")]
+    pub sky: SkyModel,
+    /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
+    #[arg(long, requires = "sun")]
+    pub patches: Option<usize>,
+    /// Diffuse reflections: all, or a number (1 is the paper's model)
+    #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
+    pub bounces: MaxBounces,
+    /// Draw the sun's paths over the place of a weather file into a .png, over the archive's if the file says none; hours are those of its
+    /// clock. The weather of a page
+    #[arg(long, short, value_name = "FILE", conflicts_with = "latitude")]
+    pub weather: Option<PathBuf>,
+    /// Time zone of the weather file's clock, such as +01:00, -7 or UTC, in place of its own
+    #[arg(long, value_name = "ZONE", requires = "weather", allow_hyphen_values = true, value_parser = parse_time_zone)]
+    pub time_zone: Option<f64>,
+    /// Draw them over a latitude, degrees, north positive; hours are mean solar time
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_latitude)]
+    pub latitude: Option<f64>,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archive is read
+    #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
+    pub io: Access,
+}
+
+impl ExportArgs {
+    /// The file to write; one of the two is always given.
+    pub fn output(&self) -> &Path {
+        self.output.as_deref().or(self.html.as_deref()).unwrap_or(Path::new("-"))
+    }
+}
+
+/// A sun above the horizon: `azimuth,altitude` in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunPosition {
+    pub azimuth_deg: f64,
+    pub altitude_deg: f64,
+}
+
+impl SunPosition {
+    pub fn direction(self) -> DVec3 {
+        direction_from_degrees(self.azimuth_deg, self.altitude_deg)
+    }
+}
+
+impl FromStr for SunPosition {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let hint = "give azimuth,altitude in degrees, as in 180,45";
+        let (azimuth, altitude) = text.split_once(',').ok_or(hint)?;
+        let number = |part: &str| part.trim().parse::<f64>().map_err(|_| format!("`{part}` is not a number: {hint}"));
+        let (azimuth_deg, altitude_deg) = (number(azimuth)?, number(altitude)?);
+        if !(-360.0..=360.0).contains(&azimuth_deg) {
+            return Err(format!("the azimuth is {azimuth_deg}, it must be from -360 to 360"));
+        }
+        if altitude_deg <= 0.0 {
+            return Err(format!("the sun is at {altitude_deg} degrees, not above the horizon: it lights nothing"));
+        }
+        // False for NaN.
+        if !(0.0..=90.0).contains(&altitude_deg) {
+            return Err(format!("the altitude is {altitude_deg}, it must be above 0 and at most 90"));
+        }
+        Ok(SunPosition { azimuth_deg, altitude_deg })
+    }
+}
+
+fn parse_irradiance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1e6).contains(&value) => Ok(value),
+        _ => Err("give a number from 0 to 1000000, W/m2".into()),
+    }
+}

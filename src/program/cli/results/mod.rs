@@ -1,0 +1,15 @@
+//! Arguments of commands that ask archives for light.
+
+mod buildings;
+mod energyplus;
+mod export;
+mod pv;
+mod recombine;
+mod view;
+
+pub use buildings::{BuildingsArgs, PlacesArgs, YearArgs};
+pub use energyplus::EnergyplusArgs;
+pub use export::ExportArgs;
+pub use pv::PvArgs;
+pub use recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, SiteArgs, TableArgs};
+pub use view::ViewArgs;

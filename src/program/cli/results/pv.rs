@@ -1,0 +1,145 @@
+//! Arguments of `pv`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+
+use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
+use crate::cli::{AccuracyArgs, ClockArgs, SceneArgs};
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::StampedAt;
+use heliotile_results::pv::PvRequest;
+
+#[derive(Args, Debug)]
+#[command(group(ArgGroup::new("modules").required(true).args(["points", "rows"])))]
+pub struct PvArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    /// Places of modules, CSV: point,x,y, z or height (metres above the roof or ground below), tilt,azimuth (degrees, clockwise from
+    /// true north; may be left out with --search)
+    #[arg(long, short, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch, width, height; modules shade and light one
+    /// another, and have a front and a rear
+    #[arg(long, short, value_name = "FILE")]
+    pub rows: Option<PathBuf>,
+    /// Share of the light on the rear that counts beside the front, for poa_global and the gain
+    #[arg(long, default_value_t = 0.8, value_parser = parse_bifaciality)]
+    pub bifaciality: f64,
+    /// Folder for points.csv, months.csv, hourly.csv, horizon/, best.csv and the archive site.helio
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each; points without angles take the best
+    #[arg(long, requires = "points")]
+    pub search: bool,
+    /// Tilts that a search may choose, degrees, such as 10..60, or one
+    #[arg(long, value_name = "FROM..TO", default_value = "0..90", value_parser = parse_tilts)]
+    pub tilts: [f64; 2],
+    /// Azimuths that a search may choose, degrees clockwise from true north, such as 90..270, 300..60 over north, or one
+    #[arg(long, value_name = "FROM..TO", default_value = "0..360", value_parser = parse_azimuths)]
+    pub azimuths: [f64; 2],
+    #[arg(long, help = SkyModel::described(), default_value = "perez")]
+    pub sky: SkyModel,
+    /// Ending of the table of hours, which chooses its format
+    #[arg(long, value_parser = table_endings(), default_value = "csv")]
+    pub format: String,
+    /// Write no hours, sums only
+    #[arg(long, conflicts_with = "format")]
+    pub no_hourly: bool,
+    /// Which moment of its interval a row of hours is labelled with
+    #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
+    pub stamp: StampedAt,
+    /// Put all rows into one year, such as 2019; the sun stays that of the file's dates
+    #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
+    pub year: Option<i32>,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+    /// Replace what the folder holds of another scene, points, accuracy or weather, which is refused otherwise
+    #[arg(long)]
+    pub replace: bool,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
+}
+
+impl PvArgs {
+    /// What is asked for.
+    pub fn request(&self) -> PvRequest {
+        PvRequest {
+            scene: self.scene.request(),
+            weather: self.weather.clone(),
+            about_weather: self.about_weather.options(false),
+            points: self.points.clone(),
+            rows: self.rows.clone(),
+            bifaciality: self.bifaciality,
+            folder: self.output.clone(),
+            search: self.search,
+            tilts_deg: self.tilts,
+            azimuths_deg: self.azimuths,
+            sky: self.sky,
+            format: self.format.clone(),
+            hourly: !self.no_hourly,
+            stamp: self.stamp,
+            year: self.year,
+            accuracy: self.accuracy.request_beside(Some(&self.weather), &self.about_weather),
+            replace: self.replace,
+        }
+    }
+}
+
+fn parse_bifaciality(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("give a share from 0 to 1, as in 0.8".into()),
+    }
+}
+
+/// `10..60`, or one number for both.
+fn parse_range(text: &str) -> Result<[f64; 2], String> {
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{part}` is not a number: give degrees, as in 10..60")),
+    };
+    match text.split_once("..") {
+        Some((from, to)) => Ok([number(from)?, number(to)?]),
+        None => Ok([number(text)?; 2]),
+    }
+}
+
+fn parse_tilts(text: &str) -> Result<[f64; 2], String> {
+    match parse_range(text)? {
+        [from, to] if 0.0 <= from && from <= to && to <= 180.0 => Ok([from, to]),
+        _ => Err("tilts are from 0 (up) to 180 (down), the smaller one first".into()),
+    }
+}
+
+fn parse_azimuths(text: &str) -> Result<[f64; 2], String> {
+    let [from, to] = parse_range(text)?;
+    if [from, to].iter().any(|azimuth| azimuth.abs() > 360.0) {
+        return Err("azimuths are from -360 to 360, clockwise from true north".into());
+    }
+    let to = if to < from { to + 360.0 } else { to };
+    if to - from > 360.0 { Err("this is more than a full circle".into()) } else { Ok([from, to]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ranges, one number and a sector over north are read; 7 wrong texts are refused.
+    #[test]
+    fn ranges() {
+        assert_eq!((parse_tilts("10..60"), parse_tilts("30")), (Ok([10.0, 60.0]), Ok([30.0, 30.0])));
+        assert_eq!((parse_azimuths("300..60"), parse_azimuths("180")), (Ok([300.0, 420.0]), Ok([180.0, 180.0])));
+        assert_eq!(parse_azimuths("-90..90"), Ok([-90.0, 90.0]));
+        for text in ["", "200", "60..10", "a..b", "-1..30"] {
+            assert!(parse_tilts(text).is_err(), "{text}");
+        }
+        assert!(parse_azimuths("-360..360").is_err() && parse_azimuths("0..400").is_err());
+    }
+}

@@ -1,0 +1,293 @@
+//! Arguments of `query`, `replay` and `factors`.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::Args;
+
+use crate::cli::WeatherArgs;
+use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory, table_help};
+use heliotile_atlas::SiteRequest;
+use heliotile_core::archive::Access;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::paths::LightPaths;
+use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::replay::components::ComponentList;
+use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow, followed_files};
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::StampedAt;
+use heliotile_core::weather::span::Moment;
+use heliotile_core::weather::temperatures::Temperature;
+use heliotile_results::outputs::periods::Every;
+use heliotile_results::outputs::shapes::writer::MapFormat;
+use heliotile_results::outputs::tables::layout::By;
+use heliotile_results::{FactorsRequest, FileRequest, LightChoice, QueryRequest, ReceiverChoice, ReplayRequest};
+
+/// Help of --output.
+fn output_help() -> String {
+    let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
+    format!("{}; of `query` and `replay` also maps: {maps}, .parquet with --geo", table_help("Table to write"))
+}
+
+/// An archive or an atlas, and how it is read.
+#[derive(Args, Debug)]
+pub struct SiteArgs {
+    /// Archive to read, or the folder of an atlas: a path or an address
+    pub archive: PathBuf,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
+    #[arg(long, value_parser = choice::<Access>())]
+    pub io: Option<Access>,
+    /// Take y for north: suns are not turned to the true north that the archive's place tells of
+    #[arg(long)]
+    pub grid_north: bool,
+}
+
+/// Which receivers of which archive, and the table that is made of them.
+#[derive(Args, Debug)]
+pub struct TableArgs {
+    #[command(flatten)]
+    pub site: SiteArgs,
+    #[arg(long, short, default_value = "-", help = output_help())]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub of: SelectionArgs,
+    /// What rows are about
+    #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
+    pub by: By,
+}
+
+impl SiteArgs {
+    /// All receivers of the archive.
+    pub fn request(&self) -> SiteRequest {
+        SiteRequest {
+            access: self.io,
+            receivers: ReceiverChoice { selection: None, grid_north: self.grid_north },
+            ..SiteRequest::of(&self.archive)
+        }
+    }
+}
+
+impl TableArgs {
+    /// The archive and the receivers that are asked.
+    pub fn request(&self) -> SiteRequest {
+        let site = self.site.request();
+        let selection = self.of.selection();
+        SiteRequest { receivers: ReceiverChoice { selection, ..site.receivers }, ..site }
+    }
+
+    /// The table alone.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { by: self.by, ..FileRequest::of(&self.output) }
+    }
+}
+
+/// What query and replay have in common.
+#[derive(Args, Debug)]
+pub struct RecombineArgs {
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    #[arg(long)]
+    pub geo: bool,
+    /// Draw results: a name that ends with .png is a map of the sums (or of one condition), from above and from the south-west; one that ends
+    /// with .svg a chart of the mean by area of all receivers: bars by component of --every day, month or year (or of conditions), hours of
+    /// the day by month of --every hour. May be repeated; a table is then written only if --output names one
+    #[arg(long, value_name = "FILE")]
+    pub plot: Vec<PathBuf>,
+    /// Columns to write, in this order, such as total,sun_direct; sun_diffuse and sky_diffuse also by what is seen first, as
+    /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
+    #[arg(long, value_name = "NAMES")]
+    pub columns: Option<ComponentList>,
+    #[arg(long, help = SkyModel::described(), default_value = "perez")]
+    pub sky: SkyModel,
+    /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
+    #[arg(long)]
+    pub patches: Option<usize>,
+    /// Diffuse reflections: all, or a number (1 is the paper's model)
+    #[arg(long, default_value = "all", value_parser = parse_depth)]
+    pub bounces: MaxBounces,
+    /// Light that counts beyond sun and sky, their first diffuse reflection and the sun in mirrors: all, none (as in EnergyPlus), or some of
+    /// bounces (further diffuse reflections), mirror-diffuse (diffuse light that meets a mirror, too), mirror-sky (the sky in mirrors)
+    #[arg(long, value_name = "NAMES", default_value = "all")]
+    pub paths: LightPaths,
+    /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
+    /// the last one counts
+    #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
+    pub reflectance: Vec<(String, f64)>,
+    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each condition, or for each row of the weather
+    /// file, for which 12 lines are months; may be repeated
+    #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
+    pub schedule: Vec<(String, PathBuf)>,
+    /// Change what comes through canopies at each crossing: GROUP=0.4, or a CSV like those of --schedule, with a column `transmittance`
+    /// (leaves in their seasons); may be repeated, the last one counts
+    #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<ConstantOrFile>)]
+    pub transmittance: Vec<(String, ConstantOrFile)>,
+}
+
+impl RecombineArgs {
+    /// The light that counts.
+    fn light(&self) -> Result<LightChoice> {
+        let hint = "name `bounces` among the paths, or leave it out";
+        let paths = self.paths.with_depth(self.bounces).map_err(|what| Error::argument("bounces", what, hint))?;
+        let changes = Changes {
+            constant: self.reflectance.clone(),
+            scheduled: self.schedule.clone(),
+            transmittance: self.transmittance.clone(),
+            snow: None,
+        };
+        Ok(LightChoice { columns: self.columns.clone(), sky: self.sky, patches: self.patches, paths, changes })
+    }
+
+    /// Where results go.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
+    }
+
+    /// Files that reflectances and transmittances follow.
+    pub fn schedules(&self) -> impl Iterator<Item = &Path> {
+        followed_files(&self.schedule, &self.transmittance)
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct QueryArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are clockwise from true north
+    #[arg(long, short)]
+    pub conditions: PathBuf,
+}
+
+impl QueryArgs {
+    /// What is asked for.
+    pub fn request(&self) -> Result<QueryRequest> {
+        Ok(QueryRequest { light: self.common.light()?, conditions: self.conditions.clone() })
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct FactorsArgs {
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// Degrees of azimuth from sun to sun, from 0 to 360: a divisor of 360
+    #[arg(long, value_name = "DEGREES", default_value_t = 10.0)]
+    pub azimuth_step: f64,
+    /// Degrees of altitude from sun to sun, from 0.5 to 90: a divisor of 90
+    #[arg(long, value_name = "DEGREES", default_value_t = 5.0)]
+    pub altitude_step: f64,
+}
+
+impl FactorsArgs {
+    /// What is asked for.
+    pub fn request(&self) -> FactorsRequest {
+        FactorsRequest {
+            output: self.table.output.clone(),
+            by: self.table.by,
+            azimuth_step_deg: self.azimuth_step,
+            altitude_step_deg: self.altitude_step,
+        }
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct ReplayArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    /// Rows: means in W/m2, or sums in kWh/m2
+    #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
+    pub every: Every,
+    /// Which moment of its interval a row of means is labelled with, 06:00, 06:30 or 07:00 for the hour from 06:00 to 07:00 (the last hour of
+    /// a day ends at 00:00 of the next); sums are labelled with the start of their period
+    #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
+    pub stamp: StampedAt,
+    /// Put all rows into one year, such as 2019: a typical year, whose months come from different ones, or any other. Dates of results
+    /// change, the sun stays that of the file's dates; 29 February is left out where the year has none. Years of --from and --to are then
+    /// this year
+    #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
+    pub year: Option<i32>,
+    /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or a time, 03-01T06:00
+    #[arg(long, value_name = "DAY")]
+    pub from: Option<Moment>,
+    /// Last day that counts, the whole of it; before --from it is that of the next year: --from 11-01 --to 02-28
+    #[arg(long, value_name = "DAY")]
+    pub to: Option<Moment>,
+    /// Sun positions within each interval of the weather file, 1 to 60 [default: those that the archive was built for, which are an hour's]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=60))]
+    pub steps: Option<u16>,
+    /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
+    #[arg(long, value_parser = choice::<Snow>())]
+    pub snow: Option<Snow>,
+    /// Diffuse reflectance of snow
+    #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
+    pub snow_reflectance: f64,
+    /// Temperature of what the column `longwave` comes from, `ground` or `obstruction`: degrees Celsius, or a CSV as for --schedule with a
+    /// column `temperature_c`; may be repeated, the last one counts [default: the weather file's dry bulb temperature]
+    #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
+    pub temperature: Vec<Temperature>,
+    /// City model (CityJSON or a sequence of features) that the receivers were put on: with an output that ends with .city.json or
+    /// .city.jsonl it is written again with these sums, and with a material theme `irradiation`
+    #[arg(long, value_name = "INPUT.city.json", conflicts_with_all = ["honeybee", "plot"])]
+    pub model: Option<PathBuf>,
+    /// Write a folder of hourly results as Honeybee and Pollination read them, a grid an object (a room, a city object), in place of a table;
+    /// --by building, surface or kind makes other grids
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "plot"])]
+    pub honeybee: Option<PathBuf>,
+    #[command(flatten)]
+    pub about_weather: WeatherArgs,
+}
+
+impl ReplayArgs {
+    /// What is asked for.
+    pub fn request(&self) -> Result<ReplayRequest> {
+        let mut light = self.common.light()?;
+        light.changes.snow = self.snow.map(|snow| (snow, self.snow_reflectance));
+        Ok(ReplayRequest {
+            light,
+            about_weather: self.about_weather.options(false),
+            span: (self.from, self.to),
+            year: self.year,
+            steps: self.steps.map(usize::from),
+            every: self.every,
+            stamp: self.stamp,
+            temperatures: self.temperature.clone(),
+            ..ReplayRequest::of(&self.weather)
+        })
+    }
+
+    /// Where results go.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { model: self.model.clone(), honeybee: self.honeybee.clone(), ..self.common.files() }
+    }
+}
+
+/// Group, material or class, and what it gets: `NAME=VALUE`.
+fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> std::result::Result<(String, T), String> {
+    // A name may hold an equals sign, a number does not.
+    match text.rsplit_once('=') {
+        Some((name, value)) if !name.is_empty() => {
+            let value = value.trim().parse().map_err(|error| format!("`{value}`: {error}"))?;
+            Ok((name.to_string(), value))
+        }
+        _ => Err("give a group or a material, an equals sign and a value".into()),
+    }
+}
+
+fn parse_reflectance(text: &str) -> std::result::Result<(String, f64), String> {
+    match parse_named(text)? {
+        (name, value) if (0.0..=1.0).contains(&value) => Ok((name, value)),
+        (_, value) => Err(format!("a reflectance is from 0 to 1, not {value}")),
+    }
+}
+
+fn parse_share(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("give a number from 0 to 1".into()),
+    }
+}

@@ -1,0 +1,105 @@
+//! Arguments of `receivers`: where receivers are put, and how densely.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+use crate::cli::SceneArgs;
+use heliotile_results::covering::{CoverRequest, Density};
+
+#[derive(Args, Debug)]
+pub struct ReceiversArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Table to write: receiver,x,y,z,nx,ny,nz,area,surface and what each stands for in its model; - for standard output
+    #[arg(long, short, default_value = "-")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub cover: CoverArgs,
+    /// Table to write of those that are buried, the same with a column `reason`
+    #[arg(long, value_name = "FILE")]
+    pub buried: Option<PathBuf>,
+}
+
+/// Where receivers are put.
+#[derive(Args, Clone, Debug)]
+pub struct CoverArgs {
+    /// Surfaces to cover: roof, wall, window, ground, floor (what looks down), shade, all, or names of materials [default: roofs, walls
+    /// and windows, floors outdoors of a model of a building; of those what the sun may reach]
+    #[arg(long, value_delimiter = ',')]
+    pub on: Vec<String>,
+    /// Objects of a city model to cover, by their type, such as Bridge,GenericCityObject, or all [default: buildings; any for --on
+    /// ground and names of materials]
+    #[arg(long, value_delimiter = ',', value_name = "TYPES")]
+    pub types: Vec<String>,
+    /// Distance between receivers, such as 2m or 50cm
+    #[arg(long, value_name = "LENGTH", default_value = "2m", conflicts_with = "per_surface")]
+    pub spacing: Metres,
+    /// Receivers on each surface
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub per_surface: Option<u32>,
+    /// Distance of receivers off their surfaces
+    #[arg(long, value_name = "LENGTH", default_value = "20mm")]
+    pub offset: Metres,
+    /// Surfaces with less area than this get no receiver, m2
+    #[arg(long, value_name = "AREA", default_value_t = 0.1, value_parser = parse_area)]
+    pub min_area: f64,
+}
+
+impl CoverArgs {
+    /// What is asked for.
+    pub fn request(&self) -> CoverRequest {
+        CoverRequest {
+            on: self.on.clone(),
+            types: self.types.clone(),
+            density: self.per_surface.map_or(Density::Spacing(self.spacing.0), Density::PerSurface),
+            offset_m: self.offset.0,
+            min_area_m2: self.min_area,
+            within: None,
+        }
+    }
+}
+
+/// A length: `2m`, `50cm`, `20mm`, or a number of metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metres(pub f64);
+
+impl FromStr for Metres {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let hint = "give a length from 1mm to 10km, such as 2m, 50cm or 20mm";
+        let text = text.trim();
+        let units = [("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("m", 1.0)];
+        let unit = units.into_iter().find_map(|(name, metres)| Some((text.strip_suffix(name)?, metres)));
+        let (digits, metres) = unit.unwrap_or((text, 1.0));
+        let number = digits.trim().parse::<f64>().map_err(|_| format!("`{text}` is not a length: {hint}"))?;
+        let metres = number * metres;
+        // NaN compares false.
+        if (0.001..=10_000.0).contains(&metres) { Ok(Metres(metres)) } else { Err(format!("`{text}`: {hint}")) }
+    }
+}
+
+fn parse_area(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(area) if (0.0..=1e9).contains(&area) => Ok(area),
+        _ => Err("give an area from 0 to 1e9, in square metres".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Five lengths are read in their units, six texts are refused.
+    #[test]
+    fn lengths() {
+        for (text, metres) in [("2m", 2.0), ("50 cm", 0.5), ("20mm", 0.02), ("1.5", 1.5), ("0.5km", 500.0)] {
+            assert_eq!(text.parse::<Metres>(), Ok(Metres(metres)), "{text}");
+        }
+        for text in ["", "m", "2ft", "-1m", "nan", "1e9m"] {
+            assert!(text.parse::<Metres>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! How exact a build is to be: a named rung of the accuracy ladder, a target in percent, or settings one by one.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::Args;
+
+use super::ClockArgs;
+use crate::cli::values::choice;
+use heliotile_builder::planning::AccuracyRequest;
+use heliotile_builder::settings::Quality;
+use heliotile_builder::writing::guards::same_file;
+use heliotile_core::weather::options::WeatherOptions;
+
+#[derive(Args, Debug)]
+pub struct AccuracyArgs {
+    /// Rung of the accuracy ladder
+    #[arg(long, value_parser = choice::<Quality>(), default_value = "standard", conflicts_with = "error")]
+    pub quality: Quality,
+    /// Largest RMSE of hourly totals, in percent of their mean, such as 2%: settings are chosen by trying some on a sample of the receivers
+    #[arg(long, value_name = "PERCENT", conflicts_with = "set")]
+    pub error: Option<Percent>,
+    /// Weather file to estimate errors under [default: suns from all sides]
+    #[arg(long, value_name = "FILE", requires = "error")]
+    pub error_weather: Option<PathBuf>,
+    /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl AccuracyArgs {
+    /// What is asked for, where weather is read as its file says.
+    pub fn request(&self) -> AccuracyRequest {
+        AccuracyRequest {
+            quality: self.quality,
+            set: self.set.clone(),
+            error_percent: self.error.map(|Percent(percent)| percent),
+            error_weather: self.error_weather.clone(),
+            weather_options: WeatherOptions::default(),
+        }
+    }
+
+    /// The same beside `weather`: what is said of the clock is said of that file, if there is one, whatever errors are estimated under.
+    pub fn request_beside(&self, weather: Option<&Path>, clock: &ClockArgs) -> AccuracyRequest {
+        let of_errors = self.error_weather.as_deref();
+        let is_same = |weather: &Path| of_errors.is_some_and(|of_errors| same_file(of_errors, weather));
+        let weather_options = match weather.is_none_or(is_same) {
+            true => clock.options(false),
+            false => WeatherOptions::default(),
+        };
+        AccuracyRequest { weather_options, ..self.request() }
+    }
+}
+
+/// An error that is allowed, in percent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Percent(pub f64);
+
+/// Below, the judge's chance says more than the light does.
+const LEAST_NEGLIGIBLE: f64 = 0.001;
+
+/// `2%`, `0.5 %` or `2`.
+impl FromStr for Percent {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (least, most) = (AccuracyRequest::ERRORS.start(), AccuracyRequest::ERRORS.end());
+        percent(text, *least)
+            .ok_or_else(|| format!("`{text}` is no error to aim at: give {least} to {most} percent, as in 2%"))
+    }
+}
+
+fn percent(text: &str, least: f64) -> Option<Percent> {
+    let number = text.trim().trim_end_matches('%').trim_end().parse().ok()?;
+    (least..=*AccuracyRequest::ERRORS.end()).contains(&number).then_some(Percent(number))
+}
+
+/// What may be left out, in percent: `0.5%`.
+pub fn parse_negligible(text: &str) -> Result<Percent, String> {
+    let most = AccuracyRequest::ERRORS.end();
+    percent(text, LEAST_NEGLIGIBLE).ok_or_else(|| {
+        format!("`{text}` is nothing to leave out: give {LEAST_NEGLIGIBLE} to {most} percent, as in 0.5%")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused; 0.01 % is no error, but can be left out.
+    #[test]
+    fn percents() {
+        for (text, value) in [("2%", 2.0), ("0.5 %", 0.5), ("3", 3.0)] {
+            assert_eq!(text.parse(), Ok(Percent(value)));
+        }
+        for text in ["", "%", "0%", "two", "80%"] {
+            assert!(text.parse::<Percent>().is_err() && parse_negligible(text).is_err(), "{text}");
+        }
+        assert!("0.01%".parse::<Percent>().is_err());
+        assert_eq!(parse_negligible("0.01%"), Ok(Percent(0.01)));
+    }
+}

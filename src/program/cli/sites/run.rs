@@ -1,0 +1,89 @@
+//! Arguments of `run`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
+use crate::cli::{AccuracyArgs, ClockArgs, CoverArgs, Percent, SceneArgs, parse_negligible};
+use heliotile_core::weather::options::StampedAt;
+use heliotile_results::outputs::periods::Every;
+use heliotile_results::outputs::tables::layout::By;
+use heliotile_results::{RunMap, RunRequest};
+
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    /// Folder for receivers.csv, site.helio, and a folder for each weather file with annual.csv and annual.ply [default: the name of the
+    /// first scene file, with .sun]
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub cover: CoverArgs,
+    /// Receivers to take in place of those that cover surfaces: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[arg(long, short, conflicts_with_all = ["on", "spacing", "per_surface", "offset", "min_area"])]
+    pub receivers: Option<PathBuf>,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+    /// Leave out effects whose light makes up no more than this of the sum over the weather file, in each group of receivers, such as 0.5%
+    #[arg(long, value_name = "PERCENT", value_parser = parse_negligible)]
+    pub negligible: Option<Percent>,
+    /// Leave the scene's triangles out of the archive, for those who may not pass them on
+    #[arg(long)]
+    pub no_scene: bool,
+    /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas
+    #[arg(long, value_name = "PERIOD", value_parser = choice::<Every>(), value_delimiter = ',')]
+    pub every: Vec<Every>,
+    /// What rows of these tables are about
+    #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "every")]
+    pub by: By,
+    /// Which moment of its interval a row of hours is labelled with
+    #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start", requires = "every")]
+    pub stamp: StampedAt,
+    /// Put the rows of these tables into one year, such as 2019, as `replay` does; annual sums stay as they are
+    #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999), requires = "every")]
+    pub year: Option<i32>,
+    /// Ending of these tables, which chooses their format
+    #[arg(long, value_parser = table_endings(), default_value = "csv", requires = "every")]
+    pub format: String,
+    /// Write the annual sums as a further map beside annual.ply, annual.glb and so on, or into the city model of the scene; may be repeated, or
+    /// several with commas
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<RunMap>(), value_delimiter = ',')]
+    pub map: Vec<RunMap>,
+    /// Replace what the folder holds of another scene, spacing, accuracy or weather, which is refused otherwise
+    #[arg(long)]
+    pub replace: bool,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
+}
+
+impl RunArgs {
+    /// What is asked for.
+    pub fn request(&self) -> RunRequest {
+        RunRequest {
+            scene: self.scene.request(),
+            weather: self.weather.clone(),
+            about_weather: self.about_weather.options(false),
+            folder: self.output.clone(),
+            cover: self.cover.request(),
+            receivers: self.receivers.clone(),
+            accuracy: self.accuracy.request_beside(Some(&self.weather), &self.about_weather),
+            negligible_percent: self.negligible.map(|Percent(percent)| percent),
+            with_scene: !self.no_scene,
+            every: self.every.clone(),
+            by: self.by,
+            stamp: self.stamp,
+            year: self.year,
+            format: self.format.clone(),
+            maps: self.map.clone(),
+            replace: self.replace,
+        }
+    }
+}

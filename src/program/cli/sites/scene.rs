@@ -1,0 +1,184 @@
+//! Scene files as most commands take them, and where they lie.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use heliotile_core::error;
+use heliotile_scene::ModelVersion;
+use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
+use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
+
+#[derive(Args, Clone, Debug)]
+pub struct SceneArgs {
+    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), terrain (.tif,
+    /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip;
+    /// metres, x east, y north, z up
+    #[arg(required = true, value_name = "SCENE")]
+    pub scene: Vec<PathBuf>,
+    #[command(flatten)]
+    pub surfaces: MaterialsArgs,
+    #[command(flatten)]
+    pub place: PlaceArgs,
+}
+
+/// What surfaces reflect, and whether there is ground.
+#[derive(Args, Clone, Debug)]
+pub struct MaterialsArgs {
+    /// Reflectances, one table per material name: they win over those that the files state; materials without a table keep theirs, or
+    /// usual ones
+    #[arg(long, short)]
+    pub materials: Option<PathBuf>,
+    /// Take nothing that the files state of materials: --materials has to name all of them
+    #[arg(long)]
+    pub materials_only: bool,
+    /// Add no ground to a scene that has none [default: a plane below it, that of an EnergyPlus model as the model says]
+    #[arg(long)]
+    pub no_ground: bool,
+    /// Take EnergyPlus models for models of this version, whatever they state: it says what the fields of an IDF mean. `energyplus` takes a
+    /// model of any version with 25.2, for EnergyPlus 25.2 to run as it is
+    #[arg(long, value_name = "VERSION")]
+    pub assume_version: Option<ModelVersion>,
+}
+
+impl MaterialsArgs {
+    /// A scene of files.
+    pub fn request(&self, files: &[PathBuf]) -> SceneRequest {
+        SceneRequest {
+            files: files.to_vec(),
+            materials: self.materials.clone(),
+            materials_only: self.materials_only,
+            no_ground: self.no_ground,
+            assume_version: self.assume_version,
+            frame: SiteFrame::default(),
+        }
+    }
+
+    /// A site of files.
+    pub fn site(&self, files: &[PathBuf]) -> error::Result<Site> {
+        self.request(files).site()
+    }
+}
+
+/// Where a scene lies, how it is turned, and the unit of its files; each counts more than what files say.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PlaceArgs {
+    /// Coordinate reference system of the scene's coordinates, in metres: EPSG:28992 or 28992
+    #[arg(long, value_name = "EPSG", value_parser = parse_crs)]
+    pub crs: Option<u32>,
+    /// Where the scene lies, north positive; y is true north unless a coordinate system says more
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "longitude", value_parser = parse_latitude)]
+    pub latitude: Option<f64>,
+    /// East positive
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "latitude", value_parser = parse_longitude)]
+    pub longitude: Option<f64>,
+    /// Turn the model clockwise as seen from above: its y axis lies so far from north (the north axis of EnergyPlus); coordinates stay
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_rotation)]
+    pub rotate_deg: Option<f64>,
+    /// Height above sea level of z = 0, metres, for all files but terrain
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, value_parser = parse_elevation)]
+    pub elevation: Option<f64>,
+    /// Metres a unit of all files but terrain: 0.001 for millimetres; 0.3048 or 0.3048006 holds for terrain in feet, too, where its file
+    /// does not state the unit
+    #[arg(long, value_name = "METRES", value_parser = parse_scale)]
+    pub scale: Option<f64>,
+    /// The axis that points up in OBJ, PLY and STL files: z, with y to the north, or y, with z to the south [default: z]
+    #[arg(long, value_name = "AXIS", value_parser = parse_up)]
+    pub up: Option<UpAxis>,
+}
+
+impl SceneArgs {
+    /// The scene that is asked for.
+    pub fn request(&self) -> SceneRequest {
+        SceneRequest { frame: self.place.frame(), ..self.surfaces.request(&self.scene) }
+    }
+
+    /// The files of the scene.
+    pub fn site(&self) -> error::Result<Site> {
+        self.request().site()
+    }
+
+    /// The first file, which messages about the scene are about.
+    pub fn first(&self) -> &Path {
+        self.scene.first().map_or(Path::new(""), PathBuf::as_path)
+    }
+}
+
+impl PlaceArgs {
+    /// What is said here.
+    pub fn frame(&self) -> SiteFrame {
+        SiteFrame {
+            epsg: self.crs,
+            latitude_deg: self.latitude,
+            longitude_deg: self.longitude,
+            rotate_deg: self.rotate_deg,
+            elevation_m: self.elevation,
+            scale: self.scale,
+            up: self.up,
+        }
+    }
+}
+
+/// `EPSG:28992`, `epsg:28992` or `28992`.
+pub fn parse_crs(text: &str) -> Result<u32, String> {
+    let upper = text.trim().to_ascii_uppercase();
+    let digits = upper.strip_prefix("EPSG:").unwrap_or(&upper);
+    let number = digits.parse().map_err(|_| "give the number of a system in the EPSG register, such as EPSG:28992")?;
+    check_epsg(number)
+}
+
+fn parse_number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a number"))
+}
+
+pub fn parse_latitude(text: &str) -> Result<f64, String> {
+    let degrees = parse_number(text)?;
+    let hint = "give degrees from -90 to 90, north positive";
+    if (-90.0..=90.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }
+}
+
+pub fn parse_longitude(text: &str) -> Result<f64, String> {
+    let degrees = parse_number(text)?;
+    let hint = "give degrees from -180 to 180, east positive";
+    if (-180.0..=180.0).contains(&degrees) { Ok(degrees) } else { Err(hint.into()) }
+}
+
+fn parse_rotation(text: &str) -> Result<f64, String> {
+    check_rotation(parse_number(text)?)
+}
+
+fn parse_elevation(text: &str) -> Result<f64, String> {
+    check_elevation(parse_number(text)?)
+}
+
+fn parse_up(text: &str) -> Result<UpAxis, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "y" => Ok(UpAxis::Y),
+        "z" => Ok(UpAxis::Z),
+        _ => Err("give y or z".into()),
+    }
+}
+
+fn parse_scale(text: &str) -> Result<f64, String> {
+    check_scale(parse_number(text)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three spellings of RD New are 28992; a system in degrees, one that is unknown and a name are refused with what to do; two axes may be up.
+    #[test]
+    fn systems() {
+        for text in ["28992", "EPSG:28992", " epsg:28992"] {
+            assert_eq!(parse_crs(text), Ok(28992), "{text}");
+        }
+        for (text, word) in [("4326", "degrees"), ("EPSG:99999", "not known"), ("RD New", "such as EPSG:28992")] {
+            assert!(parse_crs(text).expect_err(text).contains(word), "{text}");
+        }
+        for (text, axis) in [("y", Some(UpAxis::Y)), ("Z", Some(UpAxis::Z)), ("x", None)] {
+            assert_eq!(parse_up(text).ok(), axis, "{text}");
+        }
+        assert!(parse_latitude("91").is_err() && parse_longitude("-180.5").is_err() && parse_scale("nan").is_err());
+    }
+}

@@ -1,0 +1,50 @@
+//! Values of the library's types by their names on the command line.
+
+use heliotile_core::named::NamedValues;
+use heliotile_results::outputs::tables::format::Format;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// Takes one of the names.
+pub fn choice<T: NamedValues>() -> impl TypedValueParser<Value = T> {
+    let values = T::VALUES.iter().map(|(name, meaning, _)| PossibleValue::new(*name).help(*meaning));
+    PossibleValuesParser::new(values).try_map(|given| {
+        let found = T::VALUES.iter().find(|(name, _, _)| *name == given);
+        found.map(|(_, _, value)| value.clone()).ok_or("not one of the names")
+    })
+}
+
+/// Takes the ending of a table, which chooses its format.
+pub fn table_endings() -> PossibleValuesParser {
+    PossibleValuesParser::new(Format::ENDINGS.map(|(ending, ..)| ending))
+}
+
+/// Help of an option that names a table to write: what the table is, and the endings of its name.
+pub fn table_help(table: &str) -> String {
+    format!("{table}: {}", Format::described())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_core::named::name_of;
+    use heliotile_results::outputs::periods::Every;
+
+    /// The five periods are taken by their names and called by them again; `week` is refused.
+    #[test]
+    fn names() {
+        let command = clap::Command::new("heliotile").arg(clap::Arg::new("every").value_parser(choice::<Every>()));
+        let taken =
+            |name: &str| Some(*command.clone().try_get_matches_from(["heliotile", name]).ok()?.get_one("every")?);
+        for (name, every) in [
+            ("hour", Every::Hour),
+            ("day", Every::Day),
+            ("month", Every::Month),
+            ("year", Every::Year),
+            ("total", Every::Total),
+        ] {
+            assert_eq!((taken(name), name_of(&every)), (Some(every), name));
+        }
+        assert_eq!(taken("week"), None);
+    }
+}

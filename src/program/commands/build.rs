@@ -1,0 +1,135 @@
+//! Story one: scene -> plan -> archive (`build`, `plan`).
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::console::terminal::Terminal;
+use super::{Outcome, load_scene, say, workspace, workspace_beside};
+use crate::cli::{BuildArgs, ClockArgs, Percent, PlanArgs};
+use heliotile_atlas::part::{PartRequest, build_parts};
+use heliotile_atlas::plan::FILE;
+use heliotile_builder::accuracy::conditions::ErrorConditions;
+use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start};
+use heliotile_builder::planning::{BuildRequest, EffectsUnder, tables};
+use heliotile_builder::settings::Share;
+use heliotile_builder::store::Folder;
+use heliotile_builder::writing::guards::{guard_archive, guard_site};
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::text::counted;
+use heliotile_results::horizon::nothing_seen;
+use heliotile_scene::Scene;
+
+/// `heliotile build`.
+pub fn run(args: &BuildArgs) -> Result<Outcome> {
+    match (&args.part, &args.receivers, &args.output) {
+        (Some(part), ..) => parts(args, part),
+        (None, Some(receivers), Some(output)) => build(args, receivers, output),
+        _ => Err(unnamed(args)),
+    }
+}
+
+/// What a build lacks that names no receivers or no archive.
+fn unnamed(args: &BuildArgs) -> Error {
+    match args.scene.scene.as_slice() {
+        [only] if only.join(FILE).is_file() => {
+            let hint = "--part all, or the name or number of one; what they are built from stands in the atlas";
+            Error::argument("--part", format!("{} is an atlas: which parts of it?", only.display()), hint)
+        }
+        _ => Error::argument(
+            "build",
+            "receivers and the archive to write have to be named",
+            "-r RECEIVERS.csv -o SITE.helio",
+        ),
+    }
+}
+
+/// Of parts of an atlas.
+fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
+    let [place] = args.scene.scene.as_slice() else {
+        let what = format!("{} scene files are named beside a part", args.scene.scene.len());
+        let hint = "name the folder or the address of the atlas, which knows its files";
+        return Err(Error::argument("part", what, hint));
+    };
+    let request = PartRequest { part, fresh: args.fresh, memory: args.memory.into() };
+    build_parts(place, &request, &Terminal::watching())?;
+    Ok(Outcome::Fine)
+}
+
+/// Of a scene and receivers on it.
+fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
+    let inputs = [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref()];
+    guard_site(output, &args.scene.site()?, &inputs)?;
+    guard_archive(output)?;
+    let scene = load_scene(&args.scene)?;
+    let (workspace, terminal) = (workspace_beside(output, args.memory), Terminal::watching());
+    let mut receivers = workspace.read_receivers(receivers, &scene, &terminal)?;
+    let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
+    let request = BuildRequest {
+        accuracy: &args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather),
+        share: args.share,
+        under: effects_under(weighed_under.as_ref(), args.negligible),
+        effects: args.effects,
+        with_scene: !args.no_scene,
+        store: args.store.as_deref().map(Folder::create).transpose()?,
+    };
+    let output = Output {
+        path: output.to_owned(),
+        start: if args.fresh { Start::Fresh } else { Start::Resume },
+        checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
+    };
+    let prepared = PreparedScene::new(&scene)?;
+    let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
+    build.plan_and_write(&request, &output).map_err(|error| error.advise(OTHER_INPUTS))?;
+    nothing_seen(&Archive::open_with(&output.path, Access::Read)?)?.iter().for_each(|lost| terminal.warn(lost));
+    Ok(Outcome::Fine)
+}
+
+/// What can be done where a build of other inputs was interrupted.
+const OTHER_INPUTS: &str =
+    "give the inputs that it was started with to go on with it, --fresh to discard it, or another name with -o";
+
+/// `heliotile plan`.
+pub fn plan(args: &PlanArgs) -> Result<Outcome> {
+    let scene = load_scene(&args.scene)?;
+    let (workspace, terminal) = (workspace(std::env::temp_dir(), args.memory), Terminal::default());
+    let mut receivers = workspace.read_receivers(&args.receivers, &scene, &terminal)?;
+    let prepared = PreparedScene::new(&scene)?;
+    let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
+    let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
+    let plan = build.decide(&BuildRequest {
+        accuracy: &args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather),
+        share: Share::default(),
+        under: effects_under(weighed_under.as_ref(), args.negligible),
+        effects: args.effects,
+        with_scene: true,
+        store: None,
+    })?;
+    say(&format!(
+        "{}: {} receivers, {} triangles, {}\n{}",
+        args.scene.first().display(),
+        build.receivers.count(),
+        scene.mesh.triangles.len(),
+        counted(rayon::current_num_threads() as u64, "thread"),
+        tables::forecast(&plan.forecast)
+    ))?;
+    plan.losses.iter().try_for_each(|losses| say(&tables::losses(losses)))?;
+    Ok(Outcome::Fine)
+}
+
+/// Weather that effects are weighed under, if there is some.
+fn weighed_under(
+    weather: Option<&Path>,
+    clock: &ClockArgs,
+    scene: &Scene,
+    observer: &dyn Observer,
+) -> Result<Option<ErrorConditions>> {
+    let read = |file| ErrorConditions::read(Some(file), &clock.options(false), scene.place, observer);
+    weather.map(read).transpose()
+}
+
+fn effects_under(weather: Option<&ErrorConditions>, negligible: Option<Percent>) -> Option<EffectsUnder<'_>> {
+    let negligible_percent = negligible.map(|Percent(percent)| percent);
+    weather.map(|weather| EffectsUnder { weather, negligible_percent })
+}

@@ -1,0 +1,18 @@
+//! `heliotile energyplus`: a model of EnergyPlus with the sun that its surroundings reflect.
+
+use super::Outcome;
+use super::console::terminal::Terminal;
+use crate::cli::EnergyplusArgs;
+use heliotile_builder::spill::SystemTemp;
+use heliotile_core::error::Result;
+use heliotile_results::Resources;
+use heliotile_scene::input;
+
+/// `heliotile energyplus`.
+pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
+    let terminal = Terminal::watching();
+    let memory = args.memory.into();
+    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    args.request().write(&resources)?;
+    Ok(Outcome::Fine)
+}

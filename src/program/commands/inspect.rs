@@ -1,0 +1,225 @@
+//! What an archive holds (`info`) and whether it is whole (`verify`).
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::{Outcome, say, scene, warn};
+use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
+use heliotile_atlas::{Atlas, about};
+use heliotile_builder::planning::tables::in_hours;
+use heliotile_builder::writing::guards::is_archive;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::{format, tables};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
+use heliotile_core::site::material::rounded;
+use heliotile_core::text::counted;
+use heliotile_remote::naming::shown;
+use heliotile_remote::places::{open_archive, verify_archive};
+use heliotile_results::horizon::nothing_seen;
+use heliotile_scene::placing::frame::SiteFrame;
+
+/// Numbers of the first of two lines.
+const SETTINGS_A_LINE: usize = 7;
+
+/// One line of text.
+macro_rules! line {
+    ($out:ident, $($part:tt)*) => {
+        // Writing to a string cannot fail.
+        let _ = writeln!($out, $($part)*);
+    };
+}
+
+/// `heliotile info`.
+pub fn info(args: &InfoArgs) -> Result<Outcome> {
+    if let [place] = args.files.as_slice()
+        && let Some(atlas) = Atlas::find(place)?
+    {
+        say(&about::info(&atlas)?)?;
+        return Ok(Outcome::Fine);
+    }
+    let path = match args.files.as_slice() {
+        [path] if is_archive(path) => path,
+        files => return scene::info(&args.surfaces.site(files)?.framed(&args.place.frame())),
+    };
+    if args.place.frame() != SiteFrame::default() {
+        let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
+        return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
+    }
+    let MaterialsArgs { materials, materials_only, no_ground, assume_version } = &args.surfaces;
+    if materials.is_some() || *materials_only || *no_ground || assume_version.is_some() {
+        let hint = "leave --materials, --materials-only, --no-ground and --assume-version out";
+        return Err(Error::input(path, None, "is an archive, whose surfaces were stated when it was built", hint));
+    }
+    let archive = open_archive(path, args.io)?;
+    let manifest = archive.manifest();
+    let mut out = String::new();
+    let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
+    line!(out, "{}", archive.path().display());
+    line!(out, "  written by  {} {}", manifest.creator.name, manifest.creator.version);
+    line!(out, "  root        {}", format::hex(&archive.root()));
+    line!(
+        out,
+        "  scene       {}, {}, hash {}",
+        counted(scene.triangles, "triangle"),
+        counted(scene.materials, "material"),
+        scene.content_hash
+    );
+    let [low, high] = scene.bounds_m;
+    line!(
+        out,
+        "  bounds      {:.2} {:.2} {:.2} to {:.2} {:.2} {:.2} m",
+        low[0],
+        low[1],
+        low[2],
+        high[0],
+        high[1],
+        high[2]
+    );
+    if let Some(place) = &manifest.place {
+        line!(out, "  place       {place}");
+    }
+    let tiles = counted(receivers.tiles.into(), "tile");
+    line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);
+    let numbers: Vec<String> = s.numbers().map(|(setting, number)| format!("{}={number}", setting.name)).collect();
+    let (first, rest) = numbers.split_at(numbers.len().min(SETTINGS_A_LINE));
+    line!(out, "  settings    {}", first.join(" "));
+    line!(out, "              {}; probes shared by {}", rest.join(" "), s.share);
+    if !s.quality.is_empty() {
+        line!(out, "  quality     {}", s.quality);
+    }
+    match &manifest.accuracy {
+        Some(accuracy) => say_accuracy(&mut out, accuracy),
+        None => {
+            line!(
+                out,
+                "  error       not estimated: `build --error 2%` chooses settings and says what they are off by"
+            );
+        }
+    }
+    if !s.left_out.is_empty() {
+        let why = manifest.negligible.as_ref().map_or(String::new(), |known| format!("; negligible: {known}"));
+        line!(out, "  left out    {}{why}", s.left_out.join(", "));
+    }
+    if let Some(lost) = nothing_seen(&archive)? {
+        line!(out, "  horizon     {lost}");
+    }
+    if let Some(ground) = &manifest.ground {
+        let months: Vec<String> = ground.reflectance.iter().map(f64::to_string).collect();
+        line!(
+            out,
+            "  ground      {} reflects {} by month, times {} under snow; {} without a date",
+            ground.material,
+            months.join(" "),
+            ground.snow_modifier,
+            rounded(ground.mean())
+        );
+    }
+    line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
+    if archive.has(format::OPTICS, 0) {
+        let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, 0)?)?.name;
+        let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, 0)?)?;
+        let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
+        let canopies: Vec<String> =
+            of_material.filter(|(_, (is, _))| **is == 1).map(|(name, (_, tau))| format!("{name}={tau}")).collect();
+        if !canopies.is_empty() {
+            line!(out, "  canopies    {}", canopies.join(" "));
+        }
+    }
+    line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");
+    let mut stored = 0;
+    for layer in &manifest.layers {
+        stored += layer.stored_bytes;
+        let each = layer.stored_bytes as f64 / receivers.count.max(1) as f64;
+        line!(
+            out,
+            "  {:<13} {:>9} {:>14} {:>14} {each:>11.1}",
+            layer.name,
+            layer.blocks,
+            layer.raw_bytes,
+            layer.stored_bytes
+        );
+    }
+    let each = stored as f64 / receivers.count.max(1) as f64;
+    line!(out, "  {:<13} {:>9} {:>14} {stored:>14} {each:>11.1}", "all", "", "");
+    say(&out)?;
+    Ok(Outcome::Fine)
+}
+
+/// What the build estimated of its own error.
+fn say_accuracy(out: &mut String, a: &Accuracy) {
+    line!(
+        out,
+        "  error       {} % of the mean total ({:.2} of {} W/m2), RMSE of hourly totals; {} % wanted, {} % expected",
+        a.rmse_percent,
+        a.rmse_w_m2(),
+        a.mean_w_m2,
+        a.target_percent,
+        a.predicted_percent
+    );
+    line!(
+        out,
+        "              bias {} %, means over all hours {} %; {} receivers, {} conditions ({})",
+        a.bias_percent,
+        a.yearly_percent,
+        a.sample,
+        a.conditions,
+        a.weather
+    );
+    let parts: Vec<String> = Component::ALL
+        .iter()
+        .filter_map(|component| Some((component.name(), a.components_percent.get(component.name())?)))
+        .filter(|(name, _)| *name != Component::Total.name())
+        .map(|(name, percent)| format!("{name} {percent} %"))
+        .collect();
+    line!(out, "              {}", parts.join(", "));
+    for hours in &a.hours {
+        line!(out, "              {}", in_hours(hours));
+    }
+    for group in &a.groups {
+        let ([low, high], receivers) = (group.sky_view, counted(group.receivers.into(), "receiver"));
+        let (rmse, mean) = (group.rmse_w_m2, group.mean_w_m2);
+        line!(out, "              sky view {low:.2} to {high:.2} ({receivers}): {rmse} of {mean} W/m2");
+    }
+    for tile in &a.tiles {
+        let receivers = counted(tile.receivers.into(), "receiver");
+        let values: Vec<String> = tile.rmse_w_m2.iter().map(f64::to_string).collect();
+        line!(out, "              tile {} ({receivers}): {} W/m2", tile.tile, values.join(" "));
+    }
+}
+
+/// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
+pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
+    let Some(atlas) = Atlas::find(&args.archive)? else { return verify_one(&args.archive, args) };
+    let mut outcome = Outcome::Fine;
+    for (part, path) in about::built(&atlas)? {
+        if verify_one(&path, args)? == Outcome::ProblemFound {
+            outcome = Outcome::ProblemFound;
+        } else if let Err(error) = atlas.check_place(part, &open_archive(&path, args.io)?) {
+            say(&format!("{error}\n"))?;
+            outcome = Outcome::ProblemFound;
+        }
+    }
+    Ok(outcome)
+}
+
+fn verify_one(path: &Path, args: &VerifyArgs) -> Result<Outcome> {
+    let report = verify_archive(path, args.io, args.deep)?;
+    let mut out = String::new();
+    for problem in &report.problems {
+        line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);
+    }
+    let (path, bad) = (shown(path), report.problems.len());
+    let path = path.display();
+    let blocks = counted(report.blocks, "block");
+    line!(out, "{path}: {blocks}, {} bytes checked, {bad} bad", report.stored_bytes);
+    say(&out)?;
+    let trailing = report.trailing_bytes;
+    if trailing > 0 {
+        warn(&format!(
+            "{path}: ignored {} behind the archive's end; harmless, `truncate -s -{trailing}` cuts off what is too much",
+            counted(trailing, "byte")
+        ));
+    }
+    Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })
+}

@@ -1,0 +1,121 @@
+//! Commands: the stories of the program, told once each. No physics here.
+
+pub mod atlas;
+pub mod audit;
+pub mod build;
+mod console;
+pub mod copy;
+pub mod energyplus;
+pub mod export;
+pub mod inspect;
+mod original;
+mod preflight;
+pub mod pv;
+pub mod receivers;
+pub mod repair;
+pub mod replay;
+pub mod run;
+mod scene;
+mod shells;
+pub mod store;
+pub mod study;
+pub mod tradeoff;
+pub mod transfer;
+pub mod view;
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::{Bytes, Cli, Command, EverywhereArgs, SceneArgs};
+use console::terminal::Terminal;
+use console::voice::{self, Volume, remark, say, warn};
+use heliotile_builder::pipeline::Workspace;
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_core::error::{Error, Result};
+use heliotile_results::outputs::provenance::Provenance;
+use heliotile_scene::Scene;
+
+pub use console::interrupt::exit_code;
+
+/// How a command that ran ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Exit code 0.
+    Fine,
+    /// Exit code 1: it ran and found something wrong.
+    ProblemFound,
+}
+
+/// Runs a command, once its files are known to be what it takes; `about` is what files say of how they were made.
+pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
+    preflight::check(command)?;
+    set_up(everywhere)?;
+    let outcome = run_command(command, about);
+    if let Some(traffic) = heliotile_remote::traffic().filter(|_| everywhere.verbose) {
+        voice::aside(&format!("{traffic}\n"));
+    }
+    outcome
+}
+
+fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
+    match command {
+        Command::Build(args) => build::run(args),
+        Command::Partition(args) => atlas::partition(args),
+        Command::Catalogue(args) => atlas::catalogue(args, about),
+        Command::Find(args) => atlas::find(args),
+        Command::Plan(args) => build::plan(args),
+        Command::Receivers(args) => receivers::run(args),
+        Command::Tradeoff(args) => tradeoff::run(args, about),
+        Command::Query(args) => replay::query(args, about),
+        Command::Run(args) => run::run(args, about),
+        Command::Pv(args) => pv::run(args, about),
+        Command::Energyplus(args) => energyplus::run(args),
+        Command::Replay(args) => replay::replay(args, about),
+        Command::Factors(args) => replay::factors(args, about),
+        Command::Buildings(args) => replay::buildings(args, about),
+        Command::Places(args) => replay::places(args, about),
+        Command::Info(args) => inspect::info(args),
+        Command::Verify(args) => inspect::verify(args),
+        Command::Repair(args) => repair::run(args),
+        Command::Audit(args) => audit::run(args, about),
+        Command::Store(args) => store::run(args),
+        Command::Extract(args) => transfer::extract(args),
+        Command::Merge(args) => transfer::merge(args),
+        Command::Diff(args) => transfer::diff(args),
+        Command::Copy(args) => copy::run(args),
+        Command::View(args) => view::run(args),
+        Command::Export(args) => export::run(args, about),
+        Command::Study(args) => study::run(args),
+        Command::Completions(args) => shells::completions(args),
+        Command::Man(args) => shells::man(args),
+    }
+}
+
+/// Makes the options of all commands hold for the whole program.
+fn set_up(args: &EverywhereArgs) -> Result<()> {
+    voice::set_volume(match (args.quiet, args.verbose) {
+        (true, _) => Volume::Quiet,
+        (_, true) => Volume::Verbose,
+        _ => Volume::Usual,
+    });
+    let Some(threads) = args.threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|error| {
+        Error::argument("--threads", format!("{threads} threads cannot be started: {error}"), "give a smaller number")
+    })
+}
+
+/// Reads a scene and prints what its files are warned of.
+fn load_scene(args: &SceneArgs) -> Result<Scene> {
+    let scene = Scene::load_site(&args.site()?)?;
+    scene.report.tell(&Terminal::default());
+    Ok(scene)
+}
+
+/// Where a command works.
+fn workspace(folder: impl Into<PathBuf>, memory: Bytes) -> Workspace {
+    Workspace { folder: folder.into(), memory: memory.into() }
+}
+
+/// The same, with temporary files beside its output.
+fn workspace_beside(output: &Path, memory: Bytes) -> Workspace {
+    workspace(folder_of(output), memory)
+}

@@ -1,0 +1,288 @@
+//! What is looked at before a command begins its work. In: a command line. Out: a refusal where a file that it reads is not there or is of
+//! another kind, or a file that it writes has a wrong ending or no folder: at once, not after an hour.
+
+mod kind;
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_builder::writing::guards::check_archive_name;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::weather::temperatures::Temperature;
+use heliotile_remote::naming::{is_address, shown};
+use heliotile_remote::places::require_file;
+use heliotile_results::covering::check_name;
+use heliotile_results::outputs::city_model::is_city_model;
+use heliotile_results::outputs::results::ResultFormat;
+use heliotile_results::outputs::tables::format::Format;
+use heliotile_scene::input;
+use kind::Wanted;
+
+/// What is written.
+enum Written {
+    Archive,
+    /// In a format by its ending.
+    Table,
+    /// A table or a map, likewise.
+    Results {
+        geo: bool,
+    },
+    /// A table that is CSV.
+    Csv,
+    /// Any other file, whose command looks at the ending.
+    File,
+    Folder,
+}
+
+/// Refuses what cannot work.
+pub fn check(command: &Command) -> Result<()> {
+    let mut files = Files::default();
+    files.collect(command);
+    files.outputs.iter().try_for_each(|(path, written)| check_output(path, written))?;
+    files.inputs.iter().try_for_each(|(path, wanted)| match wanted {
+        // Whoever opens it finds out.
+        Wanted::Archive | Wanted::SceneOrArchive if is_address(path) => Ok(()),
+        _ => {
+            require_file(path, "only archives are read from there")?;
+            input::check(path)?;
+            wanted.check(path)
+        }
+    })
+}
+
+/// Files that a command line names.
+#[derive(Default)]
+struct Files<'a> {
+    inputs: Vec<(&'a Path, Wanted)>,
+    outputs: Vec<(&'a Path, Written)>,
+}
+
+impl<'a> Files<'a> {
+    fn collect(&mut self, command: &'a Command) {
+        match command {
+            Command::Run(args) => {
+                self.scene(&args.scene);
+                self.read(&args.weather, Wanted::Weather);
+                self.read_if(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.write_if(&args.output, Written::Folder);
+            }
+            Command::Pv(args) => {
+                self.scene(&args.scene);
+                self.read(&args.weather, Wanted::Weather);
+                self.read_if(&args.points, Wanted::Other);
+                self.read_if(&args.rows, Wanted::Other);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.write(&args.output, Written::Folder);
+            }
+            Command::Energyplus(args) => {
+                self.read(&args.model, Wanted::Scene);
+                args.scene.iter().for_each(|file| self.read(file, Wanted::Scene));
+                self.read_if(&args.surfaces.materials, Wanted::Other);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.write(&args.output, Written::Folder);
+            }
+            Command::Receivers(args) => {
+                self.scene(&args.scene);
+                self.write(&args.output, Written::Csv);
+                self.write_if(&args.buried, Written::Csv);
+            }
+            Command::Build(args) => {
+                // What is an atlas is seen when it is read.
+                if args.part.is_none() {
+                    self.scene(&args.scene);
+                }
+                self.read_if(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.write_if(&args.output, Written::Archive);
+                self.write_if(&args.store, Written::Folder);
+            }
+            Command::Partition(args) => {
+                self.scene(&args.scene);
+                self.write(&args.output, Written::Folder);
+            }
+            Command::Plan(args) => {
+                self.scene(&args.scene);
+                self.read(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.read_if(&args.weather, Wanted::Weather);
+            }
+            Command::Tradeoff(args) => {
+                self.scene(&args.scene);
+                self.read(&args.receivers, Wanted::Receivers);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.write(&args.output, Written::Folder);
+            }
+            Command::Query(args) => {
+                self.recombined(&args.common);
+                self.read(&args.conditions, Wanted::Conditions);
+            }
+            Command::Replay(args) => {
+                self.recombined(&args.common);
+                self.read(&args.weather, Wanted::Weather);
+                let temperatures = args.temperature.iter().filter_map(Temperature::file);
+                self.inputs.extend(temperatures.map(|table| (table, Wanted::Other)));
+                self.read_if(&args.model, Wanted::Other);
+                self.write_if(&args.honeybee, Written::Folder);
+            }
+            Command::Factors(args) => self.table(&args.table),
+            Command::Buildings(args) => {
+                self.year(&args.year);
+                self.write(&args.output, Written::Table);
+                self.write_if(&args.faces, Written::Table);
+            }
+            Command::Places(args) => {
+                self.year(&args.year);
+                self.write(&args.output, Written::Table);
+            }
+            Command::Info(args) => {
+                args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
+                self.read_if(&args.surfaces.materials, Wanted::Other);
+            }
+            Command::Verify(args) => self.read(&args.archive, Wanted::Archive),
+            Command::Repair(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.scene(&args.scene);
+                self.read_if(&args.receivers, Wanted::Receivers);
+                self.write_if(&args.output, Written::Archive);
+            }
+            Command::Audit(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.scene(&args.scene);
+                self.read_if(&args.weather, Wanted::Weather);
+                self.read_if(&args.conditions, Wanted::Conditions);
+                self.write_if(&args.output, Written::Folder);
+            }
+            Command::Extract(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.read_if(&args.of.receivers, Wanted::Other);
+                self.write(&args.output, Written::Archive);
+            }
+            Command::Merge(args) => {
+                self.read(&args.first, Wanted::Archive);
+                self.read(&args.second, Wanted::Archive);
+                self.write(&args.output, Written::Archive);
+            }
+            Command::Diff(args) => {
+                self.read(&args.first, Wanted::Archive);
+                self.read(&args.second, Wanted::Archive);
+            }
+            Command::Copy(args) => {
+                self.inputs.extend(Some((args.from.as_path(), Wanted::Other)).filter(|from| !is_address(from.0)));
+                self.outputs.extend(Some((args.to.as_path(), Written::File)).filter(|to| !is_address(to.0)));
+            }
+            Command::View(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.read_if(&args.weather, Wanted::Weather);
+            }
+            Command::Export(args) => {
+                self.read(&args.archive, Wanted::Archive);
+                self.read_if(&args.weather, Wanted::Weather);
+                let written = if args.view_factors { Written::Table } else { Written::File };
+                self.write(args.output(), written);
+            }
+            Command::Study(args) => match &args.command {
+                StudyCommand::Wall(args) => self.write(&args.output, Written::Folder),
+            },
+            Command::Man(args) => self.write(&args.output, Written::Folder),
+            Command::Catalogue(args) => self.read(&args.atlas, Wanted::Other),
+            // What is an atlas is seen when it is read.
+            Command::Find(_) | Command::Store(_) | Command::Completions(_) => {}
+        }
+    }
+
+    fn scene(&mut self, args: &'a SceneArgs) {
+        args.scene.iter().for_each(|file| self.read(file, Wanted::Scene));
+        self.read_if(&args.surfaces.materials, Wanted::Other);
+    }
+
+    fn recombined(&mut self, args: &'a RecombineArgs) {
+        self.read_table(&args.table);
+        self.write(&args.table.output, Written::Results { geo: args.geo });
+        args.plot.iter().for_each(|picture| self.write(picture, Written::File));
+        self.inputs.extend(args.schedules().map(|table| (table, Wanted::Other)));
+    }
+
+    fn table(&mut self, args: &'a TableArgs) {
+        self.read_table(args);
+        self.write(&args.output, Written::Table);
+    }
+
+    fn read_table(&mut self, args: &'a TableArgs) {
+        self.read(&args.site.archive, Wanted::Archive);
+        self.read_if(&args.of.receivers, Wanted::Other);
+    }
+
+    fn read(&mut self, path: &'a Path, wanted: Wanted) {
+        self.inputs.push((path, wanted));
+    }
+
+    fn read_if(&mut self, path: &'a Option<PathBuf>, wanted: Wanted) {
+        self.inputs.extend(path.as_deref().map(|path| (path, wanted)));
+    }
+
+    fn write(&mut self, path: &'a Path, written: Written) {
+        self.outputs.push((path, written));
+    }
+
+    fn year(&mut self, args: &'a YearArgs) {
+        self.read(&args.site.archive, Wanted::Archive);
+        self.read(&args.weather, Wanted::Weather);
+    }
+
+    fn write_if(&mut self, path: &'a Option<PathBuf>, written: Written) {
+        self.outputs.extend(path.as_deref().map(|path| (path, written)));
+    }
+}
+
+fn check_output(path: &Path, written: &Written) -> Result<()> {
+    if path == Path::new("-") && !matches!(written, Written::Archive | Written::Folder) {
+        return Ok(());
+    }
+    if is_address(path) {
+        let hint = format!("write a file, and then: heliotile copy FILE {}", shown(path).display());
+        return Err(Error::input(&shown(path), None, "is an address, to which only `copy` writes", hint));
+    }
+    match written {
+        Written::Archive => check_archive_name(path)?,
+        Written::Table => drop(Format::of(path)?),
+        // `replay` says what else it takes.
+        Written::Results { .. } if is_city_model(path) => {}
+        Written::Results { geo } => drop(ResultFormat::of(path, *geo)?),
+        Written::Csv => check_name(path)?,
+        Written::Folder if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
+            let what = "is the name of a file, and the output is a folder of several";
+            return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("").display())));
+        }
+        Written::Folder if path.exists() && !path.is_dir() => {
+            let what = "is a file, and the output is a folder";
+            return Err(Error::input(path, None, what, "give the folder a name of its own"));
+        }
+        // It is made with those above it.
+        Written::Folder => return Ok(()),
+        Written::File => {}
+    }
+    let folder = folder_of(path);
+    if folder.is_dir() {
+        return Ok(());
+    }
+    let (what, hint) = match folder.exists() {
+        true => (format!("{} is no folder", folder.display()), "give a path in a folder".into()),
+        false => (format!("there is no folder {}", folder.display()), format!("mkdir -p {}", folder.display())),
+    };
+    Err(Error::input(path, None, what, hint))
+}
+
+/// Endings that no folder is meant to have.
+const FILES: [&str; 19] = [
+    "helio", "csv", "parquet", "arrow", "feather", "npy", "npz", "json", "geojson", "gpkg", "ply", "obj", "epw",
+    "toml", "png", "exr", "svg", "html", "txt",
+];
+
+/// Ending of an output's name, in small letters: one that is packed is none.
+fn ending(path: &Path) -> String {
+    path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase())
+}

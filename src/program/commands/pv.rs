@@ -1,0 +1,34 @@
+//! `heliotile pv`: light on solar modules.
+
+use super::console::terminal::Terminal;
+use super::{Outcome, remark, say};
+use crate::cli::{PvArgs, quoted};
+use heliotile_builder::spill::SystemTemp;
+use heliotile_core::error::Result;
+use heliotile_results::Resources;
+use heliotile_results::outputs::provenance::Provenance;
+use heliotile_results::pv::PvDone;
+use heliotile_scene::input;
+
+/// `heliotile pv`.
+pub fn run(args: &PvArgs, about: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::watching();
+    let memory = args.memory.into();
+    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let done = args.request().write(about, &resources)?;
+    say(&done.table)?;
+    remark(&summary(args, &done))?;
+    Ok(Outcome::Fine)
+}
+
+/// What was written where, and what to do next.
+fn summary(args: &PvArgs, done: &PvDone) -> String {
+    let lists = if args.points.is_some() { ", horizon/, a list a point" } else { ", modules.obj" };
+    let pictures = if args.search { " and turns/, a picture a point" } else { "" };
+    format!(
+        "{}: {}{lists}{pictures}; the archive: heliotile info {}\n",
+        done.folder.display(),
+        done.files.join(", "),
+        quoted(&done.archive.to_string_lossy())
+    )
+}

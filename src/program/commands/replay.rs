@@ -1,0 +1,65 @@
+//! What archives are asked for: `query`, `replay`, `buildings`, `places`, `factors`. In: arguments. Out: requests that are run, and a sentence on
+//! what was done.
+
+use super::console::terminal::Terminal;
+use super::console::voice::remark_aside;
+use super::{Outcome, remark};
+use crate::cli::{BuildingsArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs};
+use heliotile_builder::spill::SystemTemp;
+use heliotile_core::error::Result;
+use heliotile_core::text::counted;
+use heliotile_results::{Provenance, Resources};
+use heliotile_scene::input;
+
+/// `heliotile query`.
+pub fn query(args: &QueryArgs, about: Provenance) -> Result<Outcome> {
+    let table = &args.common.table;
+    with_resources(&table.site, |resources| {
+        table.request().query(&args.request()?, &args.common.files(), about, resources)
+    })?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile replay`.
+pub fn replay(args: &ReplayArgs, about: Provenance) -> Result<Outcome> {
+    let table = &args.common.table;
+    let done = with_resources(&table.site, |resources| {
+        table.request().replay(&args.request()?, &args.files(), about, resources)
+    })?;
+    done.map_or(Ok(()), |done| remark(&done))?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile buildings`.
+pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
+    let year = &args.year;
+    let done = with_resources(&year.site, |resources| {
+        year.site.request().buildings(&year.request(), &args.request(), about, resources)
+    })?;
+    // Standard output may be the table.
+    remark_aside(&format!("{} with {}\n", counted(done.buildings, "building"), counted(done.faces, "roof face")));
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile places`.
+pub fn places(args: &PlacesArgs, about: Provenance) -> Result<Outcome> {
+    let year = &args.year;
+    let done = with_resources(&year.site, |resources| {
+        year.site.request().places(&year.request(), &args.request(), about, resources)
+    })?;
+    remark_aside(&format!("{} of {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile factors`.
+pub fn factors(args: &FactorsArgs, about: Provenance) -> Result<Outcome> {
+    let table = &args.table;
+    with_resources(&table.site, |resources| table.request().factors(&args.request(), about, resources))?;
+    Ok(Outcome::Fine)
+}
+
+/// Hands on what a computation on an archive may use.
+fn with_resources<T>(site: &SiteArgs, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
+    let (storage, terminal) = (SystemTemp, Terminal::default());
+    then(&Resources { memory: site.memory.into(), storage: &storage, files: &input::read, observer: &terminal })
+}

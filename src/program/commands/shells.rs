@@ -1,0 +1,49 @@
+//! What shells and `man` want to know, made from the command line's definition. In: a shell, or a folder. Out: a script, or pages.
+
+use clap::{Command, CommandFactory};
+use clap_mangen::Man;
+
+use super::{Outcome, remark, say};
+use crate::cli::{Cli, CompletionsArgs, ManArgs};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
+use heliotile_results::outputs::sink::write_texts;
+
+/// `heliotile completions`.
+pub fn completions(args: &CompletionsArgs) -> Result<Outcome> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "heliotile", &mut script);
+    say(&String::from_utf8_lossy(&script))?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile man`.
+pub fn man(args: &ManArgs) -> Result<Outcome> {
+    let mut program = Cli::command();
+    // So that every page knows the options of all commands, and its full name.
+    program.build();
+    let mut pages = Vec::new();
+    add_pages(&program, "", &mut pages)?;
+    std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create"))?;
+    let texts: Vec<(&str, String)> = pages.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
+    write_texts(&args.output, &texts)?;
+    let count = counted(pages.len() as u64, "page");
+    remark(&format!(
+        "{}: {count}, such as `man {}`\n",
+        args.output.display(),
+        args.output.join("heliotile.1").display()
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// The page of a command and those of its commands: name and text.
+fn add_pages(command: &Command, before: &str, pages: &mut Vec<(String, String)>) -> Result<()> {
+    let name = format!("{before}{}", command.get_name());
+    let (title, file) = (name.to_uppercase(), format!("{name}.1"));
+    let mut page = Vec::new();
+    let rendered = Man::new(command.clone()).title(title).render(&mut page);
+    rendered.map_err(Error::io(file.as_ref(), "render"))?;
+    pages.push((file, String::from_utf8_lossy(&page).into_owned()));
+    let own = command.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help");
+    own.into_iter().try_for_each(|command| add_pages(command, &format!("{name}-"), pages))
+}

@@ -1,0 +1,193 @@
+//! The ladder of settings, climbed. In: a bench. Out: errors, seconds and bytes of every rung.
+
+use cpu_time::ProcessTime;
+
+use heliotile_builder::accuracy::conditions::ErrorConditions;
+use heliotile_builder::accuracy::judged::JudgedSample;
+use heliotile_builder::accuracy::trial::{Bench, Trial};
+use heliotile_builder::pack::COMPRESSION;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::settings::ladder::Rungs;
+use heliotile_builder::settings::{Effects, Quality};
+use heliotile_builder::spill::TempFiles;
+use heliotile_core::archive::encode;
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Stage;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::weather::time::bins::Bins;
+
+/// One rung and what it is worth. Errors are RMSE of hourly totals in percent of their mean.
+pub struct Step {
+    pub name: String,
+    pub settings: BuildSettings,
+    pub error: f64,
+    pub bias: f64,
+    /// Of means over all conditions.
+    pub yearly: f64,
+    /// RMSE of each component, in the order of results.
+    pub components: [f64; 6],
+    /// CPU seconds.
+    pub trace_s: f64,
+    pub compress_s: f64,
+    pub replay_s: f64,
+    pub rays: u64,
+    pub bytes: u64,
+    /// Whether no other rung is both faster and better.
+    pub frontier: bool,
+}
+
+impl Step {
+    fn of(name: String, trial: &Trial, judged: &JudgedSample, (compress_s, replay_s): (f64, f64)) -> Self {
+        let found = judged.accuracy(&trial.light, |_| 0);
+        let of = |component: Component| found.components_percent.get(component.name()).copied().unwrap_or_default();
+        Step {
+            name,
+            settings: trial.settings,
+            error: found.rmse_percent,
+            bias: found.bias_percent,
+            yearly: found.yearly_percent,
+            components: std::array::from_fn(|part| of(Component::ALL[part])),
+            trace_s: (trial.build_s - compress_s).max(0.0),
+            compress_s,
+            replay_s,
+            rays: trial.rays.total(),
+            bytes: trial.bytes,
+            frontier: false,
+        }
+    }
+
+    pub fn seconds(&self) -> f64 {
+        self.trace_s + self.compress_s + self.replay_s
+    }
+}
+
+/// All rungs, from coarse to fine.
+pub struct LadderTable {
+    pub steps: Vec<Step>,
+    pub receivers: usize,
+    /// Mean total, W/m2.
+    pub mean_w_m2: f64,
+}
+
+/// The judge looks as closely as at settings chosen for so many percent.
+const JUDGED_PERCENT: f64 = 0.5;
+
+/// The named rungs and some between them.
+fn rungs() -> Vec<(String, Rungs)> {
+    let named = |quality: Quality| (quality.name().to_string(), Rungs::of(quality));
+    let between = |sky, seen, bounced, patches| {
+        (format!("sky {sky}, seen {seen}, bounced {bounced}"), Rungs { sky, seen, bounced, patches })
+    };
+    vec![
+        between(0, 0, 0, 0),
+        named(Quality::Draft),
+        between(2, 1, 1, 0),
+        named(Quality::Standard),
+        between(2, 3, 2, 1),
+        named(Quality::Fine),
+        between(4, 4, 3, 2),
+        named(Quality::Reference),
+    ]
+}
+
+impl LadderTable {
+    pub fn climb(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Self> {
+        let rungs = rungs();
+        let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
+        let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
+        let judged = JudgedSample::of(bench, left_out, JUDGED_PERCENT)?;
+        progress.advance(1);
+        let mut steps = Vec::with_capacity(rungs.len());
+        for (name, rungs) in rungs {
+            let trial = bench.trial(settings(rungs))?;
+            progress.advance(1);
+            let costs = (compression_s(&trial)?, replay_s(bench, &trial, suns)?);
+            std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
+            steps.push(Step::of(name, &trial, &judged, costs));
+        }
+        drop(progress);
+        for i in 0..steps.len() {
+            let here = (steps[i].seconds(), steps[i].error);
+            steps[i].frontier = !steps.iter().any(|other| other.seconds() < here.0 && other.error < here.1);
+        }
+        Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: judged.mean_w_m2() })
+    }
+
+    /// The rung of the frontier that lies farthest below the line from its first to its last one, both axes logarithmic: where another
+    /// second starts to buy less.
+    pub fn knee(&self) -> Option<&Step> {
+        let frontier: Vec<&Step> =
+            self.steps.iter().filter(|s| s.frontier && s.error > 0.0 && s.seconds() > 0.0).collect();
+        let at = |step: &Step| (step.seconds().ln(), step.error.ln());
+        let ((x0, y0), (x1, y1)) = (at(frontier.first()?), at(frontier.last()?));
+        let below = |step: &&Step| {
+            let (x, y) = at(step);
+            (x1 - x0) * (y0 - y) - (y0 - y1) * (x - x0)
+        };
+        frontier.iter().copied().max_by(|a, b| below(a).total_cmp(&below(b)))
+    }
+
+    /// For the terminal.
+    pub fn table(&self) -> String {
+        let mut out = format!(
+            "{:<28}{:>8}{:>8}{:>8}{:>10}{:>10}{:>9}{:>11}{:>10}\n",
+            "rung", "error %", "bias %", "year %", "trace s", "compress", "replay", "kB/receiver", "Mray"
+        );
+        for step in &self.steps {
+            let name = format!("{}{}", step.name, if step.frontier { " *" } else { "" });
+            out += &format!(
+                "{name:<28}{:>8.2}{:>8.2}{:>8.2}{:>10.2}{:>10.2}{:>9.2}{:>11.2}{:>10.1}\n",
+                step.error,
+                step.bias,
+                step.yearly,
+                step.trace_s,
+                step.compress_s,
+                step.replay_s,
+                step.bytes as f64 / 1e3 / self.receivers as f64,
+                step.rays as f64 / 1e6,
+            );
+        }
+        out += &format!(
+            "* no other rung is faster and better. {} receivers, CPU seconds, replay of a year of hours into sums; errors of hourly \
+             totals in percent of their mean, {:.1} W/m2, told by an independent judge\n",
+            self.receivers, self.mean_w_m2
+        );
+        out
+    }
+}
+
+/// CPU seconds to compress the blocks of an archive anew.
+fn compression_s(trial: &Trial) -> Result<f64> {
+    let archive = Archive::open_with(&trial.archive, Access::Read)?;
+    let mut seconds = 0.0;
+    for entry in archive.entries() {
+        let block = archive.block(entry.kind, entry.tile)?;
+        let started = ProcessTime::now();
+        encode(entry.kind, entry.tile, entry.schema, entry.items, block.bytes(), COMPRESSION)?;
+        seconds += started.elapsed().as_secs_f64();
+    }
+    Ok(seconds)
+}
+
+/// CPU seconds to replay a year of hours into sums, with the sun positions and patches that belong to the rung.
+fn replay_s(bench: &Bench, trial: &Trial, suns: &ErrorConditions) -> Result<f64> {
+    let conditions = suns.year(usize::from(trial.settings.steps));
+    let started = ProcessTime::now();
+    let archive = Archive::open_with(&trial.archive, Access::Read)?;
+    let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); conditions.len()] };
+    let storage = TempFiles::new(&bench.workspace.folder);
+    let settings = ReplaySettings {
+        patches: trial.settings.patches,
+        memory: bench.workspace.memory,
+        storage: &storage,
+        ..ReplaySettings::default()
+    };
+    let replay = Replay::summed(&OpenSite::of(&archive)?, &conditions, settings, &bins)?;
+    for tile in replay.results(0..replay.tiles()) {
+        tile?;
+    }
+    Ok(started.elapsed().as_secs_f64())
+}

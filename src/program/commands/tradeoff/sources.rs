@@ -1,0 +1,204 @@
+//! Each source of error alone. In: a bench. Out: how fast its error falls when its setting is made finer, all others staying as they are.
+
+use heliotile_builder::accuracy::conditions::{ErrorConditions, is_lit};
+use heliotile_builder::accuracy::estimate::percent;
+use heliotile_builder::accuracy::trial::{Bench, ErrorMeasures, ErrorSource, Irradiances};
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::settings::ladder::{Rungs, patches};
+use heliotile_builder::settings::{Effects, Quality, Share};
+use heliotile_core::error::Result;
+use heliotile_core::observer::Stage;
+
+/// A setting at one value.
+pub struct Point {
+    /// The setting, as `--set` names it.
+    pub setting: &'static str,
+    pub value: f64,
+    /// What it is compared with.
+    pub truth: &'static str,
+    /// Of hourly values, in percent of the mean total.
+    pub rmse: f64,
+    pub mean_absolute: f64,
+    pub bias: f64,
+    /// How often the mean absolute error halves when the setting becomes twice as fine; none at the first value.
+    pub order: Option<f64>,
+    pub rays: u64,
+    pub build_s: f64,
+}
+
+/// A setting that is varied.
+struct Row {
+    setting: &'static str,
+    source: ErrorSource,
+    truth: &'static str,
+    values: &'static [f64],
+    set: fn(&mut BuildSettings, f64),
+    /// What the values are compared with: made from the settings of the row.
+    finest: fn(&mut BuildSettings),
+}
+
+const ROWS: [Row; 5] = [
+    Row {
+        setting: "sky_fine",
+        source: ErrorSource::Sky,
+        truth: "4096",
+        values: &[128.0, 256.0, 512.0, 1024.0, 2048.0],
+        set: |s, v| (s.sky_base, s.sky_fine) = (64, v as usize),
+        finest: |s| (s.sky_base, s.sky_fine) = (64, 4096),
+    },
+    Row {
+        setting: "hit",
+        source: ErrorSource::Seen,
+        truth: "128, cells of the same size",
+        values: &[8.0, 16.0, 32.0, 64.0],
+        // Cells keep their size: it is counted in texels of the hit texture.
+        set: |s, v| (s.hit, s.cell_factor) = (v as usize, v / 8.0),
+        finest: |s| (s.hit, s.cell_factor) = (128, 16.0),
+    },
+    Row {
+        setting: "cell_factor",
+        source: ErrorSource::Seen,
+        truth: "a hemisphere for every hit (--share none)",
+        values: &[16.0, 8.0, 4.0, 2.0, 1.0],
+        set: |s, v| (s.cell_factor, s.cell_floor_m) = (v, v / 8.0),
+        finest: |s| s.share = Share::None,
+    },
+    Row {
+        setting: "probe",
+        source: ErrorSource::Seen,
+        truth: "128",
+        values: &[8.0, 16.0, 32.0, 64.0],
+        set: |s, v| (s.probe, s.bounce_sky) = (v as usize, 8),
+        finest: |s| (s.probe, s.bounce_sky) = (128, 8),
+    },
+    Row {
+        setting: "closed_m",
+        source: ErrorSource::Bounced,
+        truth: "2",
+        values: &[32.0, 16.0, 8.0, 4.0],
+        set: |s, v| s.closed_m = v,
+        finest: |s| s.closed_m = 2.0,
+    },
+];
+
+/// Sun positions of an hour against one a minute.
+const STEPS: [usize; 6] = [1, 2, 4, 6, 12, 30];
+const MOST_STEPS: usize = 60;
+
+/// All settings, one after the other, at the quality `fine` otherwise. Sun positions need a weather file.
+pub fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Vec<Point>> {
+    let base = BuildSettings { left_out, ..Rungs::of(Quality::Fine).settings() };
+    let progress = Stage::begin(bench.observer, "settings", None);
+    let mut points = Vec::new();
+    let trial = |settings: BuildSettings| {
+        progress.advance(1);
+        bench.trial(settings)
+    };
+    let fine = trial(base)?;
+    let mean = fine.light.mean();
+    for row in &ROWS {
+        let of_sky = row.source == ErrorSource::Sky;
+        // What is seen directly needs no cells.
+        let base = if of_sky { BuildSettings { left_out: Effects::ALL, ..base } } else { base };
+        let mut finest = base;
+        (row.finest)(&mut finest);
+        let truth = trial(finest)?;
+        let from = points.len();
+        for &value in row.values {
+            let mut settings = base;
+            (row.set)(&mut settings, value);
+            let tried = trial(settings)?;
+            let error = tried.light.source_error(&truth.light, row.source);
+            points.push(point(row.setting, value, row.truth, error, mean, (tried.rays.total(), tried.build_s)));
+        }
+        orders(&mut points[from..], row.setting == "cell_factor" || row.setting == "closed_m");
+    }
+    let lights: Vec<Irradiances> = patches().iter().map(|n| bench.light(&fine.archive, *n)).collect::<Result<_>>()?;
+    let from = points.len();
+    if let Some((truth, others)) = lights.split_last() {
+        for (light, &patches) in others.iter().zip(&patches()) {
+            points.push(point("patches", patches as f64, "2305", light.total_error(truth), mean, (0, 0.0)));
+        }
+    }
+    orders(&mut points[from..], false);
+    let from = points.len();
+    if let ErrorConditions::Weather(..) = suns {
+        let light = |steps: usize| -> Result<Irradiances> {
+            let mut conditions = suns.year(steps);
+            conditions.retain(is_lit);
+            Bench { conditions: &conditions, ..*bench }.light(&fine.archive, base.patches)
+        };
+        let truth = light(MOST_STEPS)?;
+        for steps in STEPS {
+            let error = light(steps)?.total_error(&truth);
+            points.push(point("steps", steps as f64, "60", error, truth.mean(), (0, 0.0)));
+        }
+    }
+    orders(&mut points[from..], false);
+    drop(progress);
+    Ok(points)
+}
+
+/// A point; `mean` in W/m2.
+fn point(
+    setting: &'static str,
+    value: f64,
+    truth: &'static str,
+    error: ErrorMeasures,
+    mean: f64,
+    cost: (u64, f64),
+) -> Point {
+    let [rmse, mean_absolute, bias] = [error.rmse, error.mean_absolute, error.bias].map(|error| percent(error, mean));
+    let (rays, build_s) = cost;
+    Point { setting, value, truth, rmse, mean_absolute, bias, order: None, rays, build_s }
+}
+
+/// Fills the orders of neighbouring values; `falling` where small values are the fine ones.
+fn orders(points: &mut [Point], falling: bool) {
+    for i in 1..points.len() {
+        let ratio = points[i].value / points[i - 1].value;
+        let finer = if falling { 1.0 / ratio } else { ratio };
+        let (before, now) = (points[i - 1].mean_absolute, points[i].mean_absolute);
+        points[i].order = (before > 0.0 && now > 0.0 && finer > 1.0).then(|| (before / now).ln() / finer.ln());
+    }
+}
+
+/// For the terminal.
+pub fn table(points: &[Point]) -> String {
+    let mut out = format!(
+        "\n{:<13}{:>7}{:>10}{:>13}{:>9}{:>8}  against\n",
+        "setting", "value", "RMSE %", "mean abs. %", "bias %", "order"
+    );
+    for p in points {
+        let order = p.order.map_or("-".into(), |order| format!("{order:.2}"));
+        let (setting, value) = (p.setting, p.value);
+        out += &format!(
+            "{setting:<13}{value:>7}{:>10.3}{:>13.4}{:>9.3}{order:>8}  {}\n",
+            p.rmse, p.mean_absolute, p.bias, p.truth
+        );
+    }
+    out += "order: the mean absolute error of that source falls by 2^order when the setting becomes twice as fine\n";
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean absolute errors 4, 2, 0.5 at sides 8, 16, 32 fall with the orders 1 and 2; at cell sizes 4, 2, 1 too; an error of 0 has none.
+    #[test]
+    fn orders_of_convergence() {
+        let of = |values: [f64; 3], errors: [f64; 3], falling: bool| -> Vec<Option<f64>> {
+            let at = |(value, mean_absolute): (f64, f64)| {
+                let error = ErrorMeasures { rmse: 0.0, bias: 0.0, mean_absolute };
+                point("hit", value, "", error, 100.0, (0, 0.0))
+            };
+            let mut points: Vec<Point> = values.into_iter().zip(errors).map(at).collect();
+            orders(&mut points, falling);
+            points.iter().map(|p| p.order).collect()
+        };
+        assert_eq!(of([8.0, 16.0, 32.0], [4.0, 2.0, 0.5], false), [None, Some(1.0), Some(2.0)]);
+        assert_eq!(of([4.0, 2.0, 1.0], [4.0, 2.0, 0.5], true), [None, Some(1.0), Some(2.0)]);
+        assert_eq!(of([8.0, 16.0, 32.0], [4.0, 0.0, 0.0], false), [None, None, None]);
+    }
+}

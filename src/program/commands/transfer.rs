@@ -1,0 +1,79 @@
+//! Parts of archives (`extract`, `merge`) and what two do not share (`diff`).
+
+use super::console::terminal::Terminal;
+use super::{Outcome, remark, say, workspace, workspace_beside};
+use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
+use heliotile_atlas::sources::holding;
+use heliotile_builder::transfer::{self, Assembled};
+use heliotile_builder::writing::guards::{guard_archive, guard_output};
+use heliotile_core::archive::format;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::counted;
+use heliotile_remote::places::open_archive;
+
+/// `heliotile merge`.
+pub fn merge(args: &MergeArgs) -> Result<Outcome> {
+    guard_output(&args.output, &[&args.first, &args.second])?;
+    guard_archive(&args.output)?;
+    let [a, b] = [open_archive(&args.first, args.io)?, open_archive(&args.second, args.io)?];
+    let workspace = workspace_beside(&args.output, args.memory);
+    let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
+    let Assembled { receivers, tiles, cells, summary } = &merged.written;
+    remark(&format!(
+        "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} of {}, {} of {}, {} of both\n  \
+         root {}\n",
+        args.output.display(),
+        counted(u64::from(*tiles), "tile"),
+        cells.probes,
+        cells.bounce_cells,
+        summary.bytes as f64 / 1e6,
+        merged.of_each[0],
+        a.path().display(),
+        merged.of_each[1],
+        b.path().display(),
+        merged.shared,
+        format::hex(&summary.root),
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile extract`.
+pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
+    let Some(selection) = args.of.selection() else {
+        return Err(Error::argument(
+            "extract",
+            "no receivers are named",
+            "name some by --receivers, --bbox, --surface or --object",
+        ));
+    };
+    let mut inputs = vec![args.archive.as_path()];
+    inputs.extend(args.of.receivers.as_deref());
+    guard_output(&args.output, &inputs)?;
+    guard_archive(&args.output)?;
+    let workspace = workspace_beside(&args.output, args.memory);
+    let archive = holding(&args.archive, &selection, args.io, &workspace)?;
+    let extracted =
+        transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;
+    let Assembled { receivers, tiles, cells, summary } = &extracted.written;
+    remark(&format!(
+        "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
+        args.output.display(),
+        extracted.of.receivers,
+        counted(u64::from(*tiles), "tile"),
+        cells.probes,
+        extracted.of.probes,
+        cells.bounce_cells,
+        extracted.of.bounce_cells,
+        summary.bytes as f64 / 1e6,
+        format::hex(&summary.root),
+    ))?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile diff`: a difference is a finding (exit 1).
+pub fn diff(args: &DiffArgs) -> Result<Outcome> {
+    let [a, b] = [open_archive(&args.first, args.io)?, open_archive(&args.second, args.io)?];
+    let found = transfer::diff(&a, &b, &workspace(std::env::temp_dir(), args.memory))?;
+    say(&found.table([a.path(), b.path()]))?;
+    Ok(if found.is_equal() { Outcome::Fine } else { Outcome::ProblemFound })
+}

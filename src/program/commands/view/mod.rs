@@ -1,0 +1,91 @@
+//! `heliotile view`: an archive or the parts of an atlas in the browser. In: archives, weather. Out: a page on an address of this machine, until Ctrl-C.
+
+mod server;
+
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+
+use super::{Outcome, remark, warn};
+use crate::cli::ViewArgs;
+use heliotile_atlas::Atlas;
+use heliotile_atlas::about::built;
+use heliotile_atlas::page::{PARTS, archive_of, list};
+use heliotile_core::archive::Access;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::weather::distance::far_apart;
+use heliotile_remote::naming::{is_address, shown};
+use heliotile_remote::places::{hold, open_archive};
+use heliotile_results::outputs::viewer_page::{ViewerPage, packed};
+use heliotile_scene::input;
+use heliotile_scene::input::weather::read_weather_as;
+use server::{Served, ServedArchive, serve};
+
+/// Where the page is, unless something else is there already.
+const PORT: u16 = 8017;
+
+/// `heliotile view`.
+pub fn run(args: &ViewArgs) -> Result<Outcome> {
+    // The first is what is seen first; whatever it holds, the others are opened by the page.
+    let (parts, first) = match Atlas::find(&args.archive)? {
+        Some(atlas) if atlas.folder.is_remote() => {
+            let hint =
+                "open the view.html that `catalogue` writes and `copy` brings there, or copy the atlas to a folder";
+            return Err(Error::input(&atlas.shown(), None, "is an atlas afar, of which nothing is served", hint));
+        }
+        Some(atlas) => {
+            (atlas.parts(None)?, built(&atlas)?.into_iter().next().map(|(_, path)| path).unwrap_or_default())
+        }
+        None => (Vec::new(), args.archive.clone()),
+    };
+    let archive = open_archive(&first, Access::Read)?;
+    OpenSite::of(&archive)?;
+    let mut page = match parts.is_empty() {
+        true => ViewerPage::default().with_option("archive", server::ARCHIVE),
+        false => ViewerPage::default().with_option("parts", PARTS),
+    };
+    let mut weather = None;
+    if let Some(path) = &args.weather {
+        let place = archive.manifest().place;
+        let read = read_weather_as(path, &args.about_weather.options(false), &mut || Ok(place))?;
+        read.report.warnings.iter().for_each(|w| warn(w));
+        place.and_then(|place| far_apart(&place, &read)).iter().for_each(|apart| warn(apart));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        page = page.with_option("weather", server::WEATHER).with_option("weatherName", name);
+        page = page.with_clock(&args.about_weather.options(false));
+        weather = Some(input::read(path)?);
+    }
+    let listener = listen(args.port)?;
+    let address = listener.local_addr().map_err(Error::io(archive.path(), "find an address for"))?;
+    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", shown(&args.archive).display()))?;
+    let page = page.html();
+    let packed_page = packed(page.as_bytes()).map_err(Error::io(archive.path(), "pack the page of"))?;
+    let file = archive.path().to_path_buf();
+    let archive = match (parts.is_empty(), is_address(&args.archive)) {
+        (false, _) => {
+            let files =
+                parts.iter().filter_map(|part| archive_of(part).map(|(at, path)| (format!("/{at}"), path.clone())));
+            ServedArchive::Parts { list: list(&parts), files: files.collect() }
+        }
+        (true, true) => ServedArchive::Held(hold(&args.archive)?.into()),
+        (true, false) => ServedArchive::File(file),
+    };
+    serve(listener, Served { page, packed_page, archive, weather })?;
+    Ok(Outcome::Fine)
+}
+
+/// The port that was asked for, or the usual one, or any.
+fn listen(port: Option<u16>) -> Result<TcpListener> {
+    let bind = |port| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    match port {
+        Some(port) => bind(port).map_err(|error| {
+            Error::argument(
+                "--port",
+                format!("nothing can be served on {port}: {error}"),
+                "leave it out to take one that is free",
+            )
+        }),
+        None => bind(PORT).or_else(|_| bind(0)).map_err(|error| {
+            Error::argument("--port", format!("this machine gives no port: {error}"), "name one with --port")
+        }),
+    }
+}

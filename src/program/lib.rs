@@ -1,0 +1,26 @@
+//! The program `heliotile`: a command line that fills requests, and a terminal that shows what comes of them.
+
+mod cli;
+mod commands;
+
+use std::ffi::OsString;
+
+use heliotile_core::error::Error;
+
+/// Parses the words of a command line, the program's name first, does what they ask and prints the error, if there is one. 0 fine, 1 found a
+/// problem, 2 could not run, 130 stopped by Ctrl-C, 143 by SIGTERM.
+pub fn program(words: &[OsString]) -> u8 {
+    let (cli, about) = cli::parse(words);
+    match commands::run(&cli, about) {
+        Ok(commands::Outcome::Fine) => 0,
+        Ok(commands::Outcome::ProblemFound) => 1,
+        Err(error @ Error::Stopped { .. }) => {
+            eprintln!("heliotile: {error}; to go on: {}", cli::again(words));
+            commands::exit_code()
+        }
+        Err(error) => {
+            eprintln!("heliotile: {}", cli::worded(error));
+            2
+        }
+    }
+}

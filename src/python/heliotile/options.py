@@ -1,0 +1,184 @@
+"""Choices of replays and queries. In: keyword arguments. Out: what the engine takes, or an error that names the argument."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeAlias, TypedDict
+
+import numpy as np
+
+from . import given
+from .tables import columns_of, csv_of, refused
+from .weather import Weather
+
+#: `progress(stage, done, items)` is called up to twenty times a second; `items` is None where nobody knows how many there are. What it
+#: raises stops the work.
+Progress = Callable[[str, int, "int | None"], object]
+
+#: A number, a path of a CSV file, or a value for each row of the weather, or for each month.
+Follow = Any
+
+#: Ids, a table with a column `receiver`, a path of a CSV file (`pathlib.Path`), or one of `{"objects": names}`, `{"surfaces": names}`, `{"bbox": (xmin, ymin, xmax, ymax)}`.
+Wanted: TypeAlias = "Sequence[str] | str | os.PathLike[str] | Mapping[str, str | Sequence[str] | Sequence[float]]"
+
+#: The same as the engine takes it.
+WantedArgs: TypeAlias = "list[str] | str | dict[str, list[Any]] | None"
+
+#: What a session works in unless more is said, bytes.
+MEMORY = 4 << 30
+
+
+class QueryOptions(TypedDict, total=False):
+    """Choices of a query, and of a replay besides.
+
+    columns
+        Names of components; default: the six and their `total`.
+    receivers
+        An id, ids, a table with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
+        `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. A `pathlib.Path` is a CSV file with a
+        column `receiver`; a text is always an id. Tiles without any of them are neither read nor computed.
+    reflectance, transmittance
+        By group, material or class: a number from 0 to 1, the path of a CSV file, or an array with a value for each row of the
+        weather, or twelve for the months.
+    sky, patches, paths, bounces
+        As in the program: the book's page of query and replay.
+    memory
+        Bytes to work in, besides the results.
+    progress
+        Called now and then with the stage, how much of it is done, and how much there is.
+    """
+
+    columns: Sequence[str] | None
+    receivers: Wanted | None
+    reflectance: Mapping[str, Follow] | None
+    transmittance: Mapping[str, Follow] | None
+    sky: str
+    patches: int | None
+    paths: str | Sequence[str]
+    bounces: int | None
+    memory: int
+    progress: Progress | None
+
+
+class ReplayOptions(QueryOptions, total=False):
+    """Choices of a replay.
+
+    every
+        `"hour"`: means over the intervals of the weather, W/m2. `"day"`, `"month"`, `"year"`, `"total"`: sums, kWh/m2.
+    snow, snow_reflectance
+        `"depth"` or `"albedo"`: the ground follows the weather's snow depth, or its albedo.
+    temperature
+        For the column `longwave`, of `ground` and `obstruction`, degrees Celsius: as `reflectance`.
+    steps
+        Positions of the sun in an interval.
+    stamp
+        Which moment of its interval a row of means is labelled with: `"start"`, `"middle"` or `"end"`.
+    year
+        Puts all rows into one year.
+    start, end
+        First and last day, or moment, that counts: `"2019-03-01"`, `"03-01T06:00"`.
+    """
+
+    every: str
+    snow: str | None
+    snow_reflectance: float
+    temperature: Mapping[str, Follow] | None
+    steps: int | None
+    stamp: str
+    year: int | None
+    start: str | None
+    end: str | None
+
+
+def check(function: str, options: Mapping[str, Any], known: type) -> None:
+    """Refuses a keyword that is not one of a TypedDict."""
+    names = known.__optional_keys__  # type: ignore[attr-defined]
+    for name in options:
+        if name not in names:
+            raise TypeError(f"{function}() got an unexpected keyword argument {name!r}: it takes {', '.join(sorted(names))}")
+
+
+def wanted_args(receivers: Wanted | None) -> WantedArgs:
+    """Receivers that are chosen, as the engine takes them."""
+    if receivers is None or isinstance(receivers, os.PathLike):
+        return given.path(receivers)
+    if isinstance(receivers, str):
+        return [receivers]
+    if isinstance(receivers, Mapping):
+        for by, of in receivers.items():
+            if not (isinstance(of, Iterable) and (by != "bbox" or not isinstance(of, str))):
+                raise refused("receivers", f"`{by}` is `{of}`", 'as in {"objects": names} and {"bbox": (xmin, ymin, xmax, ymax)}')
+        return {by: [of] if isinstance(of, str) else list(of) for by, of in receivers.items()}
+    if hasattr(receivers, "columns") or hasattr(receivers, "column_names"):
+        table = columns_of(receivers, "receivers")
+        if "receiver" not in table:
+            raise refused("receivers", f"has no column `receiver`, but {', '.join(table)}", "give a table with the ids, or the ids themselves")
+        receivers = table["receiver"]  # type: ignore[assignment]
+    if not hasattr(receivers, "__array__"):
+        # Sets, keys, generators.
+        receivers = list(receivers)  # type: ignore[arg-type]
+    ids = np.asarray(receivers)
+    if ids.dtype.kind == "b" and ids.size:
+        raise refused("receivers", "is a mask, and ids are taken", 'site.receivers()["receiver"][mask] are those')
+    if ids.ndim > 1:
+        raise refused("receivers", f"has the shape {ids.shape}", "give ids one after the other")
+    return [str(receiver) for receiver in np.atleast_1d(ids).tolist()]
+
+
+def _follow(changes: Mapping[str, Follow] | None, column: str) -> list[tuple[str, Any]]:
+    """Numbers and paths as they are, arrays as the bytes of a schedule."""
+    found: list[tuple[str, Any]] = []
+    for name, value in given.named(column, changes, f'say of what, as in {column}={{"ground": 0.3}}').items():
+        if isinstance(value, os.PathLike):
+            value = os.fspath(value)
+        elif not isinstance(value, str) and np.ndim(value) > 0:
+            value = csv_of(columns_of({column: np.asarray(value, dtype=float)}, f"{column}[{name!r}]"))
+        elif not isinstance(value, str):
+            value = given.number(f"{column}[{name!r}]", value)
+            if value is None:
+                raise given.wrong(f"{column}[{name!r}]", "is None", "leave it out, or give a number")
+        found.append((str(name), value))
+    return found
+
+
+def light_args(options: QueryOptions) -> dict[str, Any]:
+    """Choices of light as the engine takes them."""
+    columns, paths = options.get("columns"), options.get("paths", "all")
+    joined = [columns] if isinstance(columns, str) else columns
+    return {
+        "columns": None if joined is None else ",".join(str(column) for column in joined),
+        "sky": given.word("sky", options.get("sky", "perez"), 'give a name, such as "perez"'),
+        "patches": given.whole("patches", options.get("patches"), "give 145, 577 or 2305"),
+        "paths": paths if isinstance(paths, str) else ",".join(str(path) for path in paths),
+        "bounces": given.whole("bounces", options.get("bounces"), "give a number of reflections from 1 to 64, or leave it out for all"),
+        "reflectance": _follow(options.get("reflectance"), "reflectance"),
+        "transmittance": _follow(options.get("transmittance"), "transmittance"),
+        "memory": given.whole("memory", options.get("memory", MEMORY), "give bytes, as in 1 << 30"),
+    }
+
+
+def replay_args(weather: Any, options: ReplayOptions) -> dict[str, Any]:
+    """Choices of a replay as the engine takes them."""
+    return {
+        **Weather.of(weather).args(),
+        "every": given.word("every", options.get("every", "hour"), 'give "hour", "day", "month", "year" or "total"'),
+        "stamp": given.word("stamp", options.get("stamp", "start"), 'give "start", "middle" or "end"'),
+        "year": given.whole("year", options.get("year"), "give a year, as in year=2019"),
+        "from": given.moment("start", options.get("start")),
+        "to": given.moment("end", options.get("end")),
+        "steps": given.whole("steps", options.get("steps"), "give 1 to 60"),
+        "snow": options.get("snow"),
+        "snow_reflectance": given.number("snow_reflectance", options.get("snow_reflectance", 0.6)),
+        "temperature": _follow(options.get("temperature"), "temperature_c"),
+    }
+
+
+def conditions_source(conditions: Any) -> dict[str, Any]:
+    """A table of conditions as the engine takes it."""
+    if isinstance(conditions, (str, os.PathLike)):
+        return {"name": os.fspath(conditions), "bytes": None}
+    table = columns_of(conditions, "conditions")
+    if "condition" not in table and table:
+        table["condition"] = np.arange(len(next(iter(table.values()))))
+    return {"name": "conditions", "bytes": csv_of(table)}

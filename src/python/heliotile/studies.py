@@ -1,0 +1,244 @@
+"""Work that writes folders and archives: the program's `run`, `pv`, `energyplus`, `merge` and `diff`. In: keyword arguments. Out: files, and what
+was done. Arguments fill the requests that the program fills."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import _heliotile, given
+from .archive import Archive
+from .atlas import Atlas
+from .options import MEMORY, Progress
+from .scene import Scene
+
+#: Files of a scene, or a `Scene`.
+Files = Any
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study wrote."""
+
+    folder: str
+    archive: str
+    files: list[str]
+    """Names, seen from the folder."""
+    table: str
+    """Sums as a text for people."""
+
+    def open(self) -> Archive:
+        """The archive."""
+        return Archive.open(self.archive)
+
+
+def run(
+    scene: Files,
+    weather: str | os.PathLike[str],
+    output: str | os.PathLike[str] | None = None,
+    *,
+    cover: Mapping[str, Any] | None = None,
+    receivers: str | os.PathLike[str] | None = None,
+    quality: str = "standard",
+    error: float | str | None = None,
+    every: Sequence[str] = (),
+    by: str = "receiver",
+    year: int | None = None,
+    format: str = "csv",
+    maps: Sequence[str] = (),
+    with_scene: bool = True,
+    replace: bool = False,
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> Study:
+    """From scene files to a year's sun in one go: `heliotile run`, file by file.
+
+    Parameters
+    ----------
+    scene, weather, output
+        A `Scene` or its files; a weather file; the folder, by default the name of the first scene file with `.sun`.
+    cover, receivers
+        Where receivers are put, as in `Scene.cover` (`{"on": ["roof"], "spacing": 1.0}`), or the path of their table.
+    quality, error
+        As in `build`.
+    every, by, year, format
+        Tables of these periods, what their rows are about, the year they are put into, the ending of their names.
+    maps
+        Some of `"glb", "fgb", "geojson", "geoparquet", "vtu", "cityjson"`.
+    replace
+        Whether what the folder holds of other inputs goes.
+    """
+    request: dict[str, Any] = {
+        "scene": _scene(scene),
+        "weather": os.fspath(weather),
+        "cover": _cover(cover),
+        "accuracy": _accuracy(quality, error),
+        "with_scene": with_scene,
+        "every": [every] if isinstance(every, str) else list(every),
+        "by": by,
+        "year": given.whole("year", year),
+        "format": format,
+        "maps": [maps] if isinstance(maps, str) else list(maps),
+        "replace": replace,
+    }
+    request |= {name: os.fspath(path) for name, path in (("folder", output), ("receivers", receivers)) if path is not None}
+    return _study(_heliotile.run(json.dumps(request), memory, progress))
+
+
+def pv(
+    scene: Files,
+    weather: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    points: str | os.PathLike[str] | None = None,
+    rows: str | os.PathLike[str] | None = None,
+    search: bool = False,
+    tilts: tuple[float, float] = (0.0, 90.0),
+    azimuths: tuple[float, float] = (0.0, 360.0),
+    bifaciality: float = 0.8,
+    sky: str = "perez",
+    hourly: bool = True,
+    format: str = "csv",
+    year: int | None = None,
+    quality: str = "standard",
+    replace: bool = False,
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> Study:
+    """Light on solar modules: `heliotile pv`, file by file. Give a table of `points`, or `rows` of modules; the book's page of pv has their layouts."""
+    request: dict[str, Any] = {
+        "scene": _scene(scene),
+        "weather": os.fspath(weather),
+        "folder": os.fspath(output),
+        "search": search,
+        "tilts_deg": list(tilts),
+        "azimuths_deg": list(azimuths),
+        "bifaciality": bifaciality,
+        "sky": sky,
+        "hourly": hourly,
+        "format": format,
+        "year": given.whole("year", year),
+        "accuracy": _accuracy(quality, None),
+        "replace": replace,
+    }
+    request |= {name: os.fspath(path) for name, path in (("points", points), ("rows", rows)) if path is not None}
+    return _study(_heliotile.pv(json.dumps(request), memory, progress))
+
+
+def energyplus(
+    model: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    scene: Files = (),
+    at: Sequence[float] | None = None,
+    crs: int | str | None = None,
+    weather: str | os.PathLike[str] | None = None,
+    delete_surroundings: bool = False,
+    physics: str = "full",
+    run: bool = False,
+    energyplus: str | os.PathLike[str] | None = None,
+    spacing: float | None = None,
+    quality: str = "standard",
+    replace: bool = False,
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> str:
+    """A model of EnergyPlus with the sun that its surroundings reflect: `heliotile energyplus`, file by file. Gives the folder.
+
+    `scene`: files of what stands around the model; `at`: where its origin lies there, metres. `weather` belongs to `run`, which runs EnergyPlus
+    from the folder `energyplus`, and to `delete_surroundings`. The book's page of energyplus says what is written.
+    """
+    files = [scene] if isinstance(scene, (str, os.PathLike)) else scene
+    request: dict[str, Any] = {
+        "model": os.fspath(model),
+        "folder": os.fspath(output),
+        "scene": [os.fspath(file) for file in files],
+        "crs": given.epsg(crs),
+        "delete_surroundings": delete_surroundings,
+        "physics": physics,
+        "run": run,
+        "spacing_m": given.number("spacing", (0.5 if delete_surroundings else 1.0) if spacing is None else spacing),
+        "accuracy": _accuracy(quality, None),
+        "replace": replace,
+    }
+    if at is not None:
+        request["at"] = [*map(float, at), 0.0][:3]
+    request |= {name: os.fspath(path) for name, path in (("weather", weather), ("energyplus", energyplus)) if path is not None}
+    _heliotile.energyplus(json.dumps(request), memory, progress)
+    return os.fspath(output)
+
+
+def partition(
+    scene: Files,
+    output: str | os.PathLike[str],
+    *,
+    part_size: float = 500.0,
+    halo: float = 300.0,
+    skyline: float = 5.0,
+    cover: Mapping[str, Any] | None = None,
+    quality: str = "standard",
+    with_scene: bool = True,
+    sample: int = 256,
+    replace: bool = False,
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> Atlas:
+    """Cuts a region into parts that are built one by one, and opens the atlas: `heliotile partition`. Lengths in metres; `cover` as in `run`.
+
+    `sample` receivers are traced with three times the halo, too, to say what the halo costs; 0 leaves that out.
+    """
+    cut = {"part_size_m": part_size, "halo_m": halo, "skyline_deg": skyline, "scene": _scene(scene), "cover": _cover(cover)}
+    cut |= {"accuracy": _accuracy(quality, None), "no_scene": not with_scene}
+    _heliotile.partition(json.dumps(cut), os.fspath(output), replace, sample, memory, progress)
+    return Atlas.open(output)
+
+
+def merge(
+    first: str | os.PathLike[str],
+    second: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> Archive:
+    """Writes the union of two archives of one scene and opens it: `heliotile merge`, byte by byte."""
+    _heliotile.merge([os.fspath(first), os.fspath(second)], os.fspath(output), memory, progress)
+    return Archive.open(output)
+
+
+def diff(first: str | os.PathLike[str], second: str | os.PathLike[str], *, memory: int = MEMORY) -> tuple[bool, str]:
+    """Whether two archives are equal, and what they do not share, as `heliotile diff` says it."""
+    return _heliotile.diff([os.fspath(first), os.fspath(second)], memory)
+
+
+def _study(done: tuple[str, str, list[str], str]) -> Study:
+    folder, archive, files, table = done
+    return Study(os.fspath(folder), os.fspath(archive), files, table)
+
+
+def _scene(scene: Files) -> dict[str, Any]:
+    """A scene as requests have it."""
+    if isinstance(scene, Scene):
+        return scene.request()
+    files = [scene] if isinstance(scene, (str, os.PathLike)) else scene
+    return {"files": [os.fspath(file) for file in files]}
+
+
+def _cover(cover: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Where receivers are put, as requests have it, by the names of `Scene.cover`."""
+    names = {"on": "on", "types": "types", "offset": "offset_m", "min_area": "min_area_m2", "spacing": "density", "per_surface": "density"}
+    request: dict[str, Any] = {}
+    for name, value in (cover or {}).items():
+        if name not in names:
+            raise given.wrong("cover", f"has no `{name}`", f"give some of {', '.join(names)}")
+        request[names[name]] = {name: value} if names[name] == "density" else [value] if isinstance(value, str) else value
+    return request
+
+
+def _accuracy(quality: str, error: float | str | None) -> dict[str, Any]:
+    """How exact an archive is to be, as requests have it."""
+    percent = given.percent("error", error)
+    return {"quality": quality} | ({} if percent is None else {"error_percent": percent})

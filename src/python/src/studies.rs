@@ -1,0 +1,137 @@
+//! Work that writes files. In: requests as JSON, which `heliotile/studies.py` makes of keyword arguments. Out: files, and what was done. A
+//! request is the type that the program fills.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::prelude::*;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+use crate::work;
+use heliotile_atlas::catalogue::CatalogueRequest;
+use heliotile_atlas::partition::PartitionRequest;
+use heliotile_builder::pipeline::Workspace;
+use heliotile_builder::spill::SystemTemp;
+use heliotile_builder::transfer;
+use heliotile_builder::writing::guards::{guard_archive, guard_output};
+use heliotile_core::archive::Access;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
+use heliotile_energyplus::EnergyplusRequest;
+use heliotile_remote::places::open_archive;
+use heliotile_results::pv::PvRequest;
+use heliotile_results::{Provenance, Resources, RunRequest};
+use heliotile_scene::input;
+
+/// The folder, the archive, names of files, and a table as text.
+type Study = (PathBuf, PathBuf, Vec<String>, String);
+
+/// A request from JSON.
+pub fn request<T: DeserializeOwned>(text: &str) -> Result<T> {
+    serde_json::from_str(text).map_err(|error| {
+        let what = error.to_string();
+        let what = what.rsplit_once(" at line").map_or(what.as_str(), |(what, _)| what);
+        Error::argument("arguments", what, "see the function's documentation")
+    })
+}
+
+/// What results say of how they were made: the function and its arguments.
+fn about(function: &str, text: &str) -> Provenance {
+    let options: Map<String, Value> = serde_json::from_str(text).unwrap_or_default();
+    Provenance::new(format!("heliotile.{function}"), options)
+}
+
+fn resources<'a>(memory: u64, observer: &'a dyn Observer) -> Resources<'a> {
+    Resources { memory: MemoryBudget::new(memory), storage: &SystemTemp, files: &input::read, observer }
+}
+
+/// From scene files to a folder of a year's results.
+#[pyfunction]
+pub fn run(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+    work::run(py, progress.as_ref(), |watch| {
+        let done = request::<RunRequest>(&text)?.write(about("run", &text), &resources(memory, watch))?;
+        Ok((done.folder, done.archive, done.files, done.table))
+    })
+}
+
+/// Light on solar modules.
+#[pyfunction]
+pub fn pv(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+    work::run(py, progress.as_ref(), |watch| {
+        let done = request::<PvRequest>(&text)?.write(about("pv", &text), &resources(memory, watch))?;
+        Ok((done.folder, done.archive, done.files, done.table))
+    })
+}
+
+/// A model of EnergyPlus with the sun that its surroundings reflect.
+#[pyfunction]
+pub fn energyplus(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+    work::run(py, progress.as_ref(), |watch| request::<EnergyplusRequest>(&text)?.write(&resources(memory, watch)))
+}
+
+/// Cuts a region into parts: how many, and what the halo costs.
+#[pyfunction]
+#[pyo3(signature = (text, atlas, replace, sample, memory, progress))]
+pub fn partition(
+    py: Python<'_>,
+    text: &str,
+    atlas: PathBuf,
+    replace: bool,
+    sample: usize,
+    memory: u64,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(usize, Option<String>)> {
+    work::run(py, progress.as_ref(), |watch| {
+        let (cut, memory) = (request(text)?, MemoryBudget::new(memory));
+        let plan =
+            heliotile_atlas::partition::partition(&PartitionRequest { cut, atlas, replace, sample, memory }, watch)?;
+        Ok((plan.parts.len(), plan.seams.map(|seams| seams.words())))
+    })
+}
+
+/// Writes the catalogue of an atlas.
+#[pyfunction]
+pub fn catalogue(py: Python<'_>, atlas: PathBuf, title: Option<String>, license: String) -> PyResult<()> {
+    work::run(py, None, |watch| {
+        let about = Provenance::new("heliotile.Atlas.catalogue".to_owned(), Map::new());
+        heliotile_atlas::catalogue::catalogue(&atlas, &CatalogueRequest { title, license }, about, watch)
+    })
+}
+
+/// The union of two archives of one scene.
+#[pyfunction]
+pub fn merge(
+    py: Python<'_>,
+    archives: [PathBuf; 2],
+    output: PathBuf,
+    memory: u64,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    work::run(py, progress.as_ref(), |watch| {
+        guard_output(&output, &archives.each_ref().map(PathBuf::as_path))?;
+        guard_archive(&output)?;
+        let [a, b] = archives.each_ref().map(|path| open_archive(path, Access::Read));
+        transfer::merge([&a?, &b?], &output, &workspace_of(&output, memory), watch).map(drop)
+    })
+}
+
+/// Whether two archives are equal, and what they do not share as text.
+#[pyfunction]
+pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: u64) -> PyResult<(bool, String)> {
+    work::run(py, None, |_| {
+        let [a, b] = archives.each_ref().map(|path| open_archive(path, Access::Read));
+        let (a, b) = (a?, b?);
+        let found = transfer::diff(&a, &b, &workspace_of(Path::new("-"), memory))?;
+        Ok((found.is_equal(), found.table([a.path(), b.path()])))
+    })
+}
+
+/// Where work on an archive goes.
+pub fn workspace_of(output: &Path, memory: u64) -> Workspace {
+    let folder = match output == Path::new("-") {
+        true => std::env::temp_dir(),
+        false => heliotile_builder::writing::copy::folder_of(output).to_path_buf(),
+    };
+    Workspace { folder, memory: MemoryBudget::new(memory) }
+}

@@ -1,0 +1,132 @@
+"""Work that writes folders and archives is the program's, file by file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import heliotile
+import numpy as np
+import pytest
+from conftest import DATA, DAYS, YEAR, program
+
+CITY = DATA / "cityjson" / "hague.city.json"
+
+
+def rows(path: Path) -> list[str]:
+    """A table without how it was made."""
+    return path.read_text().splitlines()
+
+
+def test_run_is_the_programs(tmp_path: Path) -> None:
+    """A run in one go writes the 9 files of the program; its archive and its tables are equal byte by byte, and other inputs are refused."""
+    program("run", CITY, "--weather", DAYS, "--quality", "draft", "--spacing", "6m", "--every", "month", "-o", tmp_path / "program")
+    done = heliotile.run(CITY, DAYS, tmp_path / "python", quality="draft", cover={"spacing": 6.0}, every=["month"])
+    names = sorted(path.relative_to(tmp_path / "program") for path in (tmp_path / "program").rglob("*") if path.is_file())
+    assert names == sorted(path.relative_to(tmp_path / "python") for path in (tmp_path / "python").rglob("*") if path.is_file())
+    for name in ["site.helio", "receivers.csv", "golden_3_days/annual.csv", "golden_3_days/months.csv"]:
+        assert (tmp_path / "program" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
+    assert "roof" in done.table and done.open().count > 100 and "golden_3_days/annual.csv" in done.files
+    with pytest.raises(heliotile.InputError, match="replace"):
+        heliotile.run(CITY, DAYS, tmp_path / "python", quality="draft", cover={"spacing": 8.0})
+    with pytest.raises(heliotile.ArgumentError, match="week"):
+        heliotile.run(CITY, DAYS, tmp_path / "other", every="week")
+
+
+def test_pv_is_the_programs(tmp_path: Path) -> None:
+    """Two points above a meadow: the tables of the program, and its archive."""
+    (tmp_path / "scene.obj").write_text("v -50 -50 0\nv 50 -50 0\nv 50 50 0\nv -50 50 0\nusemtl ground\nf 1 2 3 4\n")
+    (tmp_path / "points.csv").write_text("point,x,y,z,tilt,azimuth\nsouth,0,0,2,30,180\nflat,5,0,2,0,0\n")
+    scene, points = tmp_path / "scene.obj", tmp_path / "points.csv"
+    program("pv", scene, "--weather", DAYS, "--points", points, "--quality", "draft", "-o", tmp_path / "program")
+    done = heliotile.pv(scene, DAYS, tmp_path / "python", points=points, quality="draft")
+    for name in ["points.csv", "months.csv", "hourly.csv", "site.helio"]:
+        assert (tmp_path / "program" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
+    assert "south" in done.table
+
+
+def test_energyplus_is_the_programs(tmp_path: Path) -> None:
+    """A model gets the tables that the program gives it, byte by byte."""
+    model = DATA / "energyplus" / "box.idf"
+    program("energyplus", model, "--quality", "draft", "-o", tmp_path / "program")
+    assert heliotile.energyplus(model, tmp_path / "python", quality="draft") == str(tmp_path / "python")
+    assert (tmp_path / "program" / "model.idf").read_bytes() == (tmp_path / "python" / "model.idf").read_bytes()
+
+
+def test_parts_and_unions(site: heliotile.Archive, tmp_path: Path) -> None:
+    """Two halves of 78 receivers make the archive again: equal, and 39 receivers differ from it; bytes are the program's."""
+    ids = site.receivers()["receiver"]
+    with site.extract(tmp_path / "a.helio", ids[:39]) as a, site.extract(tmp_path / "b.helio", ids[39:]) as b:
+        assert (a.count, b.count) == (39, 39)
+    whole = heliotile.merge(tmp_path / "a.helio", tmp_path / "b.helio", tmp_path / "whole.helio")
+    assert whole.count == 78 and heliotile.diff(site.path, tmp_path / "whole.helio")[0]
+    same, text = heliotile.diff(site.path, tmp_path / "a.helio")
+    assert not same and "39 receivers" in text
+    program("merge", tmp_path / "a.helio", tmp_path / "b.helio", "-o", tmp_path / "program.helio")
+    assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "whole.helio").read_bytes()
+
+
+def test_regions_are_the_programs(tmp_path: Path) -> None:
+    """A region of 4 parts has the plan of the program; one part is built and listed in a catalogue."""
+    words = ["--part-size", "60m", "--spacing", "8m", "--quality", "draft", "--sample", 0, "--crs", 28992]
+    program("partition", CITY, *words, "-o", tmp_path / "program")
+    scene = heliotile.Scene(CITY, crs=28992)
+    atlas = heliotile.partition(scene, tmp_path / "python", part_size=60.0, cover={"spacing": 8.0}, quality="draft", sample=0)
+    plans = [json.loads((tmp_path / name / "atlas.json").read_text()) for name in ("program", "python")]
+    assert plans[0] == plans[1] and len(atlas.parts()) == len(plans[0]["parts"]) >= 4
+    built = next(part for part in map(atlas.build, [part.name for part in atlas.parts()]) if part.state == "built")
+    atlas.catalogue(title="The Hague")
+    assert json.loads((tmp_path / "python" / "collection.json").read_text())["title"] == "The Hague"
+    assert (tmp_path / "python" / "parts" / built.name / "item.json").exists()
+
+
+def test_files_are_the_programs(block: heliotile.Archive, conditions: Path, tmp_path: Path) -> None:
+    """Tables, a map, a chart and a cadastre: values of the program's files."""
+    for name, every in [("hours.parquet", "hour"), ("months.csv", "month"), ("map.fgb", "total"), ("map.ply", "total")]:
+        program("replay", block.path, "--weather", DAYS, "--every", every, "-o", tmp_path / f"program-{name}")
+        block.write(tmp_path / name, DAYS, every=every)
+        assert (tmp_path / name).stat().st_size > 1000
+    assert rows(tmp_path / "months.csv") == rows(tmp_path / "program-months.csv")
+    block.write(tmp_path / "noon.csv", conditions=conditions, plots=[tmp_path / "noon.svg"])
+    assert "<svg" in (tmp_path / "noon.svg").read_text()
+    program("query", block.path, "--conditions", conditions, "-o", tmp_path / "program-noon.csv")
+    assert rows(tmp_path / "noon.csv") == rows(tmp_path / "program-noon.csv")
+    program("buildings", block.path, "--weather", YEAR, "-o", tmp_path / "program-b.csv", "--faces", tmp_path / "program-f.csv")
+    buildings, faces = block.buildings(tmp_path / "b.csv", YEAR, faces=tmp_path / "f.csv")
+    assert rows(tmp_path / "b.csv") == rows(tmp_path / "program-b.csv") and rows(tmp_path / "f.csv") == rows(tmp_path / "program-f.csv")
+    assert len(rows(tmp_path / "b.csv")) == buildings + 1 and faces > buildings
+    program("places", block.path, "--weather", YEAR, "--best", 5, "-o", tmp_path / "program-p.csv")
+    assert block.places(tmp_path / "p.csv", YEAR, best=5)[0] == 5
+    assert rows(tmp_path / "p.csv") == rows(tmp_path / "program-p.csv")
+    with pytest.raises(heliotile.ArgumentError, match="weather, conditions"):
+        block.write(tmp_path / "none.csv")
+
+
+def test_a_text_is_an_id(site: heliotile.Archive, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`receivers="x"` means the receiver x, also where a file of that name lies in the folder; a path is a list of ids."""
+    first, second = site.receivers()["receiver"][:2].tolist()
+    monkeypatch.chdir(tmp_path)
+    Path(first).write_text(f"receiver\n{second}\n")
+    assert site.replay(DAYS, every="total", receivers=first).receivers == [first]
+    assert site.replay(DAYS, every="total", receivers=Path(first)).receivers == [second]
+
+
+def test_options_have_names(site: heliotile.Archive) -> None:
+    """A keyword that is none is a TypeError that names those that there are; defaults are those of the program."""
+    with pytest.raises(TypeError, match="wether.*bounces, columns"):
+        site.replay(DAYS, wether=1)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="every"):
+        site.query(DAYS, every="hour")  # type: ignore[call-arg]
+    assert np.array_equal(site.replay(DAYS)["total"], site.replay(DAYS, every="hour", sky="perez", paths="all")["total"])
+
+
+def test_scenes_and_their_words(tmp_path: Path) -> None:
+    """A scene with y up stands as one with z up, and its request has what was said of it."""
+    (tmp_path / "z.obj").write_text("v 0 0 0\nv 4 0 0\nv 4 0 3\nv 0 0 3\nusemtl wall\nf 1 2 3 4\n")
+    (tmp_path / "y.obj").write_text("v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nusemtl wall\nf 1 2 3 4\n")
+    covered = [heliotile.Scene(tmp_path / f"{up}.obj", up=up, ground=False) for up in "yz"]
+    assert [scene.cover(tmp_path / "r.csv", on="wall") for scene in covered][0]
+    assert json.loads(json.dumps(covered[0].request()))["frame"] == {"up": "y"}
+    with pytest.raises(heliotile.ArgumentError) as refused:
+        heliotile.Scene(tmp_path / "z.obj", latitude=91.0, longitude=0.0)
+    assert refused.value.argument == "latitude"

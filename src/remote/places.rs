@@ -1,0 +1,86 @@
+//! The one door to archives that are read. In: a path, or the address of an object. Out: the archive there, or the one that a pointer there
+//! leads to.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::naming::{is_address, shown};
+use super::stored;
+use heliotile_core::archive::pointer::{MAX_POINTER, Pointer};
+use heliotile_core::archive::read_at::OpenFile;
+use heliotile_core::archive::{self, Access, Archive, ReadAt, VerifyReport, format};
+use heliotile_core::error::{Error, Result};
+
+/// Name of the plan in the folder of an atlas.
+pub const ATLAS: &str = "atlas.json";
+
+/// The archive at a place: a path, which is read as `access` says, or an address (with the feature `remote`). Errors as of [`Archive::open`],
+/// and those of stores: not there, not allowed, not reached, changed meanwhile.
+pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
+    if is_address(place) {
+        return Archive::of(shown(place), stored::hold(place, true)?);
+    }
+    if place.join(ATLAS).is_file() {
+        let hint = "name the site.helio of a part; Atlas.open in Python, query, replay, buildings, places, factors, info, verify, view, find and \
+                    catalogue (which makes a page) take all of it";
+        return Err(Error::input(place, None, "is an atlas, and one archive is taken here", hint));
+    }
+    let Some(pointer) = pointer_at(place) else { return Archive::open_with(place, access) };
+    let archive = Archive::open_with(&place.with_file_name(&pointer.name), access)?;
+    if format::hex(&archive.root()) != pointer.root {
+        let what = format!("is not the archive that {} points to: that has root {}", place.display(), pointer.root);
+        return Err(Error::input(archive.path(), None, what, "copy both again"));
+    }
+    Ok(archive)
+}
+
+/// The same where there may be none.
+pub fn find_archive(place: &Path, access: Access) -> Result<Option<Archive>> {
+    match is_address(place) {
+        true => stored::find(place, true, true)?.map(|file| Archive::of(shown(place), file)).transpose(),
+        false => place.is_file().then(|| open_archive(place, access)).transpose(),
+    }
+}
+
+/// Checks every block of the archive at a place; of an address what the store holds, not what this machine keeps of it. See
+/// [`archive::verify()`].
+pub fn verify_archive(place: &Path, access: Access, deep: bool) -> Result<VerifyReport> {
+    match (is_address(place), pointer_at(place)) {
+        (true, _) => archive::verify_bytes(shown(place), stored::hold(place, false)?, deep),
+        (false, Some(pointer)) => {
+            open_archive(place, access)?;
+            archive::verify(&place.with_file_name(&pointer.name), access, deep)
+        }
+        (false, None) => archive::verify(place, access, deep),
+    }
+}
+
+/// The bytes at a place, whatever they are, or of the archive that a pointer there leads to.
+pub fn hold(place: &Path) -> Result<Box<dyn ReadAt>> {
+    if is_address(place) {
+        return Ok(Box::new(stored::hold(place, true)?));
+    }
+    let led = pointer_at(place).map(|pointer| place.with_file_name(&pointer.name));
+    let place = led.as_deref().unwrap_or(place);
+    let file = File::open(place).map_err(Error::io(place, "open"))?;
+    Ok(Box::new(OpenFile::new(file).map_err(Error::io(place, "read the length of"))?))
+}
+
+/// Refuses an address where only a file will do.
+pub fn require_file(place: &Path, why: &str) -> Result<()> {
+    if !is_address(place) {
+        return Ok(());
+    }
+    let hint = format!("fetch it first: heliotile copy {} FILE", shown(place).display());
+    Err(Error::input(&shown(place), None, format!("is an address: {why}"), hint))
+}
+
+/// What a file says, if it is a pointer.
+fn pointer_at(path: &Path) -> Option<Pointer> {
+    let mut bytes = Vec::new();
+    // A pipe would lose what is read here.
+    let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|about| about.is_file()))?;
+    file.take(MAX_POINTER as u64 + 1).read_to_end(&mut bytes).ok()?;
+    Pointer::from_bytes(&bytes)
+}

@@ -1,0 +1,345 @@
+//! Blocks that are on their way, or have come. In: blocks that were told of, spans that came. Out: which spans to ask for next, and blocks.
+//! Plain bookkeeping: nothing here waits or asks anybody.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use bytes::Bytes;
+use heliotile_core::archive::format::{ALIGNMENT, Entry};
+
+use crate::stores::failure::Failure;
+use crate::stores::spans::{ByteSpan, spans};
+
+/// Requests under way for what was told of; what is read now does not wait for them.
+const UNDER_WAY: usize = 16;
+/// Bytes that have come or are on their way and were not read yet, beyond which nothing more is asked for ahead.
+const ROOM: u64 = 64 << 20;
+/// Bytes of blocks in memory.
+const KEPT: u64 = 128 << 20;
+/// Of both a file may take this much, however many are open.
+const LEAST: u64 = 4 << 20;
+/// After so many later calls that told of others a block that nobody read is no longer waited for.
+const FORGOTTEN: u64 = 8;
+
+/// What is known of a block.
+#[derive(Debug)]
+enum State {
+    Queued,
+    OnItsWay,
+    Here { bytes: Bytes, read: bool, used: u64, told: u64 },
+    Failed(Failure),
+}
+
+/// A block that is asked for.
+#[derive(Debug)]
+pub enum Lookup {
+    /// Its bytes.
+    Bytes(Bytes),
+    /// Why it did not come; asked for again it is fetched again.
+    Failed(Failure),
+    /// It comes.
+    OnItsWay,
+    /// It comes if this is fetched, which is no longer queued.
+    Fetch(ByteSpan),
+    /// Nobody told of it.
+    Unknown,
+}
+
+/// Files that are open at the same time: what blocks may take is shared among them.
+#[derive(Debug, Default)]
+pub struct OpenFiles(AtomicU64);
+
+impl OpenFiles {
+    /// None yet.
+    pub const fn none() -> Self {
+        OpenFiles(AtomicU64::new(0))
+    }
+
+    /// Bytes that each of them may take of what one alone may.
+    fn share(&self, bytes: u64) -> u64 {
+        (bytes / self.0.load(Ordering::Relaxed).max(1)).max(LEAST)
+    }
+}
+
+/// All blocks of a file that were told of.
+#[derive(Debug)]
+pub struct Ahead {
+    open: &'static OpenFiles,
+    /// By offset.
+    blocks: HashMap<u64, State>,
+    queue: VecDeque<ByteSpan>,
+    under_way: usize,
+    /// Bytes on their way, or here and not read yet.
+    unread: u64,
+    /// Bytes here.
+    here: u64,
+    /// Bytes between blocks that came with them, by offset: padding.
+    between: BTreeMap<u64, Bytes>,
+    clock: u64,
+    told: u64,
+}
+
+impl Drop for Ahead {
+    fn drop(&mut self) {
+        self.open.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+impl Ahead {
+    /// Of one more file.
+    pub fn among(open: &'static OpenFiles) -> Self {
+        open.0.fetch_add(1, Ordering::Relaxed);
+        Ahead {
+            open,
+            blocks: HashMap::new(),
+            queue: VecDeque::new(),
+            under_way: 0,
+            unread: 0,
+            here: 0,
+            between: BTreeMap::new(),
+            clock: 0,
+            told: 0,
+        }
+    }
+
+    /// Takes note of blocks of a file of so many bytes; those that are known already are passed over.
+    pub fn tell(&mut self, blocks: impl Iterator<Item = Entry>, length: u64) {
+        self.told += 1;
+        let new: Vec<Entry> = blocks.filter(|block| !self.blocks.contains_key(&block.offset)).collect();
+        for span in spans(new, length) {
+            self.blocks.extend(span.blocks.iter().map(|block| (block.offset, State::Queued)));
+            self.queue.push_back(span);
+        }
+        if self.unread > self.open.share(ROOM) / 2 {
+            self.forget();
+        }
+    }
+
+    /// Blocks that were told of long ago and not read since need not be kept any more.
+    fn forget(&mut self) {
+        let before = self.told.saturating_sub(FORGOTTEN);
+        for state in self.blocks.values_mut() {
+            if let State::Here { bytes, read: read @ false, told, .. } = state
+                && *told < before
+            {
+                *read = true;
+                self.unread = self.unread.saturating_sub(bytes.len() as u64);
+            }
+        }
+    }
+
+    /// The next span to ask for, if it is time.
+    pub fn next(&mut self) -> Option<ByteSpan> {
+        if self.under_way >= UNDER_WAY || self.unread >= self.open.share(ROOM) {
+            return None;
+        }
+        let span = self.queue.pop_front()?;
+        self.begin(&span);
+        Some(span)
+    }
+
+    /// A span that is asked for at once.
+    pub fn begin(&mut self, span: &ByteSpan) {
+        self.under_way += 1;
+        self.unread += size_of(span);
+        self.blocks.extend(span.blocks.iter().map(|block| (block.offset, State::OnItsWay)));
+    }
+
+    /// A block that is read now.
+    pub fn find(&mut self, offset: u64) -> Lookup {
+        self.clock += 1;
+        match self.blocks.get_mut(&offset) {
+            None => Lookup::Unknown,
+            Some(State::OnItsWay) => Lookup::OnItsWay,
+            Some(State::Here { bytes, read, used, .. }) => {
+                *used = self.clock;
+                if !std::mem::replace(read, true) {
+                    self.unread = self.unread.saturating_sub(bytes.len() as u64);
+                }
+                Lookup::Bytes(bytes.clone())
+            }
+            Some(State::Failed(failure)) => {
+                let failure = failure.clone();
+                self.blocks.remove(&offset);
+                Lookup::Failed(failure)
+            }
+            Some(State::Queued) => {
+                let holds = |span: &ByteSpan| span.blocks.iter().any(|block| block.offset == offset);
+                match self.queue.iter().position(holds).and_then(|place| self.queue.remove(place)) {
+                    Some(span) => Lookup::Fetch(span),
+                    None => Lookup::Unknown,
+                }
+            }
+        }
+    }
+
+    /// A span has come: its bytes.
+    pub fn came(&mut self, span: &ByteSpan, bytes: &Bytes) {
+        self.under_way = self.under_way.saturating_sub(1);
+        self.unread = self.unread.saturating_sub(size_of(span));
+        self.clock += 1;
+        let (start, mut at) = (span.range.start, span.range.start);
+        let part = |from: u64, to: u64| {
+            let place =
+                |offset: u64| usize::try_from(offset.saturating_sub(start)).unwrap_or(usize::MAX).min(bytes.len());
+            // A copy: a block that is kept must not keep its whole span.
+            Bytes::copy_from_slice(bytes.get(place(from)..place(to)).unwrap_or_default())
+        };
+        for block in &span.blocks {
+            let end = block.offset.saturating_add(block.stored.into());
+            self.keep_between(at, block.offset, part);
+            at = at.max(end);
+            let bytes = part(block.offset, end);
+            (self.unread, self.here) = (self.unread + bytes.len() as u64, self.here + bytes.len() as u64);
+            let state = State::Here { bytes, read: false, used: self.clock, told: self.told };
+            self.blocks.insert(block.offset, state);
+        }
+        self.keep_between(at, span.range.end, part);
+        if self.here > self.open.share(KEPT) {
+            self.drop_read();
+        }
+    }
+
+    fn keep_between(&mut self, from: u64, to: u64, part: impl Fn(u64, u64) -> Bytes) {
+        if from < to && to - from < ALIGNMENT {
+            self.between.insert(from, part(from, to));
+        }
+    }
+
+    /// A span did not come.
+    pub fn failed(&mut self, span: &ByteSpan, failure: &Failure) {
+        self.under_way = self.under_way.saturating_sub(1);
+        self.unread = self.unread.saturating_sub(size_of(span));
+        self.blocks.extend(span.blocks.iter().map(|block| (block.offset, State::Failed(failure.clone()))));
+    }
+
+    /// Bytes between blocks that came with them.
+    pub fn between(&self, offset: u64, length: usize) -> Option<Bytes> {
+        let (start, bytes) = self.between.range(..=offset).next_back()?;
+        let at = usize::try_from(offset - start).ok()?;
+        let end = at.checked_add(length).filter(|&end| end <= bytes.len())?;
+        Some(bytes.slice(at..end))
+    }
+
+    /// Gives back the memory of blocks that were read, the least recently used first.
+    fn drop_read(&mut self) {
+        let mut read: Vec<(u64, u64, u64)> = Vec::new();
+        for (offset, state) in &self.blocks {
+            if let State::Here { bytes, read: true, used, .. } = state {
+                read.push((*used, *offset, bytes.len() as u64));
+            }
+        }
+        read.sort_unstable();
+        let kept = self.open.share(KEPT) / 4 * 3;
+        for (_, offset, length) in read {
+            if self.here <= kept {
+                break;
+            }
+            self.blocks.remove(&offset);
+            self.here -= length;
+        }
+    }
+}
+
+fn size_of(span: &ByteSpan) -> u64 {
+    span.range.end.saturating_sub(span.range.start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stores::failure::Cause;
+
+    fn block(offset: u64, stored: u32) -> Entry {
+        Entry { offset, stored, ..Entry::decode(&[0; 80]).expect("an entry") }
+    }
+
+    fn alone() -> Ahead {
+        Ahead::among(Box::leak(Box::default()))
+    }
+
+    /// Of 10 files that are open each keeps 12.8 MiB of blocks that were read in place of 128; when 9 are closed the tenth keeps all again.
+    #[test]
+    fn memory_is_shared() {
+        let open: &'static OpenFiles = Box::leak(Box::default());
+        let mut files: Vec<Ahead> = (0..10).map(|_| Ahead::among(open)).collect();
+        let mut last = files.pop().expect("a file");
+        let read = |file: &mut Ahead, from: u64| {
+            file.tell((from..from + 100).map(|i| block(i << 20, 1 << 20)), 1 << 40);
+            while let Some(span) = file.next() {
+                file.came(&span, &vec![0; (span.range.end - span.range.start) as usize].into());
+                span.blocks.iter().for_each(|block| drop(file.find(block.offset)));
+            }
+            file.here >> 20
+        };
+        assert!((8..=14).contains(&read(&mut last, 0)), "{}", last.here);
+        drop(files);
+        assert!(read(&mut last, 100) >= 100, "{}", last.here);
+    }
+
+    /// Of 100 blocks of 1 MiB 16 spans of 2 MiB are under way at first; as they come and are read all 100 come, each once and with its own
+    /// byte; told of again they are not asked for again while they are in memory.
+    #[test]
+    fn all_come_once() {
+        let blocks: Vec<Entry> = (0..100).map(|i| block(i << 20, 1 << 20)).collect();
+        let mut ahead = alone();
+        ahead.tell(blocks.iter().copied(), 100 << 20);
+        let mut under_way: VecDeque<ByteSpan> = std::iter::from_fn(|| ahead.next()).collect();
+        assert_eq!(under_way.len(), 16);
+        let (mut asked, mut read) = (under_way.len(), 0);
+        while let Some(span) = under_way.pop_front() {
+            let bytes: Vec<u8> =
+                (span.range.start >> 20..span.range.end >> 20).flat_map(|i| vec![i as u8; 1 << 20]).collect();
+            ahead.came(&span, &bytes.into());
+            for block in &span.blocks {
+                let Lookup::Bytes(bytes) = ahead.find(block.offset) else { panic!("it came") };
+                assert!(bytes.len() == 1 << 20 && bytes.iter().all(|byte| u64::from(*byte) == block.offset >> 20));
+                read += 1;
+            }
+            let more: Vec<ByteSpan> = std::iter::from_fn(|| ahead.next()).collect();
+            asked += more.len();
+            under_way.extend(more);
+        }
+        assert_eq!((asked, read, ahead.unread, ahead.under_way), (50, 100, 0, 0));
+        ahead.tell(blocks.iter().copied(), 100 << 20);
+        assert!(ahead.next().is_none() && ahead.here == 100 << 20);
+    }
+
+    /// Nothing is asked for ahead beyond 64 MiB that nobody reads, but what is read now is; memory stays below 128 MiB.
+    #[test]
+    fn memory_is_bounded() {
+        let mut ahead = alone();
+        ahead.tell((0..400).map(|i| block(i << 20, 1 << 20)), 400 << 20);
+        let mut spans = 0;
+        while let Some(span) = ahead.next() {
+            ahead.came(&span, &vec![0; (span.range.end - span.range.start) as usize].into());
+            spans += 1;
+        }
+        assert_eq!(spans, 32);
+        let Lookup::Fetch(span) = ahead.find(300 << 20) else { panic!("it is queued") };
+        ahead.begin(&span);
+        assert!(matches!(ahead.find(301 << 20), Lookup::OnItsWay));
+        ahead.failed(&span, &Failure::new(Cause::Passing, "x"));
+        assert!(matches!(ahead.find(300 << 20), Lookup::Failed(_)) && matches!(ahead.find(300 << 20), Lookup::Unknown));
+        for i in 0..400 {
+            if let Lookup::Fetch(span) = ahead.find(i << 20) {
+                ahead.begin(&span);
+                ahead.came(&span, &vec![0; (span.range.end - span.range.start) as usize].into());
+                ahead.find(i << 20);
+            }
+            assert!(ahead.here <= KEPT + (2 << 20), "{}", ahead.here);
+        }
+    }
+
+    /// The 28 bytes of padding between two blocks are known once both have come, and the 36 behind the last one; no others are.
+    #[test]
+    fn padding_comes_along() {
+        let mut ahead = alone();
+        ahead.tell([block(64, 100), block(192, 92)].into_iter(), 1000);
+        let span = ahead.next().expect("a span");
+        ahead.came(&span, &(64..320_u32).map(|i| i as u8).collect::<Vec<_>>().into());
+        assert_eq!(ahead.between(164, 28).map(|bytes| (bytes.len(), bytes[0])), Some((28, 164)));
+        assert_eq!(ahead.between(284, 36).map(|bytes| bytes[35]), Some(63));
+        assert!(ahead.between(164, 29).is_none() && ahead.between(100, 4).is_none() && ahead.between(0, 1).is_none());
+    }
+}

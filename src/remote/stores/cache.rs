@@ -1,0 +1,280 @@
+//! Blocks on this machine's disk. In: blocks with the checksums that an archive's directory states. Out: the same bytes, checked again.
+//!
+//! A block's file is named by its content and its checksum, so that whatever is at an address, no block can be taken for another, and
+//! archives that share blocks share their files. Files appear whole, and processes need not know of each other: they write the same bytes
+//! under the same names, and a file that is gone is fetched again. The least recently used files go first.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use heliotile_core::archive::format::{self, Entry, Slot};
+use heliotile_core::error::{Error, Result};
+
+use crate::stores::traffic;
+
+/// After so much is written, as a share of the limit, old files are looked for.
+const LOOK_EVERY: u64 = 16;
+/// Of the limit, in percent, so much stays when something goes.
+const KEPT_PERCENT: u64 = 90;
+/// Files that a process left unfinished go after this time.
+const ABANDONED: Duration = Duration::from_secs(3600);
+/// Longest directory and manifest that are kept.
+const LONGEST_DIRECTORY: u64 = 256 << 20;
+
+/// How names of files begin that are being written.
+const UNFINISHED: &str = ".heliotile-";
+
+/// Bytes that this process has written to each folder since old files were looked for there.
+static WRITTEN: Mutex<BTreeMap<PathBuf, u64>> = Mutex::new(BTreeMap::new());
+
+/// A folder of blocks.
+#[derive(Debug)]
+pub struct Cache {
+    folder: PathBuf,
+    limit_bytes: u64,
+}
+
+impl Cache {
+    /// Makes the folder if it is not there. An error: it cannot be made.
+    pub fn open(folder: &Path, limit_bytes: u64) -> Result<Self> {
+        for part in ["blocks", "directories"] {
+            fs::create_dir_all(folder.join(part)).map_err(Error::io(folder, "make the cache"))?;
+        }
+        Ok(Cache { folder: folder.to_path_buf(), limit_bytes })
+    }
+
+    /// Whether a block is there; its bytes are looked at when it is read.
+    pub fn has(&self, block: &Entry) -> bool {
+        self.name_of(block).exists()
+    }
+
+    /// The stored bytes of a block; none if it is not there, or not as it should be: then it goes.
+    pub fn block(&self, block: &Entry) -> Option<Vec<u8>> {
+        let right =
+            |bytes: &[u8]| bytes.len() as u64 == u64::from(block.stored) && format::checksum(bytes) == block.checksum;
+        read(&self.name_of(block), block.stored.into(), right)
+    }
+
+    /// Keeps the stored bytes of a block, which were checked. What cannot be written is not kept.
+    pub fn keep_block(&self, block: &Entry, bytes: &[u8]) {
+        self.write(&self.name_of(block), bytes);
+    }
+
+    /// Directory and manifest of the archive of a slot: the bytes from the directory on; none if they are not there or another's.
+    pub fn directory(&self, slot: &Slot) -> Option<Vec<u8>> {
+        let length = slot.committed.checked_sub(slot.directory_offset).filter(|&length| length <= LONGEST_DIRECTORY)?;
+        read(&self.name_of_directory(slot), length, |bytes| has_root(bytes, slot))
+    }
+
+    /// Keeps them, if they are right.
+    pub fn keep_directory(&self, slot: &Slot, bytes: &[u8]) {
+        let name = self.name_of_directory(slot);
+        if bytes.len() as u64 <= LONGEST_DIRECTORY && has_root(bytes, slot) && !name.exists() {
+            self.write(&name, bytes);
+        }
+    }
+
+    fn name_of(&self, block: &Entry) -> PathBuf {
+        let content = format::hex(&block.content);
+        let name = format!("{content}-{}", format::hex(&block.checksum));
+        self.folder.join("blocks").join(content.get(..2).unwrap_or_default()).join(name)
+    }
+
+    fn name_of_directory(&self, slot: &Slot) -> PathBuf {
+        // Padding before the manifest hangs on its place.
+        self.folder.join("directories").join(format!("{}-{}", format::hex(&slot.root), slot.directory_offset))
+    }
+
+    fn write(&self, name: &Path, bytes: &[u8]) {
+        let Some(folder) = name.parent() else { return };
+        let written = fs::create_dir_all(folder).and_then(|()| {
+            let mut file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder)?;
+            file.write_all(bytes)?;
+            file.persist(name).map(drop).map_err(|error| error.error)
+        });
+        if written.is_err() {
+            return;
+        }
+        let length = bytes.len() as u64;
+        if self.is_time_to_look(length) {
+            self.clear_old();
+        }
+    }
+
+    /// Counts what was written: whether old files are to be looked for, the first time in any case.
+    fn is_time_to_look(&self, length: u64) -> bool {
+        let mut all = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+        let written = all.entry(self.folder.clone()).or_insert(u64::MAX / 2);
+        *written = written.saturating_add(length);
+        let is_time = *written > self.limit_bytes / LOOK_EVERY;
+        if is_time {
+            *written = 0;
+        }
+        is_time
+    }
+
+    /// Removes the files that were not used for longest until the rest is below the limit.
+    fn clear_old(&self) {
+        let now = SystemTime::now();
+        let mut files = Vec::new();
+        for folder in folders_of(&self.folder) {
+            for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+                let Ok(about) = entry.metadata() else { continue };
+                let used = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+                let name = entry.file_name().to_string_lossy().into_owned();
+                match (about.is_file() && is_own(&name), name.starts_with(UNFINISHED)) {
+                    (false, _) => {}
+                    (true, true) if now.duration_since(used).is_ok_and(|age| age > ABANDONED) => {
+                        drop(fs::remove_file(entry.path()))
+                    }
+                    (true, true) => {}
+                    (true, false) => files.push((used, about.len(), entry.path())),
+                }
+            }
+        }
+        let mut all: u64 = files.iter().map(|file| file.1).sum();
+        if all <= self.limit_bytes {
+            return;
+        }
+        files.sort_unstable();
+        for (_, length, path) in files {
+            if all <= self.limit_bytes / 100 * KEPT_PERCENT {
+                break;
+            }
+            // Another process may have been faster.
+            if fs::remove_file(path).is_ok() {
+                all = all.saturating_sub(length);
+            }
+        }
+    }
+}
+
+/// Whether a file has a name that caches give: of a block, of a directory, or of one of them on its way. Others are not theirs to remove.
+fn is_own(name: &str) -> bool {
+    let is_hex = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let named = |(hash, rest): (&str, &str)| hash.len() >= 32 && is_hex(hash) && is_hex(rest);
+    name.starts_with(UNFINISHED) || name.split_once('-').is_some_and(named)
+}
+
+/// Folders that hold files.
+fn folders_of(folder: &Path) -> Vec<PathBuf> {
+    let of_blocks = fs::read_dir(folder.join("blocks")).into_iter().flatten().flatten().map(|entry| entry.path());
+    of_blocks.filter(|path| path.is_dir()).chain([folder.join("directories")]).collect()
+}
+
+/// The bytes of a file of a known length if they are right; one that is not goes. A file that is read is used.
+fn read(name: &Path, length: u64, right: impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
+    let mut file = File::open(name).ok()?;
+    let mut bytes = Vec::new();
+    let whole = Read::by_ref(&mut file).take(length.saturating_add(1)).read_to_end(&mut bytes).is_ok();
+    if !whole || bytes.len() as u64 != length || !right(&bytes) {
+        let _ = fs::remove_file(name);
+        return None;
+    }
+    // Times of files tell when they were used; where they cannot be set, when they were written.
+    let _ = File::options().append(true).open(name).and_then(|file| file.set_modified(SystemTime::now()));
+    traffic::cached(bytes.len());
+    Some(bytes)
+}
+
+/// Whether bytes from the directory on are those that a slot tells of.
+pub(crate) fn has_root(bytes: &[u8], slot: &Slot) -> bool {
+    let part = |start: u64, length: u64| {
+        let start = usize::try_from(start).ok()?;
+        bytes.get(start..start.checked_add(usize::try_from(length).ok()?)?)
+    };
+    let directory = part(0, slot.directory_length);
+    let manifest =
+        slot.manifest_offset.checked_sub(slot.directory_offset).and_then(|at| part(at, slot.manifest_length));
+    directory.zip(manifest).is_some_and(|(directory, manifest)| format::root_hash(directory, manifest) == slot.root)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(bytes: &[u8]) -> Entry {
+        let zero = Entry::decode(&[0; 80]).expect("an entry");
+        Entry { stored: bytes.len() as u32, checksum: format::checksum(bytes), content: *blake3_of(bytes), ..zero }
+    }
+
+    fn blake3_of(bytes: &[u8]) -> Box<[u8; 32]> {
+        Box::new(format::content_id(1, 1, bytes))
+    }
+
+    fn files(folder: &Path) -> usize {
+        folders_of(folder).iter().map(|folder| fs::read_dir(folder).expect("a folder").count()).sum()
+    }
+
+    /// A block comes back; after each of 3 kinds of damage (a bit, a cut, bytes behind) it does not and its file is gone; another block of the
+    /// same content, packed otherwise, is another file.
+    #[test]
+    fn damage_is_not_served() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let cache = Cache::open(folder.path(), 1 << 20).expect("a cache");
+        let (bytes, entry) = (vec![7; 500], block(&[7; 500]));
+        assert_eq!((cache.has(&entry), cache.block(&entry)), (false, None));
+        for damage in [[vec![6], vec![7; 499]].concat(), vec![7; 499], vec![7; 501]] {
+            cache.keep_block(&entry, &bytes);
+            assert_eq!((cache.has(&entry), cache.block(&entry)), (true, Some(bytes.clone())));
+            fs::write(cache.name_of(&entry), damage).expect("written");
+            assert_eq!((cache.block(&entry), cache.has(&entry)), (None, false));
+        }
+        cache.keep_block(&entry, &bytes);
+        let packed = Entry { checksum: [1; 8], stored: 3, ..entry };
+        assert_eq!((cache.block(&packed), files(folder.path())), (None, 1));
+    }
+
+    /// Of 40 blocks of 1000 bytes in a cache of 20,000 bytes at most 21 stay, and the one that is read between all others is among them; a
+    /// file that a process left behind long ago goes, a new one stays.
+    #[test]
+    fn the_least_used_goes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let cache = Cache::open(folder.path(), 20_000).expect("a cache");
+        let bytes = |i: u8| [vec![i], vec![0; 999]].concat();
+        cache.keep_block(&block(&bytes(0)), &bytes(0));
+        let left = folder.path().join("directories").join(".heliotile-left");
+        File::create(&left).and_then(|file| file.set_modified(SystemTime::now() - 2 * ABANDONED)).expect("a file");
+        fs::write(folder.path().join("directories").join(".heliotile-now"), b"x").expect("written");
+        let theirs = [folder.path().join("directories/thesis.docx"), folder.path().join("blocks/ab/model.bin")];
+        fs::create_dir_all(folder.path().join("blocks/ab")).expect("a folder");
+        theirs.iter().for_each(|file| fs::write(file, [0; 9000]).expect("written"));
+        for i in 1..40 {
+            std::thread::sleep(Duration::from_millis(2));
+            cache.keep_block(&block(&bytes(i)), &bytes(i));
+            assert_eq!(cache.block(&block(&bytes(0))), Some(bytes(0)), "{i}");
+        }
+        let stay = files(folder.path());
+        assert!((17..=24).contains(&stay) && !left.exists(), "{stay}");
+        assert!(theirs.iter().all(|file| file.is_file()));
+    }
+
+    /// 4 threads that write and read the same 50 blocks in a cache that holds 20 of them get right bytes or none: of 4,000 times
+    /// they get them over 100 times, and not always.
+    #[test]
+    fn many_at_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let bytes = |i: u8| vec![i; 1000];
+        let read: usize = std::thread::scope(|scope| {
+            let work = |t: usize| {
+                let cache = Cache::open(folder.path(), 20_000).expect("a cache");
+                (0..1000)
+                    .filter(|n| {
+                        let i = (n * 7 + t * 13) as u8 % 50;
+                        let found = cache.block(&block(&bytes(i)));
+                        assert!(found.as_ref().is_none_or(|found| *found == bytes(i)));
+                        cache.keep_block(&block(&bytes(i)), &bytes(i));
+                        found.is_some()
+                    })
+                    .count()
+            };
+            let threads: Vec<_> = (0..4).map(|t| scope.spawn(move || work(t))).collect();
+            threads.into_iter().map(|thread| thread.join().expect("a thread")).sum()
+        });
+        assert!((100..4000).contains(&read), "{read}");
+    }
+}

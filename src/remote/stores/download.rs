@@ -1,0 +1,67 @@
+//! An object as a file. In: an object that was opened. Out: a file that has its name once all of it has come and was checked.
+
+use std::io::Write;
+use std::path::Path;
+
+use heliotile_core::archive::read_at::OpenFile;
+use heliotile_core::archive::{ReadAt, verify_bytes};
+use heliotile_core::error::{Error, Result};
+
+use crate::stores::remote_file::RemoteFile;
+
+/// Bytes that are on their way at a time.
+const STEP: u64 = 16 << 20;
+
+/// Writes the object to a file; `came` is told of bytes. An archive is checked block by block before it gets its name. An error: a file of
+/// that name, unless `replace`; bytes that cannot be had, or are damaged.
+pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64)) -> Result<()> {
+    let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut partial =
+        tempfile::Builder::new().prefix(".copy-").tempfile_in(folder).map_err(Error::io(folder, "create a file in"))?;
+    let mut at = 0;
+    while at < file.length() {
+        let step = STEP.min(file.length() - at);
+        let bytes =
+            file.copy_at(at, usize::try_from(step).unwrap_or(usize::MAX)).map_err(Error::unread(file.name()))?;
+        partial.write_all(&bytes).map_err(Error::io(to, "write"))?;
+        at += step;
+        came(step);
+    }
+    partial.as_file().sync_all().map_err(Error::io(to, "sync"))?;
+    if file.is_archive() {
+        let copy = OpenFile::new(partial.reopen().map_err(Error::io(to, "open a copy of"))?)
+            .map_err(Error::io(to, "read a copy of"))?;
+        let report = verify_bytes(file.name(), copy, false)?;
+        if let Some(problem) = report.problems.first() {
+            let what = format!(
+                "is damaged, or was on its way: {} at byte {}: {}",
+                problem.part, problem.offset, problem.reason
+            );
+            return Err(Error::input(
+                file.name(),
+                None,
+                what,
+                "copy it again; if that finds the same, `heliotile verify` lists all",
+            ));
+        }
+    }
+    open_to_all(partial.as_file());
+    let persisted = if replace { partial.persist(to) } else { partial.persist_noclobber(to) };
+    persisted.map(drop).map_err(|error| match error.error.kind() {
+        std::io::ErrorKind::AlreadyExists => {
+            Error::input(to, None, "is there already", "give it another name, or replace it with --replace")
+        }
+        _ => Error::io(to, "rename a copy to")(error.error),
+    })
+}
+
+/// Temporary files are for their owner only; what becomes a file of the user's is as other files of his.
+#[cfg(unix)]
+fn open_to_all(file: &std::fs::File) {
+    use std::os::unix::fs::PermissionsExt;
+    // Where that cannot be changed the file is still whole.
+    let _ = file.set_permissions(std::fs::Permissions::from_mode(0o644));
+}
+
+#[cfg(not(unix))]
+fn open_to_all(_: &std::fs::File) {}

@@ -1,0 +1,278 @@
+//! What went wrong with an object. In: what a store answered. Out: what was found and what to do, without the address, which may hold a
+//! signature, and without the answer's text, which may hold more.
+
+use std::error::Error as _;
+
+use heliotile_core::error::Error;
+
+use crate::stores::address::{Address, Scheme};
+
+/// Why an object could not be read or written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// What kind it is of, for those who can do something about it.
+    pub cause: Cause,
+    /// What was found, in words that go on after the address.
+    pub what: String,
+}
+
+/// Kinds of failures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// There is no such object, or no such bucket.
+    Missing,
+    /// There is one where none may be.
+    Exists,
+    /// It is another one than before.
+    Changed,
+    /// Credentials are missing, wrong or not enough.
+    Denied,
+    /// Signatures carry the time, and this machine's is not the store's.
+    Clock,
+    /// The server's certificate is not believed.
+    Untrusted,
+    /// The server sends objects as a whole only.
+    NoRanges,
+    /// An answer that ended too early or came too late: may be otherwise the next time.
+    Passing,
+    /// No answer, or none but an apology, also when asked again.
+    Unreached,
+    /// The environment says something of the store that cannot be.
+    Settings,
+    /// The server sends to another address again and again.
+    Elsewhere,
+    /// Anything else that the server answers.
+    Refused,
+}
+
+impl Failure {
+    /// A failure in words.
+    pub fn new(cause: Cause, what: impl Into<String>) -> Self {
+        Failure { cause, what: what.into() }
+    }
+
+    /// What an answer means.
+    pub fn of(error: &object_store::Error) -> Self {
+        use object_store::Error as Answer;
+        let found = Found::of(error);
+        let code = found.code.as_ref().map_or(String::new(), |code| format!(", {code}"));
+        match error {
+            _ if found.clock_is_off => {
+                let theirs = found.server_time.map_or(String::new(), |time| format!(", the store's says {time}"));
+                let status = found.status.unwrap_or(403);
+                Failure::new(Cause::Clock, format!("this machine's clock is off{theirs} ({status}{code})"))
+            }
+            _ if found.code.as_deref() == Some("NoSuchBucket") => {
+                Failure::new(Cause::Missing, "is in a bucket that does not exist (404, NoSuchBucket)")
+            }
+            Answer::NotFound { .. } => Failure::new(Cause::Missing, "is not there (404)"),
+            Answer::AlreadyExists { .. } => Failure::new(Cause::Exists, "is there already"),
+            Answer::Precondition { .. } | Answer::NotModified { .. } => {
+                Failure::new(Cause::Changed, "the store holds another version (412)")
+            }
+            Answer::PermissionDenied { .. } => Failure::new(Cause::Denied, format!("access is denied (403{code})")),
+            Answer::Unauthenticated { .. } => Failure::new(Cause::Denied, format!("asks who you are (401{code})")),
+            Answer::NotSupported { .. } => Failure::new(Cause::NoRanges, "its server sends no ranges"),
+            Answer::NotImplemented { .. } => {
+                Failure::new(Cause::Refused, "its store cannot write on the condition that nothing is there")
+            }
+            _ => found.failure(),
+        }
+    }
+
+    /// What stops a client before it asks anybody.
+    pub fn of_settings(error: &object_store::Error) -> Self {
+        Failure::new(Cause::Settings, format!("is in a store that cannot be asked: {}", Found::of(error).text))
+    }
+
+    /// Whether all that is wrong is that no object has this name.
+    pub fn is_absence(&self) -> bool {
+        self.cause == Cause::Missing && !self.what.contains("bucket")
+    }
+
+    /// The same, or perhaps: S3 says of what is not there that it may not be read, to those who may not see lists.
+    pub fn may_be_absence(&self) -> bool {
+        self.is_absence() || self.cause == Cause::Denied
+    }
+
+    /// The error of an address.
+    pub fn at(self, address: &Address) -> Error {
+        let path = address.shown();
+        let variables = match address.scheme() {
+            Scheme::S3 => {
+                "AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_REGION (profiles are not read: `aws configure \
+                 export-credentials --format env`), or AWS_SKIP_SIGNATURE=true for a public bucket"
+            }
+            Scheme::Google => "GOOGLE_APPLICATION_CREDENTIALS, or GOOGLE_SKIP_SIGNATURE=true for a public bucket",
+            Scheme::Azure => "AZURE_STORAGE_ACCOUNT_NAME and AZURE_STORAGE_ACCOUNT_KEY or AZURE_STORAGE_SAS_TOKEN",
+            Scheme::Web => "a signed address that is still valid, or https://USER:PASSWORD@HOST/NAME",
+        };
+        let hint = match self.cause {
+            Cause::Changed => return Error::SourceChanged { path: path.to_path_buf(), what: self.what },
+            Cause::Missing if address.name().contains('.') => "is the address right? capitals count".into(),
+            Cause::Missing => {
+                "is the address right? capitals count; that of an atlas is the folder that atlas.json lies in".into()
+            }
+            Cause::Exists => "give it another name, or replace it with --replace".into(),
+            Cause::Denied | Cause::Settings => format!("give the right to it: {variables}"),
+            Cause::Elsewhere if address.scheme() == Scheme::S3 => "is AWS_REGION the region of the bucket?".into(),
+            Cause::Elsewhere => "open the address in a browser: it may have moved, or want you to log in".into(),
+            Cause::Clock => "set the clock of this machine: stores take signatures of the last 15 minutes only".into(),
+            Cause::Untrusted => {
+                "is the host's name right, and this machine's date? SSL_CERT_FILE names a file with the certificates of an \
+                 authority of your own"
+                    .into()
+            }
+            Cause::NoRanges => "use a server with byte ranges, or fetch the file and open it from disk".into(),
+            Cause::Passing | Cause::Unreached => {
+                "is the network there? try again; HELIOTILE_TIMEOUT=300 waits 300 s for each answer".into()
+            }
+            Cause::Refused => "try again later, or ask who runs the server".into(),
+        };
+        Error::input(path, None, self.what, hint)
+    }
+}
+
+/// How S3, Azure and Google's givers of tokens say that a signature's time is too far from theirs.
+const OF_CLOCKS: [&str; 3] = ["RequestTimeTooSkewed", "Request date header too old", "in a reasonable timeframe"];
+
+/// What the depth of an error tells.
+struct Found {
+    /// The innermost cause, in one line.
+    text: String,
+    /// HTTP status.
+    status: Option<u16>,
+    /// `<Code>` of S3, Azure and Google.
+    code: Option<String>,
+    /// Whether a signature was refused for its time.
+    clock_is_off: bool,
+    /// `<ServerTime>` of S3.
+    server_time: Option<String>,
+    /// Whether it was on the way to credentials.
+    of_credentials: bool,
+}
+
+impl Found {
+    fn of(error: &object_store::Error) -> Self {
+        let (mut inner, mut of_credentials) = (error.source(), false);
+        let mut text = String::new();
+        while let Some(cause) = inner {
+            text = cause.to_string();
+            let own = |word: &&str| {
+                !word.contains("://") || word.contains("169.254.169.254") || word.contains("metadata.google")
+            };
+            let lower = text.split_whitespace().filter(own).collect::<Vec<_>>().join(" ").to_lowercase();
+            of_credentials |= ["169.254.169.254", "metadata.google", "credential", "msi/token"]
+                .iter()
+                .any(|word| lower.contains(word));
+            inner = cause.source();
+        }
+        let after = |mark: &str| text.split_once(mark).map(|(_, rest)| rest);
+        let status = after("status code: ").and_then(|rest| rest.get(..3)?.parse().ok());
+        let within = |mark: &str| after(mark).and_then(|rest| rest.split('<').next()).map(plain);
+        let [code, server_time] = ["<Code>", "<ServerTime>"].map(|mark| within(mark).filter(|value| !value.is_empty()));
+        let clock_is_off = OF_CLOCKS.iter().any(|words| text.contains(words));
+        Found {
+            status,
+            code,
+            clock_is_off,
+            server_time,
+            of_credentials,
+            text: plain(text.lines().next().unwrap_or_default()),
+        }
+    }
+
+    fn failure(self) -> Failure {
+        let Found { status, code, text, of_credentials, .. } = self;
+        let code = code.map_or(String::new(), |code| format!(" ({code})"));
+        match status {
+            _ if of_credentials => Failure::new(Cause::Denied, "no credentials were found, and the store wants some"),
+            Some(416) => Failure::new(Cause::Refused, "is empty, or shorter than it said (416)"),
+            Some(status @ (408 | 429 | 500..)) => {
+                Failure::new(Cause::Unreached, format!("the server answers {status}{code}, also when asked again"))
+            }
+            Some(status) => Failure::new(Cause::Refused, format!("the server answers {status}{code}")),
+            None if text.contains("redirect") => Failure::new(Cause::Elsewhere, "the server sends to another address"),
+            None if text.contains("timed out") => Failure::new(Cause::Passing, "gave no whole answer in time"),
+            None => {
+                let lower = text.to_lowercase();
+                let gone = ["refused", "dns", "resolve", "unreachable"].iter().any(|word| lower.contains(word));
+                let cause = match gone {
+                    _ if lower.contains("invalidcontenttype") => {
+                        return Failure::new(
+                            Cause::Unreached,
+                            "is on a server that does not speak TLS: is it http://?",
+                        );
+                    }
+                    _ if lower.contains("certificate") => Cause::Untrusted,
+                    true => Cause::Unreached,
+                    false => Cause::Passing,
+                };
+                Failure::new(cause, format!("cannot be had: {text}"))
+            }
+        }
+    }
+}
+
+/// Words of others in a message: one line, without addresses, not long.
+fn plain(text: &str) -> String {
+    let words = text.split_whitespace().map(|word| if word.contains("://") { "..." } else { word });
+    let line = words.collect::<Vec<_>>().join(" ");
+    line.chars().filter(|c| !c.is_control()).take(120).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// 10 answers become messages that name the address, what was found and what to do, and none of the 3 secrets in them.
+    #[test]
+    fn messages() {
+        let generic = |text: &str| object_store::Error::Generic { store: "S3", source: text.to_string().into() };
+        let source = || {
+            "GET https://h/a?X-Amz-Signature=5ecret status code: 403: <Code>AccessDenied</Code> <Key>k3y</Key>".into()
+        };
+        let path = String::new();
+        let cases = [
+            (
+                object_store::Error::PermissionDenied { path: path.clone(), source: source() },
+                "access is denied (403, AccessDenied)",
+            ),
+            (object_store::Error::NotFound { path: path.clone(), source: source() }, "is not there (404)"),
+            (object_store::Error::Precondition { path, source: source() }, "has changed while it was read"),
+            (generic("status code: 503 Slow: <Code>SlowDown</Code>"), "answers 503 (SlowDown), also when asked again"),
+            (
+                generic(
+                    "status code: 403 Forbidden: <Error>\n<Code>RequestTimeTooSkewed</Code><ServerTime>2026-11-23T22:40:11Z</ServerTime>",
+                ),
+                "this machine's clock is off, the store's says 2026-11-23T22:40:11Z (403, RequestTimeTooSkewed)",
+            ),
+            (
+                generic(
+                    "status code: 403: <Code>AuthenticationFailed</Code>\n<AuthenticationErrorDetail>Request date header too old: 'Mon'",
+                ),
+                "this machine's clock is off (403, AuthenticationFailed)",
+            ),
+            (
+                generic(
+                    "status code: 400 Bad Request: {\"error\":\"invalid_grant\",\"error_description\":\"Invalid JWT: Token must be a short-lived token (60 minutes) and in a reasonable timeframe.\"}",
+                ),
+                "this machine's clock is off (400)",
+            ),
+            (generic("invalid peer certificate: UnknownIssuer"), "SSL_CERT_FILE"),
+            (generic("operation timed out"), "gave no whole answer in time"),
+            (generic("tcp connect to https://h/?sig=5ecret: refused"), "cannot be had: tcp connect to ... refused"),
+        ];
+        let address =
+            Address::parse(Path::new("https://me:pa55@h/a.helio?X-Amz-Signature=5ecret")).expect("an address");
+        for (answer, part) in cases {
+            let text = Failure::of(&answer).at(&address).to_string();
+            assert!(
+                text.starts_with("https://h/a.helio: ") && text.contains(part) && text.contains("to fix: "),
+                "{text}"
+            );
+            assert!(!["5ecret", "pa55", "k3y"].iter().any(|secret| text.contains(secret)), "{text}");
+        }
+    }
+}

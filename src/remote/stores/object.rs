@@ -1,0 +1,215 @@
+//! One object as it was when it was opened. In: ranges. Out: their bytes, of that very version; another one is a failure.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use bytes::{Bytes, BytesMut};
+use object_store::{GetOptions, GetRange, GetResult, ObjectMeta, ObjectStoreExt};
+use tokio::sync::{Semaphore, SemaphorePermit};
+
+use crate::stores::failure::{Cause, Failure};
+use crate::stores::store::Locator;
+use crate::stores::traffic;
+
+/// Times that a range is asked for whose answer was cut off.
+const ATTEMPTS: usize = 4;
+
+/// Bytes of one request of many.
+pub const PART: u64 = 2 << 20;
+/// Such requests under way.
+const AT_ONCE: usize = 8;
+
+/// Requests under way of the whole process, of however many objects: servers and systems have so many connections.
+const ALL_AT_ONCE: usize = 64;
+static TURNS: Semaphore = Semaphore::const_new(ALL_AT_ONCE);
+
+/// Without ranges, larger objects are not taken.
+pub const WHOLE_LIMIT: u64 = 50_000_000;
+
+/// What tells one version of an object from another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Version {
+    /// As the store names it; servers may not.
+    pub etag: Option<String>,
+    /// When it was written, for those.
+    modified_ms: i64,
+    /// Its number of bytes.
+    pub length: u64,
+}
+
+impl Version {
+    fn of(meta: &ObjectMeta) -> Self {
+        Version { etag: meta.e_tag.clone(), modified_ms: meta.last_modified.timestamp_millis(), length: meta.size }
+    }
+
+    /// Why this is not the version of before; none if it is.
+    fn differs(&self, now: &Version) -> Option<String> {
+        match (&self.etag, &now.etag) {
+            _ if self.length != now.length => Some(format!("it had {} bytes and has {}", self.length, now.length)),
+            (Some(a), Some(b)) if a == b => None,
+            (None, None) if self.modified_ms == now.modified_ms => None,
+            _ => Some("its ETag is another one".into()),
+        }
+    }
+}
+
+/// An object whose version is held fast.
+#[derive(Clone, Debug)]
+pub struct Object {
+    place: Locator,
+    version: Version,
+}
+
+impl Object {
+    /// Asks for a first range, which says what version there is.
+    pub async fn open(place: &Locator, first: GetRange) -> Result<(Object, Bytes), Failure> {
+        let mut result = Err(Failure::new(Cause::Passing, ""));
+        let _turn = turn().await;
+        let begun = Instant::now();
+        for _ in 0..ATTEMPTS {
+            let options = GetOptions { range: Some(first.clone()), ..GetOptions::default() };
+            result = match get(place, options).await {
+                Ok(answer) => {
+                    let (version, range) = (Version::of(&answer.meta), answer.range.clone());
+                    let bytes = body(answer, &range).await;
+                    bytes.map(|bytes| (Object { place: place.clone(), version }, bytes))
+                }
+                Err(failure) => Err(failure),
+            };
+            if !again(&result, place, begun) {
+                break;
+            }
+        }
+        result
+    }
+
+    /// All of an object whose server has no ranges, if it is not large.
+    pub async fn whole(place: &Locator) -> Result<Bytes, Failure> {
+        let _turn = turn().await;
+        let answer = get(place, GetOptions::default()).await?;
+        if answer.meta.size > WHOLE_LIMIT {
+            let what = format!(
+                "has {} bytes, more than the {WHOLE_LIMIT} that are read at once, and its server sends no ranges",
+                answer.meta.size
+            );
+            return Err(Failure::new(Cause::NoRanges, what));
+        }
+        let range = answer.range.clone();
+        body(answer, &range).await
+    }
+
+    /// Length and name of the version.
+    pub fn version(&self) -> &Version {
+        &self.version
+    }
+
+    /// Where it is.
+    pub fn place(&self) -> &Locator {
+        &self.place
+    }
+
+    /// Whether another opening found the same version.
+    pub fn same(&self, other: &Object) -> Result<(), Failure> {
+        self.version.differs(&other.version).map_or(Ok(()), |what| Err(Failure::new(Cause::Changed, what)))
+    }
+
+    /// The bytes of a range, which lies inside. An answer that was cut off is asked for again, a few times and not for ever.
+    pub async fn range(&self, range: Range<u64>) -> Result<Bytes, Failure> {
+        if range.is_empty() {
+            return Ok(Bytes::new());
+        }
+        let mut result = Err(Failure::new(Cause::Passing, ""));
+        let _turn = turn().await;
+        let begun = Instant::now();
+        for _ in 0..ATTEMPTS {
+            result = self.once(&range).await;
+            if !again(&result, &self.place, begun) {
+                break;
+            }
+        }
+        result
+    }
+
+    /// The bytes of a range that may be long, in parts that come at the same time.
+    pub async fn parts(&self, range: Range<u64>) -> Result<Bytes, Failure> {
+        if range.end.saturating_sub(range.start) <= PART {
+            return self.range(range).await;
+        }
+        let mut bytes = BytesMut::new();
+        let starts: Vec<u64> = range.clone().step_by(PART as usize).collect();
+        for group in starts.chunks(AT_ONCE) {
+            let part = |&start: &u64| {
+                let (object, part) = (self.clone(), start..range.end.min(start + PART));
+                tokio::spawn(async move { object.range(part).await })
+            };
+            for task in group.iter().map(part).collect::<Vec<_>>() {
+                let ended = |error| Failure::new(Cause::Passing, format!("cannot be had: {error}"));
+                bytes.extend_from_slice(&task.await.map_err(ended)??);
+            }
+        }
+        Ok(bytes.freeze())
+    }
+
+    async fn once(&self, range: &Range<u64>) -> Result<Bytes, Failure> {
+        // A weak ETag never matches on the server, so it is compared here only.
+        let if_match = self.version.etag.clone().filter(|etag| !etag.starts_with("W/"));
+        let options = GetOptions { range: Some(GetRange::Bounded(range.clone())), if_match, ..GetOptions::default() };
+        let answer = get(&self.place, options).await?;
+        if let Some(what) = self.version.differs(&Version::of(&answer.meta)) {
+            return Err(Failure::new(Cause::Changed, what));
+        }
+        body(answer, range).await
+    }
+}
+
+/// Waits until fewer than [`ALL_AT_ONCE`] objects are read from; the turn ends with what is given.
+async fn turn() -> Option<SemaphorePermit<'static>> {
+    // It is never closed: there is always one.
+    TURNS.acquire().await.ok()
+}
+
+/// Whether to ask again.
+fn again<T>(result: &Result<T, Failure>, place: &Locator, begun: Instant) -> bool {
+    matches!(result, Err(failure) if failure.cause == Cause::Passing) && begun.elapsed() < 2 * place.connection.timeout
+}
+
+async fn get(place: &Locator, options: GetOptions) -> Result<GetResult, Failure> {
+    traffic::asked();
+    place.store.get_opts(&place.path, options).await.map_err(|error| Failure::of(&error))
+}
+
+/// The body of an answer, as long as it has to be.
+async fn body(answer: GetResult, range: &Range<u64>) -> Result<Bytes, Failure> {
+    let expected = range.end.saturating_sub(range.start);
+    let bytes = answer.bytes().await.map_err(|error| Failure::of(&error))?;
+    traffic::received(bytes.len());
+    if bytes.len() as u64 != expected {
+        let what = format!("was cut off: {} of {expected} bytes came", bytes.len());
+        return Err(Failure::new(Cause::Passing, what));
+    }
+    Ok(bytes)
+}
+
+/// What the store knows of an object without sending it; none if it is not there.
+pub async fn look(place: &Locator) -> Result<Option<ObjectMeta>, Failure> {
+    let answered = {
+        let _turn = turn().await;
+        traffic::asked();
+        place.store.head(&place.path).await.map_err(|error| Failure::of(&error))
+    };
+    match answered {
+        Ok(meta) => Ok(Some(meta)),
+        Err(failure) if failure.is_absence() => Ok(None),
+        Err(failure) if failure.cause == Cause::Denied => Err(why(place, failure).await),
+        Err(failure) => Err(failure),
+    }
+}
+
+/// Why access is denied: an answer to HEAD has no body, that to GET says more.
+async fn why(place: &Locator, denied: Failure) -> Failure {
+    let options = GetOptions { range: Some(GetRange::Bounded(0..1)), ..GetOptions::default() };
+    match get(place, options).await {
+        Err(failure) if matches!(failure.cause, Cause::Denied | Cause::Clock) => failure,
+        _ => denied,
+    }
+}

@@ -1,0 +1,119 @@
+//! The first requests. In: an address. Out: an object whose version is held fast, with its first bytes and those from the directory on: in
+//! two requests at once, and one more where the directory is long.
+
+use bytes::{Bytes, BytesMut};
+use heliotile_core::archive::format::{COMPLETE, MAGIC, SLOT_OFFSETS, Slot};
+use heliotile_core::archive::pointer::Pointer;
+use object_store::GetRange;
+
+use crate::stores::cache::{Cache, has_root};
+use crate::stores::failure::{Cause, Failure};
+use crate::stores::object::Object;
+use crate::stores::store::Locator;
+
+/// Bytes of the first request: header and first blocks.
+const HEAD: u64 = 16 << 10;
+/// Bytes of the last ones, asked for at the same time: manifest and a short directory.
+const TAIL: u64 = 64 << 10;
+/// A directory that is longer than this is read when it is asked for.
+const LONGEST: u64 = 256 << 20;
+
+/// An object that was opened.
+#[derive(Debug)]
+pub struct Opened {
+    /// None if all of it is here.
+    pub object: Option<Object>,
+    /// Number of bytes of it.
+    pub length: u64,
+    /// Its first bytes.
+    pub head: Bytes,
+    /// Where the last bytes start, and these.
+    pub end: (u64, Bytes),
+}
+
+impl Opened {
+    /// Opens what stands under an address: an archive, a pointer, anything.
+    pub async fn open(place: &Locator, cache: Option<&Cache>) -> Result<Opened, Failure> {
+        let first = Object::open(place, GetRange::Bounded(0..HEAD));
+        let (first, tail) = match place.has_suffixes() {
+            true => tokio::join!(first, async { Object::open(place, GetRange::Suffix(TAIL)).await.ok() }),
+            false => (first.await, None),
+        };
+        let (object, head) = match first {
+            Err(failure) if failure.cause == Cause::NoRanges => return Ok(Opened::whole(Object::whole(place).await?)),
+            opened => opened?,
+        };
+        let length = object.version().length;
+        if head.len() as u64 == length {
+            return Ok(Opened::whole(head));
+        }
+        let mut end = (length, Bytes::new());
+        if let Some((other, bytes)) = tail {
+            object.same(&other)?;
+            end = (length.saturating_sub(bytes.len() as u64), bytes);
+        }
+        let slot = slot_of(&head).filter(|slot| slot.directory_offset < end.0 && slot.committed <= length);
+        if let Some(slot) = slot.filter(|slot| length.saturating_sub(slot.directory_offset) <= LONGEST) {
+            end = match cache.and_then(|cache| cache.directory(&slot)) {
+                Some(bytes) => (slot.directory_offset, bytes.into()),
+                None => {
+                    let mut bytes = BytesMut::from(object.parts(slot.directory_offset..end.0).await?);
+                    bytes.extend_from_slice(&end.1);
+                    let bytes = bytes.freeze();
+                    let known = usize::try_from(slot.committed.saturating_sub(slot.directory_offset)).ok();
+                    if let Some((cache, known)) = cache.zip(known.and_then(|known| bytes.get(..known))) {
+                        cache.keep_directory(&slot, known);
+                    }
+                    (slot.directory_offset, bytes)
+                }
+            };
+        }
+        Ok(Opened { object: Some(object), length, head, end })
+    }
+
+    /// The same; once more where header and directory do not fit together, which may have happened on their way.
+    pub async fn open_sound(place: &Locator, cache: Option<&Cache>) -> Result<Opened, Failure> {
+        let opened = Opened::open(place, cache).await?;
+        if opened.is_sound() { Ok(opened) } else { Opened::open(place, cache).await }
+    }
+
+    /// Whether header and directory are each other's; what is no archive is as it is.
+    fn is_sound(&self) -> bool {
+        match self.slot() {
+            Some(slot) if self.end.0 == slot.directory_offset => has_root(&self.end.1, &slot),
+            Some(slot) if self.end.0 < slot.directory_offset => {
+                let start = usize::try_from(slot.directory_offset - self.end.0).unwrap_or(usize::MAX);
+                has_root(self.end.1.get(start..).unwrap_or_default(), &slot)
+            }
+            Some(_) => true,
+            None => !self.head.starts_with(&MAGIC),
+        }
+    }
+
+    fn whole(head: Bytes) -> Self {
+        let length = head.len() as u64;
+        Opened { object: None, length, end: (length, Bytes::new()), head }
+    }
+
+    /// Where the archive lies, if a pointer stands here; an error if it leads nowhere.
+    pub fn pointer(&self) -> Result<Option<Pointer>, Failure> {
+        if !Pointer::begins(&self.head) {
+            return Ok(None);
+        }
+        let wrong =
+            || Failure::new(Cause::Refused, "is a pointer to an archive, and not one that this release understands");
+        let whole = self.object.is_none().then_some(&self.head);
+        whole.and_then(|bytes| Pointer::from_bytes(bytes)).map(Some).ok_or_else(wrong)
+    }
+
+    /// The slot of an archive that counts; none if it is no archive, or none that is whole.
+    pub fn slot(&self) -> Option<Slot> {
+        slot_of(&self.head)
+    }
+}
+
+/// What the header says, for asking ahead only: whoever reads the archive checks it.
+fn slot_of(head: &[u8]) -> Option<Slot> {
+    let slots = SLOT_OFFSETS.iter().filter_map(|offset| Slot::decode(head.get(usize::try_from(*offset).ok()?..)?));
+    slots.filter(|slot| slot.state == COMPLETE).max_by_key(|slot| slot.generation)
+}

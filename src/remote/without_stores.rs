@@ -1,0 +1,77 @@
+//! In place of stores, where the program is built without the feature `remote`: addresses are refused with what to do.
+
+use std::path::Path;
+
+use crate::naming::{Copied, is_address, shown};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+
+fn refuse<T>(place: &Path) -> Result<T> {
+    let what = "is an address, and this heliotile was built without them";
+    Err(Error::input(&shown(place), None, what, "build it with them: cargo build --locked --release --features remote"))
+}
+
+/// The archive is not opened.
+pub fn hold(place: &Path, _: bool) -> Result<Vec<u8>> {
+    refuse(place)
+}
+
+/// Nothing is looked for.
+pub fn find(place: &Path, _: bool, _: bool) -> Result<Option<Vec<u8>>> {
+    refuse(place)
+}
+
+/// Nobody is asked.
+pub fn exists(place: &Path) -> Result<bool> {
+    refuse(place)
+}
+
+/// No list is read.
+pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
+    refuse(place)
+}
+
+/// Nothing is written.
+pub fn check_writable(place: &Path) -> Result<()> {
+    refuse(place)
+}
+
+/// Nothing is copied.
+pub fn copy(from: &Path, to: &Path, _: bool, _: &dyn Observer) -> Result<Copied> {
+    refuse(if is_address(from) { from } else { to })
+}
+
+/// Nothing was asked of others.
+pub fn traffic() -> Option<String> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use heliotile_core::observer::Silent;
+
+    use super::*;
+
+    /// A program without stores refuses an address that is read, copied from, copied to or written to, 7 ways, with how to build one that
+    /// takes it and without the signature; it tells of 0 requests.
+    #[test]
+    fn refused_with_what_to_do() {
+        let (address, file) = (Path::new("https://me:secret@host/site.helio?sig=secret"), Path::new("a.helio"));
+        let copied = [(address, file), (file, address)].map(|(from, to)| copy(from, to, false, &Silent).err());
+        let looked = [
+            hold(address, true).err(),
+            find(address, true, true).err(),
+            exists(address).err(),
+            names_below(address).err(),
+            check_writable(address).err(),
+        ];
+        let told: Vec<String> = looked.into_iter().chain(copied).flatten().map(|e| e.to_string()).collect();
+        assert_eq!(told.len(), 7);
+        for text in told {
+            assert!(text.contains("https://host/site.helio: is an address"), "{text}");
+            assert!(text.contains("cargo build --locked --release --features remote"), "{text}");
+            assert!(!text.contains("secret"), "{text}");
+        }
+        assert_eq!(traffic(), None);
+    }
+}

@@ -1,0 +1,506 @@
+//! A scene's surfaces covered with receivers. In: a scene with its objects, what is asked for. Out: receivers by surface, those that are buried
+//! among them, and a table of them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
+use heliotile_builder::trace::Tracer;
+use heliotile_builder::trace::canopy::Canopies;
+use heliotile_builder::trace::placement::{Lying, lying};
+use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::{Observer, Stage};
+use heliotile_core::site::material::Material;
+use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::site::patch::Patch;
+use heliotile_core::text::{counted, with_list};
+use heliotile_scene::Scene;
+use heliotile_scene::covering::cover::{MOST_POINTS, Piece, cover};
+use heliotile_scene::covering::surfaces::{Surface, Surfaces};
+use heliotile_scene::load::Soup;
+use heliotile_scene::mesh::bounds;
+use heliotile_scene::objects::twins;
+use heliotile_scene::region_part::RegionPart;
+use heliotile_scene::semantics::{ObjectNote, SourceFace, SurfaceKind};
+use heliotile_scene::site::Site;
+
+pub use heliotile_scene::covering::cover::Density;
+
+/// Where receivers are put.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CoverRequest {
+    /// Kinds of surfaces, names of materials, or `all`; none: roofs, walls and windows of buildings.
+    pub on: Vec<String>,
+    /// Types of objects; none: buildings.
+    pub types: Vec<String>,
+    /// How many.
+    pub density: Density,
+    /// Distance off their surfaces.
+    pub offset_m: f64,
+    /// Surfaces with less area get none.
+    pub min_area_m2: f64,
+    /// The part of a region whose own receivers are given; there may be none.
+    #[serde(skip)]
+    pub within: Option<RegionPart>,
+}
+
+/// Lengths of distances between receivers and off surfaces, metres.
+const LENGTHS_M: RangeInclusive<f64> = 0.001..=10_000.0;
+/// Areas below which a surface gets no receiver, m2.
+const AREAS_M2: RangeInclusive<f64> = 0.0..=1e9;
+/// Receivers on a surface.
+const PER_SURFACE: RangeInclusive<u32> = 1..=1_000_000;
+
+impl Default for CoverRequest {
+    /// A receiver for each 2 m x 2 m of the roofs, walls and windows of buildings, 20 mm off them.
+    fn default() -> Self {
+        let (on, types) = (Vec::new(), Vec::new());
+        CoverRequest { on, types, density: Density::Spacing(2.0), offset_m: 0.02, min_area_m2: 0.1, within: None }
+    }
+}
+
+impl CoverRequest {
+    /// Refuses numbers that are not in range.
+    pub fn check(&self) -> Result<()> {
+        let length = |name: &str, metres: f64| match LENGTHS_M.contains(&metres) {
+            true => Ok(()),
+            false => Err(Error::argument(name, format!("is {metres} m"), "give 0.001 to 10000 metres")),
+        };
+        length("offset", self.offset_m)?;
+        if !AREAS_M2.contains(&self.min_area_m2) {
+            return Err(Error::argument("min_area", format!("is {} m2", self.min_area_m2), "give 0 to 1e9 m2"));
+        }
+        match self.density {
+            Density::Spacing(metres) => length("spacing", metres),
+            Density::PerSurface(count) if !PER_SURFACE.contains(&count) => {
+                Err(Error::argument("per_surface", format!("is {count}"), "give 1 to 1000000 receivers"))
+            }
+            Density::PerSurface(_) => Ok(()),
+        }
+    }
+}
+
+/// Surfaces and the receivers on them.
+pub struct Covered {
+    /// All of the scene.
+    pub surfaces: Surfaces,
+    /// Those of the files.
+    pub faces: Vec<SourceFace>,
+    /// By surface, only those that were asked for.
+    pub chosen: Vec<ChosenSurface>,
+    /// Surfaces too small for a receiver, and their area in m2.
+    pub small: (usize, f64),
+    /// Surfaces that face rooms or the ground, as their file says, and their area in m2.
+    pub inner: (usize, f64),
+    /// Surfaces of objects that are no buildings, by type, and their area in m2.
+    pub beside: BTreeMap<String, f64>,
+}
+
+/// A surface that was asked for.
+pub struct ChosenSurface {
+    /// Index into `Surfaces::list`.
+    pub surface: usize,
+    /// What its receivers stand for.
+    pub pieces: Vec<Piece>,
+    /// `[piece]`: how its receiver lies.
+    pub lying: Vec<Lying>,
+}
+
+/// Name of a receiver, what it stands for, the surface it is on, and how it lies there.
+pub type CoveredRow<'a> = (String, &'a Piece, &'a Surface, Lying);
+
+impl Covered {
+    /// Receivers that get light.
+    pub fn free(&self) -> impl Iterator<Item = CoveredRow<'_>> {
+        self.all().filter(|row| row.3 == Lying::Free)
+    }
+
+    /// Those that are buried, too.
+    pub fn all(&self) -> impl Iterator<Item = CoveredRow<'_>> {
+        self.chosen.iter().flat_map(|chosen| {
+            let surface = &self.surfaces.list[chosen.surface];
+            let pieces = chosen.pieces.iter().zip(&chosen.lying);
+            pieces.map(move |(piece, lying)| (format!("{}#{}", surface.name, piece.number), piece, surface, *lying))
+        })
+    }
+
+    /// What a receiver stands for.
+    pub fn part(&self, piece: &Piece, surface: &Surface) -> ModelPart {
+        self.surfaces.part(surface, piece.face, &self.faces)
+    }
+
+    /// How many receivers lie so.
+    pub fn count(&self, wanted: Lying) -> usize {
+        self.chosen.iter().flat_map(|chosen| &chosen.lying).filter(|lying| **lying == wanted).count()
+    }
+}
+
+/// Reads a site and covers its surfaces; the part of a region that the site states counts. The observer is told what is odd about the scene.
+pub fn cover_site(site: &Site, request: &CoverRequest, observer: &dyn Observer) -> Result<(Scene, Covered)> {
+    let (scene, soup) = Scene::load_with_objects(site)?;
+    // Before what may fail.
+    scene.report.tell(observer);
+    let asked = CoverRequest { within: site.within, ..request.clone() };
+    let covered = cover_scene(&scene, soup, &asked, observer)?;
+    Ok((scene, covered))
+}
+
+/// Covers the surfaces that are asked for. An error: names that nothing has, too many receivers, none that gets light.
+pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &dyn Observer) -> Result<Covered> {
+    asked.check()?;
+    let surfaces = Surfaces::find(&soup, &scene.materials);
+    doubts(&soup, &surfaces).iter().for_each(|doubt| observer.warn(doubt));
+    // The rest of the soup goes.
+    let Soup { source_faces: faces, .. } = soup;
+    let wanted = Wanted::of(asked, &scene.materials, &surfaces)?;
+    let density = asked.density;
+    let (mut chosen, mut small, mut beside) = (Vec::new(), (0, 0.0), BTreeMap::new());
+    let within = asked.within.as_ref();
+    let reaches = |surface: &Surface| {
+        let (low, high) = bounds(surface.triangles.iter().flatten().copied());
+        within.is_none_or(|part| part.touches(low, high))
+    };
+    let mut inner = (0, 0.0);
+    for surface in surfaces.list.iter().filter(|surface| wanted.leaves_to_rooms(surface) && reaches(surface)) {
+        inner = (inner.0 + 1, inner.1 + surface.area_m2);
+    }
+    let list = surfaces.list.iter().enumerate();
+    for (i, surface) in list.filter(|(_, surface)| wanted.asks(surface) && reaches(surface)) {
+        let note = &surfaces.objects[surface.object].1;
+        if !wanted.takes_object(surface, note) {
+            *beside.entry(note.object_type.clone()).or_default() += surface.area_m2;
+        } else if surface.area_m2 < asked.min_area_m2 {
+            small = (small.0 + 1, small.1 + surface.area_m2);
+        } else {
+            chosen.push(i);
+        }
+    }
+    let points: f64 = chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum();
+    if points > MOST_POINTS {
+        let area_m2 = chosen.iter().map(|&i| surfaces.list[i].area_m2).sum();
+        return Err(too_many(density, points, area_m2, |density| {
+            chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum()
+        }));
+    }
+    let (tracer, _) = Canopies::split(scene);
+    let progress = Stage::begin(observer, "surfaces", Some(chosen.len() as u64));
+    let chosen: Vec<ChosenSurface> = chosen
+        .into_par_iter()
+        .map(|surface| {
+            let mut pieces = cover(&surfaces.list[surface], density);
+            pieces.retain(|piece| within.is_none_or(|part| part.owns(piece.position)));
+            let lying = pieces.par_iter().map(|piece| lie(piece, asked.offset_m, scene, &tracer)).collect();
+            progress.advance(1);
+            ChosenSurface { surface, pieces, lying }
+        })
+        .collect();
+    drop(progress);
+    let covered = Covered { surfaces, faces, chosen, small, inner, beside };
+    if within.is_none() && covered.count(Lying::Free) == 0 {
+        let what = format!("no receiver: {}", summary(&covered, scene));
+        let hint = match (covered.chosen.is_empty(), covered.count(Lying::Inside)) {
+            (true, _) => {
+                "lower --min-area, cover other surfaces with --on, or see with `heliotile info` whether the scene is in metres"
+            }
+            (_, 0) => "cover other surfaces with --on: these all touch one another, or the ground",
+            _ => {
+                "see where the parts of the scene lie (`heliotile info` of each): one may be below the terrain, or in another unit"
+            }
+        };
+        return Err(Error::argument("--on", what.trim_end(), hint));
+    }
+    Ok(covered)
+}
+
+/// What is odd about the surfaces of a scene, a sentence each.
+pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
+    let mut found = Vec::new();
+    if surfaces.contrary_edges > 0 {
+        found.push(format!(
+            "two faces of an object are turned against each other at {}: receivers may be on the wrong side",
+            counted(surfaces.contrary_edges as u64, "edge")
+        ));
+    }
+    let pairs = twins(soup);
+    if let [first, others @ ..] = pairs.as_slice() {
+        let (a, b) = first;
+        let sentence = format!(
+            "{} of objects fill the same box, such as `{a}` and `{b}`: if it is one building twice, leave one out",
+            counted(pairs.len() as u64, "pair")
+        );
+        found.push(match others {
+            [] => sentence,
+            _ => with_list(&sentence, pairs.iter().map(|(a, b)| format!("`{a}` and `{b}`"))),
+        });
+    }
+    found
+}
+
+/// The refusal of too many receivers, with what would be few enough.
+fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) -> f64) -> Error {
+    let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
+    let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MOST_POINTS / 1e6);
+    let unit = "; if the area is too large, the unit is not the metre: --scale 0.001 for millimetres";
+    let spacing_m = match density {
+        Density::Spacing(metres) => metres,
+        Density::PerSurface(count) => {
+            // At least one for each surface.
+            let fewer = (f64::from(count) * MOST_POINTS / points).floor().max(1.0);
+            let what = format!("{count} for each surface are {:.0} million receivers {limit}", points / 1e6);
+            let hint = format!("--per-surface {fewer:.0}, or fewer surfaces with --on{unit}");
+            return Error::argument("--per-surface", what, hint);
+        }
+    };
+    let wider = wide_enough(spacing_m, points, |metres| of(Density::Spacing(metres)));
+    let hint = match wider {
+        Some((metres, count)) => {
+            format!("--spacing {metres}m would give {}, or cover less with --on{unit}", millions(count))
+        }
+        None => format!("cover fewer surfaces with --on{unit}"),
+    };
+    let what = format!("{spacing_m} m would give {} receivers {limit}", millions(points));
+    Error::argument("--spacing", what, hint)
+}
+
+fn millions(count: f64) -> String {
+    if count < 1e6 { format!("{count:.0}") } else { format!("{:.0} million", count / 1e6) }
+}
+
+/// The least spacing of two digits that is wide enough, metres, and how many receivers it gives.
+fn wide_enough(metres: f64, points: f64, of: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    // Areas take most of them, by the square of the spacing.
+    let about = metres * (points / MOST_POINTS).sqrt();
+    let step = 10_f64.powf(about.log10().floor() - 1.0);
+    let first = (about / step).floor();
+    (0..1000).find_map(|i| {
+        // Decimal digits, such as 0.35, as they are written.
+        let wider = ((first + f64::from(i)) * step * 1e6).round() / 1e6;
+        let count = of(wider);
+        (count <= MOST_POINTS).then_some((wider, count))
+    })
+}
+
+fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {
+    let position = piece.position + piece.normal * offset_m;
+    lying(&Viewpoint { position, normal: piece.normal }, offset_m, &scene.mesh, tracer)
+}
+
+/// Surfaces that are asked for.
+struct Wanted {
+    /// Without any, what of a building the sun may reach.
+    kinds: Vec<SurfaceKind>,
+    /// Numbers of materials.
+    materials: Vec<u16>,
+    /// Whether it was `all`, what lies in the ground too.
+    all: bool,
+    /// Whether a material is asked for that this part of the region does not have.
+    missing: bool,
+    /// Types of objects, in lower case; without any, buildings.
+    types: Vec<String>,
+}
+
+impl Wanted {
+    fn of(asked: &CoverRequest, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
+        // In a part of a region, what is asked for may be missing.
+        let is_part = asked.within.is_some();
+        let types = asked.types.iter().map(|name| name.trim().to_lowercase()).collect();
+        let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new(), all: false, missing: false, types };
+        for name in asked.on.iter().map(|name| name.trim()) {
+            let kind = SurfaceKind::ALL.into_iter().find(|kind| kind.name() == name.to_lowercase());
+            let material = materials.iter().position(|material| material.name == name);
+            match (name, kind, material) {
+                ("all", ..) => {
+                    wanted.kinds.extend(SurfaceKind::ALL);
+                    wanted.all = true;
+                }
+                (_, Some(kind), _) => wanted.kinds.push(kind),
+                (_, None, Some(material)) => wanted.materials.push(material as u16),
+                (_, None, None) if is_part => wanted.missing = true,
+                (_, None, None) => {
+                    let what = format!("there is no kind of surface and no material `{name}`");
+                    return Err(Error::argument("--on", what, choice(materials, surfaces)));
+                }
+            }
+        }
+        if is_part {
+            return Ok(wanted);
+        }
+        let mut of_type = surfaces.list.iter().map(|surface| (surface, &surfaces.objects[surface.object].1));
+        let unknown = |name: &&String| {
+            let has = |note: &ObjectNote| note.object_type.to_lowercase() == **name;
+            name.as_str() != "all" && !surfaces.objects.iter().any(|(_, note)| has(note))
+        };
+        if let Some(at) = wanted.types.iter().position(|name| unknown(&name)) {
+            let what =
+                format!("the scene has no object of type `{}`", asked.types.get(at).map_or("", |name| name.trim()));
+            return Err(Error::argument("--types", what, choice(materials, surfaces)));
+        }
+        if !of_type.any(|(surface, note)| wanted.asks(surface) && wanted.takes_object(surface, note)) {
+            let what = match asked.on.as_slice() {
+                [] => "the scene has no roof, wall or window of a building".to_owned(),
+                names => format!("the scene has no surface of {}", names.join(", ")),
+            };
+            return Err(Error::argument("--on", what, choice(materials, surfaces)));
+        }
+        Ok(wanted)
+    }
+
+    /// Whether it is a surface that is asked for, of whatever object.
+    fn asks(&self, surface: &Surface) -> bool {
+        let named = self.materials.contains(&surface.material);
+        let reached = self.all || surface.exposed != Some(false);
+        let of_kind = match surface.kind {
+            kind if !self.kinds.is_empty() || !self.materials.is_empty() || self.missing => self.kinds.contains(&kind),
+            SurfaceKind::Roof | SurfaceKind::Wall | SurfaceKind::Window => true,
+            // The floor of a storey that juts out; that of a city model lies on the ground.
+            SurfaceKind::Floor => surface.exposed == Some(true),
+            SurfaceKind::Ground | SurfaceKind::Shade => false,
+        };
+        named || (of_kind && reached)
+    }
+
+    /// Whether it would be asked for if its file did not say that no sun reaches it.
+    fn leaves_to_rooms(&self, surface: &Surface) -> bool {
+        let of_kind = match surface.kind {
+            kind if !self.kinds.is_empty() => self.kinds.contains(&kind),
+            kind => matches!(kind, SurfaceKind::Roof | SurfaceKind::Wall | SurfaceKind::Window),
+        };
+        surface.exposed == Some(false) && of_kind && !self.asks(surface)
+    }
+
+    /// Whether it is one of the objects that are asked for.
+    fn takes_object(&self, surface: &Surface, note: &ObjectNote) -> bool {
+        let by_name = self.materials.contains(&surface.material) || surface.kind == SurfaceKind::Ground;
+        match self.types.as_slice() {
+            [] => self.all || by_name || !note.beside,
+            types => types.iter().any(|name| name == "all" || *name == note.object_type.to_lowercase()),
+        }
+    }
+}
+
+/// What could be asked for.
+fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
+    let mut count: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
+    surfaces.list.iter().for_each(|surface| *count.entry(surface.kind).or_default() += 1);
+    let kinds: Vec<String> = count.iter().map(|(kind, count)| format!("{} ({count})", kind.name())).collect();
+    let types: BTreeSet<&str> = surfaces.objects.iter().map(|(_, note)| note.object_type.as_str()).collect();
+    let types: Vec<&str> = types.into_iter().filter(|name| !name.is_empty()).take(20).collect();
+    let names: Vec<&str> = materials.iter().take(20).map(|material| material.name.as_str()).collect();
+    let types =
+        if types.is_empty() { String::new() } else { format!("types of objects (--types) are {}; ", types.join(", ")) };
+    format!("there are surfaces of {}; {types}materials are {}", kinds.join(", "), names.join(", "))
+}
+
+/// Refuses a name that is not that of a CSV file: no other file is replaced by a table.
+pub fn check_name(path: &Path) -> Result<()> {
+    let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    if is_csv || path.exists() && !path.is_file() {
+        return Ok(());
+    }
+    let what = "is no name of this table, which is CSV: it ends with .csv";
+    Err(Error::input(path, None, what, format!("name it {}", path.with_extension("csv").display())))
+}
+
+/// Writes the table of the receivers that get light.
+pub fn save(path: &Path, covered: &Covered, offset_m: f64) -> Result<()> {
+    write(path, covered, covered.free(), offset_m, false)
+}
+
+/// Writes a table of receivers, with a reason where they are buried.
+pub fn write<'a>(
+    path: &Path,
+    covered: &Covered,
+    rows: impl Iterator<Item = CoveredRow<'a>>,
+    offset_m: f64,
+    with_reason: bool,
+) -> Result<()> {
+    let mut table = ReceiverTable::create(path, with_reason)?;
+    for (name, piece, surface, lying) in rows {
+        let position = piece.position + piece.normal * offset_m;
+        table.write(&ReceiverRow {
+            name: &name,
+            position,
+            normal: piece.normal,
+            area_m2: piece.area_m2,
+            surface: &surface.name,
+            part: covered.part(piece, surface),
+            patch: Patch::of_triangles(position, piece.normal, &piece.triangles),
+            reason: Some(reason(lying)),
+        })?;
+    }
+    table.finish()
+}
+
+fn reason(lying: Lying) -> &'static str {
+    match lying {
+        Lying::Free => "free",
+        Lying::Covered => "covered",
+        Lying::Inside => "inside",
+    }
+}
+
+/// What was done, by kind of surface.
+pub fn summary(covered: &Covered, scene: &Scene) -> String {
+    let [free, hidden, inside] = [Lying::Free, Lying::Covered, Lying::Inside].map(|lying| covered.count(lying));
+    let mut out = format!(
+        "{} on {} of {}\n",
+        counted(free as u64, "receiver"),
+        counted(covered.chosen.len() as u64, "surface"),
+        counted(covered.surfaces.objects.len() as u64, "object")
+    );
+    // Writing to a string cannot fail.
+    let mut line = |text: String| {
+        let _ = writeln!(out, "  {text}");
+    };
+    for kind in SurfaceKind::ALL {
+        let of_kind = || covered.chosen.iter().filter(|c| covered.surfaces.list[c.surface].kind == kind);
+        // An empty sum is -0.0.
+        let area: f64 = of_kind().map(|c| covered.surfaces.list[c.surface].area_m2).sum::<f64>() + 0.0;
+        let pieces =
+            || of_kind().flat_map(|c| c.pieces.iter().zip(&c.lying)).filter(|(_, lying)| **lying == Lying::Free);
+        let covered_area: f64 = pieces().map(|(piece, _)| piece.area_m2).sum::<f64>() + 0.0;
+        if of_kind().next().is_some() {
+            line(format!(
+                "{:7} {:>8} surfaces {:>9} receivers, {covered_area:.1} of {area:.1} m2 get light",
+                kind.name(),
+                of_kind().count(),
+                pieces().count()
+            ));
+        }
+    }
+    if hidden + inside > 0 {
+        line(format!(
+            "left out: {inside} inside a neighbour or below the terrain, {hidden} covered by another surface"
+        ));
+    }
+    if covered.inner.0 > 0 {
+        line(format!(
+            "left out: {} that face rooms or the ground, {:.1} m2",
+            counted(covered.inner.0 as u64, "surface"),
+            covered.inner.1
+        ));
+    }
+    if covered.small.0 > 0 {
+        line(format!(
+            "left out: {} of less than --min-area, {:.1} m2",
+            counted(covered.small.0 as u64, "surface"),
+            covered.small.1
+        ));
+    }
+    if !covered.beside.is_empty() {
+        let types: Vec<&str> = covered.beside.keys().map(String::as_str).collect();
+        let area: f64 = covered.beside.values().sum();
+        line(format!("left out: {area:.1} m2 of objects that are no buildings (--types {})", types.join(",")));
+    }
+    if !scene.report.warnings.is_empty() {
+        line(format!("{} above", counted(scene.report.warnings.len() as u64, "warning")));
+    }
+    out
+}

@@ -1,0 +1,70 @@
+//! What is missing below the horizon. In: the shares of the hemisphere that an archive holds. Out: a sentence, if light is lost there.
+
+use heliotile_core::archive::{Archive, Blocks, format, tables};
+use heliotile_core::error::Result;
+
+/// Less than this is the rim of the ground and of textures.
+const LEAST: f64 = 0.01;
+/// Normals closer to the horizontal than this are of walls (sine of the tilt off the vertical).
+const UPRIGHT: f64 = 0.5;
+
+/// Mean shares of the hemisphere, by area, in which receivers meet nothing.
+#[derive(Default)]
+struct Lost {
+    walls: Mean,
+    all: Mean,
+}
+
+/// By area, or plain where a receiver has none.
+#[derive(Default)]
+struct Mean {
+    by_area: f64,
+    area_m2: f64,
+    plain: f64,
+    receivers: f64,
+    is_whole: bool,
+}
+
+impl Mean {
+    /// An area of 0 is "not given".
+    fn add(&mut self, value: f64, area_m2: f64) {
+        self.is_whole = area_m2 > 0.0 && (self.is_whole || self.receivers == 0.0);
+        self.by_area += area_m2 * value;
+        self.area_m2 += area_m2;
+        self.plain += value;
+        self.receivers += 1.0;
+    }
+
+    fn value(&self) -> Option<f64> {
+        let (sum, weight) = if self.is_whole { (self.by_area, self.area_m2) } else { (self.plain, self.receivers) };
+        (weight > 0.0).then(|| sum / weight)
+    }
+}
+
+/// Says how much of their hemisphere walls see nothing in, or receivers where there are no walls; `None` where that is next to nothing.
+pub fn nothing_seen(archive: &Archive) -> Result<Option<String>> {
+    let mut lost = Lost::default();
+    archive.expect_all(format::RECEIVERS);
+    for tile in 0..archive.tiles() {
+        let table = tables::ReceiversTable::from_block(&Blocks::block(archive, format::RECEIVERS, tile)?)?;
+        for ((views, normal), area) in table.views().zip(&table.normal).zip(&table.area) {
+            let nothing = (1.0 - views.into_iter().map(f64::from).sum::<f64>()).max(0.0);
+            lost.all.add(nothing, *area);
+            if normal[2].abs() <= UPRIGHT {
+                lost.walls.add(nothing, *area);
+            }
+        }
+    }
+    let (who, share) = match (lost.walls.value(), lost.all.value()) {
+        (Some(share), _) => ("walls", share),
+        (None, Some(share)) => ("receivers", share),
+        (None, None) => return Ok(None),
+    };
+    let percent = 100.0 * share;
+    Ok((share >= LEAST).then(|| {
+        format!(
+            "{who} see nothing in {percent:.1} % of their hemisphere: below the horizon nothing reflects there (more terrain, or an \
+             [endless_ground] in {{materials}})"
+        )
+    }))
+}

@@ -1,0 +1,66 @@
+//! What archives are asked for, and what becomes of the answer. In: archives, requests. Out: tiles of irradiance with their labels, and files
+//! of results.
+//!
+//! # Map
+//!
+//! | room | what it holds |
+//! | --- | --- |
+//! | `request` | [`QueryRequest`], [`ReplayRequest`], [`LightChoice`]: what a user asks for |
+//! | `archives`, `receivers` | one archive or those of an atlas, and which of their receivers count |
+//! | `series` | conditions with labels, coarser periods of them |
+//! | `stream` | [`TileStream`], the one place where a replay is set up, and [`TileSink`], what takes its tiles |
+//! | `files` | [`FileRequest`]: tables, maps, charts, city models and folders of Honeybee as sinks |
+//! | `buildings`, `places`, `factors` | further questions |
+//! | [`covering`] | a scene's surfaces with receivers on them, and the table of these |
+//! | [`site_archive`] | the archive of a scene's receivers in a folder: the one that is there, or a new one |
+//! | [`pv`] | light on solar modules, their best turns |
+//! | [`run`] | from scene files to a folder of a year's results in one go |
+//! | [`horizon`], `doubts` | what a user should know before results are used |
+//! | [`outputs`] | writers: one model of columns for all tables, maps, pictures, models of others |
+//!
+//! # What never happens
+//!
+//! - Nothing is printed and no command line is known: an [`Observer`](heliotile_core::observer::Observer) is told; errors name fields of
+//!   requests.
+//! - A file is complete, or it is not there at all.
+
+mod archives;
+mod buildings;
+pub mod covering;
+mod doubts;
+mod factors;
+mod files;
+pub mod horizon;
+pub mod outputs;
+mod places;
+pub mod pv;
+mod receivers;
+mod request;
+mod resources;
+pub mod run;
+mod series;
+pub mod site_archive;
+mod stream;
+
+pub use archives::{Archives, Sources};
+pub use buildings::{BuildingsRequest, BuildingsSummary};
+pub use covering::CoverRequest;
+pub use factors::{FactorRows, FactorsRequest};
+pub use files::{
+    AreaChart, CityModelSink, FileRequest, MapFile, ResultRows, ResultSink, crs_of, name_of, surroundings,
+};
+pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
+pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};
+pub use request::{LightChoice, QueryRequest, ReplayRequest};
+pub use resources::Resources;
+pub use run::{RunDone, RunMap, RunRequest};
+pub use series::Series;
+pub use site_archive::SiteArchiveRequest;
+pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream, replay_of};
+
+pub use crate::outputs::periods::Every;
+pub use crate::outputs::provenance::Provenance;
+pub use crate::outputs::pv::hourly::{ONE_SIDE, SideHours};
+pub use crate::outputs::tables::ArrowRows;
+pub use crate::outputs::tables::layout::{By, Fact, Labels, Layout};
+pub use crate::outputs::tables::row_labels::{Instants, Precision, RowLabels};

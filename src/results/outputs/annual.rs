@@ -1,0 +1,60 @@
+//! Sums over a whole weather file, a row for each receiver. In: receivers, their sums in kWh/m2. Out: a table with places.
+
+use std::path::Path;
+
+use super::provenance::Provenance;
+use super::receivers::columns_of_receivers;
+use super::tables::column::Column;
+use super::tables::rows::{Cell, RowWriter};
+use heliotile_core::error::Result;
+use heliotile_core::replay::components::{Component, SUM_SUFFIX};
+use heliotile_core::site::north::North;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::units::tilt_and_azimuth;
+
+/// A receiver and its sums, kWh/m2: the six components and their total.
+#[derive(Clone, Debug)]
+pub struct AnnualRow {
+    /// The receiver.
+    pub receiver: Receiver,
+    /// By component.
+    pub kwh_m2: [f32; 7],
+}
+
+/// A table of sums being written.
+pub struct AnnualTable {
+    table: RowWriter,
+    north: North,
+}
+
+impl AnnualTable {
+    /// Starts `receiver,x,y,z,nx,ny,nz,area,surface`, what the receiver stands for, its tilt and azimuth (from true north), and the sums, of
+    /// so many rows; and beside them what they are.
+    pub fn create(path: &Path, count: u64, north: North, provenance: &Provenance) -> Result<Self> {
+        let columns = columns_of_receivers()
+            .into_iter()
+            .chain(["tilt_deg", "azimuth_deg"].map(|name| Column::number(name, 2)))
+            .chain(Component::ALL.map(|component| Column::number(format!("{}{SUM_SUFFIX}", component.name()), 3)));
+        let table = RowWriter::create(path, columns.collect(), count, Some(provenance))?;
+        Ok(AnnualTable { table, north })
+    }
+
+    /// Appends a row.
+    pub fn write(&mut self, row: &AnnualRow) -> Result<()> {
+        let Receiver { id, position: p, normal: n, area, surface, part, .. } = &row.receiver;
+        let (tilt, azimuth) = tilt_and_azimuth(self.north.to_true(*n));
+        let mut cells = vec![Cell::from(id)];
+        cells.extend([p.x, p.y, p.z, n.x, n.y, n.z].map(Cell::from));
+        cells.push((*area).into());
+        cells.push(surface.as_deref().unwrap_or_default().into());
+        cells.extend(part.texts().map(Cell::from));
+        cells.extend([tilt, azimuth].map(Cell::from));
+        cells.extend(row.kwh_m2.map(|sum| Cell::from(f64::from(sum))));
+        self.table.row(cells)
+    }
+
+    /// Completes the table; only now does its file appear.
+    pub fn finish(self) -> Result<()> {
+        self.table.finish().map(drop)
+    }
+}

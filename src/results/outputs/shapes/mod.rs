@@ -1,0 +1,23 @@
+//! Results on a map: polygons of receivers, surfaces, objects or buildings with their values, as files of GIS, BIM and ParaView.
+//!
+//! In: places with the parts of surfaces that they stand for, and tiles of values as tables take them. Out: a file, complete or not there at
+//! all. Rows wait in sorted runs, which leave memory where they do not fit; each format then reads them as often as it likes.
+//! Never: sums other than those of months, colours other than those of pictures.
+
+pub mod columns;
+mod crs;
+mod flatgeobuf;
+mod geojson;
+mod geoparquet;
+mod glb;
+pub mod group_patches;
+mod outline;
+pub mod picture;
+mod ply;
+mod pvd;
+pub mod row;
+mod rows;
+mod vtu;
+pub mod writer;
+
+pub use crs::MapCrs;

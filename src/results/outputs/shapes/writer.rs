@@ -1,0 +1,206 @@
+//! A map in a format by the ending of its name. In: places with their shapes, tiles of values. Out: a file, whole or not there.
+
+use std::path::{Path, PathBuf};
+
+use super::columns::MapColumns;
+use super::crs::MapCrs;
+pub use super::glb::Surroundings;
+use super::group_patches::{GroupPatches, polygons};
+use super::picture::{self, Drawn};
+use super::pvd::Series;
+use super::row::MapPolygon;
+use super::rows::{MapFacts, MapRows, RowSpool};
+use super::{flatgeobuf, geojson, geoparquet, glb, ply, pvd, vtu};
+use crate::outputs::groups::Extent;
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::sink::Sink;
+use crate::outputs::tables::layout::Layout;
+use crate::outputs::tables::row_labels::RowLabels;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::scratch::ScratchSpace;
+use heliotile_core::replay::values::TileValues;
+use heliotile_core::site::north::North;
+use heliotile_core::site::receiver::Receiver;
+
+/// The file format of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapFormat {
+    /// glTF 2.0, binary.
+    Glb,
+    FlatGeobuf,
+    GeoJson,
+    /// Triangles and points with colours.
+    Ply,
+    /// VTK's unstructured grid.
+    Vtu,
+    /// A time series of these.
+    Pvd,
+    /// `.parquet`, where it is asked for.
+    GeoParquet,
+    /// A picture, of `--plot`.
+    Png,
+}
+
+impl MapFormat {
+    /// Endings of names; that of GeoParquet is one of tables, too, and pictures are no results to go on with.
+    pub const ENDINGS: [(&'static str, MapFormat); 6] = [
+        ("glb", MapFormat::Glb),
+        ("fgb", MapFormat::FlatGeobuf),
+        ("geojson", MapFormat::GeoJson),
+        ("ply", MapFormat::Ply),
+        ("vtu", MapFormat::Vtu),
+        ("pvd", MapFormat::Pvd),
+    ];
+
+    /// Refuses coordinates that the format cannot have.
+    pub fn check(self, crs: &MapCrs) -> Result<()> {
+        if self != MapFormat::GeoJson || crs.has_degrees() {
+            return Ok(());
+        }
+        let what = match crs.epsg() {
+            Some(epsg) => {
+                format!("GeoJSON has latitudes, and EPSG:{epsg} is not among the systems that are known here")
+            }
+            None => "GeoJSON has latitudes, and nothing says which coordinate system the scene is in".into(),
+        };
+        let hint = "write .fgb, .glb or .vtu, or build the archive with --crs, as in --crs 28992";
+        Err(Error::argument(".geojson", what, hint))
+    }
+
+    /// Whether the scene is drawn around.
+    pub fn shows_surroundings(self) -> bool {
+        matches!(self, MapFormat::Glb | MapFormat::Png)
+    }
+
+    /// Whether it has marks for places without an extent.
+    pub fn shows_points(self) -> bool {
+        matches!(self, MapFormat::Png | MapFormat::Ply)
+    }
+
+    /// The ending of files.
+    pub fn ending(self) -> &'static str {
+        let found = Self::ENDINGS.iter().find(|(_, format)| *format == self);
+        found.map_or(if self == MapFormat::Png { "png" } else { "parquet" }, |(ending, _)| ending)
+    }
+}
+
+/// What places look like, in the order in which their values come.
+pub enum PlaceShapes<'a> {
+    /// Receivers with their patches.
+    Receivers(Box<dyn Iterator<Item = Result<Receiver>> + 'a>),
+    Groups(Box<GroupPatches>),
+}
+
+/// What a map is made of besides places and values.
+pub struct MapRequest<'a> {
+    pub path: &'a Path,
+    pub format: MapFormat,
+    pub layout: &'a Layout,
+    pub labels: &'a RowLabels,
+    /// None for a query.
+    pub every: Option<Every>,
+    pub crs: MapCrs,
+    /// Normals are turned to it, and pictures.
+    pub north: North,
+    /// What the values are of, in words, for pictures.
+    pub called: String,
+    /// Only some formats draw it.
+    pub around: Option<Surroundings<'a>>,
+    pub about: Provenance,
+    /// For what does not fit into memory.
+    pub folder: PathBuf,
+    pub storage: &'a dyn ScratchSpace,
+    pub memory_bytes: usize,
+}
+
+impl MapRequest<'_> {
+    /// The columns; an error where the map cannot be written, before any work.
+    pub fn columns(&self) -> Result<MapColumns> {
+        self.format.check(&self.crs)?;
+        match self.format {
+            MapFormat::Pvd => Ok(MapColumns::of_places(self.layout)),
+            _ => MapColumns::of(self.layout, self.labels, self.every),
+        }
+    }
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug)]
+pub struct MapStats {
+    pub facts: MapFacts,
+    pub bytes: u64,
+}
+
+/// A map being written.
+pub struct MapWriter<'a> {
+    request: MapRequest<'a>,
+    shapes: PlaceShapes<'a>,
+    columns: MapColumns,
+    rows: RowSpool,
+    series: Option<Series>,
+}
+
+impl<'a> MapWriter<'a> {
+    /// Starts a map; errors as of [`MapRequest::columns`].
+    pub fn create(request: MapRequest<'a>, shapes: PlaceShapes<'a>) -> Result<Self> {
+        let columns = request.columns()?;
+        let rows = RowSpool::new(&request.folder, request.memory_bytes, columns.colour);
+        let series = match request.format {
+            MapFormat::Pvd => Some(Series::new(request.layout, request.labels, request.storage)?),
+            _ => None,
+        };
+        Ok(MapWriter { request, shapes, columns, rows, series })
+    }
+
+    /// Appends the places of a tile, as [`crate::outputs::result_table::ResultTable::write_tile`] does.
+    pub fn write_tile(&mut self, names: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
+        for (i, name) in names.iter().enumerate() {
+            let (common, extent, polygons) = match &mut self.shapes {
+                PlaceShapes::Groups(groups) => {
+                    let (common, polygons) = groups.next_group()?;
+                    (common, extents.get(i).copied().unwrap_or_default(), polygons)
+                }
+                PlaceShapes::Receivers(receivers) => {
+                    let Some(receiver) = receivers.next().transpose()?.filter(|receiver| receiver.id == *name) else {
+                        let what = format!("values of {name} come where another receiver's belong");
+                        return Err(Error::defect(self.request.path, "map", "rows", what));
+                    };
+                    let polygons = polygons(&receiver).unwrap_or_else(|| vec![MapPolygon::point(receiver.position)]);
+                    let normal = self.request.north.to_true(receiver.normal);
+                    let extent = Extent { area_m2: receiver.area, normal, agreement: 1.0 };
+                    (receiver, extent, polygons)
+                }
+            };
+            let drawn_m2 = || polygons.iter().map(MapPolygon::area_m2).sum();
+            let area_m2 = extent.area_m2.unwrap_or_else(drawn_m2);
+            let mut row = self.columns.row(name, &common, &extent, area_m2, values, i);
+            row.polygons = polygons;
+            self.rows.push(&row)?;
+        }
+        self.series.as_mut().map_or(Ok(()), |series| series.add(values))
+    }
+
+    /// Completes the map; only now does its file appear.
+    pub fn finish(self) -> Result<MapStats> {
+        let MapWriter { request, columns, rows, series, .. } = self;
+        let mut rows: MapRows = rows.finish()?;
+        let (rows, columns, crs, about) = (&mut rows, &columns, &request.crs, &request.about);
+        let sink = || Sink::file(request.path);
+        let bytes = match (request.format, &series) {
+            (MapFormat::Glb, _) => glb::write(sink()?, rows, columns, crs, request.around.as_ref(), about)?,
+            (MapFormat::FlatGeobuf, _) => flatgeobuf::write(sink()?, rows, columns, crs, about)?,
+            (MapFormat::GeoJson, _) => geojson::write(sink()?, rows, columns, crs, about)?,
+            (MapFormat::GeoParquet, _) => geoparquet::write(sink()?, rows, columns, crs, about)?,
+            (MapFormat::Ply, _) => ply::write(sink()?, rows, columns, about)?,
+            (MapFormat::Pvd, Some(series)) => pvd::write(request.path, rows, columns, series, about)?,
+            (MapFormat::Png, _) => {
+                let (around, unit) = (request.around.as_ref(), request.layout.unit());
+                let drawn = Drawn { around, north: request.north, called: &request.called, unit };
+                picture::write(sink()?, rows, columns, &drawn, about)?
+            }
+            (MapFormat::Vtu | MapFormat::Pvd, _) => vtu::write(sink()?, rows, columns, None, about)?,
+        };
+        Ok(MapStats { facts: rows.facts, bytes })
+    }
+}

@@ -1,0 +1,134 @@
+//! The page that shows an archive, with what it is to show put inside. In: files' names and bytes, or addresses. Out: one HTML file that
+//! needs no other.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde_json::Value;
+
+use super::page::escaped;
+use super::sink::Sink;
+use heliotile_core::archive::ReadAt;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::weather::options::{TimeShift, WeatherOptions};
+
+/// As `src/viewer/build` makes it.
+const PAGE: &str = include_str!("../../viewer/page.html");
+/// Where data go.
+const MARKER: &str = "<!-- heliotile: data -->";
+
+/// Larger archives do not go into a page: browsers take seconds to read them.
+pub const MOST_BYTES: u64 = 50_000_000;
+
+/// What goes into a page.
+#[derive(Default)]
+pub struct ViewerPage {
+    scripts: String,
+    options: serde_json::Map<String, Value>,
+    holds_archive: bool,
+}
+
+impl ViewerPage {
+    /// An archive, if it is small enough.
+    pub fn with_archive(mut self, path: &Path, archive: &dyn ReadAt) -> Result<Self> {
+        let name = name_of(path);
+        if let Some(length) = usize::try_from(archive.length()).ok().filter(|_| archive.length() <= MOST_BYTES) {
+            let bytes = archive.copy_at(0, length).map_err(Error::unread(path))?;
+            self.add("archive", &name, "", &bytes);
+            self.holds_archive = true;
+        }
+        Ok(self)
+    }
+
+    /// A weather file's bytes, unpacked.
+    pub fn with_weather(mut self, path: &Path, bytes: &[u8]) -> Result<Self> {
+        let packed = packed(bytes).map_err(Error::io(path, "pack"))?;
+        self.add("weather", &name_of(path), " data-packed=\"gzip\"", &packed);
+        Ok(self)
+    }
+
+    /// Something that the page is told: `archive` and `weather`, addresses that it reads from.
+    pub fn with_option(mut self, name: &str, value: impl Into<Value>) -> Self {
+        self.options.insert(name.into(), value.into());
+        self
+    }
+
+    /// How the weather's clock is read, where it is not as the file says.
+    pub fn with_clock(self, options: &WeatherOptions) -> Self {
+        let shift = match options.shift {
+            shift if shift == TimeShift::default() => None,
+            TimeShift::Auto => Some("auto".to_owned()),
+            TimeShift::Minutes(minutes) => Some(format!("{minutes}min")),
+        };
+        let said = [
+            ("timeZone", options.zone_hours.map(|zone| zone.to_string())),
+            ("shift", shift),
+            ("stamp", options.stamped_at.map(|at| at.name().to_owned())),
+            ("dateOrder", options.date_order.map(|order| order.name().to_owned())),
+        ];
+        let clock: Value =
+            said.into_iter().filter_map(|(name, said)| Some((name.to_owned(), Value::from(said?)))).collect();
+        self.with_option("clock", clock)
+    }
+
+    /// Whether the archive went in.
+    pub fn holds_archive(&self) -> bool {
+        self.holds_archive
+    }
+
+    fn add(&mut self, id: &str, name: &str, more: &str, bytes: &[u8]) {
+        let name = escaped(name).replace('"', "&quot;");
+        self.scripts
+            .push_str(&format!("<script type=\"application/octet-stream\" id=\"{id}\" data-name=\"{name}\"{more}>"));
+        BASE64_STANDARD.encode_string(bytes, &mut self.scripts);
+        self.scripts.push_str("</script>\n");
+    }
+
+    /// Writes the page.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let mut sink = Sink::file(path)?;
+        sink.write_all(self.html().as_bytes()).map_err(Error::io(path, "write to"))?;
+        sink.finish().map(|_| ())
+    }
+
+    /// The page.
+    pub fn html(&self) -> String {
+        // No text ends a script.
+        let options = Value::Object(self.options.clone()).to_string().replace('<', "\\u003c");
+        let data = format!("<script type=\"application/json\" id=\"options\">{options}</script>\n{}", self.scripts);
+        PAGE.replacen(MARKER, &data, 1)
+    }
+}
+
+/// Bytes as browsers unpack them themselves.
+pub fn packed(bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(bytes)?;
+    packed.finish()
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The page has one place for data, and names with `<`, `>` and quotes cannot leave theirs: one script of each kind is in it.
+    #[test]
+    fn names_stay_in_their_place() {
+        assert_eq!(PAGE.matches(MARKER).count(), 1);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("\"><script>alert(1)<.helio");
+        let page = ViewerPage::default().with_archive(&path, &b"not an archive".to_vec()).expect("read");
+        let html = page.with_option("archive", "</script><script>alert(1)").html();
+        let count = |text: &str| html.matches(text).count() - PAGE.matches(text).count();
+        assert_eq!((count("<script>alert"), count("<script type="), count("id=\"archive\"")), (0, 2, 1));
+        assert!(html.contains(&BASE64_STANDARD.encode(b"not an archive")));
+    }
+}

@@ -1,0 +1,272 @@
+//! Light on solar modules. In: a scene, weather, places. Out: a folder with sums, hours, shading losses, horizons and, if
+//! they are asked for, the best turns. What light does stands in core; what becomes of it in a module is pvlib's.
+
+mod folder;
+mod light;
+mod modules;
+mod open_plain;
+mod results;
+mod search;
+mod spots;
+mod summary;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::horizon::nothing_seen;
+use crate::outputs::provenance::Provenance;
+use crate::resources::Resources;
+use crate::site_archive::{TraceRequest, WaysOut, up_to_date};
+use folder::PvFolder;
+use heliotile_builder::pipeline::PreparedScene;
+use heliotile_builder::planning::AccuracyRequest;
+use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::siting::Siting;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::orientation::fan::TurnLimits;
+use heliotile_core::site::north::North;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::distance::far_apart;
+use heliotile_core::weather::options::{StampedAt, WeatherOptions};
+use heliotile_scene::Scene;
+use heliotile_scene::covering::surfaces::Surfaces;
+use heliotile_scene::input::weather::read_weather_as;
+use heliotile_scene::load::Soup;
+use heliotile_scene::pv::points::{PvPoint, read_points};
+use heliotile_scene::pv::rows::{RowsOfModules, read_rows};
+use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
+use light::Light;
+use modules::{GEOMETRY, LaidRows, MATERIALS};
+use results::Results;
+use spots::Spots;
+
+/// What is asked of a study of modules.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PvRequest {
+    /// The scene.
+    pub scene: SceneRequest,
+    /// Weather file.
+    pub weather: PathBuf,
+    /// What is known of that file that it does not state.
+    pub about_weather: WeatherOptions,
+    /// Table of points,
+    pub points: Option<PathBuf>,
+    /// or rows of modules.
+    pub rows: Option<PathBuf>,
+    /// Share of the light on the rear that counts beside the front.
+    pub bifaciality: f64,
+    /// Folder of all that is written.
+    pub folder: PathBuf,
+    /// Whether the best turns are searched.
+    pub search: bool,
+    /// Tilts that a search may choose, degrees.
+    pub tilts_deg: [f64; 2],
+    /// Azimuths that a search may choose, degrees clockwise from true north.
+    pub azimuths_deg: [f64; 2],
+    /// How the sky's radiance is spread.
+    pub sky: SkyModel,
+    /// Ending of the table of hours.
+    pub format: String,
+    /// Whether hours are written.
+    pub hourly: bool,
+    /// Which moment of its interval a row of hours is labelled with.
+    pub stamp: StampedAt,
+    /// The year that all rows are put into.
+    pub year: Option<i32>,
+    /// How exact the archive is to be.
+    pub accuracy: AccuracyRequest,
+    /// Whether what the folder holds of other inputs goes.
+    pub replace: bool,
+}
+
+/// What a study did.
+#[derive(Clone, Debug)]
+pub struct PvDone {
+    /// Where everything is.
+    pub folder: PathBuf,
+    /// The archive.
+    pub archive: PathBuf,
+    /// Names of the tables, seen from the folder.
+    pub files: Vec<String>,
+    /// Sums of sides and the best turns, as a text.
+    pub table: String,
+}
+
+/// What is to be placed.
+enum Wanted {
+    Points(Vec<PvPoint>),
+    Rows(Vec<RowsOfModules>),
+}
+
+impl Default for PvRequest {
+    fn default() -> Self {
+        PvRequest { points: None, ..PvRequest::of(SceneRequest::default(), "", "", "") }
+    }
+}
+
+impl PvRequest {
+    /// Writes the folder; `about` is what results say of how they were made.
+    pub fn write(&self, about: Provenance, resources: &Resources) -> Result<PvDone> {
+        run(self, about, resources)
+    }
+}
+
+fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<PvDone> {
+    let observer = resources.observer;
+    let mut site = request.scene.site()?;
+    let files = PvFolder::of(request);
+    files.guard(&site, request)?;
+    let wanted = request.wanted(observer)?;
+    // Before the scene, which takes longer: a wrong weather file is found at once.
+    let mut loaded = None;
+    let mut place = || Ok(loaded.insert(load(&site, &wanted, observer)?).0.place);
+    let weather = read_weather_as(&request.weather, &request.about_weather, &mut place)?;
+    weather.report.warnings.iter().for_each(|text| observer.warn(text));
+    files.check_weather(&weather, request)?;
+    let (scene, soup) = loaded.map_or_else(|| load(&site, &wanted, observer), Ok)?;
+    scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
+    let dated = light::rows_of(request, &weather, observer)?;
+    let light = Light::new(request, &weather, &dated, *resources);
+    let north = North::of(scene.place.as_ref());
+
+    let prepared = PreparedScene::new(&scene)?;
+    let siting = Siting::new(&prepared);
+    let laid = match &wanted {
+        Wanted::Points(_) => None,
+        Wanted::Rows(rows) => {
+            let surfaces = Surfaces::find(&soup, &scene.materials);
+            Some(LaidRows::lay(request.rows_file(), rows.clone(), &surfaces, &siting, north, observer)?)
+        }
+    };
+    let mut spots = match (&wanted, &laid) {
+        (Wanted::Points(points), _) => Spots::of_points(request.points_file(), points, &siting)?,
+        (_, laid) => Spots::of_modules(laid.iter().flat_map(LaidRows::modules), &siting),
+    };
+    fs::create_dir_all(&files.folder).map_err(Error::io(&files.folder, "create"))?;
+    let beside = tempfile::Builder::new().prefix(".pv").tempdir_in(&files.folder);
+    let beside = beside.map_err(Error::io(&files.folder, "make a folder in"))?;
+    let searched = match request.search {
+        true => search::run(request, &light, &prepared, &spots)?,
+        false => Vec::new(),
+    };
+    spots.turn_unturned(&searched);
+    // Modules are a part of what is traced.
+    let with_modules = match &laid {
+        Some(laid) => {
+            laid.add_to(&mut site, beside.path())?;
+            Some(Scene::load_site(&site)?)
+        }
+        None => None,
+    };
+    let traced = with_modules.as_ref().unwrap_or(&scene);
+    let receivers = spots.write_receivers(beside.path(), north)?;
+    let asked = TraceRequest {
+        folder: &files.folder,
+        receivers: &receivers,
+        archive: &files.archive,
+        accuracy: &request.accuracy,
+        effects: EffectChoice::Auto,
+        offset_m: 0.0,
+        replace: request.replace,
+        ways_out: WaysOut::USUAL,
+        memory: resources.memory,
+        under: None,
+        with_scene: true,
+    };
+    let archive = up_to_date(&asked, traced, None, observer)?;
+    let parts: &[&str] = if laid.is_some() { &["receivers.csv", GEOMETRY, MATERIALS] } else { &["receivers.csv"] };
+    for name in parts {
+        let to = files.folder.join(name);
+        fs::rename(beside.path().join(name), &to).map_err(Error::io(&to, "rename to"))?;
+    }
+    nothing_seen(&archive)?.iter().for_each(|lost| observer.warn(lost));
+    observer.stop_if_cancelled("after site.helio was complete")?;
+    files.claim(&archive, &weather, request, &spots)?;
+
+    let about = about
+        .with_archive(&files.archive, &archive)
+        .with_weather(&request.weather, &weather)
+        .with_option("steps", light.steps(&archive))
+        .with_option("patches", archive.manifest().settings.patches());
+    let results = Results { request, files: &files, light: &light, archive: &archive, spots: &spots, about: &about };
+    let sides = results.write(&scene, &siting, north)?;
+    if request.search {
+        results.write_search(&searched)?;
+    }
+    light.notes(request).iter().for_each(|text| observer.note(text));
+    let table = summary::table(&sides, &searched, &request.weather);
+    Ok(PvDone { files: files.names(request), folder: files.folder, archive: files.archive, table })
+}
+
+impl PvRequest {
+    /// A study of the modules of a table of points.
+    pub fn of(
+        scene: SceneRequest,
+        weather: impl Into<PathBuf>,
+        points: impl Into<PathBuf>,
+        folder: impl Into<PathBuf>,
+    ) -> Self {
+        PvRequest {
+            scene,
+            weather: weather.into(),
+            about_weather: WeatherOptions::default(),
+            points: Some(points.into()),
+            rows: None,
+            bifaciality: 0.8,
+            folder: folder.into(),
+            search: false,
+            tilts_deg: [0.0, 90.0],
+            azimuths_deg: [0.0, 360.0],
+            sky: SkyModel::default(),
+            format: "csv".to_owned(),
+            hourly: true,
+            stamp: StampedAt::default(),
+            year: None,
+            accuracy: AccuracyRequest::default(),
+            replace: false,
+        }
+    }
+
+    /// The table of points, for messages.
+    fn points_file(&self) -> &Path {
+        self.points.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// The file of rows.
+    fn rows_file(&self) -> &Path {
+        self.rows.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// What a search may choose.
+    fn limits(&self) -> TurnLimits {
+        TurnLimits { tilts_deg: self.tilts_deg, azimuths_deg: self.azimuths_deg }
+    }
+
+    fn wanted(&self, observer: &dyn Observer) -> Result<Wanted> {
+        match (&self.points, &self.rows) {
+            (Some(file), None) => {
+                let mut warnings = Vec::new();
+                let points = read_points(file, !self.search, &mut warnings)?;
+                warnings.iter().for_each(|text| observer.warn(text));
+                Ok(Wanted::Points(points))
+            }
+            (None, Some(file)) => read_rows(file).map(Wanted::Rows),
+            _ => Err(Error::argument("points, rows", "one of them has to be given", "give a table of points, or rows")),
+        }
+    }
+}
+
+/// The scene, with what its triangles are parts of where rows ask for surfaces.
+fn load(site: &Site, wanted: &Wanted, observer: &dyn Observer) -> Result<(Scene, Soup)> {
+    let loaded = match wanted {
+        Wanted::Points(_) => (Scene::load_site(site)?, Soup::default()),
+        Wanted::Rows(_) => Scene::load_with_objects(site)?,
+    };
+    loaded.0.report.tell(observer);
+    Ok(loaded)
+}

@@ -1,0 +1,127 @@
+//! Rows of modules in a scene. In: `rows.toml`, the scene without them. Out: where each module stands, and the modules as a file of the scene,
+//! so that they shade and light one another.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use glam::{DVec2, DVec3};
+
+use crate::outputs::sink::write_texts;
+use heliotile_builder::siting::Siting;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::orientation::fan::Turn;
+use heliotile_core::site::north::North;
+use heliotile_scene::covering::surfaces::Surfaces;
+use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
+use heliotile_scene::pv::rows::{RowsGround, RowsOfModules, surface_named};
+use heliotile_scene::site::{Part, Site};
+
+/// Names of the files of modules.
+pub const GEOMETRY: &str = "modules.obj";
+pub const MATERIALS: &str = "modules.toml";
+
+/// More of them are a slip of metres and millimetres.
+const MOST_MODULES: usize = 1_000_000;
+/// Places that are looked at for rows: those of some 10 km2.
+const MOST_PLACES: f64 = 1e9;
+
+/// Rows with their modules.
+pub struct LaidRows {
+    rows: Vec<(RowsOfModules, Vec<Module>)>,
+}
+
+impl LaidRows {
+    /// Lays rows out on a scene.
+    pub fn lay(
+        file: &Path,
+        rows: Vec<RowsOfModules>,
+        surfaces: &Surfaces,
+        siting: &Siting,
+        north: North,
+        observer: &dyn Observer,
+    ) -> Result<Self> {
+        let mut all = Vec::new();
+        for rows in rows {
+            let outline = match &rows.ground {
+                RowsGround::Area(corners) => Outline::of_polygon(corners),
+                RowsGround::Surface(name) => match surface_named(surfaces, name) {
+                    Ok(surface) => Outline::of_surface(surface),
+                    Err(near) => {
+                        let what = format!("the scene has no surface `{name}`");
+                        let hint = format!("name one that `heliotile receivers` lists, such as {}", near.join(", "));
+                        return Err(Error::input(file, None, what, hint));
+                    }
+                },
+            };
+            if outline.places(rows.pitch_m) > MOST_PLACES {
+                let what =
+                    format!("the rows `{}`: their area is too wide to look for places of modules in it", rows.name);
+                let hint =
+                    "are its corners metres in the coordinates of the scene? Larger fields take several [[rows]]";
+                return Err(Error::input(file, None, what, hint));
+            }
+            let normal = north.to_axes(rows.turn.normal());
+            let below = |p: DVec2| siting.top(p.x, p.y).map(|top| top.z);
+            let Laid { modules, left_out } = lay(&rows, normal, &outline, below);
+            if modules.is_empty() {
+                let what = format!("the rows `{}`: no module fits", rows.name);
+                return Err(Error::input(file, None, what, "a larger area, a smaller setback or another turn"));
+            }
+            if modules.len() > MOST_MODULES {
+                let (what, value) = ("the number of modules of rows".into(), modules.len() as u64);
+                return Err(Error::Limit { what, value, max: MOST_MODULES as u64 });
+            }
+            if left_out > 0 {
+                observer.warn(&format!(
+                    "{}: the rows `{}`: {left_out} modules are left out, below them is nothing, or something stands through them",
+                    file.display(),
+                    rows.name
+                ));
+            }
+            all.push((rows, modules));
+        }
+        Ok(LaidRows { rows: all })
+    }
+
+    /// All modules, with the turn and the receivers of their kind.
+    pub fn modules(&self) -> impl Iterator<Item = (&Module, Turn, usize)> {
+        self.rows.iter().flat_map(|(rows, all)| all.iter().map(|module| (module, rows.turn, rows.samples)))
+    }
+
+    /// Writes the modules into a folder and adds them to a site.
+    pub fn add_to(&self, site: &mut Site, folder: &Path) -> Result<()> {
+        let (geometry, materials) = self.texts();
+        write_texts(folder, &[(GEOMETRY, geometry), (MATERIALS, materials)])?;
+        let (geometry, materials): (PathBuf, PathBuf) = (folder.join(GEOMETRY), folder.join(MATERIALS));
+        // Metres of the scene, whatever is said of its other files.
+        let part = Part::plain(&geometry, Some(&materials));
+        site.parts.push(Part { scale: Some(1.0), elevation_m: Some(0.0), ..part });
+        Ok(())
+    }
+
+    /// OBJ and the reflectances of its materials.
+    fn texts(&self) -> (String, String) {
+        let (mut obj, mut toml, mut corner) = (String::new(), String::new(), 0);
+        for (rows, modules) in &self.rows {
+            let [front, rear] = ["front", "rear"].map(|side| format!("pv {side} {}", rows.name));
+            for (material, reflectance) in [&front, &rear].into_iter().zip(rows.reflectances) {
+                let _ = writeln!(toml, "[\"{material}\"]\ndiffuse = {reflectance}\nclass = \"obstruction\"");
+            }
+            for module in modules {
+                let _ = writeln!(obj, "o {}", module.name);
+                let all: Vec<DVec3> = module.front.into_iter().chain(module.rear()).collect();
+                for p in all {
+                    let _ = writeln!(obj, "v {} {} {}", p.x, p.y, p.z);
+                }
+                let face = |of: [usize; 4]| of.map(|i| (corner + i).to_string()).join(" ");
+                let _ = writeln!(obj, "usemtl {front}\nf {}\nusemtl {rear}", face([1, 2, 3, 4]));
+                for of in [[8, 7, 6, 5], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 8, 4], [4, 8, 5, 1]] {
+                    let _ = writeln!(obj, "f {}", face(of));
+                }
+                corner += 8;
+            }
+        }
+        (obj, toml)
+    }
+}

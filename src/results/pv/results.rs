@@ -1,0 +1,151 @@
+//! Results of `pv`. In: an archive of its receivers, weather. Out: the tables, lists and pictures of the folder.
+
+use std::collections::HashMap;
+use std::fs;
+
+use super::PvRequest;
+use super::folder::PvFolder;
+use super::light::Light;
+use super::open_plain::OpenPlain;
+use super::spots::{Spot, SpotSide, Spots};
+use crate::outputs::provenance::Provenance;
+use crate::outputs::pv::horizon::{self, PointHorizon};
+use crate::outputs::pv::hourly::{HourlyTable, ONE_SIDE, SideHours, TWO_SIDES};
+use crate::outputs::pv::polar;
+use crate::outputs::pv::search::{PointSearch, write_all, write_best};
+use crate::outputs::pv::sums::{MonthlySums, SideSums, write_months, write_points};
+use crate::outputs::sink::write_texts;
+use heliotile_builder::siting::Siting;
+use heliotile_builder::transfer::ArchiveReceivers;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::site::north::North;
+use heliotile_scene::Scene;
+
+/// Heights of a horizon.
+const HORIZON_DIRECTIONS: usize = 360;
+
+/// What results are made of.
+pub struct Results<'a, 'l> {
+    pub request: &'a PvRequest,
+    pub files: &'a PvFolder,
+    pub light: &'a Light<'l>,
+    pub archive: &'a Archive,
+    pub spots: &'a Spots,
+    pub about: &'a Provenance,
+}
+
+impl Results<'_, '_> {
+    /// Writes sums, hours and horizons; gives the sums. `scene` is the one without modules.
+    pub fn write(&self, scene: &Scene, siting: &Siting, north: North) -> Result<Vec<SideSums>> {
+        let (files, about) = (self.files, self.about);
+        let has_horizons = self.request.points.is_some();
+        let sides = self.sums(scene, has_horizons)?;
+        if has_horizons {
+            let horizons = self.horizons(siting, north);
+            fs::create_dir_all(&files.horizons).map_err(Error::io(&files.horizons, "create"))?;
+            horizon::write_lists(&files.horizons, &horizons)?;
+            horizon::write_table(&files.horizon_table, &horizons, about)?;
+        }
+        write_points(&files.points, &sides, about)?;
+        write_months(&files.months, &sides, &self.light.month_labels(self.archive)?, about)?;
+        if self.request.hourly {
+            self.write_hours()?;
+        }
+        Ok(sides)
+    }
+
+    /// Writes what a search found.
+    pub fn write_search(&self, searched: &[PointSearch]) -> Result<()> {
+        let (files, about) = (self.files, self.about);
+        write_all(&files.search, searched, about)?;
+        write_best(&files.best, searched, about)?;
+        fs::create_dir_all(&files.turns).map_err(Error::io(&files.turns, "create"))?;
+        searched.iter().try_for_each(|search| {
+            write_texts(&files.folder, &[(&PvFolder::picture_of(&search.point), polar::svg(search, about)?)])
+        })
+    }
+
+    /// The horizon of every point, from true north.
+    fn horizons(&self, siting: &Siting, north: North) -> Vec<PointHorizon> {
+        let of = |spot: &Spot| PointHorizon {
+            point: spot.name.clone(),
+            altitudes_deg: siting.horizon(spot.position, HORIZON_DIRECTIONS, -north.y_deg()).altitudes_deg,
+        };
+        self.spots.list.iter().map(of).collect()
+    }
+
+    /// Sums of every side, beside those of an open plain.
+    fn sums(&self, scene: &Scene, has_horizons: bool) -> Result<Vec<SideSums>> {
+        let of_receiver = self.light.monthly(self.archive)?;
+        let mut sky_views: HashMap<String, f64> = HashMap::new();
+        for row in ArchiveReceivers::<()>::new(&OpenSite::of(self.archive)?) {
+            let row = row?;
+            sky_views.insert(row.receiver.id, f64::from(row.views[0]));
+        }
+        let mut plain = OpenPlain::new(scene, self.archive, &self.files.folder);
+        let turns = |spot: &Spot| spot.sides.iter().map(|side| (spot.ground, spot.turn_of(side))).collect::<Vec<_>>();
+        plain.learn(self.spots.list.iter().flat_map(turns), self.light)?;
+        let of_side = |spot: &Spot, side: &SpotSide| {
+            let (mut months, mut sky_view) = (MonthlySums::default(), 0.0);
+            let share = 1.0 / side.receivers.len() as f64;
+            for (id, _) in &side.receivers {
+                of_receiver.get(id).iter().for_each(|sums| months.add(sums, share));
+                sky_view += share * sky_views.get(id).copied().unwrap_or_default();
+            }
+            let turn = spot.turn_of(side);
+            SideSums {
+                point: spot.name.clone(),
+                side: side.name,
+                position: spot.position,
+                turn,
+                open: plain.months(spot.ground, turn),
+                sky_view,
+                horizon: if has_horizons { PvFolder::list_of(&spot.name) } else { String::new() },
+                bifacial_gain_percent: None,
+                months,
+            }
+        };
+        let of_spot = |spot: &Spot| {
+            let mut sides: Vec<SideSums> = spot.sides.iter().map(|side| of_side(spot, side)).collect();
+            if let [front, rear] = sides.as_mut_slice() {
+                let share = rear.months.total() / front.months.total().max(f64::MIN_POSITIVE);
+                front.bifacial_gain_percent = Some(100.0 * self.request.bifaciality * share);
+            }
+            sides
+        };
+        Ok(self.spots.list.iter().flat_map(of_spot).collect())
+    }
+
+    /// Hours of every point and module. Kept in memory are modules of which some receivers are still to come: their tiles are neighbours.
+    fn write_hours(&self) -> Result<()> {
+        let light = self.light;
+        let labels = light.hour_labels(self.archive)?;
+        let about =
+            self.about.clone().with("stamp", light.stamp().name()).with("interval_minutes", light.interval_minutes());
+        let columns: &[&str] = if self.request.points.is_some() { &ONE_SIDE } else { &TWO_SIDES };
+        let points = self.spots.list.len() as u64;
+        let mut table = HourlyTable::create(&self.files.hours, columns, &labels, points, &about)?;
+        let bifaciality = self.request.bifaciality as f32;
+        let mut open: HashMap<usize, (usize, Vec<SideHours>)> = HashMap::new();
+        light.hourly(self.archive, |id, hours| {
+            let Some((place, side)) = self.spots.of_receiver(id) else { return Ok(()) };
+            let Some(spot) = self.spots.list.get(place) else { return Ok(()) };
+            let (seen, sides) = open.entry(place).or_insert_with(|| (0, vec![SideHours::default(); spot.sides.len()]));
+            *seen += 1;
+            if let (Some(sum), Some(of)) = (sides.get_mut(side), spot.sides.get(side)) {
+                sum.add(&hours, 1.0 / of.receivers.len() as f32);
+            }
+            if *seen < spot.sides.iter().map(|side| side.receivers.len()).sum() {
+                return Ok(());
+            }
+            match open.remove(&place).map(|(_, sides)| sides).as_deref() {
+                Some([front, rear]) => table.write(&spot.name, &front.with_rear(rear, bifaciality)),
+                Some([one]) => table.write(&spot.name, &one.one_side()),
+                _ => Ok(()),
+            }
+        })?;
+        table.finish()
+    }
+}

@@ -1,0 +1,198 @@
+//! The folder of a run: which files it holds, and what may be put there. In: a request, what was found. Out: names, and a refusal
+//! where results of another scene, spacing, accuracy or weather would be lost.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::made_from::MadeFrom;
+use super::{RunMap, RunRequest, maps};
+use crate::outputs::periods::Every;
+use crate::outputs::tables::format::files_of;
+use crate::outputs::tables::layout::By;
+use heliotile_builder::writing::guards::{guard_archive, guard_site};
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::named::name_of;
+use heliotile_core::observer::Observer;
+use heliotile_core::weather::series::Weather;
+use heliotile_scene::site::Site;
+
+/// Files of the folder.
+pub struct RunFiles {
+    pub folder: PathBuf,
+    pub receivers: PathBuf,
+    pub archive: PathBuf,
+    /// The weather's own folder, with what follows.
+    pub results: PathBuf,
+    pub table: PathBuf,
+    pub map: PathBuf,
+    /// The same from above and from the side.
+    pub picture: PathBuf,
+    /// Bars of the months.
+    pub chart: PathBuf,
+    /// The scene's city model with sums.
+    pub city_model: PathBuf,
+    /// Shows the archive in a browser, under this weather.
+    pub page: PathBuf,
+}
+
+impl RunFiles {
+    /// Names, by those of the scene and the weather.
+    pub fn of(request: &RunRequest, site: &Site) -> RunFiles {
+        let folder = request.folder.clone().unwrap_or_else(|| default_folder(request.scene.first()));
+        let results = folder.join(weather_name(&request.weather));
+        RunFiles {
+            receivers: request.receivers.clone().unwrap_or_else(|| folder.join("receivers.csv")),
+            archive: folder.join("site.helio"),
+            table: results.join("annual.csv"),
+            map: results.join("annual.ply"),
+            picture: results.join("annual.png"),
+            chart: results.join("months.svg"),
+            city_model: results.join(if maps::is_sequence(site) { "annual.city.jsonl" } else { "annual.city.json" }),
+            page: results.join("index.html"),
+            results,
+            folder,
+        }
+    }
+
+    /// The table of a period.
+    pub fn periods(&self, every: Every, request: &RunRequest) -> PathBuf {
+        let stem = match every {
+            Every::Hour => "hours",
+            Every::Day => "days",
+            Every::Month => "months",
+            Every::Year => "years",
+            Every::Total => "total",
+        };
+        let by = if request.by == By::default() { String::new() } else { format!(".{}", name_of(&request.by)) };
+        self.results.join(format!("{stem}{by}.{}", request.format))
+    }
+
+    /// A further map.
+    pub fn further_map(&self, map: RunMap) -> PathBuf {
+        match map {
+            RunMap::Map(format) => self.map.with_extension(format.ending()),
+            RunMap::CityModel => self.city_model.clone(),
+        }
+    }
+
+    /// All that is written into the weather's folder.
+    fn written(&self, request: &RunRequest) -> Vec<PathBuf> {
+        let periods = request.every.iter().map(|every| self.periods(*every, request));
+        let maps = request.maps.iter().map(|format| self.further_map(*format));
+        let always = [&self.table, &self.map, &self.picture, &self.chart, &self.page];
+        always.into_iter().cloned().chain(maps).chain(periods).collect()
+    }
+
+    /// The same with what is said of them beside them.
+    fn written_and_beside(&self, request: &RunRequest) -> Vec<PathBuf> {
+        self.written(request).iter().flat_map(|file| files_of(file)).collect()
+    }
+
+    /// Refuses to replace an input, a folder or a device.
+    pub fn guard(&self, site: &Site, request: &RunRequest) -> Result<()> {
+        let mut outputs = self.written_and_beside(request);
+        outputs.push(self.archive.clone());
+        let weather = [Some(request.weather.as_path()), request.accuracy.error_weather.as_deref()];
+        for output in &outputs {
+            guard_site(output, site, &[&weather[..], &[request.receivers.as_deref()]].concat())?;
+        }
+        guard_archive(&self.archive)?;
+        if request.receivers.is_none() {
+            guard_site(&self.receivers, site, &weather)?;
+        }
+        for folder in [&self.folder, &self.results] {
+            if folder.exists() && !folder.is_dir() {
+                let what = "is a file, and the output is a folder";
+                return Err(Error::input(folder, None, what, "give it a name of its own with {output}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses to replace results through other weather, before any work.
+    pub fn check_weather(&self, weather: &Weather, request: &RunRequest) -> Result<()> {
+        if request.replace {
+            return Ok(());
+        }
+        MadeFrom::check(&self.results, weather, self.written(request))
+    }
+
+    /// Makes the weather's folder one of this archive and weather, so that results can be written there.
+    pub fn claim(
+        &self,
+        archive: &Archive,
+        weather: &Weather,
+        request: &RunRequest,
+        observer: &dyn Observer,
+    ) -> Result<()> {
+        fs::create_dir_all(&self.results).map_err(Error::io(&self.results, "create"))?;
+        let names = self
+            .written_and_beside(request)
+            .into_iter()
+            .filter_map(|file| file.file_name()?.to_str().map(str::to_owned));
+        let mut now = MadeFrom::new(archive, weather, &request.weather, names.collect());
+        now.claim(&self.results, request.replace)?;
+        let stale = self.stale(&now);
+        if !stale.is_empty() {
+            observer.warn(&format!(
+                "results of an earlier archive are in {}: run them again with their weather and {{replace}}",
+                stale.join(", ")
+            ));
+        }
+        Ok(())
+    }
+
+    /// Folders of other weather whose results come from an archive that is no longer there.
+    fn stale(&self, now: &MadeFrom) -> Vec<String> {
+        let folders = fs::read_dir(&self.folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+        let old = |folder: &PathBuf| MadeFrom::read(folder).ok().flatten().is_some_and(|made| !made.is_of_archive(now));
+        let mut stale: Vec<String> = folders
+            .filter(|folder| folder.is_dir() && old(folder))
+            .map(|folder| folder.display().to_string())
+            .collect();
+        stale.sort();
+        stale
+    }
+
+    /// Names of all that was written, seen from the folder.
+    pub fn names(&self, request: &RunRequest) -> Vec<String> {
+        let name = |file: &PathBuf| file.strip_prefix(&self.folder).unwrap_or(file).display().to_string();
+        let table = request.receivers.is_none().then(|| "receivers.csv".to_owned());
+        let files = table.into_iter().chain(["site.helio".to_owned()]);
+        files.chain(self.written(request).iter().map(name)).collect()
+    }
+}
+
+/// `town.city.json` gives `town.sun`, beside nothing: in the folder that one works in.
+fn default_folder(scene: &Path) -> PathBuf {
+    let whole = fs::canonicalize(scene).unwrap_or_else(|_| scene.to_owned());
+    let name = whole.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.split('.').find(|part| !part.is_empty()).unwrap_or("site");
+    PathBuf::from(format!("{stem}.sun"))
+}
+
+/// `golden_tmy3.epw` gives `golden_tmy3`; points inside a name stay.
+fn weather_name(weather: &Path) -> PathBuf {
+    let packed = weather.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
+    let plain = if packed { weather.with_extension("") } else { weather.to_owned() };
+    plain.file_stem().map_or_else(|| "weather".into(), PathBuf::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 4 names of weather files lose their ending and nothing else.
+    #[test]
+    fn folders_are_named_after_weather() {
+        for (file, name) in [
+            ("a/golden_tmy3.epw", "golden_tmy3"),
+            ("NLD_Den.Haag.062100_IWEC.epw", "NLD_Den.Haag.062100_IWEC"),
+            ("w.csv.gz", "w"),
+            ("plain", "plain"),
+        ] {
+            assert_eq!(weather_name(Path::new(file)), PathBuf::from(name));
+        }
+    }
+}

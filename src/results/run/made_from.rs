@@ -1,0 +1,181 @@
+//! What results were made from. In: an archive, weather. Out: a small file beside the results, by which a later run knows them.
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::outputs::sink::write_texts;
+use crate::site_archive::KEEP_OR_REPLACE;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::weather::series::Weather;
+
+/// Its name.
+const FILE: &str = "made-from.json";
+
+/// Folders of results inside the folder.
+const INSIDE: [&str; 2] = ["horizon", "turns"];
+
+/// A longer one is none of ours.
+const MOST_BYTES: u64 = 64 << 20;
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// What results were made from.
+pub struct MadeFrom {
+    /// The file, as it was named.
+    weather: String,
+    /// Hash of all that was read from it.
+    weather_hash: String,
+    archive_root: String,
+    /// Names of results, in the folder or in one of [`INSIDE`].
+    files: Vec<String>,
+}
+
+impl MadeFrom {
+    pub fn new(archive: &Archive, weather: &Weather, file: &Path, mut files: Vec<String>) -> Self {
+        files.sort();
+        MadeFrom {
+            weather: file.display().to_string(),
+            weather_hash: hash(weather),
+            archive_root: format::hex(&archive.root()),
+            files,
+        }
+    }
+
+    /// What a folder says of itself; `None` if it says nothing.
+    pub fn read(folder: &Path) -> Result<Option<Self>> {
+        let path = folder.join(FILE);
+        match fs::metadata(&path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(e) => return Err(Error::io(&path, "read")(e)),
+            Ok(about) if about.len() > MOST_BYTES || !about.is_file() => {
+                let what = "is not what heliotile wrote";
+                return Err(Error::input(&path, None, what, "remove it, or give another folder with {output}"));
+            }
+            Ok(_) => {}
+        }
+        let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
+        let read = serde_json::from_slice(&bytes).map_err(|error| {
+            let what = format!("is not what heliotile wrote: {error}");
+            Error::input(&path, error.line(), what, "remove it, or give another folder with {output}")
+        });
+        read.map(Some)
+    }
+
+    /// Refuses a folder that holds results of other weather, or some of the files that will be `written` and nothing that says of what.
+    pub fn check(folder: &Path, weather: &Weather, written: impl IntoIterator<Item = PathBuf>) -> Result<()> {
+        match MadeFrom::read(folder)? {
+            Some(earlier) if earlier.weather_hash == hash(weather) => Ok(()),
+            Some(earlier) => {
+                let read = &earlier.weather;
+                let what =
+                    format!("holds results of other weather, read from {read}, or of another release of heliotile");
+                Err(Error::input(folder, None, what, KEEP_OR_REPLACE))
+            }
+            None => match written.into_iter().find(|file| file.exists()) {
+                Some(file) => {
+                    let what = format!("is there, and nothing ({FILE}) says what it was made from");
+                    Err(Error::input(&file, None, what, KEEP_OR_REPLACE))
+                }
+                None => Ok(()),
+            },
+        }
+    }
+
+    /// Says so in a folder, whose files of other archives or weather are removed if they may be replaced, and refused if not.
+    pub fn claim(&mut self, folder: &Path, replace: bool) -> Result<()> {
+        if let Some(earlier) = MadeFrom::read(folder)? {
+            if earlier.is_same(self) {
+                self.keep_files_of(&earlier);
+            } else if replace {
+                earlier.remove_files(folder)?;
+            } else {
+                let what = "holds results of another archive than site.helio";
+                return Err(Error::input(folder, None, what, KEEP_OR_REPLACE));
+            }
+        }
+        self.write(folder)
+    }
+
+    pub fn is_of_archive(&self, other: &MadeFrom) -> bool {
+        self.archive_root == other.archive_root
+    }
+
+    fn is_same(&self, other: &MadeFrom) -> bool {
+        self.weather_hash == other.weather_hash && self.is_of_archive(other)
+    }
+
+    /// Files that an earlier run made from the same stay.
+    fn keep_files_of(&mut self, earlier: &MadeFrom) {
+        self.files.extend(earlier.files.iter().cloned());
+        self.files.sort();
+        self.files.dedup();
+    }
+
+    /// Removes the results of an earlier run; what else lies there stays.
+    fn remove_files(&self, folder: &Path) -> Result<()> {
+        for path in self.files.iter().filter_map(|name| path_of(folder, name)) {
+            match fs::remove_file(&path) {
+                Err(e) if e.kind() != ErrorKind::NotFound => return Err(Error::io(&path, "remove")(e)),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn write(&self, folder: &Path) -> Result<()> {
+        let path = folder.join(FILE);
+        let text = serde_json::to_string_pretty(self).map_err(|e| Error::io(&path, "write")(e.into()))?;
+        write_texts(folder, &[(FILE, text + "\n")])
+    }
+}
+
+/// Where a result lies; `None` for a name that this program does not write: with another folder in it, or through a link.
+fn path_of(folder: &Path, name: &str) -> Option<PathBuf> {
+    let (inside, file) = match name.split_once('/') {
+        Some((inside, file)) if INSIDE.contains(&inside) => (folder.join(inside), file),
+        Some(_) => return None,
+        None => (folder.to_owned(), name),
+    };
+    let is_ours = inside == folder || fs::symlink_metadata(&inside).is_ok_and(|about| about.is_dir());
+    (is_ours && Path::new(file).file_name() == Some(file.as_ref())).then(|| inside.join(file))
+}
+
+/// BLAKE3 of the place and all rows; numbers are written so that they read back to the bit.
+fn hash(weather: &Weather) -> String {
+    let mut hasher = blake3::Hasher::new();
+    // Writing to a hash cannot fail.
+    let _ = writeln!(hasher, "{:?}", weather.site);
+    weather.rows.iter().for_each(|row| drop(writeln!(hasher, "{row:?}")));
+    format::hex(hasher.finalize().as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 9 names, the 3 that this program writes are removed; what `..`, other folders, links and the empty name lead to stays, 5 of 5 files.
+    #[test]
+    fn only_our_files_are_removed() {
+        let outer = tempfile::tempdir().expect("a folder");
+        let folder = outer.path().join("out");
+        for inside in ["horizon", "other", "horizon/deeper"] {
+            fs::create_dir_all(folder.join(inside)).expect("made");
+        }
+        fs::create_dir(outer.path().join("elsewhere")).expect("made");
+        let ours = ["points.csv", "horizon/a.csv", "horizon/b.csv"];
+        let theirs = ["../kept.txt", "../elsewhere/a.svg", "other/a.csv", "horizon/deeper/a.csv", "mine.txt"];
+        ours.iter().chain(&theirs).for_each(|name| fs::write(folder.join(name), "x").expect("written"));
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(outer.path().join("elsewhere"), folder.join("turns")).expect("linked");
+        let bad = ["../kept.txt", "horizon/../../kept.txt", "turns/a.svg", "other/a.csv", "horizon/deeper/a.csv", ""];
+        let files = ours.iter().chain(&bad).map(|name| (*name).to_string()).collect();
+        let text = String::new;
+        let made = MadeFrom { weather: text(), weather_hash: text(), archive_root: text(), files };
+        made.remove_files(&folder).expect("removed");
+        let there = |names: &[&str]| names.iter().filter(|name| folder.join(name).exists()).count();
+        assert_eq!((there(&ours), there(&theirs)), (0, 5));
+    }
+}

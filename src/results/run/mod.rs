@@ -1,0 +1,188 @@
+//! From scene files to a year's sun in one go. In: a scene, weather. Out: a folder with receivers, the archive, sums and a map. What is there
+//! already and still fits is not traced again.
+
+mod folder;
+pub mod made_from;
+mod maps;
+mod results;
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::covering::{CoverRequest, cover_site};
+use crate::horizon::nothing_seen;
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::layout::By;
+use crate::outputs::viewer_page::ViewerPage;
+use crate::resources::Resources;
+use crate::site_archive::{TraceRequest, WaysOut, up_to_date};
+use folder::RunFiles;
+use heliotile_builder::accuracy::conditions::ErrorConditions;
+use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
+use heliotile_builder::settings::EffectChoice;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::Result;
+use heliotile_core::weather::distance::far_apart;
+use heliotile_core::weather::options::{StampedAt, WeatherOptions};
+use heliotile_core::weather::series::Weather;
+use heliotile_remote::places::hold;
+use heliotile_scene::Scene;
+use heliotile_scene::input;
+use heliotile_scene::input::weather::read_weather_as;
+use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
+use results::RunResults;
+
+pub use maps::RunMap;
+
+/// What is asked of a run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunRequest {
+    /// The scene.
+    pub scene: SceneRequest,
+    /// Weather file.
+    pub weather: PathBuf,
+    /// What is known of that file that it does not state.
+    pub about_weather: WeatherOptions,
+    /// Folder of all that is written; none: the name of the first scene file, with .sun.
+    pub folder: Option<PathBuf>,
+    /// Where receivers are put,
+    pub cover: CoverRequest,
+    /// or a table of them.
+    pub receivers: Option<PathBuf>,
+    /// How exact the archive is to be.
+    pub accuracy: AccuracyRequest,
+    /// Light paths that bring no more than this of the sum over the weather are left out, percent.
+    pub negligible_percent: Option<f64>,
+    /// Whether the archive holds the scene's triangles.
+    pub with_scene: bool,
+    /// Tables of these periods, too.
+    pub every: Vec<Every>,
+    /// What rows of these tables are about.
+    pub by: By,
+    /// Which moment of its interval a row of hours is labelled with.
+    pub stamp: StampedAt,
+    /// The year that rows of tables are put into.
+    pub year: Option<i32>,
+    /// Ending of these tables.
+    pub format: String,
+    /// Maps besides annual.ply.
+    pub maps: Vec<RunMap>,
+    /// Whether what the folder holds of other inputs goes.
+    pub replace: bool,
+}
+
+/// What a run did.
+#[derive(Clone, Debug)]
+pub struct RunDone {
+    /// Where everything is.
+    pub folder: PathBuf,
+    /// The archive.
+    pub archive: PathBuf,
+    /// Names of all files, seen from the folder.
+    pub files: Vec<String>,
+    /// Sums by kind of surface and side, as a text.
+    pub table: String,
+}
+
+impl Default for RunRequest {
+    fn default() -> Self {
+        RunRequest::of(SceneRequest::default(), "")
+    }
+}
+
+impl RunRequest {
+    /// A run of usual receivers and accuracy: annual sums and a map.
+    pub fn of(scene: SceneRequest, weather: impl Into<PathBuf>) -> Self {
+        RunRequest {
+            scene,
+            weather: weather.into(),
+            about_weather: WeatherOptions::default(),
+            folder: None,
+            cover: CoverRequest::default(),
+            receivers: None,
+            accuracy: AccuracyRequest::default(),
+            negligible_percent: None,
+            with_scene: true,
+            every: Vec::new(),
+            by: By::default(),
+            stamp: StampedAt::default(),
+            year: None,
+            format: "csv".to_owned(),
+            maps: Vec::new(),
+            replace: false,
+        }
+    }
+
+    /// Writes the folder; `about` is what results say of how they were made.
+    pub fn write(&self, about: Provenance, resources: &Resources) -> Result<RunDone> {
+        let site = self.scene.site()?;
+        let files = RunFiles::of(self, &site);
+        files.guard(&site, self)?;
+        let city_model = self.maps.contains(&RunMap::CityModel).then(|| maps::city_model_of(&site)).transpose()?;
+        let (archive, weather) = self.archive(&site, &files, resources)?;
+        resources.observer.stop_if_cancelled("after site.helio was complete")?;
+        files.claim(&archive, &weather, self, resources.observer)?;
+        let results =
+            RunResults { request: self, files: &files, city_model, archive: &archive, weather: &weather, about };
+        let table = results.write(resources)?;
+        self.write_page(&files)?;
+        Ok(RunDone { files: files.names(self), folder: files.folder, archive: files.archive, table })
+    }
+
+    /// The archive of the scene, and the weather. What tracing needed is gone afterwards.
+    fn archive(&self, site: &Site, files: &RunFiles, resources: &Resources) -> Result<(Archive, Weather)> {
+        let observer = resources.observer;
+        let load = || match self.receivers {
+            Some(_) => {
+                let scene = Scene::load_site(site)?;
+                scene.report.tell(observer);
+                Ok((scene, None))
+            }
+            None => cover_site(site, &self.cover, observer).map(|(scene, covered)| (scene, Some(covered))),
+        };
+        // Before the scene, which takes longer: a wrong weather file is found at once.
+        let mut loaded = None;
+        let mut place = || Ok(loaded.insert(load()?).0.place);
+        let weather = read_weather_as(&self.weather, &self.about_weather, &mut place)?;
+        weather.report.warnings.iter().for_each(|text| observer.warn(text));
+        files.check_weather(&weather, self)?;
+        let (scene, covered) = loaded.map_or_else(load, Ok)?;
+        scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
+        maps::check(&self.maps, scene.place.as_ref())?;
+        let under = match self.negligible_percent {
+            Some(_) => Some(ErrorConditions::of_weather(&self.weather, weather.clone())?),
+            None => None,
+        };
+        let negligible_percent = self.negligible_percent;
+        let asked = TraceRequest {
+            folder: &files.folder,
+            receivers: &files.receivers,
+            archive: &files.archive,
+            accuracy: &self.accuracy,
+            effects: EffectChoice::Auto,
+            offset_m: self.cover.offset_m,
+            replace: self.replace,
+            ways_out: WaysOut::USUAL,
+            memory: resources.memory,
+            under: under.as_ref().map(|weather| EffectsUnder { weather, negligible_percent }),
+            with_scene: self.with_scene,
+        };
+        let archive = up_to_date(&asked, &scene, covered.as_ref(), observer)?;
+        nothing_seen(&archive)?.iter().for_each(|lost| observer.warn(lost));
+        Ok((archive, weather))
+    }
+
+    /// Writes the page that shows the archive under this weather; a large one it reads from beside it.
+    fn write_page(&self, files: &RunFiles) -> Result<()> {
+        let page = ViewerPage::default()
+            .with_archive(&files.archive, hold(&files.archive)?.as_ref())?
+            .with_weather(&self.weather, &input::read(&self.weather)?)?
+            .with_clock(&self.about_weather);
+        let page = if page.holds_archive() { page } else { page.with_option("archive", "../site.helio") };
+        page.write(&files.page)
+    }
+}

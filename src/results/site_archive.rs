@@ -1,0 +1,322 @@
+//! The archive of a scene's receivers in a folder. In: a scene, the receivers on it, what is wanted. Out: the archive that is there, if it is
+//! what a build would give, or a new one. What is there of other inputs is kept, unless it is to be replaced.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::covering::{self, CoverRequest, Covered};
+use crate::horizon::nothing_seen;
+use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
+use heliotile_builder::planning::{AccuracyRequest, BuildRequest, EffectsUnder};
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects, Share};
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_core::archive::{Access, Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
+use heliotile_scene::Scene;
+use heliotile_scene::request::SceneRequest;
+
+/// What can be done where other results are.
+pub const KEEP_OR_REPLACE: &str = "{output} FOLDER to keep both, or {replace} to put the new ones in their place";
+
+/// What a command offers where there is something of other inputs.
+pub struct WaysOut {
+    /// Where other results are.
+    pub results: &'static str,
+    /// Where a build of other inputs was interrupted.
+    pub started: &'static str,
+}
+
+impl WaysOut {
+    /// Of commands with an output of their own.
+    pub const USUAL: WaysOut = WaysOut {
+        results: KEEP_OR_REPLACE,
+        started: "give the command that it was started with to go on with it, {replace} to discard it, or {output} FOLDER",
+    };
+}
+
+/// What is wanted, and where.
+pub struct TraceRequest<'a> {
+    pub folder: &'a Path,
+    pub receivers: &'a Path,
+    pub archive: &'a Path,
+    pub accuracy: &'a AccuracyRequest,
+    /// Which light paths are traced; an archive with more of them serves, too.
+    pub effects: EffectChoice,
+    /// Whether the archive holds the scene's triangles.
+    pub with_scene: bool,
+    /// Distance of receivers off their surfaces.
+    pub offset_m: f64,
+    /// Whether what is there of other inputs goes.
+    pub replace: bool,
+    pub ways_out: WaysOut,
+    pub memory: MemoryBudget,
+    /// Weather that effects are weighed under, and what of them may be left out.
+    pub under: Option<EffectsUnder<'a>>,
+}
+
+/// The archive of a scene that is covered with receivers, in a folder with the table of these.
+#[derive(Clone, Debug)]
+pub struct SiteArchiveRequest {
+    /// The scene.
+    pub scene: SceneRequest,
+    /// Where receivers are put.
+    pub cover: CoverRequest,
+    /// How exact the archive is to be.
+    pub accuracy: AccuracyRequest,
+    /// Gets `receivers.csv` and `site.helio`.
+    pub folder: PathBuf,
+    /// Whether what is there of other inputs goes.
+    pub replace: bool,
+    /// For all that a build holds besides the scene and its tree.
+    pub memory: MemoryBudget,
+}
+
+impl SiteArchiveRequest {
+    /// An archive of usual receivers and accuracy.
+    pub fn of(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
+        let (cover, accuracy) = (CoverRequest::default(), AccuracyRequest::default());
+        SiteArchiveRequest {
+            scene,
+            cover,
+            accuracy,
+            folder: folder.into(),
+            replace: false,
+            memory: MemoryBudget::DEFAULT,
+        }
+    }
+
+    /// The path of the archive: the one that is there, if it is of these inputs, or a new one.
+    pub fn build(&self, observer: &dyn Observer) -> Result<PathBuf> {
+        let (scene, covered) = covering::cover_site(&self.scene.site()?, &self.cover, observer)?;
+        let archive = self.folder.join("site.helio");
+        let asked = TraceRequest {
+            folder: &self.folder,
+            receivers: &self.folder.join("receivers.csv"),
+            archive: &archive,
+            accuracy: &self.accuracy,
+            effects: EffectChoice::Auto,
+            with_scene: true,
+            offset_m: self.cover.offset_m,
+            replace: self.replace,
+            ways_out: WaysOut::USUAL,
+            memory: self.memory,
+            under: None,
+        };
+        let built = up_to_date(&asked, &scene, Some(&covered), observer)?;
+        nothing_seen(&built)?.iter().for_each(|lost| observer.warn(lost));
+        Ok(archive)
+    }
+}
+
+/// The archive that lies in the folder.
+enum Found {
+    Nothing,
+    /// What a build would give.
+    Same(Box<Archive>),
+    /// How it differs from that.
+    Other(Vec<String>),
+}
+
+/// The archive of these inputs: the one that is there, or a new one. What is there of other inputs is kept, unless it is to be replaced.
+pub fn up_to_date(
+    asked: &TraceRequest,
+    scene: &Scene,
+    covered: Option<&Covered>,
+    observer: &dyn Observer,
+) -> Result<Archive> {
+    fs::create_dir_all(asked.folder).map_err(Error::io(asked.folder, "create"))?;
+    let planned = match covered {
+        Some(covered) => Some(PlannedReceivers::write(covered, asked)?),
+        None => None,
+    };
+    let workspace = Workspace { folder: folder_of(asked.archive).to_path_buf(), memory: asked.memory };
+    let path = planned.as_ref().map_or(asked.receivers, PlannedReceivers::path);
+    let mut receivers = workspace.read_receivers(path, scene, observer)?;
+    let settings = asked.accuracy.settings()?;
+    let mut differences = planned.as_ref().map_or(Ok(Vec::new()), |planned| planned.differences(asked.receivers))?;
+    let found = archive_of(asked, scene, &mut receivers, &settings)?;
+    if let Found::Other(others) = &found {
+        differences.extend_from_slice(others);
+    }
+    if !asked.replace && !differences.is_empty() {
+        return Err(refuse(asked, &differences));
+    }
+    if let (Some(planned), Some(covered)) = (planned, covered) {
+        planned.place(asked.receivers)?;
+        observer.report(&format!("{}: {}", asked.receivers.display(), covering::summary(covered, scene)));
+    }
+    if let Found::Same(archive) = found {
+        observer.report(&format!("{}: up to date, nothing is traced again\n", asked.archive.display()));
+        return Ok(*archive);
+    }
+    let prepared = PreparedScene::new(scene)?;
+    let wanted = BuildRequest {
+        accuracy: asked.accuracy,
+        share: Share::default(),
+        effects: asked.effects,
+        under: asked.under,
+        with_scene: asked.with_scene,
+        store: None,
+    };
+    let mut write = |start: Start| {
+        let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };
+        build.plan_and_write(&wanted, &Output { start, ..Output::new(asked.archive.to_owned()) }).map(drop)
+    };
+    match write(Start::Resume) {
+        Err(Error::Incomplete { .. }) if asked.replace => write(Start::Fresh)?,
+        done => done.map_err(|error| error.advise(asked.ways_out.started))?,
+    }
+    Archive::open_with(asked.archive, Access::Read)
+}
+
+/// The archive in the folder, beside what a build would give.
+fn archive_of(
+    asked: &TraceRequest,
+    scene: &Scene,
+    receivers: &mut ReceiverTiles,
+    settings: &BuildSettings,
+) -> Result<Found> {
+    if !asked.archive.exists() {
+        return Ok(Found::Nothing);
+    }
+    let archive = match Archive::open_with(asked.archive, Access::Read) {
+        Ok(archive) => archive,
+        Err(error) => return Ok(Found::Other(vec![format!("site.helio cannot be read ({error})")])),
+    };
+    let mut others = Vec::new();
+    if archive.manifest().scene.content_hash != format::hex(&scene.content_hash()) {
+        others.push("the scene or its materials have changed since site.helio was built".to_owned());
+    }
+    if archive.manifest().ground != scene.ground {
+        others.push("the ground of the scene has changed since site.helio was built".to_owned());
+    }
+    // The suns go by the place.
+    let same_place = match (&archive.manifest().place, &scene.place) {
+        (Some(stated), Some(place)) => stated.is_same(place),
+        (stated, place) => stated.is_none() && place.is_none(),
+    };
+    if !same_place {
+        others.push("the place of the scene has changed since site.helio was built".to_owned());
+    }
+    if archive.manifest().settings.tracing != settings.stated().tracing {
+        others.push("site.helio was traced by another release of heliotile, which gives other light".to_owned());
+    }
+    if let Some(difference) = receivers.difference(&archive)? {
+        others.push(format!("the table of receivers now {difference}"));
+    }
+    others.extend(other_accuracy(&archive, settings, asked.accuracy));
+    others.extend(other_effects(&archive, asked.under));
+    if archive.has(format::SCENE, 0) != asked.with_scene {
+        let there = if asked.with_scene { "leaves out" } else { "holds" };
+        others.push(format!("site.helio {there} the triangles of the scene"));
+    }
+    Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
+}
+
+/// The refusal to replace what is in the folder.
+fn refuse(asked: &TraceRequest, differences: &[String]) -> Error {
+    let what = format!("holds results of other inputs: {}", differences.join("; "));
+    Error::input(asked.folder, None, what, asked.ways_out.results)
+}
+
+/// How an archive's accuracy differs from what is asked for.
+fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyRequest) -> Option<String> {
+    let manifest = archive.manifest();
+    let accuracy = manifest.accuracy.as_ref();
+    let there = match accuracy {
+        Some(accuracy) => format!("{{error}} {}%", accuracy.target_percent),
+        None if manifest.settings.quality.is_empty() => "settings of its own".to_owned(),
+        None => format!("{{quality}} {}", manifest.settings.quality),
+    };
+    let wanted = match asked.error_percent {
+        Some(target) if accuracy.is_some_and(|accuracy| accuracy.target_percent == target) => return None,
+        Some(target) => format!("{{error}} {target}%"),
+        None => {
+            let stated = BuildSettings { left_out: Effects::default(), ..BuildSettings::of(&manifest.settings) };
+            if stated == *settings && accuracy.is_none() {
+                return None;
+            }
+            let now = settings.stated();
+            let pairs = manifest.settings.numbers().zip(now.numbers());
+            let others = pairs.filter(|((_, there), (_, now))| there != now);
+            let list: Vec<String> = others.map(|((setting, _), (_, now))| format!("{}={now}", setting.name)).collect();
+            match now.quality.as_str() {
+                "" => format!("{{quality}} {} and {}", asked.quality.name(), list.join(" ")),
+                quality => format!("{{quality}} {quality}"),
+            }
+        }
+    };
+    Some(format!("site.helio was built with {there}, not {wanted}"))
+}
+
+/// How what an archive leaves out under some weather differs from what may be left out; one that leaves out nothing serves, too.
+fn other_effects(archive: &Archive, asked: Option<EffectsUnder>) -> Option<String> {
+    let there = archive.manifest().negligible.as_ref()?;
+    let allowed = asked.and_then(|asked| Some((asked.weather.name(), asked.negligible_percent?)));
+    if allowed == Some((there.weather.as_str(), there.percent)) {
+        return None;
+    }
+    let now =
+        allowed.map_or("all effects".into(), |(weather, percent)| format!("{{negligible}} {percent}% and {weather}"));
+    Some(format!("site.helio was built with {{negligible}} {}% and {}, not {now}", there.percent, there.weather))
+}
+
+/// A table of receivers that is not yet in its place.
+struct PlannedReceivers {
+    /// It is removed with the value.
+    _beside: TempDir,
+    file: PathBuf,
+}
+
+impl PlannedReceivers {
+    /// Writes the receivers that get light.
+    fn write(covered: &Covered, asked: &TraceRequest) -> Result<Self> {
+        let beside = tempfile::Builder::new().prefix(".receivers").tempdir_in(asked.folder);
+        let beside = beside.map_err(Error::io(asked.folder, "make a folder in"))?;
+        let file = beside.path().join("receivers.csv");
+        covering::save(&file, covered, asked.offset_m)?;
+        Ok(PlannedReceivers { _beside: beside, file })
+    }
+
+    fn path(&self) -> &Path {
+        &self.file
+    }
+
+    /// How the table that lies in the folder differs, if there is one: no difference, or one.
+    fn differences(&self, there: &Path) -> Result<Vec<String>> {
+        if !there.exists() {
+            return Ok(Vec::new());
+        }
+        let lines = |path: &Path| File::open(path).map(|file| BufReader::new(file).split(b'\n'));
+        let (mut old, mut new) = (
+            lines(there).map_err(Error::io(there, "read"))?,
+            lines(&self.file).map_err(Error::io(&self.file, "read"))?,
+        );
+        for line in 1_u64.. {
+            let of =
+                |next: Option<std::io::Result<Vec<u8>>>, path: &Path| next.transpose().map_err(Error::io(path, "read"));
+            match (of(old.next(), there)?, of(new.next(), &self.file)?) {
+                (None, None) => break,
+                (a, b) if a == b => {}
+                _ => {
+                    return Ok(vec![format!(
+                        "receivers.csv is another one from line {line} on (other surfaces or spacing, or it was edited: \
+                         {{receivers}} takes it as it is)"
+                    )]);
+                }
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// Puts the table into its place.
+    fn place(self, to: &Path) -> Result<()> {
+        fs::rename(&self.file, to).map_err(Error::io(to, "rename to"))
+    }
+}
