@@ -129,11 +129,11 @@ impl Differences {
     fn seams(&self) -> Seams {
         let mean = mean_w_m2(&self.pairs);
         let in_percent = |w_m2: f64| rounded(percent(w_m2, mean));
-        let found: [Deviation; PARTS] = std::array::from_fn(|part| deviation(&self.pairs, part));
+        let found: [Deviation; PARTS] = std::array::from_fn(|part| deviation(&self.pairs, &[], part));
         let of_part = |pair: &Pair| Pair { receiver: self.part_of[pair.receiver], ..*pair };
         let by_part: Vec<Pair> = self.pairs.iter().map(of_part).collect();
         let total = &found[TOTAL];
-        let at_most = total.rmse_w_m2.high.max(deviation(&by_part, TOTAL).rmse_w_m2.high);
+        let at_most = total.rmse_w_m2.high.max(deviation(&by_part, &[], TOTAL).rmse_w_m2.high);
         let named = |(component, found): (Component, &Deviation)| {
             (component.name().to_owned(), in_percent(found.rmse_w_m2.value))
         };

@@ -57,7 +57,7 @@ fn targets_are_kept() {
         assert!(found < 2.0 * expected && expected < 2.0 * found, "{stated:?}");
         assert!((after(&said, "error: ") - expected).abs() < 0.006, "{said}");
         assert!((after(&said, "% expected, ") - found).abs() < 0.006, "{said}");
-        assert_eq!((stated.sample, stated.conditions, stated.components_percent.len()), (40, 256, 6));
+        assert_eq!((stated.sample, stated.conditions, stated.components_percent.len()), (40, 512, 6));
         let sun = stated.components_percent["sun_direct"];
         assert!(sun > 0.0 && sun <= found, "{stated:?}");
         bytes.push(fs::metadata(archive.path()).expect("a file").len());

@@ -4,7 +4,7 @@ use std::fs;
 
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::judge::comparison::{Pair, deviation, mean_w_m2};
-use heliotile_builder::judge::{AuditRequest, audit};
+use heliotile_builder::judge::{AuditRequest, Audited, audit};
 use heliotile_builder::pipeline::{Plan, PreparedScene};
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_builder::spill::TempFiles;
@@ -41,10 +41,10 @@ fn mirrors_and_glass() {
         storage: &TempFiles::new(std::env::temp_dir()),
         observer: &Silent,
     });
-    let pairs = audited.expect("an audit").pairs;
+    let Audited { pairs, suns, .. } = audited.expect("an audit");
     let mean = mean_w_m2(&pairs);
     for part in 0..7 {
-        let found = deviation(&pairs, part);
+        let found = deviation(&pairs, &suns, part);
         let [bias, rmse] = [found.bias_w_m2, found.rmse_w_m2].map(|known| known.times(100.0 / mean));
         let light = |of: fn(&Pair, usize) -> f64| pairs.iter().map(|pair| of(pair, part)).sum::<f64>();
         assert!(light(|pair, part| pair.result[part]) > 0.0 && light(|pair, part| pair.judged.mean[part]) > 0.0);

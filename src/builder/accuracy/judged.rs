@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::accuracy::estimate::percent;
 use crate::accuracy::trial::{Bench, ErrorSource, Irradiances};
-use crate::judge::comparison::{Pair, deviation, mean_w_m2, off};
+use crate::judge::comparison::{Pair, SunErrors, deviation, mean_w_m2, rmse_known};
 use crate::judge::groups::by_sky_view;
 use crate::judge::hours::{HourKind, HourSample, HoursFound};
 use crate::judge::{Judge, Judged, JudgedSky, PARTS, judge_pairs, spread};
@@ -28,6 +28,9 @@ const OF_RECEIVER: (usize, usize) = (16, 64);
 const PATHS: f64 = 4096.0;
 const LEAST_PATHS: f64 = 2048.0;
 const MOST_PATHS: f64 = 32768.0;
+
+/// Seed of points of the sun.
+const SUN_SEED: u64 = 0x73_756e;
 
 /// Seed of the hours that are chosen, and of their paths.
 const SEED: u64 = 0x0068_6f75_7273;
@@ -53,6 +56,8 @@ pub struct JudgedSample<'a> {
     hours: HourSample,
     /// In the order of the receivers; without results.
     pairs: Vec<Pair>,
+    /// `[receiver][condition]`, all of them: the sun, straight and by mirrors. Single hours at a shadow's edge make up most of its error.
+    suns: Vec<Vec<Judged>>,
     /// `[receiver]`: the mean of all conditions.
     means: Vec<Judged>,
     /// `[receiver]`: the share of its hemisphere that is sky.
@@ -94,8 +99,13 @@ impl<'a> JudgedSample<'a> {
         let all: Vec<(Vec<Pair>, (Judged, f64))> = bench.receivers.par_iter().enumerate().map(judged).collect();
         let (pairs, of_receivers): (Vec<Vec<Pair>>, Vec<(Judged, f64)>) = all.into_iter().unzip();
         let (means, views) = of_receivers.into_iter().unzip();
+        let all: Vec<&JudgedSky> = skies.iter().collect();
+        let sun = |(receiver, of): (usize, &Receiver)| {
+            judge.sun(of.position, of.normal, &all, paths, mix(SUN_SEED, receiver as u64))
+        };
+        let suns = bench.receivers.par_iter().enumerate().map(sun).collect();
         let (receivers, hours, pairs) = (bench.receivers, HourSample::default(), pairs.concat());
-        Ok(JudgedSample { judge, receivers, skies, paths, hours, pairs, means, views })
+        Ok(JudgedSample { judge, receivers, skies, paths, hours, pairs, suns, means, views })
     }
 
     /// Asks about hours when the sun lights what receivers see, too; which those are, a light of theirs tells.
@@ -124,11 +134,10 @@ impl<'a> JudgedSample<'a> {
     /// How far a light of the same receivers and conditions is off; `tile` of a receiver.
     pub fn accuracy(&self, light: &Irradiances, tile: impl Fn(usize) -> u32) -> Accuracy {
         let row = |receiver: usize, condition: usize| self.row(light, receiver, condition);
-        let with_result = |pair: &Pair| Pair { result: with_total(row(pair.receiver, pair.condition)), ..*pair };
-        let pairs: Vec<Pair> = self.pairs.iter().map(with_result).collect();
+        let (pairs, suns) = (self.pairs_with(light), self.sun_errors(light));
         let mean = mean_w_m2(&pairs);
         let in_percent = |difference: f64| rounded(percent(difference, mean));
-        let found: [_; PARTS] = std::array::from_fn(|part| deviation(&pairs, part));
+        let found: [_; PARTS] = std::array::from_fn(|part| deviation(&pairs, &suns, part));
         let names = Component::ALL.into_iter().map(|component| component.name().to_string());
         let components = found.iter().take(TOTAL).map(|found| in_percent(found.rmse_w_m2.value));
         // Of each receiver's mean over all conditions.
@@ -146,9 +155,9 @@ impl<'a> JudgedSample<'a> {
             components_percent: names.zip(components).collect(),
             sample: self.means.len() as u64,
             mean_w_m2: rounded(mean),
-            groups: by_sky_view(&self.views).iter().filter_map(|group| self.group(group, &pairs)).collect(),
+            groups: by_sky_view(&self.views).iter().filter_map(|group| self.group(group, &pairs, &suns)).collect(),
             hours: self.hours_of(light).found().iter().map(stated).collect(),
-            tiles: tiles(&pairs, tile),
+            tiles: tiles(&pairs, &suns, tile),
             ..Accuracy::default()
         }
     }
@@ -156,14 +165,16 @@ impl<'a> JudgedSample<'a> {
     /// What a light of the same receivers and conditions is off by, source by source.
     pub fn sources(&self, light: &Irradiances) -> SourcesFound {
         let mean = self.mean_w_m2();
+        let pairs = self.pairs_with(light);
+        let suns = self.sun_errors(light);
         let rmse = |source: ErrorSource| {
-            let square = |pair: &Pair| {
+            let difference = |pair: &Pair| {
                 let judged = pair.judged.by_reflections[source as usize];
                 let result = source.of(self.row(light, pair.receiver, pair.condition));
-                (result - judged).powi(2) - pair.judged.by_reflections_error[source as usize].powi(2)
+                (result - judged, pair.judged.by_reflections_error[source as usize])
             };
-            let squares: f64 = self.pairs.iter().map(square).sum();
-            percent((squares / self.pairs.len().max(1) as f64).max(0.0).sqrt(), mean)
+            let suns = if source == ErrorSource::Sky { &suns[..] } else { &[] };
+            percent(rmse_known(&pairs, suns, difference).value, mean)
         };
         let hours = self.hours_of(light).found();
         let shaded = hours.iter().find(|found| found.kind == HourKind::NoDirectSun);
@@ -171,19 +182,33 @@ impl<'a> JudgedSample<'a> {
         SourcesFound { percent: ErrorSource::ALL.map(rmse), lit_percent: percent(lit, mean) }
     }
 
+    fn pairs_with(&self, light: &Irradiances) -> Vec<Pair> {
+        let result = |pair: &Pair| with_total(self.row(light, pair.receiver, pair.condition));
+        self.pairs.iter().map(|pair| Pair { result: result(pair), ..*pair }).collect()
+    }
+
+    fn sun_errors(&self, light: &Irradiances) -> Vec<SunErrors> {
+        let of_receiver = |(receiver, judged): (usize, &Vec<Judged>)| {
+            let result =
+                |(condition, judged): (usize, &Judged)| (with_total(self.row(light, receiver, condition)), *judged);
+            SunErrors::of(receiver, judged.iter().enumerate().map(result))
+        };
+        self.suns.iter().enumerate().map(of_receiver).collect()
+    }
+
     fn hours_of(&self, light: &Irradiances) -> HourSample {
         self.hours.with_results(|receiver, condition| with_total(self.row(light, receiver, condition)))
     }
 
     /// The error of some receivers.
-    fn group(&self, group: &[usize], pairs: &[Pair]) -> Option<GroupError> {
+    fn group(&self, group: &[usize], pairs: &[Pair], suns: &[SunErrors]) -> Option<GroupError> {
         let inside: Vec<Pair> = pairs.iter().filter(|pair| group.contains(&pair.receiver)).copied().collect();
         let end = |receiver: Option<&usize>| receiver.map(|&receiver| rounded(self.views[receiver]));
         Some(GroupError {
             sky_view: [end(group.first())?, end(group.last())?],
             receivers: group.len() as u32,
             mean_w_m2: rounded(mean_w_m2(&inside)),
-            rmse_w_m2: rounded(deviation(&inside, TOTAL).rmse_w_m2.value),
+            rmse_w_m2: rounded(deviation(&inside, suns, TOTAL).rmse_w_m2.value),
         })
     }
 }
@@ -202,18 +227,11 @@ fn stated(found: &HoursFound) -> HoursError {
 }
 
 /// RMSE of the receivers of each tile, which are in the order of their tiles.
-fn tiles(pairs: &[Pair], tile: impl Fn(usize) -> u32) -> Vec<TileError> {
-    let of_tile = |pairs: &[Pair]| {
-        let count = pairs.len().max(1) as f64;
-        let rmse = |part: usize| {
-            let squares = pairs.iter().map(|pair| off(pair, part).powi(2) - pair.judged.error[part].powi(2));
-            rounded((squares.sum::<f64>() / count).max(0.0).sqrt())
-        };
-        TileError {
-            tile: pairs.first().map_or(0, |pair| tile(pair.receiver)),
-            receivers: pairs.chunk_by(|a, b| a.receiver == b.receiver).count() as u32,
-            rmse_w_m2: std::array::from_fn(rmse),
-        }
+fn tiles(pairs: &[Pair], suns: &[SunErrors], tile: impl Fn(usize) -> u32) -> Vec<TileError> {
+    let of_tile = |pairs: &[Pair]| TileError {
+        tile: pairs.first().map_or(0, |pair| tile(pair.receiver)),
+        receivers: pairs.chunk_by(|a, b| a.receiver == b.receiver).count() as u32,
+        rmse_w_m2: std::array::from_fn(|part| rounded(deviation(pairs, suns, part).rmse_w_m2.value)),
     };
     pairs.chunk_by(|a, b| tile(a.receiver) == tile(b.receiver)).map(of_tile).collect()
 }

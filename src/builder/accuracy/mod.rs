@@ -41,6 +41,10 @@ const MOST_CHECKED: usize = 128;
 /// Suns and skies of an estimate.
 pub const CONDITIONS: usize = 256;
 
+/// Receivers times conditions of the check, and conditions at most: few conditions have a shadow's edge at any of few receivers.
+const CHECKED_PAIRS: usize = 32_768;
+const MOST_CONDITIONS: usize = 1024;
+
 /// A source is looked at with finer settings if it makes up this share of the target.
 const MATTERS: f64 = 0.35;
 
@@ -93,7 +97,6 @@ pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, R
 /// The cheapest settings that keep within an error, by building samples of the receivers with several.
 pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> {
     let started = Instant::now();
-    let conditions = wish.suns.some(CONDITIONS);
     let count = build.receivers.count();
     let pilots = (count / SHARE).clamp(LEAST, MOST).min(count.div_ceil(2));
     let checked = (count / CHECKED_SHARE).clamp(LEAST_CHECKED, MOST_CHECKED).min(count - pilots);
@@ -110,6 +113,9 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
             checked.push((*tile, receiver.clone()));
         }
     }
+    let many = (CHECKED_PAIRS / checked.len().max(1)).clamp(CONDITIONS, MOST_CONDITIONS);
+    // Powers of two: altitudes of the suns are even then.
+    let conditions = [CONDITIONS, 1 << many.ilog2()].map(|count| wish.suns.some(count));
     let parts: [Vec<Receiver>; 2] = [piloted, checked.iter().map(|s| s.1.clone()).collect()];
     let Workspace { folder, memory } = build.workspace;
     let trials = tempfile::Builder::new().prefix("heliotile-pilot").tempdir_in(folder);
@@ -118,7 +124,7 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let bench = |part: usize| Bench {
         scene: build.scene,
         receivers: &parts[part],
-        conditions: &conditions,
+        conditions: &conditions[part],
         workspace: &workspace,
         observer: build.observer,
     };
@@ -181,7 +187,7 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let accuracy = Accuracy {
         target_percent: wish.target_percent,
         predicted_percent: rounded(errors.total(chosen)),
-        conditions: conditions.len() as u64,
+        conditions: conditions[1].len() as u64,
         weather: wish.suns.name().into(),
         ..accuracy
     };

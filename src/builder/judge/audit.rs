@@ -1,11 +1,11 @@
 //! An audit: results of an archive beside what the judge finds. In: an archive, its scene, conditions. Out: pairs, of random receivers under
-//! random conditions.
+//! random conditions, and errors of the sun alone under many more of them.
 
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::comparison::Pair;
+use super::comparison::{Pair, SunErrors};
 use super::estimate::{Judged, PARTS};
 use super::hours::HourSample;
 use super::random::Random;
@@ -28,6 +28,11 @@ use heliotile_core::weather::conditions::{Condition, in_axes};
 
 /// Receivers that are judged before the clock is looked at.
 const AT_ONCE: usize = 64;
+
+/// Receivers times conditions that the sun is looked at under at least, and such conditions of each receiver: the fewer receivers, the more of
+/// them, because few conditions have a shadow's edge at any of few receivers.
+const SUN_PAIRS: usize = 32_768;
+const SUN_CONDITIONS: usize = 256;
 
 /// What is to be audited, and how long.
 pub struct AuditRequest<'a> {
@@ -63,6 +68,8 @@ pub struct Audited {
     pub receivers: Vec<(Receiver, f64)>,
     /// In the order of the receivers.
     pub pairs: Vec<Pair>,
+    /// Errors of the sun, of each receiver under far more conditions than there are pairs.
+    pub suns: Vec<SunErrors>,
     /// The same receivers in hours when the sun lights what they see.
     pub hours: HourSample,
 }
@@ -90,10 +97,13 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
     let replay = Replay::new(&site, request.conditions, settings)?;
     let judge = Judge::new(request.scene, Effects::of_names(&request.archive.manifest().settings.left_out));
     let progress = Stage::begin(request.observer, "audit", Some(request.samples.min(all.len()) as u64));
-    let mut audited = Audited { receivers: Vec::new(), pairs: Vec::new(), hours: HourSample::default() };
+    let mut audited =
+        Audited { receivers: Vec::new(), pairs: Vec::new(), suns: Vec::new(), hours: HourSample::default() };
     let mut chosen = spread(all.len(), request.samples, request.seed);
     // Whenever the time is up, those that were looked at lie everywhere.
     shuffle(&mut chosen, request.seed);
+    // Not fewer than pairs: then these would say more of the sun.
+    let sun_conditions = (SUN_PAIRS / chosen.len().max(1)).max(SUN_CONDITIONS).max(request.hours);
     for some in chosen.chunks(AT_ONCE) {
         if request.observer.cancelled() {
             return Err(Error::Stopped { what: format!("after {} receivers", audited.receivers.len()) });
@@ -126,6 +136,19 @@ pub fn audit(request: &AuditRequest) -> Result<Audited> {
         let all = first..audited.receivers.len();
         let result = |receiver: usize, condition: usize| results[receiver - first][condition].map(f64::from);
         audited.hours.choose(all, skies.len(), result, mix(request.seed, first as u64));
+        let sun = |receiver: usize| {
+            let (of, seed) = (&audited.receivers[receiver].0, mix(mix(request.seed, 0x73_756e), receiver as u64));
+            let under = spread(skies.len(), sun_conditions, seed);
+            // Some at a time: chains of mirrors take memory.
+            let judged = under.chunks(SUN_CONDITIONS).flat_map(|some| {
+                let skies: Vec<&JudgedSky> = some.iter().map(|&condition| &skies[condition]).collect();
+                judge.sun(of.position, of.normal, &skies, request.paths, seed)
+            });
+            let results = under.iter().map(|&condition| results[receiver - first][condition].map(f64::from));
+            SunErrors::of(receiver, results.zip(judged))
+        };
+        let suns: Vec<SunErrors> = (first..audited.receivers.len()).into_par_iter().map(sun).collect();
+        audited.suns.extend(suns);
         let (receivers, hours) = (&audited.receivers, &mut audited.hours.pairs);
         for (pairs, name, progress) in
             [(&mut audited.pairs, 0x0061_7564_6974, Some(&progress)), (hours, 0x686f_7572, None)]

@@ -151,9 +151,9 @@ impl HourSample {
             share,
             receivers,
             mean_w_m2: mean_w_m2(&pairs),
-            rmse_w_m2: deviation(&pairs, Component::Total as usize).rmse_w_m2,
+            rmse_w_m2: deviation(&pairs, &[], Component::Total as usize).rmse_w_m2,
             reflected_mean_w_m2: mean_of(&pairs, |pair| pair.judged.by_effect[matt]),
-            reflected_w_m2: rmse_known(&pairs, off),
+            reflected_w_m2: rmse_known(&pairs, &[], off),
             mix: mix_of(&pairs),
         })
     }

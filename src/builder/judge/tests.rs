@@ -6,9 +6,10 @@ use heliotile_core::hemisphere::mix;
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::sky::model::{CieType, SkyModel};
-use heliotile_core::units::direction_from_degrees;
+use heliotile_core::units::{SUN_RADIUS_RAD, direction_from_degrees};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_scene::Scene;
+use std::f64::consts::PI;
 
 type Triangles = Vec<([DVec3; 3], u16)>;
 
@@ -139,6 +140,41 @@ fn lit_wall() {
     }
     assert!(count.all >= 480 && count.beyond * 40 <= count.all, "{} of {}", count.beyond, count.all);
     assert!((count.sum / count.all as f64).abs() < 0.2, "{}", count.sum);
+}
+
+/// Below a blade whose level edge leaves 10, 50 and 90 % of the sun's disc open, receivers get that share of it (a segment of a circle), by 256 and by
+/// 1,024 points of the disc: over 400 seeds the mean is right within 3 of its standard errors, and the square of the standard error is
+/// that of the difference within a quarter.
+#[test]
+fn sun_behind_an_edge() {
+    let (dni, altitude) = (800.0, 30.0_f64.to_radians());
+    let condition = condition(90.0, 30.0, dni, 100.0);
+    let sky = JudgedSky::new(&condition, SkyModel::Uniform).expect("a sky");
+    // Radii that the edge lies above the middle of the disc, and the open share.
+    for t in [-0.687_f64, 0.0, 0.687] {
+        let open = (t.acos() - t * (1.0 - t * t).sqrt()) / PI;
+        // What is open lies higher than the middle.
+        let higher = SUN_RADIUS_RAD * 2.0 / 3.0 * (1.0 - t * t).powf(1.5) / PI;
+        let expected = dni * (altitude.sin() * open + altitude.cos() * higher);
+        let top = 400.0 * (altitude + t * SUN_RADIUS_RAD).tan();
+        let mut triangles = Triangles::new();
+        quad(&mut triangles, 0, DVec3::new(400.0, -400.0, -2.0), DVec3::Y * 800.0, DVec3::Z * (top + 2.0));
+        let scene = Scene::from_triangles(&triangles, vec![matt(0.0)]).expect("a scene");
+        let prepared = PreparedScene::new(&scene).expect("a tree");
+        let judge = Judge::new(&prepared, Effects::NONE);
+        for paths in [4096, 16384] {
+            let (mut sum, mut square, mut noise) = (0.0, 0.0, 0.0);
+            for seed in 0..400 {
+                let judged = judge.sun(DVec3::ZERO, DVec3::Z, &[&sky], paths, seed)[0];
+                let [mean, error] = [judged.mean, judged.error].map(|of| of[Component::SunDirect as usize]);
+                let off = mean - expected;
+                (sum, square, noise) = (sum + off / 400.0, square + off * off / 400.0, noise + error * error / 400.0);
+                assert_eq!((judged.mean[6], judged.mean[Component::SkyDirect as usize]), (mean, 0.0));
+            }
+            assert!(sum.abs() < 3.0 * (noise / 400.0).sqrt() + 0.2, "{t} {paths}: {sum} {noise}");
+            assert!((square / noise - 1.0).abs() < 0.25, "{t} {paths}: {square} {noise}");
+        }
+    }
 }
 
 /// A court 12 m deep of surfaces that absorb nothing, matt or half mirrors, under a uniform sky is as bright everywhere as the sky: receivers on

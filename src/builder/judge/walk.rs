@@ -31,6 +31,10 @@ const LIKELIEST: f64 = 0.95;
 /// Rays for the sky that is seen straight, to each path.
 const SKY_RAYS: usize = 16;
 
+/// Paths for each point of the sun's disc, where only the sun is asked for, under many skies, and points at least.
+const PATHS_OF_POINT: usize = 16;
+const LEAST_POINTS: usize = 256;
+
 /// A scene, ready to be asked.
 pub struct Judge<'a> {
     pub(super) mesh: &'a Mesh,
@@ -93,16 +97,11 @@ impl<'a> Judge<'a> {
     ) -> Vec<Judged> {
         let each = paths.div_ceil(BATCHES).max(1);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
-        let here = Place { from: vector(self.mesh.grid().lifted(position, normal)), normal };
+        let here = self.receiver_place(position, normal);
         let frame = Frame::of(normal);
         let (mut walkers, mut looks) = (Vec::with_capacity(each * BATCHES), Vec::new());
         for batch in 0..BATCHES {
-            // Twice: seeds and batches are small numbers, and a mix takes them as one.
-            let of_batch = mix(mix(seed, 0), batch as u64);
-            let shift: [f64; EVEN] = Random::new(mix(of_batch, 0)).many();
-            for i in 0..each {
-                let mut random = Random::new(mix(of_batch, i as u64 + 1));
-                let [a, b, which, across, along] = even(i, &shift);
+            for (mut random, [a, b, which, across, along]) in starts(seed, batch, each) {
                 looks.extend(SunLook::at_all(here, batch, Carried::START, skies, [which, across, along], &mut random));
                 let direction = cosine(&frame, [a, b]);
                 walkers.push(Walker { batch, from: here.from, direction, carried: Carried::START, met: 0, random });
@@ -127,8 +126,27 @@ impl<'a> Judge<'a> {
             self.add_suns(&looks, &mut sums);
             walkers = next;
         }
-        let mean = |batches: &[Batch; BATCHES]| Judged::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)));
-        sums.iter().map(mean).collect()
+        judged(&sums, each)
+    }
+
+    /// What a receiver (input coordinates, unit normal) gets of the sun of each sky, straight and by mirrors; other components are 0. A sixteenth as many
+    /// points of the disc as `paths`, but 256 at least, are the same for all skies.
+    pub fn sun(&self, position: DVec3, normal: DVec3, skies: &[&JudgedSky], paths: usize, seed: u64) -> Vec<Judged> {
+        let each = paths.div_ceil(PATHS_OF_POINT).max(LEAST_POINTS).div_ceil(BATCHES);
+        let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
+        let here = self.receiver_place(position, normal);
+        for batch in 0..BATCHES {
+            let mut looks = Vec::with_capacity(each * skies.len());
+            for (mut random, [_, _, which, across, along]) in starts(seed, batch, each) {
+                looks.extend(SunLook::at_all(here, batch, Carried::START, skies, [which, across, along], &mut random));
+            }
+            self.add_suns(&looks, &mut sums);
+        }
+        judged(&sums, each)
+    }
+
+    fn receiver_place(&self, position: DVec3, normal: DVec3) -> Place {
+        Place { from: vector(self.mesh.grid().lifted(position, normal)), normal }
     }
 
     /// The sky that is seen straight: rays that cost little and go through a cell each of the square that cosine-distributed directions come
@@ -230,6 +248,19 @@ impl<'a> Judge<'a> {
         }
         through
     }
+}
+
+/// The first numbers of each path of a batch, and where its others come from.
+fn starts(seed: u64, batch: usize, paths: usize) -> impl Iterator<Item = (Random, [f64; EVEN])> {
+    // Twice: seeds and batches are small numbers, and a mix takes them as one.
+    let of_batch = mix(mix(seed, 0), batch as u64);
+    let shift: [f64; EVEN] = Random::new(mix(of_batch, 0)).many();
+    (0..paths).map(move |i| (Random::new(mix(of_batch, i as u64 + 1)), even(i, &shift)))
+}
+
+/// Means over so many paths of each batch, by sky.
+fn judged(sums: &Sums, each: usize) -> Vec<Judged> {
+    sums.iter().map(|batches| Judged::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)))).collect()
 }
 
 /// The sky at the end of a path; what is seen straight has rays of its own.

@@ -70,7 +70,7 @@ impl<'a> AuditReport<'a> {
         weather: &'a str,
         stated: Option<&'a Accuracy>,
     ) -> Self {
-        let deviations = (0..PARTS).map(|part| deviation(&audited.pairs, part)).collect();
+        let deviations = (0..PARTS).map(|part| deviation(&audited.pairs, &audited.suns, part)).collect();
         let groups = groups(audited);
         let (mean_w_m2, hours) = (mean_w_m2(&audited.pairs), audited.hours.found());
         AuditReport { archive, audited, conditions, weather, stated, mean_w_m2, deviations, groups, hours }
@@ -309,7 +309,7 @@ fn groups(audited: &Audited) -> Vec<Group> {
         let [low, high] = [group.first()?, group.last()?].map(|&i| views[i]);
         let middle = group.iter().map(|&i| views[i]).sum::<f64>() / group.len() as f64;
         let inside: Vec<Pair> = audited.pairs.iter().filter(|pair| group.contains(&pair.receiver)).copied().collect();
-        let rmse = deviation(&inside, PARTS - 1).rmse_w_m2;
+        let rmse = deviation(&inside, &audited.suns, PARTS - 1).rmse_w_m2;
         Some(Group { sky_view: [low, middle, high], mean_w_m2: mean_w_m2(&inside), rmse })
     };
     by_sky_view(&views).iter().filter_map(of_group).collect()
